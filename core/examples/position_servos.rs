@@ -1,9 +1,9 @@
-//! An arm of two joints follows frames of joint angles. Its encoders measure no speeds, and its servos take positions.
+//! An arm of two joints follows frames of joint angles. Its encoders measure no speeds, and its servos accept
+//! positions.
 
 use sinew_core::coordinates::DofCommand;
-use sinew_core::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker};
-use sinew_core::{Body, Inertia, JointKind, Transform, Tree};
-use sinew_core::{control::TorqueLimit, glam::Vec3, math};
+use sinew_core::math;
+use sinew_core::prelude::*;
 
 const DT_S: f32 = 0.002;
 
@@ -20,19 +20,13 @@ impl FrameSource for Swing {
 }
 
 fn main() -> Result<(), Box<dyn core::error::Error>> {
-    let link = |i: usize| Body {
-        parent: i.checked_sub(1),
-        joint: JointKind::Revolute { axis: Vec3::X },
-        placement: Transform::from_translation(Vec3::Y * 0.1),
-        inertia: Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04)),
-        rotor_inertia: 0.0,
-    };
-    let arm = Tree::<2>::from_bodies(&[0, 1].map(link))?;
+    let inertia = Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04));
+    let arm = Tree::serial_chain(&[Body::revolute(None, Vec3::X, Vec3::Y * 0.1, inertia); 2])?;
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
-    let mut tracker = Tracker::<2>::new(arm, &Settings::default(), timing)?
+    let mut tracker = RigTracker::<2>::new(arm, &Settings::default(), timing)?
         .with_limits(&[TorqueLimit::new(2.0, 0.0)?; 2])?;
     let (mut frames, mut commands) = (Swing([[0.0; 2]; 3]), [DofCommand::default(); 2]);
-    // What the encoders read, rad.
+    // Readings of the encoders, rad.
     let mut positions = [0.0; 2];
     for tick in 0..5 {
         let measured = Measured::Positions { q: &positions };
@@ -40,7 +34,7 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
         for DofCommand { position, feedforward_effort, .. } in &commands {
             println!("tick {tick}: {position:.4} rad, {feedforward_effort:.4} N m");
         }
-        // In place of servos: each is where it was told to be.
+        // Stands in for the servos: each moves exactly to its commanded position.
         positions = commands.map(|command| command.position);
     }
     Ok(())

@@ -14,11 +14,11 @@ fn main() -> Result<(), Box<dyn core::error::Error>> {
     };
     let arm = Tree::<6>::from_bodies(&[0, 1, 2, 3, 4, 5].map(link))?;
     let (mut target, mut measured) = (JointTargets::rest(&arm), JointStates::rest(&arm));
-    // 200 rad/s² for 1 rad of error; at most 2 N m. If it hangs: `.with_gravity(Vec3::Y * 9.81)?`.
+    // 200 rad/s² for 1 rad of error; at most 2 N m. For an arm that hangs: `.with_gravity(Vec3::Y * 9.81)?`.
     let controller = TorqueController::new(arm, Gains::critically_damped(200.0)?, Method::Local)?
         .with_limits(&[sinew_core::control::TorqueLimit::new(2.0, 0.0)?; 6])?;
     let (mut workspace, mut torques_nm) = (Workspace::new(), [0.0; 6]);
-    // From here on: every tick. What the encoders read, in rad and rad/s, and where the joints should be.
+    // The rest runs every tick. Readings of the encoders, in rad and rad/s, and the desired positions.
     measured.set_coordinates(controller.tree(), &[0.0; 6], &[0.0; 6])?;
     target.set_coordinates(controller.tree(), &[0.1; 6], &[0.0; 6], &[0.0; 6])?;
     let wrenches = controller.tick(&mut target, &measured, &[], &mut workspace);

@@ -1,4 +1,4 @@
-//! Aligned targets of a performance that comes frame by frame: every step between two frames is taken once.
+//! Aligned targets of a performance that arrives frame by frame. Each step between two frames is computed once.
 
 use crate::joint_targets::JointTargets;
 use crate::pose_step::{rate, step};
@@ -6,9 +6,11 @@ use crate::state::{StateInputError, check_pose};
 use crate::trajectory::put_difference;
 use crate::transform::{Transform, Twist};
 
-/// What [`aligned_targets`](crate::trajectory::aligned_targets) makes of three frames, to the last bit. `steps`: by
-/// joint, from the first frame to the middle one; from the middle one to the last is what they become. So they are
-/// those of the next three, which are the last three moved on by one.
+/// Computes the result of [`aligned_targets`](crate::trajectory::aligned_targets) for three frames, equal to the last
+/// bit.
+///
+/// `steps`, by joint: on entry the steps from the first frame to the middle frame, on return those from the middle
+/// frame to the last. They are then ready for the next call, whose frames are these three moved on by one.
 pub(crate) fn advance<'s, const N: usize>(
     [_, now, next]: [&[Transform]; 3],
     dt_s: f32,
@@ -25,8 +27,9 @@ pub(crate) fn advance<'s, const N: usize>(
     Ok(())
 }
 
-/// The steps from the first frame to the middle one, where they are not known from the frames before.
-// Not within its caller, which takes them once.
+/// Computes the steps from the first frame to the middle frame, for a window that does not follow from the one
+/// before.
+// Never inlined: only needed at the start and after jumps.
 #[inline(never)]
 pub(crate) fn begin<'s>(
     [before, now, _]: [&[Transform]; 3],
@@ -68,10 +71,10 @@ mod tests {
         let frames = [0.0, 0.1, 0.2, 0.3, 0.4, 0.9, 1.1, 1.3].map(frame);
         let mut steps = [Twist::ZERO; 2];
         let (mut expected, mut found) = (JointTargets::rest(&tree), JointTargets::rest(&tree));
-        // Three windows that go on from each other, and after a jump two more.
+        // Three successive windows, then a jump and two more.
         for (at, first) in [0, 1, 2, 4, 5].into_iter().enumerate() {
             let window = [0, 1, 2].map(|k| &frames[first + k][..]);
-            // The first, and after a jump.
+            // At the start, and after a jump.
             if at == 0 || at == 3 {
                 begin(window, 0.1, steps.iter_mut()).unwrap();
             }
@@ -79,7 +82,7 @@ mod tests {
             advance(window, 0.1, steps.iter_mut(), &mut found).unwrap();
             assert_eq!(found, expected);
         }
-        // Otherwise the first step would be that of the frames before.
+        // Without `begin` after a jump, the first step would be that of the earlier frames.
         let jumped = [0, 1, 2].map(|k| &frames[k][..]);
         advance(jumped, 0.1, steps.iter_mut(), &mut found).unwrap();
         aligned_targets(jumped, 0.1, &mut expected).unwrap();

@@ -1,21 +1,21 @@
-//! The bandwidth of an observer whose encoder is behind a soft gear.
+//! The bandwidth of an observer whose encoder measures through a soft gear.
 
 use core::fmt;
 
 use crate::math;
 
-/// Share of the gear's resonance that a loop's bandwidth may have.
+/// Maximum ratio of a loop's bandwidth to the gear's resonance.
 ///
-/// The loop takes a joint for rigid. Above the gear's resonance rotor and load turn against each other, so the loop's
-/// torque must be small there. Of 0.2, 0.3, 0.4 and 0.5, 0.3 is the largest with which a joint of the softest gears
-/// (XL330, MX-64), whose load is as heavy as its rotor, stays stable where the gear is half as stiff as its model says
-/// and has twice the play. Of heavier loads the review of the rig (`sinew rig check`) tells.
+/// The loop treats a joint as rigid. Above the gear's resonance, rotor and load turn against each other, so the
+/// loop's torque must be small there. The value was chosen from 0.2, 0.3, 0.4 and 0.5: it is the largest for which
+/// joints with the softest gears (XL330, MX-64), with a load as heavy as the rotor, stay stable when the gear is half
+/// as stiff as modelled and has twice the play. For heavier loads, `sinew rig check` reviews the rig.
 pub const RESONANCE_SHARE: f32 = 0.3;
 
-/// The widest bandwidth of any joint, rad/s. Beyond it an encoder of 12 bits is heard more than the joint.
+/// Maximum bandwidth of any joint, rad/s. Above it, the noise of a 12-bit encoder exceeds the joint's motion.
 pub const WIDEST_RAD_S: f32 = 150.0;
 
-/// The bandwidth of a joint's observer, and the reason that it is no wider.
+/// The bandwidth of a joint's observer, and the limit that set it.
 ///
 /// ```
 /// use sinew_core::bandwidth::{Bandwidth, BandwidthReason};
@@ -23,7 +23,7 @@ pub const WIDEST_RAD_S: f32 = 150.0;
 /// let held = Bandwidth::of_gear(29.7, 0.00181, 0.002)?;
 /// assert_eq!(held.reason, BandwidthReason::Gear);
 /// assert!((held.rad_s - 38.4).abs() < 0.1);
-/// // A load as light as the rotor swings faster.
+/// // With a load as light as the rotor, the resonance is higher.
 /// let light = Bandwidth::of_loaded_gear(29.7, 0.00181, 0.00181, 0.002)?;
 /// assert!((light.rad_s - 54.3).abs() < 0.1);
 /// # Ok::<(), sinew_core::bandwidth::BandwidthError>(())
@@ -31,28 +31,28 @@ pub const WIDEST_RAD_S: f32 = 150.0;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bandwidth {
-    /// The bandwidth, rad/s.
+    /// Bandwidth, rad/s.
     pub rad_s: f32,
-    /// The limit that it has reached.
+    /// The limit that set the bandwidth.
     pub reason: BandwidthReason,
 }
 
-/// The limit of a bandwidth.
+/// A limit of the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BandwidthReason {
-    /// [`RESONANCE_SHARE`] of the resonance of gear, rotor and load.
+    /// Gear: [`RESONANCE_SHARE`] of the resonance of gear, rotor and load.
     Gear,
-    /// [`WIDEST_RAD_S`].
+    /// The constant maximum, [`WIDEST_RAD_S`].
     Widest,
-    /// Once in a tick.
+    /// The control tick: `1 / dt`.
     Tick,
 }
 
 impl Bandwidth {
     /// Returns the bandwidth of a joint whose load is far heavier than the rotor: `0.3 √(K / J)`, at most
-    /// [`WIDEST_RAD_S`] and `1 / dt`. All values at the same shaft: stiffness of the gear in N m/rad, inertia of the
-    /// rotor in kg m²; a tick in s. O(1).
+    /// [`WIDEST_RAD_S`] and `1 / dt`. Both values refer to the same shaft: stiffness of the gear in N m/rad, inertia
+    /// of the rotor in kg m². The tick is in s. O(1).
     ///
     /// # Errors
     /// [`BandwidthError`] if a value is not a finite number above 0.
@@ -68,8 +68,7 @@ impl Bandwidth {
     /// limits of [`Self::of_gear`].
     ///
     /// A load that is lighter than the rotor counts as the rotor's inertia: while the rotor crosses the gear's play,
-    /// the joint's friction holds such a load. The greatest load that the joint has in any pose is the one to give.
-    /// O(1).
+    /// the joint's friction holds such a load. Pass the largest load inertia that the joint has in any pose. O(1).
     ///
     /// # Errors
     /// [`BandwidthError`] if a value is not a finite number above 0.
@@ -108,9 +107,9 @@ impl Bandwidth {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BandwidthError {
-    /// The value's name.
+    /// Name of the value.
     pub what: &'static str,
-    /// The value.
+    /// The value, in the unit of the argument.
     pub value: f32,
 }
 

@@ -11,22 +11,22 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BodySet([u32; WORDS]);
 
-/// Words of 32 bodies.
-const WORDS: usize = if cfg!(feature = "large") { 8 } else { 4 };
+/// Number of 32-bit words, each for 32 bodies.
+const WORDS: usize = 8;
 
 impl BodySet {
-    /// The largest number of bodies of a tree: 128, with the feature `large` 256.
+    /// Maximum number of bodies of a tree: 256.
     pub const CAPACITY: usize = 32 * WORDS;
 
-    /// The set without members.
+    /// The empty set.
     pub const EMPTY: Self = Self([0; WORDS]);
 
-    /// The word and the bit in it that stand for a body.
+    /// Returns the index of a body's word and the mask of its bit.
     fn place(body: usize) -> (usize, u32) {
         (body / 32, 1 << (body % 32))
     }
 
-    /// Adds a body; one at or above [`Self::CAPACITY`] is no body and changes nothing.
+    /// Adds a body. An index at or above [`Self::CAPACITY`] changes nothing.
     pub fn insert(&mut self, body: usize) {
         let (word, bit) = Self::place(body);
         if let Some(word) = self.0.get_mut(word) {
@@ -34,34 +34,24 @@ impl BodySet {
         }
     }
 
-    /// Whether `body` is a member.
+    /// Returns `true` if `body` is a member.
     pub fn contains(self, body: usize) -> bool {
         let (word, bit) = Self::place(body);
         self.0.get(word).is_some_and(|word| word & bit != 0)
     }
 
-    /// The members of either set.
-    #[must_use]
-    pub(crate) fn union(self, other: Self) -> Self {
-        let mut union = self;
-        for (word, other) in union.0.iter_mut().zip(other.0) {
-            *word |= other;
-        }
-        union
-    }
-
-    /// Number of members.
+    /// Returns the number of members.
     pub fn len(self) -> usize {
-        // At most the capacity.
+        // The sum is at most the capacity: it cannot overflow.
         self.0.iter().map(|word| word.count_ones() as usize).sum()
     }
 
-    /// Whether there is no member.
+    /// Returns `true` if the set has no member.
     pub fn is_empty(self) -> bool {
         self == Self::EMPTY
     }
 
-    /// The members in rising order.
+    /// Returns the members in rising order.
     pub fn iter(self) -> impl Iterator<Item = usize> {
         let mut rest = self.0;
         core::iter::from_fn(move || {

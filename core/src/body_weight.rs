@@ -1,4 +1,4 @@
-//! How much each body counts, where not all can have the pose or acceleration that they should have.
+//! Weights of bodies, for when not all can reach their desired pose or acceleration.
 
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -10,9 +10,9 @@ use crate::importance::Importance;
 use crate::joint::JointKind;
 use crate::tree::Tree;
 
-/// How much it counts where a body is, and how it is turned.
+/// Weights of a body's position error and of its rotation error.
 ///
-/// Of accelerations, how much it counts where it goes and how it is turning.
+/// For accelerations: weights of the linear and the angular acceleration error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -21,33 +21,33 @@ use crate::tree::Tree;
     serde(deny_unknown_fields)
 )]
 pub struct BodyWeight {
-    /// Weight of the squared distance of the body's origin from where it should be.
+    /// Weight of the squared distance between the body's origin and its desired position.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub position: f32,
-    /// Weight of its turn from the orientation it should have, as a length in m: a turn of 1 rad counts
-    /// like being this far off, at a position weight of 1.
+    /// Weight of the rotation error, as a length in m: at a position weight of 1, an error of 1 rad costs as much as
+    /// a position error of this length.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub rotation_m: f32,
 }
 
 impl BodyWeight {
-    /// Positions of all bodies count alike, and turns by a lever.
+    /// Creates a weight from a position weight and a rotation weight, m.
     pub const fn new(position: f32, rotation_m: f32) -> Self {
         Self { position, rotation_m }
     }
 }
 
-/// Weights of rotations that can be.
+/// Range of valid rotation weights, m.
 const ROTATIONS_M: RangeInclusive<f32> = 1e-2..=1e2;
 
-/// The largest ratio of a position weight to its rotation weight, 1/m²: above, f32 rounding of the positions
-/// outweighs the rotation.
+/// Maximum ratio of a position weight to the square of its rotation weight, 1/m². Above it, the f32 rounding of
+/// positions outweighs the rotation.
 const HEAVIEST_PER_M2: f32 = 1e4;
 
-/// The smallest position weight above zero: below, quotients of weights have too few digits in f32.
+/// Minimum of a position weight above zero. Below it, quotients of weights have too few digits in f32.
 const LIGHTEST: f32 = 1e-6;
 
-/// One weight for each body of a tree. Validated once.
+/// A validated weight for each body of a tree.
 ///
 /// ```
 /// use sinew_core::projection::{BodyWeight, BodyWeights, BodyWeightsError};
@@ -60,7 +60,7 @@ const LIGHTEST: f32 = 1e-6;
 /// #     rotor_inertia: 0.0,
 /// # };
 /// let tree = Tree::<2>::from_bodies(&[body(None), body(Some(0))])?;
-/// // Where the hand is counts more than how it is turned: 1 rad like 5 cm.
+/// // The hand's position counts more than its rotation: 1 rad costs as much as 5 cm.
 /// let weights = [BodyWeight::new(0.0, 1.0), BodyWeight::new(1.0, 0.05)];
 /// assert_eq!(BodyWeights::new(&tree, &weights)?.as_slice(), weights);
 /// let one = BodyWeights::new(&tree, &weights[..1]);
@@ -74,12 +74,12 @@ pub struct BodyWeights<const N: usize> {
 }
 
 impl<const N: usize> BodyWeights<N> {
-    /// Weights by body. O(n).
+    /// Validates weights, one per body. O(n).
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if there is not a weight for each body, a rotation weight is not from 1 cm to 100 m
-    /// (without it, what is best is not unique), or a position weight is neither 0 nor from 1e-6 to 1e4 times the
-    /// rotation weight's square.
+    /// [`BodyWeightsError`] if the number of weights is not the number of bodies, a rotation weight is not from 1 cm
+    /// to 100 m (with a weight of 0 the best pose would not be unique), or a position weight is neither 0 nor from
+    /// 1e-6 to 1e4 times the square of the rotation weight.
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
         if weights.len() != tree.len() {
             let (expected, found) = (tree.len(), weights.len());
@@ -98,13 +98,14 @@ impl<const N: usize> BodyWeights<N> {
         Ok(Self { weights: fixed::collect(weights.iter().copied()) })
     }
 
-    /// Positions of all bodies count alike, and turns as their joints' importance: `ρᵢ = rotation_m wᵢ / w̄`, with the
-    /// mean w̄ of all, brought into the range that weights may have. O(n).
+    /// Weighs all positions by 1, and each rotation by the importance of its joint: `ρᵢ = rotation_m wᵢ / w̄`, with
+    /// the mean w̄ of all, clamped to the valid range. O(n).
     ///
-    /// A figure of other dimensions then bends where little hangs on the joint, and its trunk stays true.
+    /// A figure of other dimensions then bends at joints that carry little, and its trunk keeps the desired pose.
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if there is not a weight for each body, or `rotation_m` is not from 1 cm to 100 m.
+    /// [`BodyWeightsError`] if the importance is not of as many joints as the tree has, or `rotation_m` is not from 1
+    /// cm to 100 m.
     ///
     /// ```
     /// use sinew_core::importance::{RestPose, descendants_length};
@@ -120,7 +121,7 @@ impl<const N: usize> BodyWeights<N> {
     /// let arm = Tree::<3>::from_bodies(&[body(None), body(Some(0)), body(Some(1))])?;
     /// let importance = descendants_length(&RestPose::of_tree(&arm)?, 0.1, 0.9)?;
     /// let weights = BodyWeights::by_importance(&arm, 0.5, &importance)?;
-    /// // The shoulder's, the elbow's, the hand's.
+    /// // Rotation weights of shoulder, elbow and hand.
     /// assert!(weights.as_slice().is_sorted_by(|outer, inner| outer.rotation_m > inner.rotation_m));
     /// let projection = ManifoldProjection::new(&arm, weights.as_slice())?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -133,7 +134,7 @@ impl<const N: usize> BodyWeights<N> {
         if !ROTATIONS_M.contains(&rotation_m) {
             return Err(BodyWeightsError::Rotation { body: 0, value: rotation_m });
         }
-        // Of normalised weights the mean is one over their number: no sum overflows.
+        // The mean of normalised weights is 1 divided by their number: no sum overflows.
         let normalised = importance.normalised();
         let shares = normalised.as_slice();
         let of_mean = rotation_m * shares.len() as f32;
@@ -144,9 +145,10 @@ impl<const N: usize> BodyWeights<N> {
         Self::new(tree, &weights)
     }
 
-    /// All turns alike, and positions only of bodies whose joints move them: those on free and prismatic joints.
+    /// Weighs all rotations alike, and positions only of bodies that their joints can move: those on free and
+    /// prismatic joints.
     ///
-    /// On a tree of spherical joints with a free or fixed root, every body can have what it wants.
+    /// On a tree of spherical joints with a free or fixed root, every body can reach its desired orientation.
     pub fn rotations(tree: &Tree<N>) -> Self {
         let weight = |joint| match joint {
             JointKind::Free | JointKind::Prismatic { .. } => BodyWeight::new(1.0, 1.0),
@@ -155,18 +157,18 @@ impl<const N: usize> BodyWeights<N> {
         Self { weights: fixed::collect(tree.bodies().iter().map(|body| weight(body.joint))) }
     }
 
-    /// The weights by body.
+    /// Returns the weights by body.
     pub fn as_slice(&self) -> &[BodyWeight] {
         &self.weights
     }
 }
 
-/// Why weights were refused.
+/// An error in the weights of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum BodyWeightsError {
-    /// There must be one for each body of the tree.
+    /// The number of weights is not the number of bodies.
     Count {
         /// Number of bodies.
         expected: usize,
@@ -175,16 +177,16 @@ pub enum BodyWeightsError {
     },
     /// The weight of a body's position is neither 0 nor in its range, see [`BodyWeights::new`].
     Position {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// The weight.
+        /// Weight of the position.
         value: f32,
     },
     /// The weight of a body's rotation is not a length from 1 cm to 100 m.
     Rotation {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// The weight in m.
+        /// Weight of the rotation, m.
         value: f32,
     },
 }
@@ -237,7 +239,7 @@ mod tests {
                 assert!((found_m - expected_m).abs() < 1e-6);
             }
         }
-        // What is nothing keeps the least weight: without one, the nearest pose is not unique.
+        // A joint without importance keeps the minimum weight: with none, the nearest pose is not unique.
         assert_eq!(of(&[1.0, 0.0, 0.0]), [1.5, 0.01, 0.01]);
     }
 

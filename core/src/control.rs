@@ -1,4 +1,4 @@
-//! From state errors to torques: gains, control laws, limits.
+//! Computes torques from state errors: gains, control laws, limits.
 
 use core::fmt;
 
@@ -11,8 +11,8 @@ use crate::transform::{Twist, Wrench};
 
 /// Gains of a PD controller.
 ///
-/// With inverse dynamics they are stiffness and damping per unit of inertia: `kp` in 1/s², `kd` in 1/s. With PD alone
-/// they are N m/rad and N m s/rad (N/m and N s/m along axes that slide).
+/// With inverse dynamics, gains are stiffness and damping per unit of inertia: `kp` in 1/s², `kd` in 1/s. With PD
+/// alone they are N m/rad and N m s/rad (N/m and N s/m along axes that slide).
 ///
 /// ```
 /// use sinew_core::control::{Gains, GainsError};
@@ -34,28 +34,28 @@ pub struct Gains {
 }
 
 impl Gains {
-    /// Gains as given, of the angular and the linear error alike.
+    /// Creates gains that apply to the angular and the linear error alike.
     ///
     /// # Errors
-    /// [`GainsError`] if one is not finite or negative.
+    /// [`GainsError`] if a gain is negative or not finite.
     pub fn new(kp: f32, kd: f32) -> Result<Self, GainsError> {
         check([("kp", kp), ("kd", kd)])?;
         Ok(Self { kp, kd, linear_kp: kp, linear_kd: kd })
     }
 
-    /// The same gains, with others for the linear error: with PD alone the two have different units.
+    /// Replaces the gains of the linear error: with PD alone, linear and angular gains have different units.
     ///
     /// # Errors
-    /// [`GainsError`] if one is not finite or negative.
+    /// [`GainsError`] if a gain is negative or not finite.
     pub fn with_linear(self, kp: f32, kd: f32) -> Result<Self, GainsError> {
         check([("linear kp", kp), ("linear kd", kd)])?;
         Ok(Self { linear_kp: kp, linear_kd: kd, ..self })
     }
 
-    /// `kd = 2 √kp`: the fastest return without overshoot, for unit inertia.
+    /// Chooses `kd = 2 √kp`: the fastest return without overshoot, for unit inertia.
     ///
     /// # Errors
-    /// [`GainsError`] if `kp` is not finite or negative.
+    /// [`GainsError`] if `kp` is negative or not finite.
     ///
     /// ```
     /// let gains = sinew_core::control::Gains::critically_damped(200.0)?;
@@ -67,23 +67,25 @@ impl Gains {
         Self::new(kp, 2.0 * math::sqrt(kp))
     }
 
-    /// Gains of stable PD in implicit form, for a controller that acts every `dt_s` seconds and holds its command:
-    /// they act on the state one period ahead, which depends on the commanded acceleration itself,
-    /// `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` solved for a. For inverse dynamics, or gains per unit of inertia.
+    /// Returns the gains of stable PD in implicit form, for a controller that acts every `dt_s` seconds and holds its
+    /// command.
     ///
-    /// Each step is one of the backward Euler method: the error of a joint decays for all gains and periods. With the
-    /// gains as given it grows from about `kd dt_s` = 2 on. The price: stiff gains become softer. Those with `kd
-    /// dt_s` far below 1 hardly change.
+    /// Implicit gains act on the state one period ahead, which depends on the commanded acceleration itself. They
+    /// solve `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` for a. For inverse dynamics, or gains per unit of inertia.
     ///
-    /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who predict by the present velocity
-    /// (without `dt² a`).
+    /// Each step is a step of the backward Euler method: the error of a joint decays for all gains and periods. With
+    /// the original gains it grows once `kd dt_s` exceeds about 2. The price is that stiff gains become softer. Gains
+    /// with `kd dt_s` far below 1 hardly change.
+    ///
+    /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who predict with the present
+    /// velocity (without `dt² a`).
     ///
     /// # Errors
-    /// [`GainsError`] if the period is not finite or negative, or a number on the way is too large for f32.
+    /// [`GainsError`] if the period is negative or not finite, or an intermediate number is too large for f32.
     ///
     /// ```
     /// use sinew_core::control::Gains;
-    /// // At 100 Hz, a damping that would turn the error round and triple it.
+    /// // At 100 Hz, this damping would reverse the sign of the error and triple it.
     /// let gains = Gains::new(0.0, 400.0)?.implicit(0.01)?;
     /// assert_eq!(gains.kd(), 80.0);
     /// # Ok::<(), sinew_core::control::GainsError>(())
@@ -104,27 +106,27 @@ impl Gains {
         Self::new(kp, kd)?.with_linear(linear_kp, linear_kd)
     }
 
-    /// Gain of the angular error.
+    /// Returns the gain of the angular error.
     pub const fn kp(self) -> f32 {
         self.kp
     }
 
-    /// Gain of the angular error's rate.
+    /// Returns the gain of the angular error's rate.
     pub const fn kd(self) -> f32 {
         self.kd
     }
 
-    /// Gain of the linear error.
+    /// Returns the gain of the linear error.
     pub const fn linear_kp(self) -> f32 {
         self.linear_kp
     }
 
-    /// Gain of the linear error's rate.
+    /// Returns the gain of the linear error's rate.
     pub const fn linear_kd(self) -> f32 {
         self.linear_kd
     }
 
-    /// `kp e + kd ė`, in the axes of the error.
+    /// Returns `kp e + kd ė`, in the axes of the error.
     pub fn apply(self, error: &StateError) -> Twist {
         Twist {
             angular: error.angular_rad * self.kp + error.angular_rate_rad_s * self.kd,
@@ -145,16 +147,16 @@ fn check(gains: [(&'static str, f32); 2]) -> Result<(), GainsError> {
     Ok(())
 }
 
-/// Why gains were refused.
+/// An error in the gains of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum GainsError {
     /// The named gain is NaN or infinite.
     NonFinite(&'static str),
-    /// The named gain is below zero: the loop would push away from the goal.
+    /// The named gain is negative: the loop would push away from the goal.
     Negative(&'static str),
-    /// The period is not a finite number of seconds from 0.
+    /// The period is not a finite number of seconds, zero or more.
     Period,
 }
 
@@ -174,7 +176,7 @@ impl fmt::Display for GainsError {
 
 impl core::error::Error for GainsError {}
 
-/// How an error becomes a torque.
+/// A law that turns an error into a torque.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -183,22 +185,22 @@ impl core::error::Error for GainsError {}
     serde(rename_all = "snake_case")
 )]
 pub enum ControlLaw {
-    /// `τ = kp e + kd ė`: what a servo does by itself.
+    /// `τ = kp e + kd ė`, the law that a servo applies by itself.
     ProportionalDerivative,
-    /// `τ = H (θ̈ + kp e + kd ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics
-    /// the torque for it.
+    /// `τ = H (θ̈ + kp e + kd ė) + C + G`, eq. (11): the error becomes an acceleration, and inverse dynamics turns
+    /// the acceleration into a torque.
     ///
-    /// The angular feed-forward θ̈ is used component by component, as it is. The linear one is turned from desired to
-    /// measured body axes through the parent's frame. A body's world error acts on its own joint as a whole, not less
-    /// its parent's: accumulation is the point of the method.
+    /// The angular feed-forward θ̈ is used component by component, unchanged. The linear feed-forward is rotated from
+    /// desired to measured body axes through the parent's frame. A body's whole world error acts on its own joint;
+    /// the parent's error is not subtracted, because accumulation is the point of the method.
     #[default]
     InverseDynamics,
 }
 
-/// A linear acceleration in desired body axes, as [`JointTargets`](crate::JointTargets) has it, in measured body axes:
-/// the same vector of the parent's frame.
+/// Rotates a linear acceleration from desired body axes, which [`JointTargets`](crate::JointTargets) uses, to
+/// measured body axes. The vector stays the same in the parent's frame.
 ///
-/// Apart, since most joints do not slide.
+/// Never inlined, since most joints do not slide.
 #[inline(never)]
 pub(crate) fn through_parent(
     desired: &JointState,
@@ -209,9 +211,9 @@ pub(crate) fn through_parent(
     math::rotate(measured.pose.rotation.conjugate(), in_parent)
 }
 
-/// The largest torque and force of a joint's drive.
+/// The maximum torque and force of a joint's drive.
 ///
-/// It bounds the lengths of the two vectors, so that a cut one keeps its direction.
+/// The limit bounds the lengths of the two vectors, so that a limited vector keeps its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueLimit {
@@ -220,10 +222,10 @@ pub struct TorqueLimit {
 }
 
 impl TorqueLimit {
-    /// No bound (torques that are not finite are still refused).
+    /// No bound. Torques that are not finite are still refused.
     pub const NONE: Self = Self { moment_nm: f32::INFINITY, force_n: f32::INFINITY };
 
-    /// Bounds of the moment and of the force.
+    /// Creates a limit from a maximum moment, N m, and a maximum force, N.
     ///
     /// # Errors
     /// [`LimitError`] if a bound is NaN or negative. Infinity means no bound.
@@ -236,17 +238,17 @@ impl TorqueLimit {
         }
     }
 
-    /// The largest moment in N m; infinite for no bound.
+    /// Returns the maximum moment, N m; infinite for no bound.
     pub const fn moment_nm(self) -> f32 {
         self.moment_nm
     }
 
-    /// The largest force in N; infinite for no bound.
+    /// Returns the maximum force, N; infinite for no bound.
     pub const fn force_n(self) -> f32 {
         self.force_n
     }
 
-    /// Cuts a wrench to the bounds, and says why it was cut.
+    /// Limits a wrench to the bounds, and reports which bound was reached.
     ///
     /// ```
     /// use sinew_core::{Wrench, control::{LimitReason, TorqueLimit}, glam::Vec3};
@@ -265,7 +267,7 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// The same in place. `slides`: whether there may be a force.
+    /// Limits a torque in place, like `apply`. `slides`: whether the joint may have a force.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;
@@ -278,10 +280,10 @@ impl TorqueLimit {
         }
     }
 
-    /// Cuts a wrench that is not well within the bounds.
+    /// Limits a wrench that failed the quick check `within`.
     fn cut(self, wanted: Wrench) -> Limited<Wrench> {
         if !wanted.is_finite() {
-            // Before any comparison: NaN passes a clamp.
+            // Checked before any comparison, because NaN passes a clamp.
             return Limited { value: Wrench::ZERO, reason: Some(LimitReason::NotFinite) };
         }
         let cut = |wanted: Vec3, bound: f32| {
@@ -289,8 +291,8 @@ impl TorqueLimit {
             if largest <= 0.0 {
                 return (wanted, false);
             }
-            // In units of the largest component: neither the square of a huge torque nor its length may
-            // overflow, nor the reciprocal of a tiny one.
+            // Scaled by the largest component. Otherwise the square or the length of a huge torque, or the reciprocal
+            // of a tiny torque, could overflow.
             let direction = wanted / largest;
             let length = math::length(direction);
             if length > bound / largest {
@@ -310,14 +312,14 @@ impl TorqueLimit {
     }
 }
 
-/// Whether a vector is shorter than a bound, or zero. Written so that NaN and what overflows fail; at most of a bound,
-/// a square is as good as a length.
+/// Returns `true` if a vector is surely shorter than a bound, or zero. Written so that NaN and overflow give `false`.
+/// Compares squares, which avoids a square root.
 #[inline]
 fn within(wanted: Vec3, bound: f32) -> bool {
     wanted.dot(wanted) < bound * bound || wanted == Vec3::ZERO
 }
 
-/// A bound of a torque limit is NaN or negative.
+/// An error in a torque limit: a bound is NaN or negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct LimitError;
@@ -330,7 +332,7 @@ impl fmt::Display for LimitError {
 
 impl core::error::Error for LimitError {}
 
-/// A value within its limits, and what limited it.
+/// A value within its limits, and the limit that changed it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -341,7 +343,7 @@ impl core::error::Error for LimitError {}
 pub struct Limited<T> {
     /// The value to use.
     pub value: T,
-    /// What limited it, if anything did.
+    /// The limit that changed the value, or `None` if the value is unchanged.
     pub reason: Option<LimitReason>,
 }
 
@@ -357,7 +359,7 @@ impl<T> AsMut<T> for Limited<T> {
     }
 }
 
-/// What limited a value.
+/// A reason that changed a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -375,7 +377,7 @@ pub enum LimitReason {
     NotFinite,
     /// The workspace has no room for the controller's method; the torque is zero.
     NoRoom,
-    /// All joints together wanted more than their [`supply`](crate::supply).
+    /// All joints together asked for more than their [`supply`](crate::supply).
     Supply,
 }
 
@@ -390,8 +392,9 @@ mod tests {
         assert_eq!(Gains::new(1.0, f32::INFINITY), Err(GainsError::NonFinite("kd")));
     }
 
-    /// The largest size of an eigenvalue of a step of the error `(e, dt ė)`, the acceleration held; `pushed` is how
-    /// much of it is in the position already, in units of dt²: 1 for semi-implicit Euler, 1/2 for a real joint.
+    /// Returns the spectral radius of one step of the error `(e, dt ė)` with a constant acceleration. `pushed`: how
+    /// much of the acceleration acts on the position within the step, in units of dt². 1 for semi-implicit Euler, 1/2
+    /// for a real joint.
     fn growth(gains: Gains, dt_s: f32, pushed: f32) -> f32 {
         let (p, v) = (gains.kp() * dt_s * dt_s, gains.kd() * dt_s);
         let trace = 2.0 - pushed * p - v;
@@ -416,7 +419,7 @@ mod tests {
                         let growth = growth(implicit, dt_s, pushed);
                         assert!(growth < 1.0, "{kp} {kd} {dt_s}: {growth}");
                     }
-                    // Backward Euler: an undamped error decays by its frequency alone.
+                    // Backward Euler: the decay of an undamped error depends on its frequency alone.
                     let undamped = 1.0 / math::sqrt(1.0 + kp * dt_s * dt_s);
                     if kd <= 0.0 {
                         let growth = growth(implicit, dt_s, 1.0);

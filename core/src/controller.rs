@@ -24,13 +24,13 @@ use crate::state_error::{
 use crate::transform::{Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// Acceleration of gravity where no other is set, m/s², world axes: y is up.
+/// Default acceleration of gravity, m/s², in world axes: y is up.
 pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 /// A tracking controller for one rig.
 ///
-/// It holds what does not change from tick to tick; everything else is an argument or lives in the
-/// caller's [`Workspace`]. Firmware and simulator call the same [`TorqueController::tick`].
+/// The controller holds the values that are constant from tick to tick. Everything else is an argument or is stored
+/// in the caller's [`Workspace`]. Firmware and simulator call the same [`TorqueController::tick`].
 ///
 /// ```
 /// use sinew_core::{Body, TorqueController, Inertia, JointKind, JointStates, JointTargets, Twist};
@@ -68,14 +68,14 @@ pub struct TorqueController<const N: usize> {
     law: ControlLaw,
     gravity_m_s2: Vec3,
     limits: Vec<TorqueLimit, N>,
-    /// Whether a joint slides beside the root's.
+    /// Whether a joint other than the root's slides.
     slides: bool,
-    /// By joint, or none at all.
+    /// Inertias by joint, or empty.
     inertias: Vec<ReflectedInertia, N>,
 }
 
 impl<const N: usize> TorqueController<N> {
-    /// A controller with the same gains for all joints, inverse dynamics, gravity of 9.81 m/s² along -y and
+    /// Creates a controller with the same gains for all joints, inverse dynamics, gravity of 9.81 m/s² along -y and
     /// no torque limits. O(n).
     ///
     /// # Errors
@@ -87,7 +87,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(controller)
     }
 
-    /// Initializes in place; on an error nothing is changed.
+    /// Initializes in place. On an error nothing changes.
     #[inline(never)]
     pub(crate) fn init(
         &mut self,
@@ -124,7 +124,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(())
     }
 
-    /// Creates a controller of no bodies, which asks for nothing, for [`init`](Self::init).
+    /// Creates a controller of an empty tree, to be filled by [`init`](Self::init).
     pub(crate) fn uninit() -> Self {
         Self {
             tree: Tree::new(),
@@ -160,7 +160,7 @@ impl<const N: usize> TorqueController<N> {
     /// Sets gravity, in world axes, m/s².
     ///
     /// # Errors
-    /// [`ControllerError::NonFinite`].
+    /// [`ControllerError::NonFinite`] if a component is not finite.
     pub fn with_gravity(self, gravity_m_s2: Vec3) -> Result<Self, ControllerError> {
         if !gravity_m_s2.is_finite() {
             return Err(ControllerError::NonFinite("gravity"));
@@ -171,7 +171,7 @@ impl<const N: usize> TorqueController<N> {
     /// Sets gains for each joint.
     ///
     /// # Errors
-    /// [`ControllerError::GainsCount`] if there are not as many as joints.
+    /// [`ControllerError::GainsCount`] if the number of gains is not the number of joints.
     pub fn with_joint_gains(self, gains: &[Gains]) -> Result<Self, ControllerError> {
         if gains.len() != self.tree.len() {
             let (expected, found) = (self.tree.len(), gains.len());
@@ -183,7 +183,7 @@ impl<const N: usize> TorqueController<N> {
     /// Sets a torque limit for each joint.
     ///
     /// # Errors
-    /// [`ControllerError::Count`] if there is not one for each joint.
+    /// [`ControllerError::Count`] if the number of limits is not the number of joints.
     ///
     /// ```
     /// use sinew_core::control::{Gains, LimitReason, TorqueLimit};
@@ -206,7 +206,7 @@ impl<const N: usize> TorqueController<N> {
     /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
     /// assert_eq!(torque.value.moment_nm, Vec3::Z * 6.0);
     /// assert_eq!(torque.reason, Some(LimitReason::Torque));
-    /// // Without gravity nothing is asked for.
+    /// // Without gravity no torque is needed.
     /// let controller = controller.with_gravity(Vec3::ZERO)?;
     /// let torque = controller.tick(&mut targets, &measured, &[], &mut workspace)[0];
     /// assert_eq!((torque.value.moment_nm, torque.reason), (Vec3::ZERO, None));
@@ -223,16 +223,17 @@ impl<const N: usize> TorqueController<N> {
         Ok(Self { limits: fixed::collect(limits.iter().copied()), ..self })
     }
 
-    /// Sets the PD law with gains per unit of inertia (1/s² and 1/s): the torque of a joint is what
+    /// Sets the PD law with gains per unit of inertia (1/s² and 1/s). The torque of a joint is the acceleration that
     /// these gains ask for, times the joint's own constant inertia (see
     /// [`reflected_inertia`](crate::dynamics::reflected_inertia)).
     ///
-    /// Joints move each other, so the damping that a period allows is less than that of one joint alone:
-    /// `kd dt_s` must be below 1 / λ, λ the largest eigenvalue of the inverse mass matrix times these inertias.
+    /// Joints move each other, so a given period allows less damping than for a single joint: `kd dt_s` must be below
+    /// 1 / λ, where λ is the largest eigenvalue of the inverse mass matrix times these inertias.
     ///
     /// # Errors
-    /// [`ControllerError::InertiaCount`] if there is not one for each joint, [`ControllerError::NonFinite`] if one
-    /// is not finite, [`ControllerError::Law`] if the method needs inverse dynamics.
+    /// [`ControllerError::InertiaCount`] if the number of inertias is not the number of joints,
+    /// [`ControllerError::NonFinite`] if an inertia is not finite, [`ControllerError::Law`] if the method needs
+    /// inverse dynamics.
     ///
     /// ```
     /// use sinew_core::dynamics::{OuterJoints, reflected_inertia};
@@ -247,7 +248,7 @@ impl<const N: usize> TorqueController<N> {
     /// # let arm = Body { parent: None, joint, placement: Transform::IDENTITY, inertia, rotor_inertia: 0.0 };
     /// let tree = Tree::<1>::from_bodies(&[arm])?;
     /// let inertias = reflected_inertia(&tree, &JointStates::rest(&tree), OuterJoints::Locked);
-    /// // What a servo does by itself: no model in the loop, but gains that fit what each joint moves.
+    /// // The law of a servo alone: no model in the loop, but gains that fit the inertia that each joint moves.
     /// let controller = TorqueController::new(tree, Gains::critically_damped(200.0)?, Method::Local)?
     ///     .with_inertia_scaled_pd(&inertias)?;
     /// assert_eq!(controller.law(), ControlLaw::ProportionalDerivative);
@@ -261,7 +262,7 @@ impl<const N: usize> TorqueController<N> {
         Ok(self)
     }
 
-    /// Sets that law in place.
+    /// Sets, in place, the law of [`Self::with_inertia_scaled_pd`].
     pub(crate) fn set_pd_of_inertia(
         &mut self,
         inertias: &[ReflectedInertia],
@@ -277,48 +278,48 @@ impl<const N: usize> TorqueController<N> {
         self.set_law(ControlLaw::ProportionalDerivative)
     }
 
-    /// The rig.
+    /// Returns the rig.
     pub fn tree(&self) -> &Tree<N> {
         &self.tree
     }
 
-    /// The gains by joint.
+    /// Returns the gains by joint.
     pub fn gains(&self) -> &[Gains] {
         &self.gains
     }
 
-    /// The state error that is tracked.
+    /// Returns the method that computes the tracked state error.
     pub fn method(&self) -> &Method<N> {
         &self.method
     }
 
-    /// How errors become torques.
+    /// Returns the law that turns errors into torques.
     pub fn law(&self) -> ControlLaw {
         self.law
     }
 
-    /// The field of gravity, world axes.
+    /// Returns gravity, m/s², in world axes.
     pub fn gravity_m_s2(&self) -> Vec3 {
         self.gravity_m_s2
     }
 
-    /// The torque limits by joint.
+    /// Returns the torque limits by joint.
     pub fn limits(&self) -> &[TorqueLimit] {
         &self.limits
     }
 
-    /// The inertias by joint that [`Self::with_inertia_scaled_pd`] was given; empty by default.
+    /// Returns the inertias by joint that [`Self::with_inertia_scaled_pd`] has set; empty by default.
     pub fn inertias(&self) -> &[ReflectedInertia] {
         &self.inertias
     }
 
-    /// The torques of this instant: the wrench of joint i's drive on body i about its origin, in measured body axes,
-    /// along the joint's degrees of freedom, within its limit. As numbers by degree of freedom:
-    /// [`Tree::efforts`](crate::Tree::efforts). O(n).
+    /// Returns the torques for this instant: the wrench of joint i's drive on body i about its origin, in measured
+    /// body axes, along the joint's dofs, within its limit. [`Tree::efforts`](crate::Tree::efforts) converts them to
+    /// numbers by dof. O(n).
     ///
-    /// It cannot fail: the inputs are finite by their types, and a torque that overflows is returned as zero with its
+    /// It cannot fail: the types guarantee finite inputs, and a torque that overflows is returned as zero with its
     /// reason. `external` is the wrench on each body from outside (see [`inverse_dynamics`]); empty for none. Targets
-    /// and measurements must be of this controller's tree: joints that they do not have are not in the result.
+    /// and measurements must belong to this controller's tree: the result omits joints that they do not have.
     /// Resolved acceleration without [`Workspace::resolving`] gives zero, with [`LimitReason::NoRoom`].
     pub fn tick<'w, const R: usize>(
         &self,
@@ -337,9 +338,9 @@ impl<const N: usize> TorqueController<N> {
         }
 
         match self.method {
-            // Local errors need no world states: they are the joints' own.
+            // Local errors need no world states.
             Method::Local => {}
-            // World errors only what their joints can act on.
+            // World errors of bodies that only turn need only the turning part of world states.
             Method::World if !self.slides => {
                 kinematics::body_turns(bodies, measured, &mut w.measured);
                 targets.complete_turns(&self.tree);
@@ -350,12 +351,13 @@ impl<const N: usize> TorqueController<N> {
             }
         }
         match &self.method {
-            // Never, for a tree has a body; so images without that room are without this code.
+            // Unreachable, because a tree has a body. With R = 0 the compiler therefore omits the code of this
+            // method.
             Method::ResolvedAcceleration { .. } if R == 0 => {}
             Method::ResolvedAcceleration { weights } => {
                 self.resolved_commands(targets, measured, weights, w);
             }
-            // A loop for each of the others, and none that asks for the method body by body.
+            // Each of the other methods has its own loop, which avoids a match on the method for each body.
             Method::Local => self.direct_commands(targets, measured, w, |at| {
                 let to_body = at.measured.pose.rotation.conjugate();
                 (state_error::of_joint(at.desired, at.measured), to_body)
@@ -420,13 +422,13 @@ impl<const N: usize> TorqueController<N> {
         w.torques.get(..count).unwrap_or_default()
     }
 
-    /// The wrenches that hold every joint at constant speed in the measured state: against gravity, centrifugal and
-    /// Coriolis forces and external wrenches, with no acceleration (Featherstone's bias forces). In measured body
-    /// axes, along the joints' degrees of freedom and within their limits. O(n).
+    /// Computes the wrenches that hold every joint at constant speed in the measured state: against gravity,
+    /// centrifugal and Coriolis forces and external wrenches (Featherstone's bias forces). They are in measured body
+    /// axes, along the joints' dofs and within their limits. O(n).
     ///
-    /// What a tick asks for beyond them accelerates the joints: see
-    /// [`TorqueSupply::share_acceleration`](crate::supply::TorqueSupply::share_acceleration). The last tick's
-    /// commands and torques in the workspace stay as they are.
+    /// The rest of a tick's torque accelerates the joints: see
+    /// [`TorqueSupply::share_acceleration`](crate::supply::TorqueSupply::share_acceleration). The commands and
+    /// torques of the last tick, in the workspace, are unchanged.
     pub fn bias_wrenches<const R: usize>(
         &self,
         measured: &JointStates<N>,
@@ -445,8 +447,8 @@ impl<const N: usize> TorqueController<N> {
         self.limited_wrenches(measured, &accelerations, external, workspace, out);
     }
 
-    /// The wrenches that the targets' accelerations take at the measured state, along the joints' degrees of freedom
-    /// and within their limits: a tick's without its errors. O(n).
+    /// Computes the wrenches that the targets' accelerations need at the measured state, along the joints' dofs and
+    /// within their limits: the result of a tick with zero errors. O(n).
     pub(crate) fn feedforward_wrenches<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -470,7 +472,7 @@ impl<const N: usize> TorqueController<N> {
         self.limited_wrenches(measured, &accelerations, external, workspace, out);
     }
 
-    /// Inverse dynamics along the joints' degrees of freedom, within their limits.
+    /// Computes inverse dynamics along the joints' dofs, within their limits.
     fn limited_wrenches<const R: usize>(
         &self,
         measured: &[JointState],
@@ -490,10 +492,10 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// State errors by body, in the axes of the method's reference frame: those that a tick with these arguments acts
-    /// on. O(n).
+    /// Computes the state errors by body that a tick with these arguments acts on, in the axes of the method's
+    /// reference frame. O(n).
     ///
-    /// Apart from the tick, which does not keep them: only reports want to know.
+    /// Separate from the tick, which does not store them: only reports need them.
     pub fn errors<const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -524,8 +526,8 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Commands of the methods that apply every error to its own joint: eq. (11). `error` gives it in the axes of the
-    /// method's reference frame, with the rotation from those to measured body axes.
+    /// Computes the commands of the methods that apply every error to its own joint: eq. (11). `error` returns the
+    /// error in the axes of the method's reference frame, and the rotation from these to measured body axes.
     fn direct_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -569,8 +571,8 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Commands of world errors. Of bodies whose joints only turn it asks for no more than [`kinematics::body_turns`]
-    /// has found.
+    /// Computes the commands of world errors. For bodies whose joints only turn, it uses only results of
+    /// [`kinematics::body_turns`].
     #[inline(never)]
     fn world_commands<const R: usize>(
         &self,
@@ -613,7 +615,8 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Commands of resolved acceleration: errors become accelerations of the bodies, and those the joints'.
+    /// Computes the commands of resolved acceleration: errors become accelerations of bodies, and these become
+    /// accelerations of joints.
     fn resolved_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -635,7 +638,7 @@ impl<const N: usize> TorqueController<N> {
         resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
         kinematics::joint_accelerations(bodies, world, &mut w.commands);
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
-            // Without what rounding has left across the joint's dofs.
+            // Removes the rounding error across the joint's dofs.
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *command = body.joint.project_twist(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
@@ -643,11 +646,12 @@ impl<const N: usize> TorqueController<N> {
     }
 }
 
-/// What a joint is asked for by a correction, along its axes: by inverse dynamics an acceleration, with its target's
-/// and the bias of moving axes. The correction and the result are in measured body axes.
+/// Returns a joint's command for a correction, along its axes. With inverse dynamics the command is an acceleration,
+/// and includes the target's acceleration and the bias of moving axes. Correction and result are in measured body
+/// axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn asked(
@@ -674,16 +678,16 @@ fn asked(
     allowed
 }
 
-/// The angular acceleration that a universal joint has by the motion of its first axis. Apart, since most joints are
-/// none.
+/// Returns the angular acceleration of a universal joint due to the motion of its first axis. Never inlined, since
+/// few joints are universal.
 #[inline(never)]
 fn moving_axis(body: &Body, measured: &JointState) -> Vec3 {
     let in_joint = body.rotation_in_joint(measured.pose.rotation);
     body.joint.bias_acceleration(in_joint, measured.velocity).angular
 }
 
-/// The command of a joint that is no ball and has not a single axis to turn about, by the angular correction that is in
-/// `command`. `bodies`, `joints`: desired and measured. Apart: it would take registers from the others.
+/// Completes the command of a joint that is neither spherical nor revolute, from the angular correction in `command`.
+/// `bodies`, `joints`: desired and measured. Never inlined: it would take registers from the other joint kinds.
 #[inline(never)]
 fn finish_command(
     body: &Body,
@@ -707,9 +711,9 @@ fn finish_command(
     *command = asked(body, law, of_joint, measured, of_target, wanted);
 }
 
-/// What joints' drives are to deliver of the wrenches on their bodies, within their limits, in place.
+/// Replaces the wrenches on bodies by the torques that the joints' drives must deliver, within their limits.
 ///
-/// Apart, and in place: within a tick it would share registers with all the rest, and wrenches would go through the
+/// Never inlined, and in place: inside the tick it would compete for registers, and wrenches would go through the
 /// stack.
 #[inline(never)]
 fn limit_wrenches(
@@ -739,7 +743,7 @@ fn limit_wrenches(
     }
 }
 
-/// What the state error of one body is made of.
+/// Inputs for the state error of one body.
 struct BodyContext<'a> {
     body: usize,
     desired: &'a JointState,
@@ -752,14 +756,14 @@ struct BodyContext<'a> {
 }
 
 impl<'a> BodyContext<'a> {
-    /// Desired and measured state of another body.
+    /// Returns desired and measured state of another body.
     fn bodies(&self, body: usize) -> Option<(&'a BodyState, &'a BodyState)> {
         Some((self.desired_bodies.get(body)?, self.measured_bodies.get(body)?))
     }
 }
 
-/// Scratch memory of a [`TorqueController`], owned by the caller; it holds nothing from tick to tick, but the
-/// last tick's commands and torques can be read from it.
+/// Scratch memory of a [`TorqueController`], owned by the caller. No tick depends on the contents that an earlier
+/// tick left. The last tick's commands and torques can be read from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Workspace<const N: usize, const R: usize = 0> {
     measured: [BodyState; N],
@@ -771,23 +775,24 @@ pub struct Workspace<const N: usize, const R: usize = 0> {
 }
 
 impl<const N: usize> Workspace<N> {
-    /// A workspace for trees of capacity `N`, for all methods but resolved acceleration.
+    /// Creates a workspace for trees of capacity `N`, for all methods except resolved acceleration.
     pub fn new() -> Self {
         Self::with_room()
     }
 }
 
 impl<const N: usize> Workspace<N, N> {
-    /// A workspace for trees of capacity `N`, for all methods: resolved acceleration takes 132 bytes for each body.
+    /// Creates a workspace for trees of capacity `N`, for all methods. Resolved acceleration takes 132 bytes per
+    /// body.
     pub fn resolving() -> Self {
         Self::with_room()
     }
 }
 
 impl<const N: usize, const R: usize> Workspace<N, R> {
-    /// With `R` bodies' room for resolved acceleration.
-    // Here and in other functions that make large values: not within the caller, so that it is made where the caller
-    // wants it, not on the stack.
+    /// Creates a workspace with room for resolved acceleration of `R` bodies.
+    // Functions that make large values are never inlined: they then build the value in the caller's destination, not
+    // on the stack.
     #[inline(never)]
     pub(crate) fn with_room() -> Self {
         Self {
@@ -800,23 +805,24 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         }
     }
 
-    /// What the last tick of Linear Compensation did with each body's aim.
+    /// Returns how the last tick of Linear Compensation handled each body's aim.
     pub fn aim_status(&self) -> &[AimStatus] {
         &self.aim_status
     }
 
-    /// The torques that the last tick returned.
+    /// Returns the torques of the last tick.
     pub fn torques(&self) -> &[Limited<Wrench>] {
         &self.torques
     }
 
-    /// The same, to be changed between the tick and the drives: by a common [`supply`](crate::supply).
+    /// Returns the torques of the last tick for changes before they go to the drives, by a common
+    /// [`supply`](crate::supply).
     pub fn torques_mut(&mut self) -> &mut [Limited<Wrench>] {
         &mut self.torques
     }
 
-    /// What the last tick asked of each joint, in measured body axes: an acceleration (inverse dynamics, or
-    /// PD with inertias), or moment and force in N m and N (PD alone).
+    /// Returns the commands of the last tick to each joint, in measured body axes: an acceleration (inverse dynamics,
+    /// or PD with inertias), or moment and force in N m and N (PD alone).
     pub fn commands(&self) -> &[Twist] {
         &self.commands
     }
@@ -828,7 +834,7 @@ impl<const N: usize> Default for Workspace<N> {
     }
 }
 
-/// Why a controller could not be made.
+/// An error in the parts of a controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -841,23 +847,23 @@ pub enum ControllerError {
     Aims(AimsError),
     /// The weights of the method's bodies were made for another tree.
     Weights(BodyWeightsError),
-    /// Resolved acceleration asks for accelerations: only inverse dynamics has torques for them.
+    /// The method is resolved acceleration, which needs inverse dynamics, but the law is PD.
     Law,
-    /// There must be one torque limit for each joint.
+    /// The number of torque limits is not the number of joints.
     Count {
         /// Number of joints of the tree.
         expected: usize,
         /// Number of limits.
         found: usize,
     },
-    /// There must be gains for each joint.
+    /// The number of gains is not the number of joints.
     GainsCount {
         /// Number of joints of the tree.
         expected: usize,
         /// Number of gains.
         found: usize,
     },
-    /// There must be an inertia for each joint.
+    /// The number of inertias is not the number of joints.
     InertiaCount {
         /// Number of joints of the tree.
         expected: usize,
@@ -885,7 +891,7 @@ impl fmt::Display for ControllerError {
             Self::Aims(error) => write!(f, "method and tree do not match: {error}"),
             Self::Weights(error) => write!(f, "method and tree do not match: {error}"),
             Self::Law => f.write_str(
-                "resolved acceleration needs the control law of inverse dynamics: PD alone has no use for accelerations",
+                "resolved acceleration needs the control law of inverse dynamics: PD alone does not use accelerations",
             ),
             Self::NonFinite(name) => write!(f, "the setting {name} is not finite"),
         }

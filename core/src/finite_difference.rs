@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 
 use crate::math;
 
-/// Which samples a difference uses, relative to the instant it is for.
+/// A choice of samples, relative to the instant of the difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -15,17 +15,17 @@ use crate::math;
     serde(rename_all = "snake_case")
 )]
 pub enum Scheme {
-    /// The instant and the ones after it, as the paper does for the desired motion.
+    /// The instant and later samples, as in the paper for the desired motion.
     Forward,
-    /// The instant and the ones before it: all that a measurement can have.
+    /// The instant and earlier samples: the only choice for a measurement.
     Backward,
-    /// Both sides alike: second-order accurate, no lead and no lag.
+    /// Both sides alike: accurate to second order, no lead and no lag.
     Central,
 }
 
 impl Scheme {
-    /// How many samples a difference of this order takes. For a backward one the instant is the last of
-    /// them, for a central one the middle, for a forward one the first.
+    /// Returns the number of samples for a difference of this order. The instant is the last sample of a backward
+    /// difference, the middle of a central one, and the first of a forward one.
     ///
     /// ```
     /// use sinew_core::finite_difference::Scheme;
@@ -41,10 +41,10 @@ impl Scheme {
     }
 }
 
-/// The derivative of order `order` of evenly spaced samples, in their unit over s^order.
+/// Returns the derivative of order `order` of evenly spaced samples, in their unit over s^order.
 ///
-/// Order 0 is the sample itself. A central difference of odd order is the mean of the two half a step to
-/// either side. O(order).
+/// Order 0 returns the sample. A central difference of odd order is the mean of the differences half a step to either
+/// side. O(order).
 ///
 /// # Errors
 /// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite,
@@ -69,14 +69,14 @@ pub fn of_vectors(
     }))
 }
 
-/// The derivative of order `order` (1: angular velocity, 2: angular acceleration, ...) of evenly spaced
-/// orientations, in rad/s^order, as components in the axes of the turning body: the differences of the
-/// components of `Log(R_kᵀ R_k+1) / dt`. Signs of the quaternions do not matter. O(order).
+/// Returns the derivative of order `order` (1: angular velocity, 2: angular acceleration, ...) of evenly spaced
+/// orientations, in rad/s^order, as components in the axes of the rotating body: the differences of the components of
+/// `Log(R_kᵀ R_k+1) / dt`. Signs of the quaternions do not matter. O(order).
 ///
 /// For world axes use [`of_rotations_in_world`].
 ///
 /// # Errors
-/// [`DifferenceError`] as [`of_vectors`]; also for order 0, which is not a vector.
+/// [`DifferenceError`] as in [`of_vectors`], and for order 0, which is not a vector.
 ///
 /// ```
 /// use sinew_core::{finite_difference::{Scheme, of_rotations}, glam::{Quat, Vec3}, math};
@@ -94,10 +94,11 @@ pub fn of_rotations(
     rotations(scheme, order, samples, dt_s, |from, to| from.conjugate() * to)
 }
 
-/// As [`of_rotations`], as components in world axes: the differences of `Log(R_k+1 R_kᵀ) / dt`.
+/// Returns the derivative like [`of_rotations`], as components in world axes: the differences of
+/// `Log(R_k+1 R_kᵀ) / dt`.
 ///
 /// # Errors
-/// As [`of_rotations`].
+/// As in [`of_rotations`].
 ///
 /// ```
 /// use sinew_core::{finite_difference::{Scheme, of_rotations_in_world}, glam::Vec3, math};
@@ -133,18 +134,19 @@ fn rotations(
         (Some(from), Some(to)) => math::log(step(*from, *to)) / dt_s,
         _ => Vec3::ZERO,
     };
-    // Steps are one fewer than orientations, and lie half a step later: a central difference of odd order of
-    // the orientations is the mean of the two plain ones of the steps; one of even order is a single one.
+    // There is one step fewer than orientations, each half an interval later. A central difference of odd order of
+    // the orientations is therefore the mean of two plain differences of the steps; one of even order is a single
+    // difference.
     let steps = samples.len().saturating_sub(1);
     finite(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
 }
 
-/// What leaves this module is finite: a high order over a short time step overflows.
+/// Refuses a result that is not finite: a high order over a short time step overflows.
 fn finite(difference: Vec3) -> Result<Vec3, DifferenceError> {
     if difference.is_finite() { Ok(difference) } else { Err(DifferenceError::Overflow) }
 }
 
-/// The plain difference over all `count` items, or the mean of the two that leave out one end.
+/// Returns the plain difference over all `count` items, or the mean of the two differences that leave out one end.
 fn scheme_difference(
     scheme: Scheme,
     order: usize,
@@ -159,7 +161,7 @@ fn scheme_difference(
     }
 }
 
-/// Σ (-1)^i C(k, i) a[k - i] / h^k: the sum of eq. (13) over the items 0..=k.
+/// Returns Σ (-1)^i C(k, i) a[k - i] / h^k: the sum of eq. (13) over the items 0..=k.
 fn plain(order: usize, dt_s: f32, item: impl Fn(usize) -> Vec3) -> Vec3 {
     let mut sum = Vec3::ZERO;
     let mut binomial = 1.0; // (-1)^i C(k, i)
@@ -175,7 +177,7 @@ fn plain(order: usize, dt_s: f32, item: impl Fn(usize) -> Vec3) -> Vec3 {
 }
 
 fn as_f32(count: usize) -> f32 {
-    // Orders are small; beyond u16 the result has no meaning in f32 anyway.
+    // Orders are small. Beyond u16 the result has no meaning in f32 anyway.
     u16::try_from(count).map_or(f32::INFINITY, f32::from)
 }
 
@@ -199,23 +201,23 @@ fn check(
     Ok(())
 }
 
-/// Why a difference could not be taken.
+/// An error in the arguments or the result of a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum DifferenceError {
-    /// The scheme takes another number of samples.
+    /// The scheme needs another number of samples.
     Count {
-        /// How many it takes.
+        /// Number of samples that the scheme needs.
         expected: usize,
-        /// How many came.
+        /// Number of samples that were given.
         found: usize,
     },
     /// A sample is not finite, or a quaternion not unit.
     InvalidSample,
     /// The time step is not a positive number.
     TimeStep,
-    /// An orientation is no vector: rotations have differences of order 1 and above.
+    /// The order is 0, but an orientation is not a vector: rotations have differences of order 1 and above.
     OrderZero,
     /// The result is too large for f32.
     Overflow,
@@ -245,8 +247,8 @@ impl core::error::Error for DifferenceError {}
 mod tests {
     use super::*;
 
-    /// A polynomial of degree `order` has a constant derivative of that order, which every scheme gives
-    /// exactly: order! times its leading coefficient.
+    /// The derivative of order `order` of a polynomial of that degree is constant, and every scheme gives it exactly:
+    /// order! times the leading coefficient.
     #[test]
     fn polynomials_are_differentiated_exactly_at_every_order() {
         for order in 0..=6usize {
@@ -265,7 +267,7 @@ mod tests {
                 }
                 let factorial = (1..=order).fold(1.0, |p, k| p * as_f32(k));
                 let got = of_vectors(scheme, order, &samples[..count], 1.0).unwrap();
-                // Whole numbers below 2^24: exact.
+                // Whole numbers below 2^24 are exact in f32.
                 assert_eq!(got, Vec3::new(1.0, -2.0, 0.5) * factorial, "{scheme:?} {order}");
             }
         }
@@ -279,7 +281,7 @@ mod tests {
         let samples: [Quat; 4] = core::array::from_fn(|k| start * math::exp(w * (as_f32(k) * h)));
         for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
             let v = of_rotations(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();
-            // One f32 rounding of a unit quaternion (6e-8) over h, a few times.
+            // Tolerance: a few times the f32 rounding of a unit quaternion (6e-8), divided by h.
             assert!((v - w).length() < 5e-5, "{scheme:?} {v}");
             let in_world =
                 of_rotations_in_world(scheme, 1, &samples[..scheme.sample_count(1)], h).unwrap();

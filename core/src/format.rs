@@ -1,13 +1,15 @@
-//! What defmt logs of the types that cannot derive it: those that hold glam's vectors, which have no `Format`,
-//! and those of which only a part says anything.
+//! `defmt::Format` for the types that cannot derive it: types that contain glam's vectors, which have no `Format`,
+//! and types of which only a part is useful in a log.
 //!
-//! No `core::fmt` is behind any of it: the board sends numbers, and the host spells them out.
+//! None of it uses `core::fmt`: the board sends numbers, and the host formats them.
 
 use defmt::{Format, Formatter, write};
 
 use crate::controller::{TorqueController, Workspace};
+use crate::coordinates::UnderGravity;
 use crate::dynamics::{ArticulatedBody, BodyMotion, CompositeBody, ResolvedAccelerationScratch};
 use crate::importance::RestPose;
+use crate::joint_controller::JointController;
 use crate::observer::Observer;
 use crate::pose_space::{JointCoordinates, LineWorkspace};
 use crate::projection::ProjectionWorkspace;
@@ -102,7 +104,7 @@ impl Format for Aim {
     }
 }
 
-/// Its members.
+/// Logs the members.
 impl Format for BodySet {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "{{");
@@ -113,14 +115,14 @@ impl Format for BodySet {
     }
 }
 
-/// Its bodies: the sets follow from them.
+/// Logs the bodies. The sets follow from them.
 impl<const N: usize> Format for Tree<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Tree {}", self.bodies());
     }
 }
 
-/// Its joints with their parents: the sets follow from them.
+/// Logs the joints with their parents. The sets follow from them.
 impl<const N: usize> Format for RestPose<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "RestPose {{");
@@ -132,7 +134,7 @@ impl<const N: usize> Format for RestPose<N> {
     }
 }
 
-/// The joints' targets: the bodies' follow from them.
+/// Logs the targets of the joints. Those of the bodies follow from them.
 impl<const N: usize> Format for JointTargets<N> {
     fn format(&self, f: Formatter<'_>) {
         let (states, accelerations) = (self.states(), self.accelerations());
@@ -140,14 +142,14 @@ impl<const N: usize> Format for JointTargets<N> {
     }
 }
 
-/// How many frames, not the frames: a performance is too long for a log.
+/// Logs the number of frames, not the frames: a performance is too long for a log.
 impl Format for Trajectory<'_> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Trajectory {{ frames: {}, dt_s: {} }}", self.len(), self.dt_s());
     }
 }
 
-/// Its settings, and the tree.
+/// Logs the settings and the tree.
 impl<const N: usize> Format for TorqueController<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(
@@ -164,7 +166,7 @@ impl<const N: usize> Format for TorqueController<N> {
     }
 }
 
-/// What can be read from it.
+/// Logs the values that have public getters.
 impl<const N: usize, const R: usize> Format for Workspace<N, R> {
     fn format(&self, f: Formatter<'_>) {
         write!(
@@ -177,7 +179,7 @@ impl<const N: usize, const R: usize> Format for Workspace<N, R> {
     }
 }
 
-/// What can be read from it.
+/// Logs the values that have public getters.
 impl<const N: usize, const D: usize> Format for Observer<N, D> {
     fn format(&self, f: Formatter<'_>) {
         let (states, disturbances) = (self.states(), self.disturbances());
@@ -185,56 +187,56 @@ impl<const N: usize, const D: usize> Format for Observer<N, D> {
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl<const N: usize> Format for ProjectionWorkspace<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "ProjectionWorkspace");
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl<const N: usize> Format for LineWorkspace<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "LineWorkspace");
     }
 }
 
-/// What it remembers says nothing by itself: its name only.
+/// Logs only the name: the stored steps are useless alone.
 impl<const N: usize> Format for ForwardDifferences<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "ForwardDifferences");
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl Format for BodyMotion {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "BodyMotion");
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl Format for CompositeBody {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "CompositeBody");
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl Format for ArticulatedBody {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "ArticulatedBody");
     }
 }
 
-/// Scratch: its name only.
+/// Logs only the name of this scratch memory.
 impl Format for ResolvedAccelerationScratch {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Resolved");
     }
 }
 
-/// What it goes by: its settings are where it was made.
+/// Logs targets and states. The settings are known to the code that created the tracker.
 impl<const N: usize, const D: usize, const R: usize> Format for Tracker<N, D, R> {
     fn format(&self, f: Formatter<'_>) {
         let (targets, states) = (self.targets(), self.states());
@@ -242,7 +244,21 @@ impl<const N: usize, const D: usize, const R: usize> Format for Tracker<N, D, R>
     }
 }
 
-/// Its torques.
+/// Logs the name only.
+impl<const N: usize> Format for UnderGravity<'_, N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "UnderGravity");
+    }
+}
+
+/// Logs the controller within.
+impl<const N: usize> Format for JointController<N> {
+    fn format(&self, f: Formatter<'_>) {
+        write!(f, "JointController {{ controller: {} }}", self.controller());
+    }
+}
+
+/// Logs the torques.
 impl<const N: usize, const D: usize, const R: usize> Format for Tick<'_, N, D, R> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Tick {{ torques: {} }}", self.torques());

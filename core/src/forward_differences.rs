@@ -1,4 +1,4 @@
-//! Targets by forward differences of the bodies, from frames that come one after the other.
+//! Targets by forward differences of the bodies, from frames that arrive one after the other.
 
 use glam::Vec3;
 
@@ -10,15 +10,14 @@ use crate::state::{BodyState, JointState, StateInputError, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::Tree;
 
-/// Targets of all joints at the first of three frames by forward differences (13), as
-/// [`forward_targets`](crate::trajectory::forward_targets) makes them, but with the velocities of the *bodies*
-/// differenced: they move with the forward differences of the bodies' world poses.
+/// A calculator of the targets of all joints at the first of three frames, by forward differences (13). Unlike
+/// [`forward_targets`](crate::trajectory::forward_targets), it takes velocities from the *bodies'* world poses.
 ///
-/// That is the velocity that the world errors (4) and (10) compare. Velocities composed of differences of
-/// joint poses are not quite it: they miss `h/2 ω_parent × ω_joint` (and the like of the positions), since
-/// the parent turns during the step too.
+/// The world errors (4) and (10) compare these velocities. Velocities composed of differences of joint poses deviate
+/// from them: they miss `h/2 ω_parent × ω_joint` (and a similar term of the positions), since the parent turns during
+/// the step too.
 ///
-/// It remembers what two windows of frames have in common, so every step between frames is taken once.
+/// The value keeps the data that two successive windows of frames share. Each step between frames is computed once.
 ///
 /// ```
 /// use sinew_core::{Body, ForwardDifferences, Inertia, JointKind, JointTargets, StateInputError};
@@ -35,7 +34,7 @@ use crate::tree::Tree;
 /// let mut targets = JointTargets::rest(&tree);
 /// let mut differences = ForwardDifferences::new();
 /// differences.restart(&tree, 1.0, &frames[0])?;
-/// // From the third frame on, the targets are those of the frame two before.
+/// // From the third frame on, each call gives the targets of two frames earlier.
 /// differences.advance(&tree, &frames[1], &mut targets)?;
 /// for (frame, speed) in [(2, 1.0), (3, 2.0)] {
 ///     differences.advance(&tree, &frames[frame], &mut targets)?;
@@ -50,16 +49,16 @@ pub struct ForwardDifferences<const N: usize> {
     joints: [Remembered; N],
 }
 
-/// What is left of the two newest frames for the next windows.
+/// The data of the two newest frames that the next windows need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Remembered {
-    /// Pose of the joint at the older of them.
+    /// Pose of the joint in the older frame.
     older: Transform,
-    /// At the newer.
+    /// Pose of the joint in the newer frame.
     newer: Transform,
-    /// Mean velocity of the joint from the older to the newer.
+    /// Mean velocity of the joint from the older frame to the newer.
     step: Twist,
-    /// World pose of the body at the older.
+    /// World pose of the body in the older frame.
     body: Transform,
 }
 
@@ -73,17 +72,17 @@ impl Remembered {
 }
 
 impl<const N: usize> ForwardDifferences<N> {
-    /// At rest in no particular pose: begin with [`Self::restart`].
+    /// Creates an empty value. Call [`Self::restart`] first.
     pub const fn new() -> Self {
         Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
     }
 
-    /// Begins with a frame of those that are `dt_s` seconds apart, as if the performance had stood there until now.
+    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s`: time between frames, s.
     /// O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the time step is not a positive number (from 1e-9 s), or the
-    /// frame has fewer poses than the tree has joints or one that is not finite or unit.
+    /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the
+    /// frame has fewer poses than the tree has joints, or a pose is not finite or unit.
     pub fn restart(
         &mut self,
         tree: &Tree<N>,
@@ -102,10 +101,10 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Takes the next frame where there are no two before it yet: it tells no targets. O(n).
+    /// Accepts the next frame while there are not yet two earlier frames: it gives no targets. O(n).
     ///
     /// # Errors
-    /// As [`Self::advance`].
+    /// As in [`Self::advance`].
     pub(crate) fn lead(
         &mut self,
         tree: &Tree<N>,
@@ -123,11 +122,11 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Takes the next frame, and gives the targets of the frame two before it. O(n).
+    /// Accepts the next frame, and writes the targets of the frame two before it. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if the frame has fewer poses than the tree has joints or one that
-    /// is not finite or unit, if the targets are for fewer joints, or nothing has begun with [`Self::restart`].
+    /// [`StateInputError`], and nothing changes, if the frame has fewer poses than the tree has joints, a pose is not
+    /// finite or unit, the targets are for fewer joints, or [`Self::restart`] was not called.
     pub fn advance(
         &mut self,
         tree: &Tree<N>,
@@ -144,7 +143,7 @@ impl<const N: usize> ForwardDifferences<N> {
         }
         let (states, accelerations, bodies) = out.whole(tree);
         for (index, (body, state)) in tree.bodies().iter().zip(states.iter_mut()).enumerate() {
-            // The parent's has moved on to the newer frame already.
+            // The parent has already advanced to the newer frame.
             let parent_after = of_parent(body, &self.joints, &Remembered::NOTHING).body;
             let Some(joint) = self.joints.get_mut(index) else { break };
             let after = parent_after * joint.newer;
@@ -163,7 +162,7 @@ impl<const N: usize> ForwardDifferences<N> {
             let Some(slot) = bodies.get_mut(index) else { break };
             *slot = of_body;
         }
-        // Apart: all at once are more than there are registers for.
+        // A separate loop: a single one would need more registers than there are.
         for (((body, newest), joint), acceleration) in
             tree.bodies().iter().zip(frame).zip(&mut self.joints).zip(accelerations)
         {
@@ -183,8 +182,8 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// The last step of each joint: room for another way of differencing, as long as this one is not used. A restart
-    /// does not ask what they are.
+    /// Returns the last step of each joint. Another difference method may use them as storage while this one is
+    /// unused. A restart overwrites them.
     pub(crate) fn steps_mut(&mut self) -> impl Iterator<Item = &mut Twist> {
         self.joints.iter_mut().map(|joint| &mut joint.step)
     }
@@ -248,11 +247,11 @@ mod tests {
         for (state, (now, next)) in states.iter().zip(now.iter().zip(&next)) {
             let angular = math::log(next.rotation * now.rotation.conjugate()) / h;
             let linear = (next.translation_m - now.translation_m) / h;
-            // f32 rounding of a quaternion and of a position of some 0.5 m, over h, a few times.
+            // Tolerance: a few times the f32 rounding of a quaternion and of a position of about 0.5 m, divided by h.
             assert!((state.velocity.angular - angular).length() < 1e-4);
             assert!((state.velocity.linear - linear).length() < 1e-4);
         }
-        // Differences of the joints' poses compose to something else: the reason for this function.
+        // Differences of the joints' poses compose to another velocity: the reason for this type.
         forward_targets(window, h, &mut targets).unwrap();
         kinematics::body_states(tree.bodies(), targets.states(), &mut states);
         let angular = math::log(next[2].rotation * now[2].rotation.conjugate()) / h;

@@ -1,4 +1,4 @@
-//! Mass, centre of mass and rotational inertia of a body, and whether they can be real.
+//! Mass, centre of mass and rotational inertia of a body, and their validation.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ use glam::Vec3;
 /// ```
 /// use sinew_core::{RotationalInertia, glam::Vec3};
 /// let drum = RotationalInertia::diagonal(0.1, 0.2, 0.1);
-/// // The moment that an angular acceleration of 3 rad/s² about y takes.
+/// // The moment for an angular acceleration of 3 rad/s² about y.
 /// assert_eq!(drum.mul_vec3(Vec3::Y * 3.0), Vec3::Y * 0.6);
 /// let tilted = RotationalInertia { xy: 0.02, ..drum };
 /// assert_eq!(tilted.mul_vec3(Vec3::X), Vec3::new(0.1, 0.02, 0.0));
@@ -40,12 +40,12 @@ pub struct RotationalInertia {
 }
 
 impl RotationalInertia {
-    /// Inertia whose principal axes are the body axes.
+    /// Creates an inertia whose principal axes are the body axes, kg m².
     pub const fn diagonal(xx: f32, yy: f32, zz: f32) -> Self {
         Self { xx, xy: 0.0, xz: 0.0, yy, yz: 0.0, zz }
     }
 
-    /// The matrix times a vector in body axes.
+    /// Returns the matrix times a vector in body axes.
     pub fn mul_vec3(&self, v: Vec3) -> Vec3 {
         Vec3::new(
             self.xx * v.x + self.xy * v.y + self.xz * v.z,
@@ -54,7 +54,7 @@ impl RotationalInertia {
         )
     }
 
-    /// Whether every element is a number.
+    /// Returns `true` if every element is finite.
     pub fn is_finite(&self) -> bool {
         self.elements().iter().all(|element| element.is_finite())
     }
@@ -64,7 +64,7 @@ impl RotationalInertia {
     }
 }
 
-/// What a body weighs and how its mass is spread.
+/// Mass of a body and its distribution.
 ///
 /// ```
 /// use sinew_core::{Inertia, InertiaError, RotationalInertia, glam::Vec3};
@@ -84,22 +84,23 @@ impl RotationalInertia {
     serde(deny_unknown_fields)
 )]
 pub struct Inertia {
-    /// Mass in kg; zero for a frame that carries nothing.
+    /// Mass, kg; zero for a frame without a body.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub mass_kg: f32,
-    /// Centre of mass in the body frame, in metres.
+    /// Centre of mass in the body frame, m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub center_of_mass_m: Vec3,
-    /// Rotational inertia about the centre of mass, body axes.
+    /// Rotational inertia about the centre of mass, in body axes, kg m².
     pub rotational_kg_m2: RotationalInertia,
 }
 
-/// Rounding of f32 inputs, as a fraction of the trace: a thin rod or a flat plate, whose second moment
-/// is zero along an axis, must still pass after a rotation in f32.
+/// Tolerance for f32 rounding of the inputs, as a fraction of the trace. A thin rod or a flat plate, whose second
+/// moment is zero along an axis, must still pass after a rotation in f32.
 const ROUNDING: f32 = 1e-5;
 
 impl Inertia {
-    /// A solid box of this mass, its edges along the body axes: the first guess for a link of a rig.
+    /// Returns the inertia of a solid box of this mass, with edges along the body axes: a first guess for a link of a
+    /// rig.
     ///
     /// ```
     /// use sinew_core::{Inertia, glam::Vec3};
@@ -114,14 +115,14 @@ impl Inertia {
         Self { mass_kg, center_of_mass_m: center_m, rotational_kg_m2 }
     }
 
-    /// Refuses what no body can have.
+    /// Refuses an inertia that no real body can have.
     ///
-    /// The second moments of mass `Σ = tr(I)/2 - I` of any real body are positive semidefinite; that one
-    /// condition holds both the positive moments and the triangle inequality (Wensing, Kim & Slotine
-    /// 2018, "Linear matrix inequalities for physically consistent inertial parameter identification").
+    /// The second moments of mass `Σ = tr(I)/2 - I` of any real body are positive semidefinite. This single condition
+    /// includes both the positive moments and the triangle inequality (Wensing, Kim & Slotine 2018, "Linear matrix
+    /// inequalities for physically consistent inertial parameter identification").
     ///
     /// # Errors
-    /// [`InertiaError`] names the first rule that is broken.
+    /// [`InertiaError`] with the first broken rule.
     pub fn validate(&self) -> Result<(), InertiaError> {
         let i = &self.rotational_kg_m2;
         if !self.mass_kg.is_finite() {
@@ -150,8 +151,8 @@ impl Inertia {
                 Err(InertiaError::TriangleInequality)
             };
         }
-        // In units of the trace, so that the rounding is relative; and of the largest moment before, so that neither
-        // the trace of a huge body overflows nor that of a tiny one has too few digits.
+        // Scaled by the trace, which makes the tolerance relative. Before that, scaled by the largest moment:
+        // otherwise the trace of a huge body could overflow, and that of a tiny one could have too few digits.
         let [xx, xy, xz, yy, yz, zz] = i.elements().map(|element| element / largest);
         let trace = xx + yy + zz;
         let (xx, yy, zz) = (0.5 - xx / trace, 0.5 - yy / trace, 0.5 - zz / trace);
@@ -173,20 +174,21 @@ impl Inertia {
     }
 }
 
-/// Why an inertia cannot be real.
+/// An error in an inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum InertiaError {
     /// The named quantity is NaN or infinite.
     NonFinite(&'static str),
-    /// The mass is below zero.
+    /// The mass is negative.
     NegativeMass,
-    /// A diagonal element is below zero.
+    /// A diagonal element is negative.
     NegativeMoment,
-    /// Something that weighs nothing has rotational inertia.
+    /// The mass is zero, but the rotational inertia is not.
     InertiaWithoutMass,
-    /// A principal moment exceeds the sum of the other two (or is below zero): no mass is spread so.
+    /// A principal moment exceeds the sum of the other two, or is negative: no distribution of mass has these
+    /// moments.
     TriangleInequality,
 }
 

@@ -1,4 +1,4 @@
-//! Joint models of 0 to 6 degrees of freedom and their motion subspaces.
+//! Joint models of 0 to 6 dofs and their motion subspaces.
 
 use core::fmt;
 
@@ -8,11 +8,11 @@ use heapless::Vec;
 use crate::math::{self, UNIT_TOLERANCE};
 use crate::transform::{Transform, Twist, Wrench};
 
-/// What a joint leaves free. Axes are unit vectors; those of the joint frame are the parent's after the
-/// placement of the joint (see [`Body`](crate::Body)).
+/// The motions that a joint allows. Axes are unit vectors. The joint frame is the parent's frame after the placement
+/// of the joint (see [`Body`](crate::Body)).
 ///
-/// The motion subspace S (6 x degrees of freedom, body axes) of each kind has orthonormal columns, so
-/// that S Sᵀ projects on it. A universal joint's axes must be perpendicular for that reason.
+/// The motion subspace S (6 x dofs, body axes) of each kind has orthonormal columns: S Sᵀ projects on it. For that
+/// reason a universal joint's axes must be perpendicular.
 ///
 /// ```
 /// use sinew_core::{JointKind, glam::Vec3};
@@ -29,21 +29,21 @@ use crate::transform::{Transform, Twist, Wrench};
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum JointKind {
-    /// 0 degrees of freedom.
+    /// 0 dofs: rigid.
     Fixed,
-    /// 1: turns about an axis, the same in the joint and the body frame.
+    /// 1 dof: rotation about an axis, the same in the joint and the body frame.
     Revolute {
-        /// Unit axis.
+        /// Axis of rotation, a unit vector.
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },
-    /// 1: slides along an axis, the same in the joint and the body frame.
+    /// 1 dof: displacement along an axis, the same in the joint and the body frame.
     Prismatic {
-        /// Unit axis.
+        /// Axis of displacement, a unit vector.
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         axis: Vec3,
     },
-    /// 2: turns about `first`, fixed in the joint frame, then about `second`, fixed in the body.
+    /// 2 dofs: rotation about `first`, fixed in the joint frame, then about `second`, fixed in the body.
     Universal {
         /// Unit axis in the joint frame.
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
@@ -52,14 +52,14 @@ pub enum JointKind {
         #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_axis"))]
         second: Vec3,
     },
-    /// 3: any rotation.
+    /// 3 dofs: any rotation.
     Spherical,
-    /// 6: any motion. For a floating root.
+    /// 6 dofs: any motion. For a floating root.
     Free,
 }
 
 impl JointKind {
-    /// Number of degrees of freedom, 0 to 6.
+    /// Returns the number of dofs, 0 to 6.
     pub const fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -70,13 +70,13 @@ impl JointKind {
         }
     }
 
-    /// Whether a drive of this joint can push as well as turn.
+    /// Returns `true` if the joint can translate, so that its drive may exert a force.
     #[inline]
     pub(crate) const fn slides(self) -> bool {
         matches!(self, Self::Prismatic { .. } | Self::Free)
     }
 
-    /// Number of coordinates that [`Self::state`] takes: a quaternion has four for three dofs.
+    /// Returns the number of coordinates of [`Self::state`]: a quaternion has four for three dofs.
     pub const fn coordinate_count(self) -> usize {
         match self {
             Self::Spherical => 4,
@@ -85,7 +85,7 @@ impl JointKind {
         }
     }
 
-    /// Columns of the motion subspace S in body axes; `rotation` is that of the body in the joint frame.
+    /// Returns the columns of the motion subspace S in body axes. `rotation`: the body in the joint frame.
     ///
     /// ```
     /// use sinew_core::{JointKind, glam::{Quat, Vec3}};
@@ -110,7 +110,7 @@ impl JointKind {
         }
     }
 
-    /// S Sᵀ `motion`: what the joint lets through of a motion in body axes.
+    /// Returns S Sᵀ `motion`: the part of a motion that the joint allows, in body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
@@ -131,7 +131,7 @@ impl JointKind {
         }
     }
 
-    /// S Sᵀ `wrench`: what a drive of this joint has to deliver; the bearings carry the rest. Body axes.
+    /// Returns S Sᵀ `wrench`: the part that the joint's drive must deliver; the bearings carry the rest. Body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Wrench, glam::{Quat, Vec3}};
@@ -153,8 +153,8 @@ impl JointKind {
         }
     }
 
-    /// What a joint of at most two axes lets through. Apart from the other kinds, which have nothing to compute and are
-    /// most of a figure's.
+    /// Returns the part of a vector pair that a joint allows. Separate from the trivial cases of the callers, which
+    /// are most joints of a figure.
     pub(crate) fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Fixed => (Vec3::ZERO, Vec3::ZERO),
@@ -169,12 +169,12 @@ impl JointKind {
         }
     }
 
-    /// Acceleration that the joint has at constant speed of its axes (Ṡ q̇), body axes: a universal
-    /// joint's first axis moves in the body; the other kinds have none.
+    /// Returns the joint's acceleration at constant speed of its axes (Ṡ q̇), in body axes. It is nonzero only for a
+    /// universal joint, whose first axis moves in the body.
     ///
     /// ```
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
-    /// // The inner axis turns at 2 rad/s, the outer one at 3 rad/s, which carries the inner one round in the body.
+    /// // First axis 2 rad/s, second axis 3 rad/s: the second rotates the first axis within the body.
     /// let wrist = JointKind::Universal { first: Vec3::X, second: Vec3::Y };
     /// let velocity = Twist::new(Vec3::new(2.0, 3.0, 0.0), Vec3::ZERO);
     /// let bias = wrist.bias_acceleration(Quat::IDENTITY, velocity);
@@ -192,8 +192,8 @@ impl JointKind {
         }
     }
 
-    /// Angles in rad or way in m along the axes of a joint that has one or two, at the pose that it can take
-    /// next to `in_joint`; zeros for the other kinds.
+    /// Returns angles in rad or displacement in m along the axes of a joint with one or two axes, for the valid pose
+    /// nearest to `in_joint`. Zeros for the other kinds.
     ///
     /// Angles are in [-π, π].
     pub(crate) fn along(self, in_joint: &Transform) -> [f32; 2] {
@@ -210,7 +210,7 @@ impl JointKind {
         }
     }
 
-    /// Pose in the joint frame of a joint that has one or two axes; the identity for the other kinds.
+    /// Returns the pose, in the joint frame, of a joint with one or two axes; the identity for the other kinds.
     pub(crate) fn at(self, along: [f32; 2]) -> Transform {
         let [a, b] = along;
         let turned = |rotation| Transform::new(rotation, Vec3::ZERO);
@@ -227,7 +227,7 @@ impl JointKind {
     /// Refuses axes that are not finite, not unit, or (universal) not perpendicular.
     ///
     /// # Errors
-    /// [`JointError`] with the value that is wrong.
+    /// [`JointError`] with the wrong value.
     pub fn validate(self) -> Result<(), JointError> {
         let check = |axis: Vec3| {
             let length = math::length(axis);
@@ -254,8 +254,8 @@ impl JointKind {
         }
     }
 
-    /// The same joint with axes of unit length to the last bit that f32 allows; a universal joint's
-    /// second axis is made perpendicular. For axes that [`Self::validate`] has passed.
+    /// Returns the joint with axes of unit length, exact within f32, and a universal joint's second axis
+    /// perpendicular to the first. The axes must have passed [`Self::validate`].
     #[must_use]
     pub(crate) fn normalized(self) -> Self {
         let unit = |axis: Vec3| axis * (1.0 / math::length(axis));
@@ -271,7 +271,7 @@ impl JointKind {
     }
 }
 
-/// Why a joint model cannot be used.
+/// An error in a joint model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -280,12 +280,12 @@ pub enum JointError {
     NonFiniteAxis,
     /// An axis is not of length 1.
     AxisNotUnit {
-        /// Its length.
+        /// Length of the axis.
         length: f32,
     },
     /// The two axes of a universal joint are not at a right angle.
     AxesNotPerpendicular {
-        /// Cosine of the angle between them.
+        /// Cosine of the angle between the axes.
         cosine: f32,
     },
 }

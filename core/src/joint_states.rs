@@ -1,4 +1,4 @@
-//! States of all joints of a tree: the entrance of what is measured.
+//! States of all joints of a tree: the checked container of measured states.
 
 use glam::Vec3;
 use heapless::Vec;
@@ -10,10 +10,9 @@ use crate::state::{JointState, StateInputError, check_position, checked_poses};
 use crate::transform::{Transform, Twist};
 use crate::tree::{Body, Tree};
 
-/// States of all joints of a tree, as measured; finite and with unit rotations at all times.
+/// Measured states of all joints of a tree, always finite and with unit rotations.
 ///
-/// This is an entrance: what comes from sensors or a file is refused here, so that the control tick need
-/// not fail.
+/// Invalid values from sensors or a file are refused at this point, so that the control tick cannot fail.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointState, JointStates, StateInputError, Transform, Tree};
@@ -38,14 +37,14 @@ pub struct JointStates<const N: usize> {
 }
 
 impl<const N: usize> JointStates<N> {
-    /// All joints of `tree` at rest in its zero pose.
+    /// Returns the states of all joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
         let at_rest = |body: &Body| JointState { pose: body.placement, velocity: Twist::ZERO };
         let states = fixed::collect(tree.bodies().iter().map(at_rest));
         Self { states }
     }
 
-    /// Creates states of no joints.
+    /// Creates states of an empty tree.
     pub(crate) fn uninit() -> Self {
         Self { states: Vec::new() }
     }
@@ -53,14 +52,14 @@ impl<const N: usize> JointStates<N> {
     /// Sets the state of one joint.
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if there is no such joint, a number is not finite or
-    /// the rotation not unit.
+    /// [`StateInputError`], and nothing changes, if there is no such joint, a number is not finite or the rotation
+    /// not unit.
     pub fn set(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
         state.check()?;
         self.put(joint, state)
     }
 
-    /// Sets the state of one joint to what is known to be finite, with a rotation that [`check_pose`] has passed.
+    /// Sets the state of one joint to a finite state whose rotation has passed [`check_pose`].
     #[inline]
     pub(crate) fn put(&mut self, joint: usize, state: JointState) -> Result<(), StateInputError> {
         let slot = self.states.get_mut(joint).ok_or(StateInputError::NoSuchJoint)?;
@@ -68,11 +67,10 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// Sets the poses of all joints, and their velocities to zero: for the first measurement, when nothing is known
-    /// of the one before. O(n).
+    /// Sets the poses of all joints, with zero velocities: for the first measurement, which has no predecessor. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit.
+    /// [`StateInputError`], and nothing changes, if a pose is missing, not finite or not unit.
     pub fn set_at_rest(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
         let poses = checked_poses(poses, self.states.len())?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
@@ -81,10 +79,9 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// Sets the poses of all joints to newly measured ones, and their velocities to the backward differences (13)
-    /// from the poses so far, `elapsed_s` earlier. The same as
-    /// [`backward_states`](crate::trajectory::backward_states) of two frames, but the earlier one is not checked
-    /// again. O(n).
+    /// Sets the poses of all joints to newly measured ones. The velocities become the backward differences (13) from
+    /// the previous poses, `elapsed_s` earlier. Equal to [`backward_states`](crate::trajectory::backward_states) of
+    /// two frames, but the earlier frame is not checked again. O(n).
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, StateInputError, Transform, Tree, glam::Vec3};
@@ -104,8 +101,8 @@ impl<const N: usize> JointStates<N> {
     /// ```
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if a joint has no pose, or one that is not finite or unit, or the
-    /// time is not a positive number (from 1e-9 s).
+    /// [`StateInputError`], and nothing changes, if a pose is missing, not finite or not unit, or the time is not a
+    /// positive number (at least 1e-9 s).
     pub fn update_poses(
         &mut self,
         poses: &[Transform],
@@ -119,15 +116,15 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// The steps in a second, if a difference from the poses so far can be.
+    /// Returns the number of steps per second, if a difference from the current poses is valid.
     pub(crate) fn rate(&self, elapsed_s: f32) -> Result<f32, StateInputError> {
         let rate_hz = rate(elapsed_s)?;
-        // Where the rig was may have come by other ways, which let farther poses in.
+        // Other setters accept positions that are too distant for a difference, so the current ones are checked.
         self.states.iter().try_for_each(|state| check_position(state.pose.translation_m))?;
         Ok(rate_hz)
     }
 
-    /// Moves one joint on to a pose that [`check_pose`](crate::state::check_pose) would pass, at a rate of
+    /// Moves one joint to a pose that would pass [`check_pose`](crate::state::check_pose), at a rate from
     /// [`Self::rate`].
     pub(crate) fn move_on(&mut self, joint: usize, pose: Transform, rate_hz: f32) {
         if let Some(state) = self.states.get_mut(joint) {
@@ -135,22 +132,22 @@ impl<const N: usize> JointStates<N> {
         }
     }
 
-    /// The states by joint.
+    /// Returns the states by joint.
     pub fn as_slice(&self) -> &[JointState] {
         &self.states
     }
 }
 
-/// The state after the step to a pose, whose rotation is made unit.
+/// Returns the state after the step to a pose, with a normalised rotation.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn move_on(state: &mut JointState, pose: Transform, rate_hz: f32) {
     let pose = Transform { rotation: math::unit(pose.rotation), ..pose };
     let mut velocity = step(&state.pose, &pose, rate_hz);
-    // Most joints only turn: their bodies' origins stay where they are in the parent's frame.
+    // Most joints only rotate: their bodies' origins are fixed in the parent's frame.
     if velocity.linear != Vec3::ZERO {
         velocity = in_axes_of(&pose, velocity);
     }

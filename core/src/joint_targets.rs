@@ -1,4 +1,4 @@
-//! Targets of all joints of a tree: the entrance of what is wanted.
+//! Targets of all joints of a tree: the checked container of desired states.
 
 use heapless::Vec;
 
@@ -9,9 +9,9 @@ use crate::state::{BodyState, JointState, StateInputError};
 use crate::transform::Twist;
 use crate::tree::Tree;
 
-/// Where all joints of a tree should be, how fast, and with what acceleration.
+/// Desired states and accelerations of all joints of a tree.
 ///
-/// An entrance like [`JointStates`].
+/// Setters refuse invalid values, like those of [`JointStates`].
 ///
 /// ```
 /// use sinew_core::{JointState, JointTargets, Twist, StateInputError, glam::Vec3};
@@ -30,21 +30,21 @@ use crate::tree::Tree;
 pub struct JointTargets<const N: usize> {
     states: Vec<JointState, N>,
     accelerations: Vec<Twist, N>,
-    /// The world states of the bodies that follow from `states`, as far as they are known.
+    /// World states of the bodies, computed from `states`; `known` tracks which parts are valid.
     bodies: Vec<BodyState, N>,
     known: Known,
 }
 
-/// What is known of the bodies' world states, and for trees of which shape.
+/// The valid part of the bodies' world states, with the shape of the tree they were computed for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Known {
     Nothing,
-    /// What [`kinematics::body_turns`] finds.
+    /// The part that [`kinematics::body_turns`] computes.
     Turns(u32),
     All(u32),
 }
 
-/// Equal if the joints' targets are: the bodies' follow from them.
+/// Compares the targets of the joints. Those of the bodies follow from them.
 impl<const N: usize> PartialEq for JointTargets<N> {
     fn eq(&self, other: &Self) -> bool {
         self.states == other.states && self.accelerations == other.accelerations
@@ -52,7 +52,7 @@ impl<const N: usize> PartialEq for JointTargets<N> {
 }
 
 impl<const N: usize> JointTargets<N> {
-    /// All joints of `tree` at rest in its zero pose.
+    /// Returns the targets of all joints of `tree` at rest in its zero pose.
     pub fn rest(tree: &Tree<N>) -> Self {
         let at_rest = JointStates::rest(tree);
         let states: Vec<JointState, N> = fixed::collect(at_rest.as_slice().iter().copied());
@@ -61,19 +61,19 @@ impl<const N: usize> JointTargets<N> {
         Self { states, accelerations, bodies, known: Known::Nothing }
     }
 
-    /// Creates targets of no joints.
+    /// Creates targets of an empty tree.
     pub(crate) fn uninit() -> Self {
         let (states, accelerations, bodies) = (Vec::new(), Vec::new(), Vec::new());
         Self { states, accelerations, bodies, known: Known::Nothing }
     }
 
-    /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired)
-    /// body axes: its angular part the derivative of the components of the angular velocity, its linear
-    /// part the second derivative of the position in the parent's frame, turned to body axes.
+    /// Sets state and acceleration of one joint. The acceleration is relative to the parent, in (desired) body axes.
+    /// Its angular part is the derivative of the components of the angular velocity. Its linear part is the second
+    /// derivative of the position in the parent's frame, turned to body axes.
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if there is no such joint, a number is not finite or
-    /// the rotation not unit.
+    /// [`StateInputError`], and nothing changes, if there is no such joint, a number is not finite or the rotation
+    /// not unit.
     pub fn set(
         &mut self,
         joint: usize,
@@ -87,8 +87,7 @@ impl<const N: usize> JointTargets<N> {
         self.put(joint, state, acceleration)
     }
 
-    /// Sets state and acceleration of one joint to what is known to be finite, with a rotation that [`check_pose`]
-    /// has passed.
+    /// Sets state and acceleration of one joint to finite values, with a rotation that has passed [`check_pose`].
     #[inline]
     pub(crate) fn put(
         &mut self,
@@ -107,11 +106,11 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
-    /// Sets only the velocity of one joint, relative to the parent, in (desired) body axes: zero for a
-    /// performance that gives poses alone.
+    /// Sets only the velocity of one joint, relative to the parent, in (desired) body axes: zero for a performance
+    /// that has only poses.
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if there is no such joint or a number is not finite.
+    /// [`StateInputError`], and nothing changes, if there is no such joint or a number is not finite.
     pub fn set_velocity(&mut self, joint: usize, velocity: Twist) -> Result<(), StateInputError> {
         if !velocity.is_finite() {
             return Err(StateInputError::NonFinite);
@@ -122,8 +121,8 @@ impl<const N: usize> JointTargets<N> {
         Ok(())
     }
 
-    /// Moves all joints of a tree on at their constant velocities, but those that would leave the numbers of f32.
-    /// Accelerations are zero then. O(n).
+    /// Moves all joints of a tree on at constant velocity, and sets their accelerations to zero. A joint whose pose
+    /// would become invalid stays. O(n).
     #[inline(never)]
     pub(crate) fn go_on(&mut self, tree: &Tree<N>, dt_s: f32) {
         for (body, (state, acceleration)) in
@@ -139,8 +138,8 @@ impl<const N: usize> JointTargets<N> {
         self.known = Known::Nothing;
     }
 
-    /// All targets as slices, to be set as a whole: states, accelerations, and the world states that follow from them
-    /// in a tree, which count as known from here on. Finite, and with unit rotations.
+    /// Returns all targets as slices, for code that sets every item: states, accelerations, and world states of the
+    /// bodies. The world states then count as valid. Values must be finite and rotations unit.
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,
@@ -150,7 +149,7 @@ impl<const N: usize> JointTargets<N> {
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
 
-    /// Finds the world states of the bodies of a tree from those of the joints, if they are not known yet.
+    /// Computes the world states of the bodies of a tree from those of the joints, unless they are valid.
     pub(crate) fn complete(&mut self, tree: &Tree<N>) {
         let all = Known::All(tree.shape());
         if self.known != all {
@@ -159,8 +158,8 @@ impl<const N: usize> JointTargets<N> {
         }
     }
 
-    /// As [`Self::complete`], of bodies that have a parent only rotations and angular velocities. O(n), or O(1) if they
-    /// are known.
+    /// Completes world states like [`Self::complete`], but for bodies with a parent only rotations and angular
+    /// velocities. O(n), or O(1) if they are valid.
     pub(crate) fn complete_turns(&mut self, tree: &Tree<N>) {
         let turns = Known::Turns(tree.shape());
         if self.known != Known::All(tree.shape()) && self.known != turns {
@@ -169,12 +168,13 @@ impl<const N: usize> JointTargets<N> {
         }
     }
 
-    /// World states of the bodies after [`Self::complete`], or what of them [`Self::complete_turns`] has found.
+    /// Returns the world states of the bodies, as far as [`Self::complete`] or [`Self::complete_turns`] has computed
+    /// them.
     pub(crate) fn bodies(&self) -> &[BodyState] {
         &self.bodies
     }
 
-    /// Adds to the acceleration of one joint what is finite of a sum.
+    /// Adds to the acceleration of one joint, unless the sum is not finite.
     pub(crate) fn add_acceleration(&mut self, joint: usize, more: Twist) {
         if let Some(slot) = self.accelerations.get_mut(joint) {
             let sum = *slot + more;
@@ -184,12 +184,12 @@ impl<const N: usize> JointTargets<N> {
         }
     }
 
-    /// The desired states by joint.
+    /// Returns the desired states by joint.
     pub fn states(&self) -> &[JointState] {
         &self.states
     }
 
-    /// The desired accelerations by joint, see [`Self::set`].
+    /// Returns the desired accelerations by joint, see [`Self::set`].
     pub fn accelerations(&self) -> &[Twist] {
         &self.accelerations
     }

@@ -1,13 +1,13 @@
-//! Forward kinematics: from joint states to world states.
+//! Forward kinematics: world states from joint states.
 
 use crate::math;
 use crate::state::{BodyState, JointState};
 use crate::transform::Twist;
 use crate::tree::Body;
 
-/// World states of all bodies. O(n).
+/// Computes the world states of all bodies. O(n).
 ///
-/// `joints` and `out` go by body; what is longer than the shortest of the three slices is left alone.
+/// `joints` and `out` are by body. Items beyond the shortest of the three slices are unchanged.
 ///
 /// ```
 /// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
@@ -32,8 +32,8 @@ pub fn body_states(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]
     }
 }
 
-/// As [`body_states`], to the same bits, but of bodies that have a parent only the rotation and the angular velocity:
-/// what the world errors of joints that turn are made of. The rest of them is left as it is. O(n).
+/// Computes world states like [`body_states`], equal to the bit, but for bodies with a parent only the rotation and
+/// the angular velocity: enough for the world errors of joints that rotate. The other fields are unchanged. O(n).
 pub(crate) fn body_turns(bodies: &[Body], joints: &[JointState], out: &mut [BodyState]) {
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate() {
         let parent = body.parent.and_then(|parent| out.get(parent));
@@ -50,8 +50,7 @@ pub(crate) fn body_turns(bodies: &[Body], joints: &[JointState], out: &mut [Body
     }
 }
 
-/// Joint states from world states: the way back from [`body_states`], eq. (5) of Notman et al. (2011).
-/// O(n).
+/// Computes joint states from world states: the inverse of [`body_states`], eq. (5) of Notman et al. (2011). O(n).
 ///
 /// ```
 /// use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, JointStates, Transform, Tree};
@@ -78,10 +77,10 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
     }
 }
 
-/// World accelerations of all bodies: of the angle, and of the origin (classical). O(n).
+/// Computes the world accelerations of all bodies: angular, and of the origin (classical). O(n).
 ///
-/// `world` are the states that [`body_states`] makes. `accelerations` are those of the joints,
-/// relative to the parent, in body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
+/// `world` are the states from [`body_states`]. `accelerations` are those of the joints, relative to the parent, in
+/// body axes, as in [`inverse_dynamics`](crate::dynamics::inverse_dynamics).
 ///
 /// ```
 /// use sinew_core::{kinematics, Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, glam::Vec3};
@@ -101,9 +100,9 @@ pub fn joint_states(bodies: &[Body], world: &[BodyState], out: &mut [JointState]
 /// kinematics::body_states(arm.bodies(), joints.as_slice(), &mut world);
 /// let mut accelerations = [Twist::ZERO; 2];
 /// kinematics::body_accelerations(arm.bodies(), &world, &[Twist::ZERO; 2], &mut accelerations);
-/// // At a steady turn the elbow is pulled inwards: (2 rad/s)² 0.5 m.
+/// // In a steady rotation, the elbow accelerates inwards: (2 rad/s)² 0.5 m.
 /// assert_eq!(accelerations[1].linear, Vec3::X * -2.0);
-/// // And back: no joint is accelerated.
+/// // The inverse: no joint accelerates.
 /// kinematics::joint_accelerations(arm.bodies(), &world, &mut accelerations);
 /// assert_eq!(accelerations, [Twist::ZERO; 2]);
 /// # Ok::<(), sinew_core::TreeError>(())
@@ -125,9 +124,9 @@ pub fn body_accelerations(
     }
 }
 
-/// Joint accelerations from world accelerations, in place: the way back from [`body_accelerations`]. O(n).
+/// Replaces world accelerations by joint accelerations, in place: the inverse of [`body_accelerations`]. O(n).
 pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: &mut [Twist]) {
-    // From the leaves inwards: a parent's is still that in the world.
+    // From the leaves inwards: the parent's value is then still its world acceleration.
     for (index, (body, state)) in bodies.iter().zip(world).enumerate().rev() {
         let parent = of_parent(body, world, &BodyState::WORLD);
         let carried = carried(*of_parent(body, accelerations, &Twist::ZERO), parent, state);
@@ -137,15 +136,15 @@ pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: 
     }
 }
 
-/// What a body's acceleration is by its parent's alone, as if both were one and stood still. World axes.
+/// Returns the part of a body's acceleration due to its parent's, as if both were one rigid body at rest. World axes.
 pub(crate) fn carried(of_parent: Twist, parent: &BodyState, body: &BodyState) -> Twist {
     let arm = body.pose.translation_m - parent.pose.translation_m;
     Twist { linear: of_parent.linear + of_parent.angular.cross(arm), ..of_parent }
 }
 
-/// What a body's acceleration is by velocities alone: centripetal and Coriolis. World axes.
+/// Returns the part of a body's acceleration due to velocities: centripetal and Coriolis. World axes.
 ///
-/// `ω × (ω × l) + 2 ω × v_rel` with `v_rel` the difference of the velocities less `ω × l`.
+/// `ω × (ω × l) + 2 ω × v_rel`, with `v_rel` the difference of the velocities minus `ω × l`.
 pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Twist {
     let arm = body.pose.translation_m - parent.pose.translation_m;
     let (of_parent, of_body) = (parent.velocity, body.velocity);
@@ -156,7 +155,7 @@ pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Twist {
     }
 }
 
-/// The item of a body's parent in a slice by body; `world` for the root.
+/// Returns the item of a body's parent in a slice by body; `world` for the root.
 #[inline]
 pub(crate) fn of_parent<'a, T>(body: &Body, items: &'a [T], world: &'a T) -> &'a T {
     body.parent.and_then(|parent| items.get(parent)).unwrap_or(world)

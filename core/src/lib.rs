@@ -1,32 +1,35 @@
-//! The motion core for animatronic servo rigs: it makes a tree of joints follow a performance with natural, low-gain
+//! A motion core for animatronic servo rigs: it makes a tree of joints follow a performance with natural, low-gain
 //! motion.
 //!
-//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. Controller and simulator run this one code,
-//! and it gives the same bits in both.
+//! `no_std`, fixed capacity, no allocation, no `unsafe`, no panic. Controller and simulator run the same code, and
+//! their results are equal to the last bit.
 //!
-//! # Six joints
-//! An arm of six revolute joints: build the tree, track a target, get six torques.
+//! # The first torque
+//! An arm of six revolute joints: build the tree, name a target, get six torques.
 //! ```
-#![doc = include_str!("../examples/six_joints.rs")]
+#![doc = include_str!("../examples/first_torque.rs")]
 //! ```
+//! [`prelude`] has all names that a first program needs. [`Tree::inverse_dynamics`], [`Tree::forward_dynamics`],
+//! [`Tree::mass_matrix`] and [`Tree::gravity`] use the coordinates of [`JointController`].
+//!
 //! Gains: the controller turns the error of a joint into an acceleration, `kp` times the error plus `kd` times its
-//! rate, and inverse dynamics turns that into the torque. So `kp` is a stiffness per unit of inertia, in 1/s²: the
-//! same value suits a finger and a shoulder. 200 is firm, 20 is soft. `kd`, in 1/s, is damping;
+//! rate. Inverse dynamics turns this acceleration into the torque. `kp` is therefore a stiffness per unit of inertia,
+//! in 1/s²: the same value suits a finger and a shoulder. 200 is firm, 20 is soft. `kd`, in 1/s, is damping;
 //! [`Gains::critically_damped`](control::Gains::critically_damped) chooses `kd = 2 √kp`.
 //!
-//! Gravity is a vector in the axes of the base, whose frame is the world's: a rig on a tilted base tilts the vector.
+//! Gravity is a vector in the axes of the base, whose frame is the world frame. For a rig on a tilted base, tilt the
+//! vector.
 //!
 //! # From a performance to torques
-//! 1. [`Tree`]: the rig, checked once.
-//! 2. [`Trajectory`], [`finite_difference`]: where the rig should be, and how fast. [`coordinates`]: the same from
-//!    and to the numbers of servos and encoders.
+//! 1. [`Tree`]: the rig, validated once.
+//! 2. [`Trajectory`], [`finite_difference`]: desired poses and velocities of the rig. [`coordinates`] converts
+//!    between poses and the numbers of servos and encoders.
 //! 3. [`kinematics`]: world states of all bodies.
-//! 4. [`state_error`]: how far the rig is from the performance, by one of several methods.
+//! 4. [`state_error`]: the difference between the rig and the performance, by one of several methods.
 //! 5. [`control`] and [`dynamics`]: error to torque, with inverse dynamics and limits.
 //!
-//! [`TorqueController::tick`] does steps 3 to 5 in one call; [`tracker::Tracker`] does all of it, with an observer,
-//! from a source of frames. [`importance`] says how much each joint matters, for rigs whose joints cannot all follow
-//! exactly.
+//! [`TorqueController::tick`] does steps 3 to 5 in one call. [`tracker::RigTracker`] does all steps, with an observer,
+//! from a source of frames. For rigs whose joints cannot all follow exactly, [`importance`] weighs the joints.
 //!
 //! ```
 //! use sinew_core::{Body, TorqueController, Inertia, JointKind, JointStates, JointTargets, Trajectory, Tree};
@@ -42,7 +45,7 @@
 //! };
 //! let arm = Tree::<2>::from_bodies(&[link(None, 0.0), link(Some(0), 0.3)])?;
 //!
-//! // 2. A performance of 100 frames a second, in which both joints swing.
+//! // 2. A performance of 100 frames per second, in which both joints swing.
 //! let frame = |k: u8| {
 //!     let swing = math::exp(Vec3::Z * 0.5 * (0.1 * f32::from(k)).sin());
 //!     [Transform::new(swing, Vec3::ZERO), Transform::new(swing, Vec3::X * 0.3)]
@@ -50,14 +53,14 @@
 //! let frames: Vec<Transform> = (0..100).flat_map(frame).collect();
 //! let performance = Trajectory::new(&frames, 2, 0.01)?;
 //!
-//! // 3 to 5.
+//! // 3. to 5. Track the performance.
 //! let controller = TorqueController::new(arm, Gains::critically_damped(200.0)?, Method::World)?;
 //! let mut targets = JointTargets::rest(controller.tree());
 //! let mut measured = JointStates::rest(controller.tree());
 //! let mut workspace = Workspace::new();
 //! for frame in 0..performance.len() {
 //!     performance.targets(frame, &mut targets)?;
-//!     // A rig sets here what its sensors measured. This one is where it should be.
+//!     // A real rig stores the readings of its sensors at this point. This rig has no error.
 //!     for (joint, state) in targets.states().iter().enumerate() {
 //!         measured.set(joint, *state)?;
 //!     }
@@ -70,35 +73,36 @@
 //! # Conventions
 //! - SI units (m, kg, s, N, N m) and radians; right-handed frames; quaternions `[x, y, z, w]`, unit.
 //! - Rotations are active: `v_parent = R v_child`. A rotation vector is axis times angle.
-//! - **Regular numbering**: body 0 is the root, a parent's index is smaller than its children's. Body
-//!   `i` is moved by joint `i`, and its frame has its origin there. The root's parent is the world.
-//! - The pose of joint `i` is the pose of body `i` in its parent's frame; velocities and accelerations
-//!   of a joint are those of body `i` relative to its parent, in **body axes**.
-//! - World velocities are those of the frame's origin, in **world axes**.
+//! - **Regular numbering**: body 0 is the root, and a parent's index is smaller than its children's. Joint `i` moves
+//!   body `i`, whose frame has its origin at the joint. The root's parent is the world.
+//! - The pose of joint `i` is the pose of body `i` in its parent's frame. The velocity and acceleration of a joint
+//!   are those of body `i` relative to its parent, in **body axes**.
+//! - A world velocity is the velocity of the frame's origin, in **world axes**.
 //! - **Numbers**: types with a constructor or a setter hold finite numbers. Functions of plain slices and vectors
-//!   (kinematics, state errors, dynamics) take any numbers. If one is not finite, or too large for f32, so is the
-//!   result; there is no panic. [`TorqueController::tick`] then gives a torque of zero and the reason.
-//! - Every elementary function goes through [`math`], and glam is used without SIMD, so that all
-//!   machines compute the same bits.
+//!   (kinematics, state errors, dynamics) accept any numbers. If a number is not finite, or too large for f32, the
+//!   result is not finite either; there is no panic. [`TorqueController::tick`] then gives a torque of zero and the
+//!   reason.
+//! - Every elementary function goes through [`math`], and glam is used without SIMD, which makes the results of all
+//!   machines identical to the bit.
 //!
 //! # Features
 //! Both are off by default. Neither needs `std` or an allocator.
-//! - `defmt`: `defmt::Format` for all public types, for the log of a board.
-//! - `serde`: `Serialize` and `Deserialize` for settings and states. Reading checks the same rules as the constructors
-//!   and refuses NaN and infinity; its errors say what is wrong and where.
+//! - `defmt`: `defmt::Format` for all public types, for a board's log.
+//! - `serde`: `Serialize` and `Deserialize` for settings and states. Reading checks the same rules as the
+//!   constructors and refuses NaN and infinity. An error names the wrong value and its place.
 //!
-//! `serde` writes vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as its bodies, sets and values by
-//! body or joint as lists, and a torque limit's bound as a number or `null` (no bound). Reading normalises rotations
-//! and axes, so their last bits may change. A value that belongs to a tree but is read without one, such as
-//! [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it fits its own. Not
-//! covered are
+//! `serde` writes vectors as `[x, y, z]`, quaternions as `[x, y, z, w]`, a [`Tree`] as a list of its bodies, sets and
+//! values by body or joint as lists, and the bound of a torque limit as a number or `null` (no bound). Reading
+//! normalises rotations and axes, which may change their last bits. A value that belongs to a tree but is read
+//! without it, such as [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it
+//! fits the controller's. `serde` does not cover
 //! - scratch, and estimates that are carried from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
 //! - types that only a constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains depend on
 //!   each other; [`ManifoldProjection`](projection::ManifoldProjection) (write its weights and ranges instead);
 //!   [`TorqueSupply`](supply::TorqueSupply) (write its number and weights);
-//! - [`RestPose`](importance::RestPose) and what is measured on it, which follow from a rig or a character;
+//! - [`RestPose`](importance::RestPose) and the values measured on it, which follow from a rig or a character;
 //! - [`Trajectory`], which borrows its frames;
-//! - errors: they have `Display`, for people.
+//! - errors, which have a `Display` for people.
 //!
 //! ```
 //! # #[cfg(feature = "serde")] {
@@ -116,28 +120,33 @@
 //! ```
 //!
 //! # Files
-//! A module uses only modules of its own line and of the lines before it:
-//! - `math`: elementary functions, most of them short polynomials. No other code computes any.
+//! In this list, a module uses only modules of its own line and of earlier lines:
+//! - `math`: elementary functions, most of them short polynomials. No other code computes such functions.
 //! - `bandwidth`: the bandwidth that a soft gear allows.
 //! - `read`: numbers that the feature `serde` reads, refused if they are not finite or not unit.
 //! - `transform`, `inertia`, `joint`: rigid transforms, motion and force vectors; mass properties; joint kinds.
 //! - `body_set`, `tree`, `fixed`, `matrix`, `symmetric`: the rig in regular numbering (λ parent, κ supporters, ν
 //!   subtree, µ children, leaves); vectors filled without a panic; small matrices.
-//! - `state`, `kinematics`, `pose_step`, `finite_difference`: states of joints and bodies, one from the other (eq. 5);
-//!   steps between poses; eq. 13.
-//! - `joint_states`, `joint_targets`: the entrances of measured states and of targets.
-//! - `trajectory`, `forward_differences`, `aligned_differences`: performances as frames, and as they arrive.
-//! - `importance/`, `body_weight`: weights of joints from a skeleton at rest; weights of bodies.
+//! - `state`, `kinematics`, `pose_step`, `finite_difference`: states of joints and bodies, and the conversion between
+//!   them (eq. 5); steps between poses; eq. 13.
+//! - `joint_states`, `joint_targets`: checked containers of measured states and of targets.
+//! - `trajectory`, `forward_differences`, `aligned_differences`: performances as a list of frames, and frame by
+//!   frame.
+//! - `importance/`, `body_weight`: weights of joints, from a skeleton at rest; weights of bodies.
 //! - `dynamics/`: inverse dynamics (`rnea`), forward dynamics (`aba`), mass matrix (`crba`), the inertia at a drive
 //!   (`reflected`), and Gauss's principle (`least_constraint`), which the projection and `resolved_acceleration` use.
-//! - `projection/`, `pose_space/`: the rig's own pose nearest to the desired one; distances of poses, and curves.
+//! - `projection/`, `pose_space/`: the pose of the rig that is nearest to the desired pose; distances between poses,
+//!   and curves.
 //! - `state_error/`: a file for each method.
 //! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
-//! - `coordinates/`, `supply`, `observer`: states and efforts as slices of numbers; the limit of the sum of all
-//!   torques; sensors filtered, disturbances learned, and a look ahead over the delay.
+//! - `chain`: constructors of bodies by the kind of their joint, and of trees that are one chain.
+//! - `coordinates/`, `joint_controller`: states, efforts and dynamics as slices of numbers; a tick of them.
+//! - `supply`, `observer`: the limit of the sum of all torques; filtered sensors, learned disturbances, and a
+//!   prediction over the delay.
 //! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states
 //!   (`estimate`).
-//! - `serial`, `format`: what the features `serde` and `defmt` make of the types.
+//! - `prelude`: the names that a first program needs.
+//! - `serial`, `format`: the implementations for the features `serde` and `defmt`.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -167,6 +176,7 @@ mod aligned_differences;
 pub mod bandwidth;
 mod body_set;
 mod body_weight;
+mod chain;
 pub mod control;
 mod controller;
 pub mod coordinates;
@@ -179,6 +189,7 @@ mod forward_differences;
 pub mod importance;
 mod inertia;
 mod joint;
+mod joint_controller;
 mod joint_states;
 mod joint_targets;
 pub mod kinematics;
@@ -187,6 +198,7 @@ mod matrix;
 pub mod observer;
 pub mod pose_space;
 mod pose_step;
+pub mod prelude;
 pub mod projection;
 #[cfg(feature = "serde")]
 mod read;
@@ -207,6 +219,7 @@ pub use coordinates::JointCoordinatesError;
 pub use forward_differences::ForwardDifferences;
 pub use inertia::{Inertia, InertiaError, RotationalInertia};
 pub use joint::{JointError, JointKind};
+pub use joint_controller::{JointController, JointControllerError, JointTickError};
 pub use joint_states::JointStates;
 pub use joint_targets::JointTargets;
 pub use state::{BodyState, JointState, StateInputError};
@@ -214,5 +227,5 @@ pub use trajectory::{Trajectory, TrajectoryError};
 pub use transform::{Transform, Twist, Wrench};
 pub use tree::{Body, Tree, TreeError};
 
-/// The vector algebra of the public types, so that users need not match its version.
+/// The vector algebra of the public types. Using this re-export avoids a mismatch of versions.
 pub use glam;

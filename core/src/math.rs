@@ -1,14 +1,14 @@
-//! The one door to elementary functions, and the rotation maps built on them.
+//! Elementary functions, and the rotation maps built on them.
 //!
-//! Nothing else in Sinew's core calls `libm`: one place decides how a function is computed, so that a PC
-//! and a Cortex-M4F give the same bits.
+//! No other part of Sinew's core calls `libm`. A single module decides how a function is computed, which gives equal
+//! bits on a PC and a Cortex-M4F.
 
 use glam::{Quat, Vec3};
 
-/// π.
+/// The number π.
 pub const PI: f32 = core::f32::consts::PI;
 
-/// Square root, correctly rounded.
+/// Returns the square root, correctly rounded.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::sqrt(2.25), 1.5);
@@ -18,14 +18,14 @@ pub fn sqrt(x: f32) -> f32 {
     sinew_fpu::sqrt(x)
 }
 
-/// Sine and cosine of an angle in radians: to 1e-7 of 1, for angles to 8192 rad; beyond, to what f32 has left of
-/// the angle (half a unit of its last place).
+/// Returns sine and cosine of an angle in radians, with an error below 1e-7 for angles up to 8192 rad. For larger
+/// angles the error is up to half a unit in the last place of the angle.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::sin_cos(0.0), (0.0, 1.0));
 /// ```
 pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
-    // Beyond this the parts of π/2 below no longer multiply without rounding.
+    // Above this, the products with the parts of π/2 below are no longer exact.
     let angle = if angle_rad.abs() < 8192.0 { angle_rad } else { libm::fmodf(angle_rad, 2.0 * PI) };
     let turns = angle * (2.0 / PI);
     #[expect(
@@ -34,7 +34,7 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     )]
     let quarters = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i16;
     let k = f32::from(quarters);
-    // π/2 in three parts, the first two short enough for exact products (Cody and Waite 1980).
+    // π/2 in three parts; the first two are short enough for exact products (Cody and Waite 1980).
     let rest = ((angle - k * 1.570_312_5) - k * 4.837_513e-4) - k * 7.549_79e-8;
     let squared = rest * rest;
     let (sine, cosine) = (rest * sine_over_angle(squared), cosine_of_root(squared));
@@ -46,22 +46,22 @@ pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
     }
 }
 
-/// Angle in radians of the point `(x, y)`, in [-π, π], to 2.4e-7 of its value; 0 for the origin, NaN if both are
-/// infinite.
+/// Returns the angle in radians of the point `(x, y)`, in [-π, π], with a relative error below 2.4e-7. The result is
+/// 0 for the origin, NaN if both are infinite.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::atan2(0.0, 1.0), 0.0);
 /// ```
 pub fn atan2(y: f32, x: f32) -> f32 {
     let (up, along) = (y.abs(), x.abs());
-    // Halves, so that the sum does not overflow.
+    // Halved, so that the sum does not overflow.
     let (eighth, ratio) = if up <= EIGHTH_TAN * along {
         (0.0, if along > 0.0 { up / along } else { 0.0 })
     } else if along <= EIGHTH_TAN * up {
         (0.5 * PI, -along / up)
     } else {
         let sum = 0.5 * up + 0.5 * along;
-        // The halves of the smallest numbers there are.
+        // The halves of the smallest numbers may be zero.
         (0.25 * PI, if sum == 0.0 { 0.0 } else { (0.5 * up - 0.5 * along) / sum })
     };
     let angle = eighth + ratio * arctangent_over_tangent(ratio * ratio);
@@ -69,13 +69,13 @@ pub fn atan2(y: f32, x: f32) -> f32 {
     if y < 0.0 { -angle } else { angle }
 }
 
-/// tan(π/8): an eighth of a turn to either side, where the polynomial of the arctangent is good.
+/// tan(π/8): the polynomial of the arctangent is accurate up to this ratio.
 const EIGHTH_TAN: f32 = 0.414_213_57;
 
-// The polynomials are minimax approximations of the relative error, found by Remez' exchange algorithm in 40 digits
-// and rounded to f32. What is left out is below 7e-9 of the value: a ninth of the rounding of f32.
+// The polynomials are minimax approximations of the relative error, computed by Remez' exchange algorithm in 40
+// digits and rounded to f32. The truncation error is below 7e-9 of the value: a ninth of f32's rounding.
 
-/// `atan(t) / t` of `t²` in [0, tan²(π/8)].
+/// Returns `atan(t) / t` as a function of `t²` in [0, tan²(π/8)].
 #[inline]
 fn arctangent_over_tangent(z: f32) -> f32 {
     1.0 + z
@@ -83,19 +83,19 @@ fn arctangent_over_tangent(z: f32) -> f32 {
             + z * (0.199_985_33 + z * (-0.142_429_72 + z * (0.105_814_99 - z * 0.060_332_76))))
 }
 
-/// `sin(x) / x` of `x²` in [0, (π/4)²].
+/// Returns `sin(x) / x` as a function of `x²` in [0, (π/4)²].
 #[inline]
 fn sine_over_angle(y: f32) -> f32 {
     1.0 + y * (-0.166_666_55 + y * (0.008_332_1 - y * 1.950_396_4e-4))
 }
 
-/// `cos(x)` of `x²` in [0, (π/4)²].
+/// Returns `cos(x)` as a function of `x²` in [0, (π/4)²].
 #[inline]
 fn cosine_of_root(y: f32) -> f32 {
     1.0 - y * (0.5 - y * (0.041_666_653 + y * (-0.001_388_765_4 + y * 2.446_383_4e-5)))
 }
 
-/// `eˣ`. The map of rotation vectors is [`exp`].
+/// Returns `eˣ`. [`exp`] is the map of rotation vectors.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::exponential(0.0), 1.0);
@@ -105,7 +105,7 @@ pub fn exponential(x: f32) -> f32 {
     libm::expf(x)
 }
 
-/// Natural logarithm, of a number above 0. That of rotations is [`log`].
+/// Returns the natural logarithm of a number above 0. [`log`] is the map of rotations.
 ///
 /// ```
 /// assert_eq!(sinew_core::math::logarithm(1.0), 0.0);
@@ -115,24 +115,24 @@ pub fn logarithm(x: f32) -> f32 {
     libm::logf(x)
 }
 
-/// The nearest whole number, the even one of two.
+/// Returns the nearest whole number; if two are equally near, the even one.
 pub(crate) fn round(x: f32) -> f32 {
     libm::rintf(x)
 }
 
-/// Zero if all components are finite, else no number: many are checked by one comparison of a sum.
+/// Returns zero if all components are finite, else NaN. A single comparison of a sum then checks many vectors.
 #[inline]
 pub(crate) fn zero_of_numbers(v: Vec3) -> f32 {
     v.dot(Vec3::ZERO)
 }
 
-/// Whether all components are finite.
+/// Returns `true` if all components are finite.
 #[inline]
 pub(crate) fn is_finite(v: Vec3) -> bool {
     zero_of_numbers(v) == 0.0
 }
 
-/// Length of a vector.
+/// Returns the length of a vector.
 ///
 /// ```
 /// # use sinew_core::{glam::Vec3, math};
@@ -143,7 +143,7 @@ pub fn length(v: Vec3) -> f32 {
     sqrt(v.dot(v))
 }
 
-/// A vector turned by a unit quaternion.
+/// Returns a vector rotated by a unit quaternion.
 ///
 /// ```
 /// # use sinew_core::{glam::{Quat, Vec3}, math};
@@ -152,14 +152,14 @@ pub fn length(v: Vec3) -> f32 {
 /// ```
 #[inline]
 pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
-    // v + w t + a × t with t = 2 a × v, a the vector part.
+    // v + w t + a × t with t = 2 a × v, where a is the vector part.
     let a = Vec3::new(q.x, q.y, q.z);
     let t = a.cross(v + v);
     plus_cross(v + t * q.w, a, t)
 }
 
-/// The turn from one orientation to another in the axes of the turning body, `from⁻¹ to`. Its products are paired so
-/// that it is no turn at all, to the last bit, if both are the same.
+/// Returns the rotation from one orientation to another in the axes of the rotating body, `from⁻¹ to`. For equal
+/// orientations the pairing of its products gives exactly no rotation.
 #[inline]
 pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
@@ -171,7 +171,7 @@ pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
     )
 }
 
-/// As [`turn_in_body`], in the axes that both are seen from, `to from⁻¹`.
+/// Returns the rotation like [`turn_in_body`], but in the frame in which both orientations are given: `to from⁻¹`.
 #[inline]
 pub(crate) fn turn_in_world(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
@@ -183,7 +183,7 @@ pub(crate) fn turn_in_world(from: Quat, to: Quat) -> Quat {
     )
 }
 
-/// A rotation after a half turn about a unit axis of its own.
+/// Returns a rotation followed by a half turn about a unit axis of the rotated body.
 #[inline]
 pub(crate) fn turned_half(rotation: Quat, axis: Vec3) -> Quat {
     let a = Vec3::new(rotation.x, rotation.y, rotation.z);
@@ -191,7 +191,7 @@ pub(crate) fn turned_half(rotation: Quat, axis: Vec3) -> Quat {
     Quat::from_xyzw(v.x, v.y, v.z, -a.dot(axis))
 }
 
-/// `sum + a × b`, added up one product after the other: each is one instruction where there is multiply-add.
+/// Returns `sum + a × b`, added product by product: each is a single instruction on CPUs with multiply-add.
 #[inline]
 pub(crate) fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(
@@ -201,8 +201,8 @@ pub(crate) fn plus_cross(sum: Vec3, a: Vec3, b: Vec3) -> Vec3 {
     )
 }
 
-/// The unit quaternion in the direction of `q`; the identity if `q` has none that f32 can tell: if its squared length
-/// is below 1.2e-38 (then it has too few digits), infinite or no number.
+/// Returns the unit quaternion in the direction of `q`. The result is the identity if the squared length of `q` is
+/// below 1.2e-38 (it then has too few digits), infinite or NaN.
 ///
 /// ```
 /// # use sinew_core::{glam::Quat, math};
@@ -214,7 +214,7 @@ pub fn unit(q: Quat) -> Quat {
     let squared = q.dot(q);
     let excess = squared - 1.0;
     if excess.abs() < 2e-3 {
-        // The series of 1/√squared, as a correction to add: a factor next to 1 has too few digits.
+        // The series of 1/√squared, as a correction to add: a factor next to 1 would have too few digits.
         q + q * (excess * (0.375 * excess - 0.5))
     } else if squared.is_normal() {
         q * (1.0 / sqrt(squared))
@@ -223,19 +223,20 @@ pub fn unit(q: Quat) -> Quat {
     }
 }
 
-/// How far the length of an axis or a quaternion may be from 1.
+/// Tolerance for the length of an axis or a quaternion: deviation from 1.
 ///
-/// Configuration files carry six digits or so; what is off by more is a mistake, not rounding.
+/// Configuration files have about six digits; a larger deviation is a mistake, not rounding.
 pub(crate) const UNIT_TOLERANCE: f32 = 1e-3;
 
-/// Whether a quaternion is a rotation: of length 1 within [`UNIT_TOLERANCE`]. NaN and what overflows is none.
+/// Returns `true` if a quaternion is a rotation: its length is 1 within [`UNIT_TOLERANCE`]. NaN and overflow give
+/// `false`.
 #[inline]
 pub(crate) fn is_unit(q: Quat) -> bool {
     (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
 }
 
-/// The part of a rotation that turns about a unit axis, unit: the twist, without the swing. No turn at all, if the
-/// rotation is a half turn about an axis across.
+/// Returns the twist of a rotation about a unit axis, without the swing, as a unit quaternion. The identity, if the
+/// rotation is a half turn about a perpendicular axis.
 #[inline]
 pub(crate) fn twist_about(axis: Vec3, rotation: Quat) -> Quat {
     let Quat { x, y, z, w } = rotation;
@@ -243,17 +244,16 @@ pub(crate) fn twist_about(axis: Vec3, rotation: Quat) -> Quat {
     unit(Quat::from_xyzw(along.x, along.y, along.z, w))
 }
 
-/// The angle of [`twist_about`] in rad, in [-π, π].
+/// Returns the angle of [`twist_about`] in rad, in [-π, π].
 pub(crate) fn turn_about(axis: Vec3, rotation: Quat) -> f32 {
     let q = if rotation.w < 0.0 { -rotation } else { rotation };
     2.0 * atan2(Vec3::new(q.x, q.y, q.z).dot(axis), q.w)
 }
 
-/// Logarithm map: the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.
+/// Logarithm map: returns the rotation vector (axis times angle, angle in [0, π]) of a unit quaternion.
 ///
-/// `q` and `-q` are the same rotation and give the same vector; at an angle of π exactly, where both
-/// axes are right, the one of the given sign of `q` is returned. Of what is no unit quaternion the result may be no
-/// number.
+/// `q` and `-q` are the same rotation and give the same vector. At an angle of exactly π, both axes are valid; the
+/// sign of `q` selects the axis. If `q` is not unit, the result may be NaN.
 ///
 /// ```
 /// # use sinew_core::{glam::{Quat, Vec3}, math};
@@ -267,13 +267,15 @@ pub fn log(q: Quat) -> Vec3 {
     v * log_scale(v.dot(v), q.w)
 }
 
-/// What the vector part of a unit quaternion is multiplied with for its logarithm. `squared`: its squared length.
+/// Returns the factor from the vector part of a unit quaternion to its logarithm. `squared`: squared length of the
+/// vector part.
 ///
-/// Numbers in and out, that go through registers: in line it is too large, and a quaternion would go through memory.
+/// Never inlined, because it is large. Arguments and result are single numbers, which pass in registers; a quaternion
+/// would go through memory.
 #[inline(never)]
 fn log_scale(squared: f32, w: f32) -> f32 {
     if squared <= (EIGHTH_TAN * EIGHTH_TAN) * (w * w) {
-        // Up to an eighth of a turn, with t = tan(angle / 2) = |v| / w: (2 / w) atan(t) / t, and no root to take.
+        // Up to an eighth of a turn, with t = tan(angle / 2) = |v| / w: (2 / w) atan(t) / t, without a square root.
         let reciprocal = 1.0 / w;
         2.0 * reciprocal * arctangent_over_tangent(squared * (reciprocal * reciprocal))
     } else {
@@ -283,9 +285,9 @@ fn log_scale(squared: f32, w: f32) -> f32 {
     }
 }
 
-/// Exponential map: the unit quaternion of a rotation vector; inverse of [`log`].
+/// Exponential map: returns the unit quaternion of a rotation vector; inverse of [`log`].
 ///
-/// No number comes of a vector so long that f32 does not have its square (3.6e19 rad), or that is none itself.
+/// The result is NaN if a component is NaN, or the square of the length overflows f32 (3.6e19 rad).
 ///
 /// ```
 /// # use sinew_core::{glam::Vec3, math};
@@ -299,7 +301,7 @@ pub fn exp(rotation_vector_rad: Vec3) -> Quat {
     Quat::from_xyzw(v.x, v.y, v.z, w)
 }
 
-/// Sine and cosine of half of an angle: [`exp`] of a turn about a unit axis is `(axis sine, cosine)`.
+/// Returns sine and cosine of half an angle: [`exp`] of a rotation about a unit axis is `(axis sine, cosine)`.
 #[inline]
 pub(crate) fn half_sin_cos(angle_rad: f32) -> (f32, f32) {
     let half = angle_rad * 0.5;
@@ -307,7 +309,7 @@ pub(crate) fn half_sin_cos(angle_rad: f32) -> (f32, f32) {
     (half * scale, cosine)
 }
 
-/// `sin(x) / x` and `cos(x)` of x².
+/// Returns `sin(x) / x` and `cos(x)` as functions of x².
 #[inline]
 fn sine_over_angle_and_cosine_of(squared: f32) -> (f32, f32) {
     if squared <= (0.25 * PI) * (0.25 * PI) {
@@ -319,9 +321,9 @@ fn sine_over_angle_and_cosine_of(squared: f32) -> (f32, f32) {
     }
 }
 
-/// Spherical linear interpolation by the shorter way: `a` at 0, `b` at 1, constant angular velocity.
+/// Interpolates two rotations along the shorter way with constant angular velocity: `a` at 0, `b` at 1 (slerp).
 ///
-/// Unit for unit quaternions and any `t` that is a number of less than 1e18.
+/// The result is unit for unit quaternions and any finite `t` below 1e18.
 ///
 /// ```
 /// # use sinew_core::{glam::{Quat, Vec3}, math};
@@ -333,7 +335,7 @@ pub fn slerp(a: Quat, b: Quat, t: f32) -> Quat {
     unit(a * exp(log(a.conjugate() * b) * t))
 }
 
-/// Four numbers that the same is done to: what compilers make vector instructions of where there are any.
+/// Four numbers for the same operation. Compilers turn these into vector instructions if the CPU has them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Four([f32; 4]);
 
@@ -361,14 +363,14 @@ impl Four {
         self.0[3]
     }
 
-    /// What comes before each: `before` and the first three.
+    /// Returns the numbers shifted by one: `before` and the first three.
     #[inline]
     pub(crate) fn after(self, before: f32) -> Self {
         let [a, b, c, _] = self.0;
         Self([before, a, b, c])
     }
 
-    /// Sum of the roots.
+    /// Returns the sum of the square roots.
     #[inline]
     pub(crate) fn sqrt_sum(self) -> f32 {
         let [a, b, c, d] = self.0.map(sqrt);
@@ -376,7 +378,7 @@ impl Four {
     }
 }
 
-/// An operation on each of four pairs.
+/// Implements an operator on each of four pairs.
 macro_rules! by_number {
     ($operation:ident, $name:ident, $sign:tt) => {
         impl core::ops::$operation for Four {
@@ -395,14 +397,15 @@ by_number!(Add, add, +);
 by_number!(Sub, sub, -);
 by_number!(Mul, mul, *);
 
-/// `sin(x) / x` and `cos(x)` of four x² in [0, π²]: to 5e-7 of 1, without a root, a case or a quarter to find.
+/// Returns `sin(x) / x` and `cos(x)` for four x² in [0, π²], with an error below 5e-7, without a square root or a
+/// branch.
 #[inline]
 pub(crate) fn sine_over_angle_and_cosine(squared: Four) -> (Four, Four) {
     let polynomial = |coefficients: [f32; 7]| {
         let [last, rest @ ..] = coefficients;
         rest.into_iter().fold(Four::all(last), |sum, next| Four::all(next) + squared * sum)
     };
-    // From the highest power. Minimax, of the absolute error; what is left out is below 8e-10.
+    // Coefficients from the highest power. Minimax of the absolute error; the truncation error is below 8e-10.
     let sine = [
         1.361_460_1e-10,
         -2.472_925_7e-8,
@@ -436,7 +439,7 @@ mod tests {
                 let (s, c) = ((angle / 2.0).sin(), (angle / 2.0).cos());
                 #[expect(clippy::cast_possible_truncation, reason = "the input rounded to f32")]
                 let got = f64::from(log(Quat::from_xyzw(0.0, s as f32, 0.0, c as f32)).y);
-                // Two roundings of the input and a few of the result: 4 units of the last place.
+                // Tolerance: two roundings of the input and a few of the result, 4 units in the last place.
                 assert!(
                     (got / angle - 1.0).abs() < 4.0 * f64::from(f32::EPSILON),
                     "{angle}: {got}"
@@ -453,15 +456,15 @@ mod tests {
             let v = Vec3::new(0.48, -0.64, 0.6) * angle;
             let q = exp(v);
             assert!((q.dot(q) - 1.0).abs() < 4.0 * f32::EPSILON);
-            // Near π the vector part is stationary in the angle's sine; w carries it: still linear.
+            // Near π, the sine of the half angle is stationary; w carries the angle, and the error stays linear.
             assert!((log(q) - v).abs().max_element() < 1e-6, "{angle}");
         }
     }
 
     #[test]
     fn unit_has_no_bias() {
-        // What is off by a few units of the last place is put right on the mean, or a long chain of products
-        // grows: with the reciprocal of the root the mean was 3e-8 above 1.
+        // A small deviation must be corrected without a bias, or a long chain of products drifts: with the reciprocal
+        // of the root, the mean was 3e-8 above 1.
         let mut sum = 0.0;
         let mut q = exp(Vec3::new(0.4, -1.1, 0.3));
         for _ in 0..1000 {
@@ -490,7 +493,7 @@ mod tests {
         assert!(off(turn_in_world(a, b), b * a.conjugate()) < 2.0 * f32::EPSILON);
     }
 
-    /// Every 997th number of f32 within a bound, of either sign.
+    /// Returns every 997th f32 below a bound, with both signs.
     fn numbers(bound: f32) -> impl Iterator<Item = f32> {
         let positive = (0..bound.to_bits()).step_by(997).map(f32::from_bits);
         positive.flat_map(|x| [x, -x])
@@ -507,7 +510,7 @@ mod tests {
         }
         assert!(worst < 1e-7, "{worst:e}");
         for x in [8193.0f32, 1e4, 54_321.0, 1e6, 7.7e6, 1e9] {
-            // Half of what the next number is away: the angle itself is not known better.
+            // Half the distance to the next f32: the angle itself is not known better.
             let half_unit = 0.5 * (f64::from(f32::from_bits(x.to_bits() + 1)) - f64::from(x));
             let ((sine, cosine), (exact_sine, exact_cosine)) = (sin_cos(x), f64::from(x).sin_cos());
             let off = (f64::from(sine) - exact_sine).hypot(f64::from(cosine) - exact_cosine);
@@ -527,7 +530,7 @@ mod tests {
             for (y, x) in [(ratio, 1.0), (1.0, ratio), (ratio, -1.0), (-1e30 * ratio, -1e30)] {
                 let exact = f64::from(y).atan2(f64::from(x));
                 if x < 0.0 && y.abs() < 1e-30 {
-                    continue; // Either side of the cut is right.
+                    continue; // Both sides of the cut are valid.
                 }
                 let off = (f64::from(atan2(y, x)) - exact).abs();
                 worst = worst.max(off / exact.abs().max(f64::from(f32::MIN_POSITIVE)));

@@ -1,4 +1,4 @@
-//! A state observer: filters joint sensors, learns disturbances, and looks ahead over a known delay.
+//! A state observer: filters joint sensors, learns disturbances, and predicts over a known delay.
 
 use core::fmt;
 
@@ -13,22 +13,22 @@ use crate::state::{JointState, StateInputError};
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// Part of a joint's own bandwidth with which it is observed while it stands.
+/// Share of a joint's own bandwidth that its observer uses while the target stands still.
 ///
-/// With the whole bandwidth the starter arm swings by 1.8 deg where gears are half as stiff, have twice the play and a
-/// third of the damping; with 0.7 it does so by 0.9, with 0.6 and 0.5 by at most 0.3. The smaller, the longer a joint
-/// that was pushed needs to come back.
+/// With the full bandwidth, the starter arm swings by 1.8 deg if gears are half as stiff, and have twice the play and
+/// a third of the damping. A share of 0.7 gives 0.9 deg; 0.6 and 0.5 give at most 0.3 deg. A smaller share makes a
+/// pushed joint return more slowly.
 const STANDING_SHARE: f32 = 0.6;
-/// Shares of a bandwidth are kept in so many parts.
+/// Number of steps in which shares of a bandwidth are stored.
 const WHOLE: f32 = 255.0;
 
-/// How much an observer trusts its prediction against the measurement.
+/// Gains of the observer: its trust in the measurement against its prediction.
 ///
 /// ```
 /// use sinew_core::observer::{ObserverError, ObserverSettings};
-/// // At 100 ticks a second; at most 50 rad/s² are put down to a wrong model.
+/// // At 100 ticks per second; at most 50 rad/s² are attributed to a wrong model.
 /// let settings = ObserverSettings::extended_state(40.0, 0.01)?.with_disturbance_limits(50.0, 5.0)?;
-/// // No filter follows faster than once in a tick.
+/// // No filter can follow faster than once per tick.
 /// let too_fast = ObserverSettings::extended_state(200.0, 0.01);
 /// assert_eq!(too_fast, Err(ObserverError::Bandwidth { rad_s: 200.0 }));
 /// # Ok::<(), ObserverError>(())
@@ -45,7 +45,7 @@ pub struct ObserverSettings {
 }
 
 impl ObserverSettings {
-    /// Of an observer of no joints.
+    /// Settings for an observer of an empty tree.
     const NOTHING: Self = Self {
         dt_s: 0.0,
         pose_gain: 0.0,
@@ -55,8 +55,8 @@ impl ObserverSettings {
         most_m_s2: 0.0,
     };
 
-    /// No filter and no disturbance: poses as measured, velocities as their backward differences. Only the look ahead
-    /// over a delay is used.
+    /// Returns settings without filter or disturbance: poses as measured, velocities as their backward differences.
+    /// Only the prediction over a delay is active.
     ///
     /// # Errors
     /// [`ObserverError`] if the time step is not a positive number, or its reciprocal is too large for f32.
@@ -75,14 +75,13 @@ impl ObserverSettings {
         })
     }
 
-    /// An extended state observer of this bandwidth (Han, "From PID to Active Disturbance Rejection Control", 2009; one
-    /// bandwidth for all poles, Gao 2003). Acceleration that the commands do not explain is estimated as a disturbance.
-    /// The effect of wrong masses, friction and loads is learnt in about `3 / bandwidth`; noise above the bandwidth is
-    /// filtered out.
+    /// Returns settings of an extended state observer with this bandwidth (Han, "From PID to Active Disturbance
+    /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Acceleration that the commands do not
+    /// explain is estimated as a disturbance. The effect of wrong masses, friction and loads is learnt in about
+    /// `3 / bandwidth`; noise above the bandwidth is filtered out.
     ///
-    /// All three poles of the estimate's error are at `β = exp(-bandwidth dt)`. For the step
-    /// `v += dt (a + d), x += dt v` that takes gains of `1 - β³`, `(1 - β)² (1 + 2β) / dt` and
-    /// `(1 - β)³ / dt²`.
+    /// All three poles of the estimation error are at `β = exp(-bandwidth dt)`. For the step
+    /// `v += dt (a + d), x += dt v`, the gains are `1 - β³`, `(1 - β)² (1 + 2β) / dt` and `(1 - β)³ / dt²`.
     ///
     /// # Errors
     /// [`ObserverError`] if the time step is not a positive number, the reciprocal of its square is too large for
@@ -110,11 +109,11 @@ impl ObserverSettings {
         }
     }
 
-    /// The same with other limits of the disturbance. They also limit how hard a blocked joint is pushed beyond what
-    /// the gains ask for. Default: 200 rad/s² and 20 m/s².
+    /// Sets the limits of the disturbance. They also limit how hard a blocked joint is pushed beyond the effect of
+    /// the gains. Default: 200 rad/s² and 20 m/s².
     ///
     /// # Errors
-    /// [`ObserverError`] if a bound is not a finite number from 0.
+    /// [`ObserverError`] if a bound is not a finite number, zero or more.
     pub fn with_disturbance_limits(
         self,
         most_rad_s2: f32,
@@ -129,14 +128,15 @@ impl ObserverSettings {
     }
 }
 
-/// Estimates the state of a rig from the poses of its joints and the accelerations that it was commanded. Up to `D`
-/// commands may be on their way (at least 1: the last one, without a delay).
+/// An estimator of a rig's state, from the poses of its joints and the accelerations commanded to it. Up to `D`
+/// commands may be on their way to the drives (at least 1: the last command, without a delay).
 ///
-/// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. So the estimate costs a
-/// few operations a joint, and the look ahead applies the commands that are on their way. O(n D).
+/// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. The estimate therefore
+/// takes only a few operations per joint, and the prediction applies the commands that are on their way. O(n D).
 ///
-/// A tick goes: [`Self::observe`], [`Self::compensate`], [`TorqueController::tick`](crate::TorqueController::tick) with
-/// [`Self::states`] and the law of inverse dynamics, [`Self::record_commands`].
+/// The calls of a tick: [`Self::observe`], [`Self::compensate`],
+/// [`TorqueController::tick`](crate::TorqueController::tick) with [`Self::states`] and the law of inverse dynamics,
+/// [`Self::record_commands`].
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Twist, Transform, Tree};
@@ -152,7 +152,7 @@ impl ObserverSettings {
 /// let tree = Tree::<1>::from_bodies(&[slide])?;
 /// let settings = ObserverSettings::extended_state(40.0, 0.01)?;
 /// let mut observer = Observer::<1, 1>::new(settings, &JointStates::rest(&tree), 0)?;
-/// // Nothing was commanded, but it falls along its axis with 2 m/s².
+/// // Nothing was commanded, but the slide accelerates along its axis at 2 m/s².
 /// let (mut x, mut v) = (0.0, 0.0);
 /// for _ in 0..60 {
 ///     v += 0.02;
@@ -167,53 +167,55 @@ impl ObserverSettings {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Observer<const N: usize, const D: usize> {
     settings: ObserverSettings,
-    /// By joint: the pole of its own bandwidth; negative for that of the settings.
+    /// Pole of each joint's own bandwidth; negative: use the settings' bandwidth.
     poles: [f32; N],
     delay: usize,
     estimates: JointStates<N>,
     disturbances: [Twist; N],
-    /// The oldest first: those of `delay + 1` ticks. The oldest acted in the period before the present measurement.
+    /// Commands of the last `delay + 1` ticks, oldest first. The oldest acted in the period before the present
+    /// measurement.
     sent: [[Command; N]; D],
     any_sent: bool,
     ahead: JointStates<N>,
 }
 
-/// What a joint was commanded.
+/// A command to a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Command {
     acceleration: Twist,
     learning: Learning,
-    /// The share of the joint's own bandwidth with which what it leads to is observed, in parts of [`WHOLE`].
+    /// Share of the joint's own bandwidth for the measurement that shows this command's effect, in parts of
+    /// [`WHOLE`].
     share: u8,
 }
 
-/// How much a joint is at rest.
+/// Degree to which a joint is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stance {
-    /// Its target moves, it is on its way to a target that stands, or it has no zone.
+    /// The target moves, or the joint is on its way to a constant target, or it has no open zone.
     Moves,
-    /// Its target stands, and it has come to it: nothing is to be followed fast.
+    /// The target is constant, and the joint has reached it: no fast motion need be followed.
     Stands,
-    /// Its target stands, and the joint is within its open zone.
+    /// The target is constant, and the joint is within its open zone.
     Rests,
 }
 
-/// Whether a joint's disturbance is learnt from the measurement that a command leads to.
+/// Learning of a joint's disturbance from the measurement that shows a command's effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Learning {
-    /// It is learnt.
+    /// The disturbance is learnt.
     Free,
-    /// A drive gives its most along the axis: a disturbance that asks for more is not learnt.
+    /// The drive is at its maximum along the axis: a disturbance that asks for more is not learnt.
     UpToPositive,
-    /// The drive gives its most against the axis.
+    /// The drive is at its maximum against the axis: a disturbance that asks for more is not learnt.
     UpToNegative,
     /// Nothing is learnt: the torque was limited, or the joint rests.
     Frozen,
 }
 
 impl Learning {
-    /// Returns the part of what was learnt along an axis that counts. A disturbance is cancelled, so one against the
-    /// axis asks for more along it.
+    /// Returns the accepted part of a change learnt along an axis. The controller cancels a disturbance, so a
+    /// disturbance against the axis asks for more torque along the axis.
     fn of(self, learnt: f32) -> f32 {
         match self {
             Self::Free => learnt,
@@ -229,10 +231,11 @@ impl Command {
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
-    /// An observer of a rig in this state, whose commands act `delay` ticks after the measurement that they answer.
+    /// Creates an observer of a rig in this state, whose commands act `delay` ticks after the measurement they
+    /// respond to.
     ///
     /// # Errors
-    /// [`ObserverError::Delay`] if that is more than `D` - 1.
+    /// [`ObserverError::Delay`] if the delay is more than `D` - 1.
     pub fn new(
         settings: ObserverSettings,
         state: &JointStates<N>,
@@ -243,7 +246,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(observer)
     }
 
-    /// Creates an observer of no joints, for [`init`](Self::init).
+    /// Creates an observer of an empty tree, to be filled by [`init`](Self::init).
     #[inline(never)]
     pub(crate) fn uninit() -> Self {
         Self {
@@ -258,7 +261,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Initializes in place; on an error nothing is changed.
+    /// Initializes in place. On an error nothing changes.
     #[inline(never)]
     pub(crate) fn init(
         &mut self,
@@ -276,12 +279,13 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// Sets a bandwidth for each joint, rad/s; 0 for that of the settings. See [`Bandwidth`](crate::bandwidth::Bandwidth).
-    /// O(n).
+    /// Sets a bandwidth for each joint, rad/s; 0 selects the settings' bandwidth. See
+    /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
-    /// [`ObserverError`], and nothing is changed, if there is not one for each joint, one is not 0 nor what
-    /// [`ObserverSettings::extended_state`] takes, or the observer is one of differences.
+    /// [`ObserverError`], and nothing changes, if the number of bandwidths is not the number of joints, a bandwidth
+    /// is neither 0 nor valid for [`ObserverSettings::extended_state`], or the observer has the settings
+    /// `ObserverSettings::differences`.
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), ObserverError> {
         let (expected, found) = (self.estimates.as_slice().len(), rad_s.len());
         if expected != found {
@@ -302,15 +306,15 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// Begins from a state as a new one would: the disturbances are forgotten.
+    /// Resets the observer to a state like a new one: the disturbances are forgotten.
     pub fn reset(&mut self, state: &JointStates<N>) {
         self.disturbances.fill(Twist::ZERO);
         self.restart(state);
     }
 
-    /// Restarts from a state, after ticks whose measurements or commands were lost. The disturbances are kept: without
-    /// them the torques would jump.
-    // Not within its caller, whose frame would hold the copies of all joints as long as it runs.
+    /// Restarts from a state, after ticks whose measurements or commands were lost. The disturbances are kept:
+    /// without them the torques would jump.
+    // Never inlined: the caller's stack frame would hold copies of all joints for its whole duration.
     #[inline(never)]
     pub fn restart(&mut self, state: &JointStates<N>) {
         self.estimates = state.clone();
@@ -325,7 +329,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     /// Updates the estimate with the measured poses of the joints, each in its parent's frame. O(n D).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing is changed, if there are not as many as joints, or a pose is not
+    /// [`StateInputError`], and nothing changes, if the number of poses is not the number of joints, or a pose is not
     /// finite or its rotation not unit.
     pub fn observe(
         &mut self,
@@ -343,7 +347,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         self.observe_checked(tree, measured)
     }
 
-    /// The same of poses that are known to be finite, their rotations unit.
+    /// Updates the estimate like [`Self::observe`], from poses already checked: finite, with unit rotations.
     pub(crate) fn observe_checked(
         &mut self,
         tree: &Tree<N>,
@@ -359,12 +363,12 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// The state at the time when a command made now will act; without a delay, the present state.
+    /// Returns the state at the time when a command made now will act; without a delay, the present state.
     pub fn states(&self) -> &JointStates<N> {
         if self.delay == 0 { &self.estimates } else { &self.ahead }
     }
 
-    /// The estimated disturbances: accelerations of the joints that were not commanded, in body axes.
+    /// Returns the estimated disturbances: accelerations of the joints that were not commanded, in body axes.
     pub fn disturbances(&self) -> &[Twist] {
         self.disturbances.get(..self.estimates.as_slice().len()).unwrap_or_default()
     }
@@ -377,7 +381,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             let mut against = Twist::new(-disturbance.angular, Vec3::ZERO);
             // Most joints only turn.
             if disturbance.linear != Vec3::ZERO {
-                // The linear target is a vector of the parent's frame in the axes of the desired pose.
+                // The linear target is a vector of the parent's frame, in the axes of the desired pose.
                 let to_desired = targets
                     .states()
                     .get(joint)
@@ -388,17 +392,18 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Records the accelerations that the joints were commanded ([`Workspace::commands`](crate::Workspace::commands)),
-    /// and which of their torques were limited: those joints learn no disturbance from the next measurement.
+    /// Records the accelerations that were commanded to the joints
+    /// ([`Workspace::commands`](crate::Workspace::commands)), and which of their torques were limited: those joints
+    /// learn no disturbance from the next measurement.
     pub fn record_commands(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         let first = !self.any_sent;
         self.any_sent = true;
         let in_flight = self.sent.get_mut(..=self.delay).unwrap_or_default();
-        // `rotate_left` would panic if there were none: those of a delay above D - 1, which `new` refuses.
+        // `rotate_left` would panic on an empty slice, which only a delay above D - 1 could cause; `new` refuses it.
         if !first && !in_flight.is_empty() {
             in_flight.rotate_left(1);
         }
-        // Before the first command arrives, the drives hold it.
+        // Until the first command arrives, the drives are assumed to hold it.
         let last = in_flight.len().saturating_sub(1);
         let from = if first { 0 } else { last };
         for slot in in_flight.get_mut(from..).unwrap_or_default() {
@@ -412,9 +417,9 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Notes the stance of a joint that does not move with the command that was recorded last. When the measurement
-    /// that the command leads to comes, the joint is observed with [`STANDING_SHARE`] of its own bandwidth; one that
-    /// rests learns nothing from it.
+    /// Records the stance of a joint with the command that was recorded last. A joint that does not move is observed
+    /// with [`STANDING_SHARE`] of its own bandwidth, in the measurement that shows this command's effect. A joint
+    /// that rests learns nothing from that measurement.
     pub(crate) fn note_stance(&mut self, joint: usize, stance: Stance) {
         if stance != Stance::Moves {
             self.note_share(joint, STANDING_SHARE);
@@ -424,8 +429,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Notes of the command that was recorded last that the measurement which it leads to is observed with at most
-    /// this share of the joint's own bandwidth, 0 to 1.
+    /// Limits the bandwidth for the measurement that shows the effect of the last recorded command, to a share of the
+    /// joint's own bandwidth, 0 to 1.
     pub(crate) fn note_share(&mut self, joint: usize, share: f32) {
         if let Some(command) = self.last_sent(joint) {
             #[expect(
@@ -438,13 +443,13 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         }
     }
 
-    /// Notes of the command that was recorded last that a joint's drive could not give all of the wrench: no
-    /// disturbance is learnt that asks for more. Joints that are no hinges learn nothing.
+    /// Records that a joint's drive could not deliver the whole wrench of the last recorded command: a disturbance
+    /// that asks for more is not learnt. Joints that are not revolute learn nothing.
     pub(crate) fn note_limited(&mut self, joint: usize, body: &Body, wrench: &Wrench) {
         let learning = match body.joint {
             JointKind::Revolute { axis } => {
                 let along_nm = axis.dot(wrench.moment_nm);
-                // Without a side, nobody knows which is more.
+                // A wrench of zero along the axis gives no direction in which more would be asked.
                 if along_nm > 0.0 {
                     Learning::UpToPositive
                 } else if along_nm < 0.0 {
@@ -470,7 +475,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         self.sent.get_mut(self.delay).and_then(|tick| tick.get_mut(joint))
     }
 
-    /// Predicts one joint over a tick, corrects it by its measurement, and looks ahead over the delay.
+    /// Predicts one joint over a tick, corrects it by its measurement, and predicts it over the delay.
     fn correct(&mut self, joint: usize, body: &Body, measured: &Transform) {
         let dt_s = self.settings.dt_s;
         let (Some(before), Some(disturbance)) =
@@ -488,7 +493,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let own;
         let settings = match self.poles.get(joint) {
             Some(&pole) if pole >= 0.0 => {
-                // The share of the bandwidth, but for the square of the bandwidth's part of a tick.
+                // The pole for a share of the bandwidth, without the term of second order in bandwidth times tick.
                 let share = f32::from(made.share) / WHOLE;
                 let pole = if made.share < u8::MAX { 1.0 - share * (1.0 - pole) } else { pole };
                 own = self.settings.with_pole(pole);
@@ -506,7 +511,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
             _ => settings.correct(body, before, made, measured, disturbance),
         };
         let disturbance = *disturbance;
-        // Only numbers near the end of f32 are refused: the joint begins anew from its measurement.
+        // Only numbers near the limit of f32 are refused: the joint then restarts from its measurement.
         if state.check().is_err() {
             state = JointState { pose: *measured, velocity: Twist::ZERO };
         }
@@ -522,7 +527,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
 }
 
 impl ObserverSettings {
-    /// The state of a joint after a tick, and what its measurement tells of its disturbance.
+    /// Returns the state of a joint after a tick, and updates its disturbance from the measurement.
     #[inline]
     fn correct(
         &self,
@@ -534,7 +539,7 @@ impl ObserverSettings {
     ) -> JointState {
         let Self { dt_s, pose_gain, velocity_gain_per_s, .. } = *self;
         let slides = body.joint.slides();
-        // The way of this tick as expected and as it came, both in the axes of the body before it.
+        // The motion in this tick, predicted and measured, both in the axes of the body before it.
         let to_body = before.pose.rotation.conjugate();
         let velocity = before.velocity + (made.acceleration + *disturbance) * dt_s;
         let expected = velocity * dt_s;
@@ -542,7 +547,7 @@ impl ObserverSettings {
             angular: math::log(to_body * measured.rotation),
             linear: to_body * (measured.translation_m - before.pose.translation_m),
         };
-        // Only the axes of a universal joint depend on where it stands.
+        // Only the axes of a universal joint depend on its pose.
         let in_joint = match body.joint {
             JointKind::Universal { .. } => {
                 body.placement.rotation.conjugate() * before.pose.rotation
@@ -566,7 +571,7 @@ impl ObserverSettings {
         state
     }
 
-    /// The same of a joint that turns any way, and does not slide.
+    /// Corrects a spherical joint, like `correct`.
     #[inline]
     fn correct_ball(
         &self,
@@ -592,8 +597,8 @@ impl ObserverSettings {
         }
     }
 
-    /// The same of a joint that turns about an axis, in the numbers along it.
-    // Apart, so that joints of other kinds do not pay for its stack.
+    /// Corrects a revolute joint, like `correct`, in numbers along its axis.
+    // Never inlined, so that joints of other kinds do not pay for its stack.
     #[inline(never)]
     fn correct_hinge(
         &self,
@@ -613,15 +618,15 @@ impl ObserverSettings {
         if made.learning != Learning::Frozen {
             unexpected += made.learning.of(off * self.disturbance_gain_per_s2);
             unexpected = if unexpected.is_finite() {
-                // Not `clamp`, which would panic if the bounds were none.
+                // Not `clamp`, which would panic if the bounds were NaN.
                 unexpected.max(-most_rad_s2).min(most_rad_s2)
             } else {
                 0.0
             };
         }
         *disturbance = Twist::new(axis * unexpected, Vec3::ZERO);
-        // By the joint's angle alone, of whose half these are sine and cosine: no measurement would ever correct what
-        // is across the axis.
+        // From the joint's angle alone (these are sine and cosine of its half): no measurement would ever correct an
+        // error across the axis.
         let (zero, reversed) = (placement.rotation, math::turned_half(placement.rotation, axis));
         let (sine, cosine) = (reversed.dot(before.pose.rotation), zero.dot(before.pose.rotation));
         let (of_step, along) = math::half_sin_cos(expected + off * pose_gain);
@@ -643,9 +648,9 @@ impl ObserverSettings {
     }
 }
 
-/// Projects the state of a joint with one or two axes back onto them, after a step that was right to first order: no
+/// Projects the state of a joint with one or two axes onto these axes, after a step that was exact to first order: no
 /// measurement would ever correct an error across the axes. Returns the acceleration with the same components along
-/// the axes after the step. Other kinds stay as they are.
+/// the axes after the step. Joints of other kinds are unchanged.
 fn keep_on_axes(
     joint: JointKind,
     placement: &Transform,
@@ -660,7 +665,7 @@ fn keep_on_axes(
     state.pose = *placement * in_joint;
     state.velocity = joint.project_twist(in_joint.rotation, state.velocity);
     if !matches!(joint, JointKind::Universal { .. }) {
-        // Its axes do not move in the body. From zero on, as the sum below: it has no negative zeros.
+        // The axes do not move in the body. Adding zero removes negative zeros, as in the sum below.
         return Twist::ZERO + joint.project_twist(in_joint.rotation, acceleration);
     }
     let axes_before = joint.motion_subspace(placement.rotation.conjugate() * before.rotation);
@@ -674,20 +679,20 @@ fn keep_on_axes(
     carried
 }
 
-/// A joint after one period of an acceleration in body axes: the velocity first, then the pose.
+/// Returns a joint's state after one period of an acceleration in body axes: first the velocity, then the pose.
 fn moved(joint: &JointState, acceleration: Twist, dt_s: f32, slides: bool) -> JointState {
     let velocity = joint.velocity + acceleration * dt_s;
     joint.moved(velocity * dt_s, velocity, slides)
 }
 
-/// A vector, shortened to a length.
+/// Shortens a vector to a maximum length.
 #[inline]
 fn within(v: Vec3, most: f32) -> Vec3 {
     let squared = v.dot(v);
     if squared <= most * most { v } else { v * (most / math::sqrt(squared)) }
 }
 
-/// Why an observer was refused.
+/// An error in the settings of an observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -696,26 +701,26 @@ pub enum ObserverError {
     TimeStep,
     /// The bandwidth is not above 0 and at most one over the time step.
     Bandwidth {
-        /// The bandwidth.
+        /// Bandwidth, rad/s.
         rad_s: f32,
     },
-    /// A bound on disturbances is not a finite number from 0.
+    /// A bound on disturbances is not a finite number, zero or more.
     DisturbanceLimit {
-        /// The bound.
+        /// Bound, rad/s² or m/s².
         value: f32,
     },
-    /// There must be one bandwidth for each joint.
+    /// The number of bandwidths is not the number of joints.
     Joints {
         /// Number of joints.
         expected: usize,
         /// Number of bandwidths.
         found: usize,
     },
-    /// The delay is longer than the observer has room for.
+    /// The delay exceeds the capacity of the observer.
     Delay {
-        /// The delay.
+        /// Delay in ticks.
         ticks: usize,
-        /// The longest.
+        /// Maximum delay in ticks.
         most: usize,
     },
 }

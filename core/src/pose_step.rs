@@ -1,13 +1,13 @@
-//! The step from one pose of a joint to the next as a velocity: what all differences of poses are made of.
+//! The step from one pose of a joint to the next as a velocity: the basis of all differences of poses.
 
 use crate::math;
 use crate::state::StateInputError;
 use crate::transform::{Transform, Twist};
 
-/// The shortest time step that differences are taken over, s.
+/// Minimum time step for differences, s.
 const SHORTEST_STEP_S: f32 = 1e-9;
 
-/// The steps in a second.
+/// Returns the number of steps per second.
 pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
     // Written so that NaN fails.
     if dt_s >= SHORTEST_STEP_S && dt_s.is_finite() {
@@ -17,11 +17,11 @@ pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
     }
 }
 
-/// The mean velocity on the way from one pose to the other: the angular part in body axes (the turn's own axis is
-/// the same in both), the linear part in the parent's.
+/// Returns the mean velocity on the way from one pose to the other. The angular part is in body axes (the rotation
+/// axis is the same in both bodies), the linear part in the parent's axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
@@ -31,10 +31,10 @@ pub(crate) fn step(from: &Transform, to: &Transform, rate_hz: f32) -> Twist {
     }
 }
 
-/// A motion whose linear part is in the parent's axes, all in those of the body.
+/// Converts a motion to body axes. Its linear part is in the parent's axes, its angular part already in body axes.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn in_axes_of(pose: &Transform, motion: Twist) -> Twist {

@@ -1,5 +1,5 @@
 //! Reads numbers with serde, and refuses those that are not finite or not unit. Types that derive `Deserialize` name
-//! these functions at their fields.
+//! these functions on their fields.
 
 use core::fmt;
 
@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error};
 
 use crate::math::{self, UNIT_TOLERANCE};
 
-/// One number or several.
+/// A number or several.
 pub(crate) trait Numbers: fmt::Debug {
     fn are_finite(&self) -> bool;
 }
@@ -37,7 +37,7 @@ impl<T: Numbers, const K: usize> Numbers for [T; K] {
     }
 }
 
-/// Reads what must be finite.
+/// Reads a value that must be finite.
 pub(crate) fn finite<'de, T, D>(from: D) -> Result<T, D::Error>
 where
     T: Numbers + Deserialize<'de>,

@@ -1,7 +1,7 @@
-//! Reading and writing settings and states with serde, in the form that the crate's documentation tells.
+//! Reads and writes settings and states with serde, in the form that the crate's documentation describes.
 //!
-//! Plain types derive it and read their numbers by `read`. Types with rules are here, and are made by their
-//! constructors.
+//! Plain types derive the traits and read their numbers through `read`. Types with rules are handled in this module
+//! and are created by their constructors.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -22,7 +22,7 @@ use crate::{
     TreeError, Twist,
 };
 
-/// At most `N` items.
+/// A list of at most `N` items.
 struct List<T, const N: usize>(Vec<T, N>);
 
 impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for List<T, N> {
@@ -51,7 +51,7 @@ impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for List<T, N> {
     }
 }
 
-/// The simplest tree in which every body has the parent that it is given, at its place among the bodies.
+/// Returns the simplest tree with the given parents, body by body.
 fn skeleton<const N: usize>(
     parents: impl Iterator<Item = Option<usize>>,
 ) -> Result<Tree<N>, TreeError> {
@@ -63,7 +63,7 @@ fn skeleton<const N: usize>(
     Ok(tree)
 }
 
-/// A tree of so many bodies in which every body supports all those after it.
+/// Returns a tree of `count` bodies in which every body supports all bodies after it.
 fn chain<const N: usize>(count: usize) -> Result<Tree<N>, TreeError> {
     skeleton((0..count).map(|body| body.checked_sub(1)))
 }
@@ -128,7 +128,7 @@ impl<'de, const N: usize> Deserialize<'de> for JointStates<N> {
     }
 }
 
-/// One joint of [`JointTargets`].
+/// A joint of [`JointTargets`].
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Target {
@@ -170,7 +170,8 @@ impl<const N: usize> Serialize for Aims<N> {
 impl<'de, const N: usize> Deserialize<'de> for Aims<N> {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         let List::<Aim, N>(aims) = List::deserialize(from)?;
-        // Each body is the child of the one that aims at it: one at which two do, or that comes before, is refused.
+        // Each body is the child of the body that aims at it. A body that two others aim at, or that precedes its
+        // parent, is refused.
         let aims_at = |aim: &Aim, child: usize| match *aim {
             Aim::Child(one) => one == child,
             Aim::Children(several) => several.contains(child),
@@ -227,7 +228,7 @@ impl<'de, const N: usize> Deserialize<'de> for Importance<N> {
     }
 }
 
-/// [`Gains`] as they are written.
+/// The serialized form of [`Gains`].
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "Gains", deny_unknown_fields)]
 struct GainsFields {
@@ -258,11 +259,11 @@ impl<'de> Deserialize<'de> for Gains {
     }
 }
 
-/// A [`TorqueLimit`] as it is written: JSON and its like have no infinity.
+/// The serialized form of a [`TorqueLimit`]. JSON and similar formats have no infinity.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "TorqueLimit", deny_unknown_fields)]
 struct TorqueLimitFields {
-    // Not left out by mistake: no bound must be asked for.
+    // The key must be present: a missing bound is more likely a mistake than no bound.
     #[serde(deserialize_with = "Option::deserialize")]
     moment_nm: Option<f32>,
     #[serde(deserialize_with = "Option::deserialize")]
@@ -285,7 +286,7 @@ impl<'de> Deserialize<'de> for TorqueLimit {
     }
 }
 
-/// A [`TorqueController`] as it is written.
+/// The form in which a [`TorqueController`] is written.
 #[derive(serde::Serialize)]
 #[serde(rename = "Controller")]
 struct ControllerFields<'a, const N: usize> {
@@ -298,7 +299,7 @@ struct ControllerFields<'a, const N: usize> {
     inertias: &'a [ReflectedInertia],
 }
 
-/// A [`TorqueController`] as it is read.
+/// The form in which a [`TorqueController`] is read.
 #[derive(serde::Deserialize)]
 #[serde(rename = "Controller", deny_unknown_fields)]
 pub(crate) struct ControllerParts<const N: usize> {

@@ -1,4 +1,4 @@
-//! State of one joint and of one body, and why one is refused.
+//! States of a joint and of a body, and their validation.
 
 use core::fmt;
 
@@ -9,8 +9,8 @@ use crate::transform::{Transform, Twist};
 
 /// State of a joint: pose and velocity of its body relative to the parent body.
 ///
-/// The same type serves the desired and the measured side: the paper's "complete transforms as joint
-/// parameters". A joint model says which part of it is free.
+/// Desired and measured states have the same type: the paper's "complete transforms as joint parameters". The joint
+/// model determines which part of the state is variable.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -25,15 +25,15 @@ pub struct JointState {
     pub velocity: Twist,
 }
 
-/// The farthest that a pose's position may be where differences are taken, m. A square of it is far from
-/// overflow, and so is what follows from two such positions over the shortest time step (see `pose_step`).
+/// Maximum distance of a position for differences, m. Its square is far from overflow, and so are results from two
+/// such positions over the shortest time step (see `pose_step`).
 const FARTHEST_M: f32 = 1e6;
 
-/// Whether differences of this pose are numbers: its rotation a unit quaternion, its position not beyond
+/// Checks that differences of this pose are valid: its rotation is a unit quaternion, its position within
 /// [`FARTHEST_M`].
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
@@ -43,7 +43,7 @@ pub(crate) fn check_pose(pose: &Transform) -> Result<(), StateInputError> {
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn check_position(position_m: Vec3) -> Result<(), StateInputError> {
@@ -55,7 +55,7 @@ pub(crate) fn check_position(position_m: Vec3) -> Result<(), StateInputError> {
     }
 }
 
-/// The first `count` of some poses, checked.
+/// Returns the first `count` poses after checking them.
 #[inline]
 pub(crate) fn checked_poses(
     poses: &[Transform],
@@ -68,7 +68,7 @@ pub(crate) fn checked_poses(
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
@@ -76,12 +76,12 @@ fn check_rotation(rotation: Quat) -> Result<(), StateInputError> {
 }
 
 impl JointState {
-    /// Whether every component is a number and the rotation is a unit quaternion.
+    /// Checks that every component is finite and the rotation is a unit quaternion.
     pub(crate) fn check(&self) -> Result<(), StateInputError> {
         let zero = math::zero_of_numbers(self.pose.translation_m)
             + math::zero_of_numbers(self.velocity.angular)
             + math::zero_of_numbers(self.velocity.linear);
-        // A rotation that is unit is finite.
+        // A unit rotation is finite.
         if zero == 0.0 && math::is_unit(self.pose.rotation) {
             return Ok(());
         }
@@ -94,7 +94,7 @@ impl JointState {
 
     #[expect(
         clippy::inline_always,
-        reason = "a few operations of every tick, which several callers share: a call costs as much"
+        reason = "a few operations per tick, shared by several callers: a call would cost as much"
     )]
     #[inline(always)]
     pub(crate) fn with_unit_rotation(mut self) -> Self {
@@ -102,14 +102,15 @@ impl JointState {
         self
     }
 
-    /// The joint after a displacement, with its new velocity, both given in the axes of the body before.
+    /// Returns the joint after a displacement, with its new velocity, both given in the axes of the body before.
     pub(crate) fn moved(&self, way: Twist, velocity: Twist, slides: bool) -> Self {
         let turn = math::exp(way.angular);
         let mut pose = Transform { rotation: self.pose.rotation * turn, ..self.pose };
         let mut velocity = velocity;
         if slides {
             pose.translation_m += self.pose.rotation * way.linear;
-            // A turn leaves the components of the angular velocity about its own axis alone, not these.
+            // A rotation about the axis of the angular velocity does not change the components of that velocity; it
+            // does change these.
             velocity.linear = turn.conjugate() * velocity.linear;
         } else {
             velocity.linear = self.velocity.linear;
@@ -118,8 +119,8 @@ impl JointState {
     }
 }
 
-/// State of a body: its pose in a reference frame (mostly the world), and its velocity in the axes of
-/// that frame; the linear part is the velocity of the body frame's origin.
+/// State of a body: its pose in a reference frame (usually the world), and its velocity in the axes of that frame.
+/// The linear part is the velocity of the body frame's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -135,12 +136,12 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// The world itself, at rest.
+    /// The world frame at rest.
     pub const WORLD: Self = Self { pose: Transform::IDENTITY, velocity: Twist::ZERO };
 
-    /// This state as body `reference` sees it, in the axes of `reference`. Both are given in one frame.
+    /// Returns this state relative to body `reference`, in the axes of `reference`. Both are given in the same frame.
     ///
-    /// Eq. (5) of Notman et al. (2011), with the velocities that go with it.
+    /// Eq. (5) of Notman et al. (2011), with the corresponding velocities.
     ///
     /// ```
     /// use sinew_core::{BodyState, Twist, Transform, glam::Vec3};
@@ -173,14 +174,14 @@ impl BodyState {
         }
     }
 
-    /// State of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
+    /// Returns the state of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
     ///
     /// ```
     /// use sinew_core::{BodyState, Transform, glam::Vec3};
     /// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
     /// let joint = at(0.75).joint_state(&at(0.25));
     /// assert_eq!(joint.pose.translation_m.x, 0.5);
-    /// // And the way back.
+    /// // The inverse.
     /// assert_eq!(at(0.25).child(&joint), at(0.75));
     /// ```
     #[must_use]
@@ -192,7 +193,7 @@ impl BodyState {
         }
     }
 
-    /// Velocity of the joint between `parent` and this body, in body axes: that of [`Self::joint_state`].
+    /// Returns the velocity of the joint between `parent` and this body, in body axes: that of [`Self::joint_state`].
     #[inline]
     pub(crate) fn velocity_from(&self, parent: &Self) -> Twist {
         let arm = self.pose.translation_m - parent.pose.translation_m;
@@ -204,14 +205,14 @@ impl BodyState {
         .rotated(self.pose.rotation.conjugate())
     }
 
-    /// State of a body hung on this one by a joint: the inverse of [`Self::joint_state`].
+    /// Returns the state of a child body that a joint connects to this body: the inverse of [`Self::joint_state`].
     #[must_use]
     pub fn child(&self, joint: &JointState) -> Self {
         let arm = math::rotate(self.pose.rotation, joint.pose.translation_m);
         let rotation = self.pose.rotation * joint.pose.rotation;
         let turning = math::rotate(rotation, joint.velocity.angular);
         let mut linear = math::plus_cross(self.velocity.linear, self.velocity.angular, arm);
-        // Most joints only turn.
+        // Most joints only rotate.
         if joint.velocity.linear != Vec3::ZERO {
             linear += math::rotate(rotation, joint.velocity.linear);
         }
@@ -222,7 +223,7 @@ impl BodyState {
     }
 }
 
-/// Why a state was refused.
+/// An error in a state, or in a difference of states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -231,7 +232,7 @@ pub enum StateInputError {
     NonFinite,
     /// The rotation is not a unit quaternion.
     RotationNotUnit,
-    /// The tree has no joint of that index.
+    /// The tree has no joint with this index.
     NoSuchJoint,
     /// The time step of a difference is not a positive number.
     TimeStep,

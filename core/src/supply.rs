@@ -1,4 +1,4 @@
-//! A limit of the sum of all torques: one supply feeds all drives.
+//! A limit of the sum of all torques, for rigs whose drives share a power supply.
 
 use core::fmt;
 
@@ -12,11 +12,11 @@ use crate::math;
 use crate::transform::Wrench;
 use crate::tree::Tree;
 
-/// A bound of the sum of all joints' torques, and the rule by which they share it.
+/// A bound on the sum of all joints' torques, and the rule for sharing it.
 ///
-/// It is applied after the tick, by who has such a supply. The sum is of the lengths of the joints' moments: a
-/// servo's current is proportional to its torque, and the supply delivers the sum of the currents. Forces of
-/// prismatic joints have other units, and no servo drives a free joint: both are neither counted nor cut.
+/// The caller applies it after the tick. The sum is over the lengths of the joints' moments: a servo's current is
+/// proportional to its torque, and the supply delivers the sum of the currents. Forces of prismatic joints have other
+/// units, and no servo drives a free joint: both are neither counted nor reduced.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, Wrench, glam::Vec3};
@@ -34,11 +34,11 @@ use crate::tree::Tree;
 /// TorqueSupply::new(&arm, 4.0)?.share(&mut torques);
 /// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [3.0, 1.0]);
 ///
-/// // A newton metre too few at the shoulder counts three times what it counts at the elbow.
+/// // A missing newton metre costs three times as much at the shoulder as at the elbow.
 /// let by_weight = TorqueSupply::new(&arm, 4.0)?.with_weights(&[3.0, 1.0])?;
 /// let mut torques = wanted.map(|value| Limited { value, reason: None });
 /// by_weight.share(&mut torques);
-/// // The elbow has no more than 2 N m to give: all of it, and the shoulder the rest.
+/// // The elbow gives up all of its 2 N m, and the shoulder the rest.
 /// assert_eq!(torques.map(|torque| torque.value.moment_nm.z), [4.0, 0.0]);
 /// assert_eq!(torques[0].reason, Some(LimitReason::Supply));
 /// assert_eq!(TorqueSupply::new(&arm, -1.0), Err(SupplyError::Supply { nm: -1.0 }));
@@ -49,24 +49,25 @@ use crate::tree::Tree;
 pub struct TorqueSupply<const N: usize> {
     supply_nm: f32,
     rule: Rule,
-    /// By joint, its part of what all give up: one over its weight, zero if it draws nothing from the supply.
+    /// Share of each joint in the total reduction: one over its weight; zero if the joint draws nothing from the
+    /// supply.
     yields: Vec<f32, N>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Rule {
-    /// All are cut by the same factor.
+    /// All torques are reduced by the same factor.
     Uniform,
-    /// The weighted sum of squares of what is cut is least.
+    /// The weighted sum of squared reductions is minimal.
     LeastSquares,
 }
 
-/// The range of weights: quotients of any two, and of torques and weights, stay within f32.
+/// Range of weights, in which quotients of two weights, and of torques and weights, stay within f32.
 const WEIGHTS: core::ops::RangeInclusive<f32> = 1e-12..=1e12;
 
 impl<const N: usize> TorqueSupply<N> {
-    /// A supply of `supply_nm`, infinite for no bound. All joints are cut by the same factor.
+    /// Creates a supply of `supply_nm`, N m; infinite for no bound. All torques are reduced by the same factor.
     ///
     /// # Errors
     /// [`SupplyError::Supply`] if the supply is NaN or negative.
@@ -79,12 +80,12 @@ impl<const N: usize> TorqueSupply<N> {
         Ok(Self { supply_nm, rule: Rule::Uniform, yields })
     }
 
-    /// The same supply, shared so that `Σ aᵢ |τᵢ - τ_wanted,i|²` is least for the weights `aᵢ`: joint i gives up
-    /// torque in proportion to `1 / aᵢ`, until none is left. O(n), up to O(n²) if joints run out of torque.
+    /// Sets the rule that minimises `Σ aᵢ |τᵢ - τ_wanted,i|²` with the weights `aᵢ`: joint i gives up torque in
+    /// proportion to `1 / aᵢ`, until it has none left. O(n), up to O(n²) if joints run out of torque.
     ///
     /// # Errors
-    /// [`SupplyError`] if there is not a weight for each joint, or one is not from 1e-12 to 1e12 (also of a joint that
-    /// takes nothing from the supply).
+    /// [`SupplyError`] if the number of weights is not the number of joints, or a weight is not from 1e-12 to 1e12
+    /// (also for a joint that draws nothing from the supply).
     pub fn with_weights(self, weights: &[f32]) -> Result<Self, SupplyError> {
         if weights.len() != self.yields.len() {
             let (expected, found) = (self.yields.len(), weights.len());
@@ -100,33 +101,34 @@ impl<const N: usize> TorqueSupply<N> {
         Ok(Self { rule: Rule::LeastSquares, yields: fixed::collect(yields), ..self })
     }
 
-    /// The most that all joints may draw together, in N m.
+    /// Returns the maximum sum of all joints' torques, N m.
     pub fn supply_nm(&self) -> f32 {
         self.supply_nm
     }
 
-    /// Number of joints of its rig.
+    /// Returns the number of joints of the rig.
     pub(crate) fn joint_count(&self) -> usize {
         self.yields.len()
     }
 
-    /// Whether [`Self::with_weights`] was called.
+    /// Returns `true` if [`Self::with_weights`] was called.
     pub(crate) fn has_weights(&self) -> bool {
         self.rule == Rule::LeastSquares
     }
 
-    /// Cuts the torques of a tick to the supply. Moments keep their directions; those that are cut get
-    /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The sum is within the supply up to rounding.
+    /// Reduces the torques of a tick to the supply. Moments keep their directions; reduced ones get
+    /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The resulting sum is within the supply up to
+    /// rounding.
     ///
-    /// A torque that is not finite becomes zero, with [`LimitReason::NotFinite`]. So do torques beyond the tree's
-    /// joints, with [`LimitReason::NoRoom`].
+    /// A torque that is not finite becomes zero, with [`LimitReason::NotFinite`]. Torques beyond the tree's joints
+    /// become zero, with [`LimitReason::NoRoom`].
     pub fn share(&self, torques: &mut [Limited<Wrench>]) {
         let (torques, beyond) = torques.split_at_mut(torques.len().min(self.yields.len()));
         beyond.fill(Limited { value: Wrench::ZERO, reason: Some(LimitReason::NoRoom) });
         let mut largest = 0.0_f32;
         for (torque, yields) in torques.iter_mut().zip(&self.yields) {
             if !torque.value.is_finite() {
-                // Before any comparison: NaN passes a clamp.
+                // Checked before any comparison, because NaN passes a clamp.
                 *torque = Limited { value: Wrench::ZERO, reason: Some(LimitReason::NotFinite) };
             }
             if *yields > 0.0 {
@@ -136,7 +138,7 @@ impl<const N: usize> TorqueSupply<N> {
         if largest <= 0.0 {
             return;
         }
-        // In units of the largest component: no square and no sum may overflow.
+        // Scaled by the largest component, so that no square and no sum overflows.
         let supply = self.supply_nm / largest;
         let wanted: Vec<f32, N> =
             fixed::collect(torques.iter().zip(&self.yields).map(|(torque, yields)| {
@@ -154,16 +156,17 @@ impl<const N: usize> TorqueSupply<N> {
 }
 
 impl<const N: usize> TorqueSupply<N> {
-    /// Cuts as [`Self::share`] does, but only what accelerates the rig: the part of each torque beyond its bias wrench
-    /// ([`TorqueController::bias_wrenches`](crate::TorqueController::bias_wrenches)), of all joints by the same factor
-    /// whatever the weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
+    /// Reduces torques like [`Self::share`], but only the part that accelerates the rig: the part beyond the bias
+    /// wrench ([`TorqueController::bias_wrenches`](crate::TorqueController::bias_wrenches)). All joints get the same
+    /// factor, whatever the weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
-    /// Wrenches that do not draw from the supply (of a free root, and forces) are scaled alike, so every joint gets
-    /// the same share of its commanded acceleration. The sum of torques is convex in s: where the straight line
-    /// between its ends meets the supply, the sum does not exceed it. So there is no search, and a little of the
-    /// supply is left. If the bias wrenches alone take the whole supply, all is cut as [`Self::share`] does.
+    /// Wrenches that do not draw from the supply (of a free root, and forces) get the same factor, so every joint
+    /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The function takes the s
+    /// at which the straight line from the sum at s = 0 to the sum at s = 1 reaches the supply. The true sum is never
+    /// above this line: the supply is not exceeded, no search is needed, and a little of the supply stays unused. If
+    /// the bias wrenches alone exceed the supply, all torques are reduced as in [`Self::share`].
     ///
-    /// Bias wrenches that are not finite, or missing, count as zero.
+    /// Bias wrenches that are missing or not finite count as zero.
     pub fn share_acceleration(&self, torques: &mut [Limited<Wrench>], bias: &[Wrench]) {
         let mut largest = 0.0_f32;
         for (wanted_nm, bias_nm) in self.counted(torques, bias) {
@@ -175,7 +178,7 @@ impl<const N: usize> TorqueSupply<N> {
             sum_bias += math::length(bias_nm / largest);
         }
         let supply = self.supply_nm / largest;
-        // Written so that NaN, of torques that are all zero, is enough.
+        // If all torques are zero, the sums are NaN; the condition is then false, and nothing is reduced.
         if sum > supply && sum_bias < supply {
             let s = (supply - sum_bias) / (sum - sum_bias);
             for (joint, torque) in torques.iter_mut().enumerate() {
@@ -185,7 +188,8 @@ impl<const N: usize> TorqueSupply<N> {
                 }
             }
         }
-        // What is not finite, a bias that is more than the supply, and what rounding has left above the supply.
+        // This handles torques that are not finite, a bias beyond the supply, and a sum above the supply due to
+        // rounding.
         self.share(torques);
     }
 
@@ -193,7 +197,7 @@ impl<const N: usize> TorqueSupply<N> {
         self.yields.get(joint).is_some_and(|yields| *yields > 0.0)
     }
 
-    /// Moments that count: the wanted one and its bias.
+    /// Returns the moments that draw from the supply, each with its bias.
     fn counted<'a>(
         &'a self,
         torques: &'a [Limited<Wrench>],
@@ -212,18 +216,18 @@ fn finite_or_zero(wrench: Option<&Wrench>) -> Wrench {
     wrench.copied().filter(|wrench| wrench.is_finite()).unwrap_or(Wrench::ZERO)
 }
 
-/// `a + t (b - a)`: `b` itself where both are the same, or `t` is 1.
+/// Returns `a + t (b - a)`: exactly `b` if both are equal, or `t` is 1.
 fn mixed(a: Wrench, b: Wrench, t: f32) -> Wrench {
     let mixed = |a: Vec3, b: Vec3| b - (b - a) * (1.0 - t);
     Wrench { moment_nm: mixed(a.moment_nm, b.moment_nm), force_n: mixed(a.force_n, b.force_n) }
 }
 
-/// Subtracts from each torque the same multiple of what its joint yields, so that the sum is the supply's.
+/// Subtracts from each torque the same multiple of its joint's yield, which reduces the sum to the supply.
 fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: f32) {
     let joints = || wanted.iter().zip(yields);
     let mut share = 0.0;
-    // Each pass leaves out the joints that the last share takes all from; so those that are left give more, and none
-    // comes back.
+    // Each pass excludes the joints that lose all their torque at the last share. The remaining joints then give up
+    // more, and no excluded joint returns.
     for _ in wanted {
         let (mut sum, mut yielding) = (0.0, 0.0);
         for (wanted, yields) in joints().filter(|(wanted, yields)| share * **yields < **wanted) {
@@ -231,7 +235,7 @@ fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: 
             yielding += yields;
         }
         let next = (sum - supply).max(0.0) / yielding;
-        // Written so that NaN, of no joint left, stops.
+        // Written so that NaN, when no joint remains, stops the loop.
         if next > share {
             share = next;
         } else {
@@ -239,7 +243,7 @@ fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: 
         }
     }
     let left = |wanted: f32, yields: f32| (wanted - share * yields).max(0.0);
-    // What is left of large torques has lost the digits that a small supply is counted in.
+    // The remainders of large torques have lost the digits that a small supply needs.
     let sum: f32 = joints().map(|(wanted, yields)| left(*wanted, *yields)).sum();
     let rounding = if sum > supply { supply / sum } else { 1.0 };
     for (torque, (wanted, yields)) in torques.iter_mut().zip(joints()) {
@@ -250,17 +254,17 @@ fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: 
     }
 }
 
-/// Why a supply was refused.
+/// An error in a supply.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SupplyError {
     /// The supply is NaN or negative.
     Supply {
-        /// The supply in N m.
+        /// Supply, N m.
         nm: f32,
     },
-    /// There must be one weight for each joint.
+    /// The number of weights is not the number of joints.
     Count {
         /// Number of joints.
         expected: usize,
@@ -269,9 +273,9 @@ pub enum SupplyError {
     },
     /// The weight of a joint is not from 1e-12 to 1e12.
     Weight {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// The weight.
+        /// Weight of the joint.
         value: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! Symmetric 3 x 3 matrices in six numbers, and how to divide by those that inertias are made of.
+//! Symmetric 3 x 3 matrices in six numbers, and the inverses of matrices that inertias consist of.
 
 use core::ops::{Add, AddAssign, Mul, Sub};
 
@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 
 use crate::inertia::RotationalInertia;
 
-/// Share of an inertia that is rounding, after a few differences.
+/// Relative rounding error of an inertia, after a few differences.
 pub(crate) const ROUNDING: f32 = 1e-6;
 
 /// A symmetric matrix, by the elements of its upper triangle.
@@ -20,21 +20,21 @@ pub(crate) struct Symmetric {
     pub(crate) zz: f32,
 }
 
-/// How to divide by a positive semidefinite matrix.
+/// The inverse of a positive semidefinite matrix, in the form of its case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Inverse {
-    /// It is definite: its factors `L D Lᵀ`, L with a diagonal of ones.
+    /// Definite matrix: its factors `L D Lᵀ`, L with a diagonal of ones.
     Factored {
-        /// 1 / D.
+        /// Elements of 1 / D.
         reciprocals: Vec3,
-        /// Of L: yx, zx, zy.
+        /// Elements yx, zx, zy of L.
         lower: Vec3,
     },
-    /// It is singular, or as good as that.
+    /// Matrix that is singular, or nearly singular.
     Pseudo {
-        /// Moore and Penrose's inverse: zero in the directions that the matrix does not reach.
+        /// Moore-Penrose inverse: zero along the null directions of the matrix.
         inverse: Symmetric,
-        /// Projector on those directions.
+        /// Projector on the null directions.
         null: Symmetric,
     },
 }
@@ -42,12 +42,12 @@ pub(crate) enum Inverse {
 impl Symmetric {
     pub(crate) const ZERO: Self = Self::diagonal(0.0);
 
-    /// A multiple of the identity.
+    /// Returns a multiple of the identity.
     pub(crate) const fn diagonal(x: f32) -> Self {
         Self { xx: x, xy: 0.0, xz: 0.0, yy: x, yz: 0.0, zz: x }
     }
 
-    /// `a bᵀ + b aᵀ`.
+    /// Returns `a bᵀ + b aᵀ`.
     pub(crate) fn from_outer(a: Vec3, b: Vec3) -> Self {
         Self {
             xx: 2.0 * a.x * b.x,
@@ -59,7 +59,7 @@ impl Symmetric {
         }
     }
 
-    /// `A B`, where that is symmetric: of its columns only the upper triangle is computed.
+    /// Returns `A B` for a symmetric product: only the upper triangle is computed.
     pub(crate) fn from_product(a: &Mat3, b: &Mat3) -> Self {
         let rows = a.transpose();
         Self {
@@ -100,7 +100,7 @@ impl Symmetric {
         self.xx + self.yy + self.zz
     }
 
-    /// `R S Rᵀ`: the same in the axes that the rotation R leads to.
+    /// Returns `R S Rᵀ`: the matrix in rotated axes.
     #[inline]
     pub(crate) fn turned(&self, rotation: &Mat3) -> Self {
         let half = Mat3::from_cols(
@@ -111,7 +111,7 @@ impl Symmetric {
         Self::from_product(&half, &rotation.transpose())
     }
 
-    /// How to divide by it; it must be positive semidefinite but for rounding.
+    /// Returns the inverse. The matrix must be positive semidefinite within rounding.
     #[inline]
     pub(crate) fn inverse(&self) -> Inverse {
         let trace = self.trace();
@@ -123,7 +123,7 @@ impl Symmetric {
         let zy = below * second;
         let z_pivot = self.zz - zx * self.xz - zy * below;
         let third = 1.0 / z_pivot;
-        // The traces of a matrix and of its inverse bound how far apart its eigenvalues are.
+        // The traces of a matrix and of its inverse bound the ratio of its eigenvalues.
         let aslant = yx * zy - zx;
         let trace_of_inverse =
             first * (1.0 + yx * yx + aslant * aslant) + second * (1.0 + zy * zy) + third;
@@ -147,8 +147,8 @@ impl Symmetric {
         }
         let scale = 1.0 / trace;
         let unit = *self * scale;
-        // With eigenvalues a, b, 0 the adjugate is a b times the projector on the last one's direction; and on
-        // the plane of the others, where a + b = 1, (1 - A) A = a b.
+        // With eigenvalues a, b, 0, the adjugate is a b times the projector on the null direction. In the plane of
+        // the other two, where a + b = 1, (1 - A) A = a b.
         let adjugate = unit.adjugate();
         let product = adjugate.trace();
         let (inverse, null) = if product > ROUNDING {
@@ -161,8 +161,8 @@ impl Symmetric {
         Inverse::Pseudo { inverse: inverse * scale, null }
     }
 
-    /// The inverse by its cofactors; zero if it is not definite, no numbers if its determinant is too large for f32:
-    /// that must not look like a body that nothing moves.
+    /// Returns the inverse by its cofactors; zero if the matrix is not definite. If the determinant overflows f32,
+    /// the elements are NaN: a zero inverse would look like a body that nothing moves.
     #[inline]
     pub(crate) fn inverse_if_definite(&self) -> Self {
         let adjugate = self.adjugate();
@@ -210,7 +210,7 @@ impl Inverse {
         Mat3::from_cols(self.mul_vec3(m.x_axis), self.mul_vec3(m.y_axis), self.mul_vec3(m.z_axis))
     }
 
-    /// The inverse as a matrix.
+    /// Returns the inverse as a matrix.
     pub(crate) fn matrix(&self) -> Symmetric {
         match self {
             Self::Factored { .. } => {
@@ -221,7 +221,7 @@ impl Inverse {
         }
     }
 
-    /// Projector on the directions that the matrix does not reach, if there are any.
+    /// Returns the projector on the null directions of the matrix, if there are any.
     #[inline]
     pub(crate) fn null(&self) -> Option<Symmetric> {
         match self {
@@ -309,7 +309,7 @@ mod tests {
         v.abs().max_element()
     }
 
-    /// Of the given eigenvalues, along the axes of some frame.
+    /// Returns a matrix with the given eigenvalues along the axes of a frame, and the frame.
     fn with_eigenvalues(values: Vec3) -> (Mat3, Symmetric) {
         let frame = Mat3::from_quat(math::exp(Vec3::new(0.4, -1.2, 0.7)));
         let Vec3 { x, y, z } = values;
@@ -323,7 +323,7 @@ mod tests {
             let (_, matrix) = with_eigenvalues(values);
             let inverse = matrix.inverse();
             assert!(inverse.null().is_none());
-            // A few roundings in each of two products of three terms.
+            // Tolerance: a few roundings in each of two products of three terms.
             assert!(largest(matrix * inverse.mul_vec3(v) - v) < 4e-6, "{values}");
         }
     }
@@ -348,7 +348,7 @@ mod tests {
             };
             let divided = expected(|value, along| if value > 0.0 { along / value } else { 0.0 });
             let left = expected(|value, along| if value > 0.0 { 0.0 } else { along });
-            // Rounding of the matrix, by the ratio of its eigenvalues.
+            // Tolerance: rounding of the matrix, amplified by the ratio of its eigenvalues.
             let size = largest(divided).max(f32::MIN_POSITIVE);
             assert!(largest(in_frame(inverse.mul_vec3(v)) - divided) < 4e-6 * size, "{values}");
             assert!(largest(in_frame(null * v) - left) < 4e-6, "{values}");

@@ -1,4 +1,4 @@
-//! A performance as frames of joint poses, and the targets taken from it.
+//! A performance as frames of joint poses, and targets from these frames.
 
 use core::fmt;
 
@@ -13,7 +13,7 @@ use crate::transform::{Transform, Twist};
 
 /// Evenly spaced frames of the poses of all joints, each in its parent's frame.
 ///
-/// It borrows its frames, so that a baked performance stays where it is, in flash.
+/// The type borrows its frames, so a baked performance can stay in flash.
 ///
 /// ```
 /// use sinew_core::{Trajectory, TrajectoryError, Transform, glam::Vec3};
@@ -32,11 +32,11 @@ pub struct Trajectory<'a> {
 }
 
 impl<'a> Trajectory<'a> {
-    /// Frames one after the other, each with the poses of `joint_count` joints, `dt_s` seconds apart.
-    /// O(frames): every pose is checked, once.
+    /// Validates consecutive frames, each with the poses of `joint_count` joints, `dt_s` seconds apart. O(frames):
+    /// every pose is checked once.
     ///
     /// # Errors
-    /// [`TrajectoryError`] if there is no whole number of frames, a pose is not finite or its rotation not
+    /// [`TrajectoryError`] if the poses are not a whole number of frames, a pose is not finite or its rotation not
     /// unit, or the time step is not a positive number.
     pub fn new(
         poses: &'a [Transform],
@@ -61,33 +61,33 @@ impl<'a> Trajectory<'a> {
         Ok(Self { poses, joint_count, dt_s })
     }
 
-    /// Number of frames, at least one.
+    /// Returns the number of frames, at least one.
     pub fn len(&self) -> usize {
         self.poses.len().checked_div(self.joint_count).unwrap_or_default()
     }
 
-    /// Never: a trajectory has at least one frame.
+    /// Returns `false`: a trajectory has at least one frame.
     pub fn is_empty(&self) -> bool {
         self.poses.is_empty()
     }
 
-    /// Time from one frame to the next, s.
+    /// Returns the time between frames, s.
     pub fn dt_s(&self) -> f32 {
         self.dt_s
     }
 
-    /// Poses of one frame by joint; the last frame for any index beyond it.
+    /// Returns the poses of a frame by joint; the last frame for any index beyond it.
     pub fn frame(&self, index: usize) -> &'a [Transform] {
         let index = index.min(self.len().saturating_sub(1));
         let start = index.saturating_mul(self.joint_count);
         self.poses.get(start..start.saturating_add(self.joint_count)).unwrap_or_default()
     }
 
-    /// Poses at a time, spherically interpolated between frames; held before the first and after the last.
-    /// A time that is NaN gives the first frame. O(joints).
+    /// Writes the poses at a time, spherically interpolated between frames. Before the start the first frame is held,
+    /// after the end the last. A NaN time gives the first frame. O(joints).
     pub fn sample(&self, time_s: f32, out: &mut [Transform]) {
         let last = self.len().saturating_sub(1);
-        // A float turned into an integer saturates, and NaN becomes 0: that is what is wanted here.
+        // A conversion from float to integer saturates, and NaN becomes 0: both are intended.
         let position = time_s / self.dt_s;
         #[expect(
             clippy::cast_possible_truncation,
@@ -102,16 +102,16 @@ impl<'a> Trajectory<'a> {
         for ((from, to), pose) in from.iter().zip(to).zip(out) {
             *pose = interpolate(from, to, fraction);
             if !pose.translation_m.is_finite() {
-                // From one end of f32 to the other there is no way.
+                // The difference of positions at opposite limits of f32 overflows.
                 pose.translation_m = from.translation_m;
             }
         }
     }
 
-    /// Targets at frame `index` by forward differences, as the paper takes them (13): it looks two frames
-    /// ahead, and the last frame is held after the end. O(joints).
+    /// Writes the targets at frame `index` by forward differences, as in the paper (13): they need two later frames,
+    /// and the last frame is held after the end. O(joints).
     ///
-    /// A performance that ends in motion is stopped within one frame by that: end it at rest.
+    /// A performance that ends in motion is therefore stopped within one frame: let it end at rest.
     ///
     /// # Errors
     /// [`StateInputError`] if the targets are for fewer joints, or differences overflow.
@@ -127,7 +127,7 @@ impl<'a> Trajectory<'a> {
     /// let performance = Trajectory::new(&frames, 1, 1.0)?;
     /// let mut targets = JointTargets::rest(&tree);
     /// performance.targets(0, &mut targets)?;
-    /// // Forward: 1 m in the next second, and 1 m more in the one after it.
+    /// // Forward differences: 1 m in the next second, and 1 m more than that in the second after it.
     /// let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
     /// assert_eq!((velocity.linear.x, acceleration.linear.x), (1.0, 1.0));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -142,7 +142,7 @@ impl<'a> Trajectory<'a> {
     }
 }
 
-/// The fraction of a position between two frames, in [0, 1).
+/// Returns the fraction of a position between two frames, in [0, 1).
 fn fraction_of(position: f32) -> f32 {
     #[expect(
         clippy::cast_possible_truncation,
@@ -153,10 +153,10 @@ fn fraction_of(position: f32) -> f32 {
     if position > whole { position - whole } else { 0.0 }
 }
 
-/// The pose a fraction of the way from one to the other: the position on the straight line, the rotation
-/// on the great arc.
+/// Returns the pose at a fraction of the way from one pose to the other: the position on the straight line, the
+/// rotation on the great arc.
 ///
-/// Positions are not finite where their difference is too large for f32.
+/// The position is not finite if the difference is too large for f32.
 ///
 /// ```
 /// use sinew_core::{Transform, glam::Vec3};
@@ -172,15 +172,15 @@ pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform
     }
 }
 
-/// The pose a fraction of the way from the second to the third of four evenly spaced frames, on a smooth
-/// path through all of them: velocities are continuous, where those of [`interpolate`] jump at every frame,
-/// and with them the torques.
+/// Returns the pose at a fraction of the way from the second to the third of four evenly spaced frames, on a smooth
+/// path through all of them. Its velocities are continuous; with [`interpolate`] they, and thus the torques, jump at
+/// every frame.
 ///
-/// Cubic Hermite with the central differences as velocities (Catmull and Rom 1974); rotations by the
-/// logarithm from the second frame, `φ̇(1) = J_r⁻¹(φ(1)) ω`, its inverse right Jacobian to third order in the
-/// turn between frames: to 1e-4 of the velocity at 0.5 rad.
+/// Cubic Hermite interpolation with central differences as velocities (Catmull and Rom 1974). Rotations use the
+/// logarithm from the second frame, `φ̇(1) = J_r⁻¹(φ(1)) ω`, with the inverse right Jacobian to third order in the
+/// rotation between frames. The error is 1e-4 of the velocity at 0.5 rad.
 ///
-/// Positions are not finite where their differences are too large for f32.
+/// The position is not finite if differences are too large for f32.
 ///
 /// ```
 /// use sinew_core::{Transform, glam::Vec3, trajectory::interpolate_smoothly};
@@ -212,12 +212,12 @@ pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform
     }
 }
 
-/// Targets of all joints at the first of three frames, by forward differences (13): velocities need one
-/// frame ahead, accelerations two. O(n).
+/// Computes the targets of all joints at the first of three frames, by forward differences (13): velocities need one
+/// later frame, accelerations two. O(n).
 ///
 /// # Errors
-/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step
-/// is not positive, or the targets are for fewer joints.
+/// [`StateInputError`], and later joints are unchanged, if a pose is not finite or unit, the time step is not
+/// positive, or the targets are for fewer joints.
 pub fn forward_targets<const N: usize>(
     [now, next, after]: [&[Transform]; 3],
     dt_s: f32,
@@ -231,18 +231,18 @@ pub fn forward_targets<const N: usize>(
     Ok(())
 }
 
-/// Targets of all joints at the *middle* of three frames, aligned with how a controlled rig moves: the
-/// velocity is the backward difference, as that of a measurement is, and the acceleration the central one,
+/// Computes the targets of all joints at the *middle* of three frames, aligned with the motion of a controlled rig.
+/// The velocity is the backward difference, like that of a measurement. The acceleration is the central difference,
 /// which leads from that velocity to the next frame.
 ///
-/// A rig that is on the frame before and on this one, and is given this acceleration for one period (velocity
-/// first, then position: semi-implicit Euler), is on the next frame exactly. Forward differences lead by half a
-/// period and more, and what the controller does about that is most of the error of a good model.
+/// A rig that is at the previous frame and then at this frame, and gets this acceleration for one period (velocity
+/// first, then position: semi-implicit Euler), reaches the next frame exactly. Forward differences lead by half a
+/// period or more, and the controller's response to that is most of the error of a good model.
 ///
-/// For performances whose next frame is known, and for live streams that may be one frame late. O(n).
+/// For performances whose next frame is known, and for live streams that may have a delay of one frame. O(n).
 ///
 /// # Errors
-/// As [`forward_targets`].
+/// As in [`forward_targets`].
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointTargets, StateInputError, Transform, Tree};
@@ -277,13 +277,13 @@ pub fn aligned_targets<const N: usize>(
     Ok(())
 }
 
-/// Targets of all joints at the *last* of three frames, by backward differences: for a live stream whose next
-/// frame nobody knows. The acceleration is that of one period ago, and noise of the stream grows in it.
+/// Computes the targets of all joints at the *last* of three frames, by backward differences: for a live stream,
+/// whose next frame is unknown. The acceleration is that of one period ago, and it amplifies noise of the stream.
 ///
-/// If the stream may be one frame late, [`aligned_targets`] on the same three frames are far better. O(n).
+/// If the stream may have a delay of one frame, [`aligned_targets`] on the same three frames is far better. O(n).
 ///
 /// # Errors
-/// As [`forward_targets`].
+/// As in [`forward_targets`].
 ///
 /// ```
 /// use sinew_core::{JointTargets, Transform, glam::Vec3, trajectory::live_targets};
@@ -295,7 +295,7 @@ pub fn aligned_targets<const N: usize>(
 /// let frames = [0.0, 1.0, 3.0].map(|x| [Transform::from_translation(Vec3::X * x)]);
 /// let mut targets = JointTargets::rest(&tree);
 /// live_targets(frames.each_ref().map(|frame| &frame[..]), 1.0, &mut targets)?;
-/// // At the last frame, with what led there.
+/// // State at the last frame, with the velocity that led to it.
 /// let state = targets.states()[0];
 /// assert_eq!((state.pose.translation_m.x, state.velocity.linear.x), (3.0, 2.0));
 /// assert_eq!(targets.accelerations()[0].linear.x, 1.0);
@@ -314,12 +314,12 @@ pub fn live_targets<const N: usize>(
     Ok(())
 }
 
-/// Measured states of all joints at the second of two frames, by backward differences: what can be had
-/// from joint sensors without a model. O(n).
+/// Computes the measured states of all joints at the second of two frames, by backward differences: the best that
+/// joint sensors give without a model. O(n).
 ///
 /// # Errors
-/// [`StateInputError`], and later joints keep what they had, if a pose is not finite or unit, the time step is
-/// not positive, or the states are of fewer joints.
+/// [`StateInputError`], and later joints are unchanged, if a pose is not finite or unit, the time step is not
+/// positive, or the states are for fewer joints.
 ///
 /// ```
 /// use sinew_core::{JointStates, Transform, glam::Vec3, trajectory::backward_states};
@@ -349,10 +349,10 @@ pub fn backward_states<const N: usize>(
     Ok(())
 }
 
-/// The two steps between three poses that are checked.
+/// Checks three poses and returns the two steps between them.
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 fn steps(
@@ -367,7 +367,7 @@ fn steps(
 
 #[expect(
     clippy::inline_always,
-    reason = "a few operations of every tick, which several callers share: a call costs as much"
+    reason = "a few operations per tick, shared by several callers: a call would cost as much"
 )]
 #[inline(always)]
 pub(crate) fn put_difference<const N: usize>(
@@ -381,23 +381,23 @@ pub(crate) fn put_difference<const N: usize>(
     out.put(joint, state, in_axes_of(pose, acceleration))
 }
 
-/// Why frames were refused.
+/// An error in the frames of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum TrajectoryError {
-    /// The poses do not make up one or more whole frames.
+    /// The poses are not one or more whole frames.
     Count {
-        /// Joints in a frame.
+        /// Number of joints in a frame.
         joints: usize,
-        /// Poses in all.
+        /// Number of poses.
         poses: usize,
     },
     /// A pose is not finite, or its rotation not a unit quaternion.
     InvalidPose {
-        /// The frame.
+        /// Index of the frame.
         frame: usize,
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
     /// The time step is not a positive number.
@@ -445,7 +445,7 @@ mod tests {
         let mut targets = JointTargets::rest(&tree);
         trajectory.targets(0, &mut targets).unwrap();
         let (state, acceleration) = (targets.states()[0], targets.accelerations()[0]);
-        // f32 rounding of 0.02 m over h² = 1e-4 s²: 2e-5 m/s²; of a quaternion: 1e-3 rad/s².
+        // Tolerance: f32 rounding of 0.02 m over h² = 1e-4 s²: 2e-5 m/s²; of a quaternion: 1e-3 rad/s².
         assert!((state.velocity.angular.y - 2.0).abs() < 5e-5);
         assert!((state.velocity.linear.x - 1.0).abs() < 1e-5);
         assert!((acceleration.linear.x - 200.0).abs() < 1e-3);

@@ -1,4 +1,4 @@
-//! Rigid transforms, and the motion and force vectors that go with them.
+//! Rigid transforms, and motion and force vectors.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -6,7 +6,7 @@ use glam::{Quat, Vec3};
 
 use crate::math;
 
-/// Pose of one frame in another: `p_outer = rotation p_inner + translation_m`.
+/// Pose of an inner frame in an outer frame: `p_outer = rotation p_inner + translation_m`.
 ///
 /// ```
 /// use sinew_core::{Transform, glam::{Quat, Vec3}};
@@ -25,38 +25,38 @@ pub struct Transform {
     /// Unit rotation from the inner to the outer frame.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::unit_rotation"))]
     pub rotation: Quat,
-    /// Origin of the inner frame in the outer one, in metres.
+    /// Origin of the inner frame in the outer frame, m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub translation_m: Vec3,
 }
 
 impl Transform {
-    /// Both frames are the same.
+    /// The identity: both frames are the same.
     pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation_m: Vec3::ZERO };
 
-    /// A pose from its parts.
+    /// Creates a pose from its parts.
     pub const fn new(rotation: Quat, translation_m: Vec3) -> Self {
         Self { rotation, translation_m }
     }
 
-    /// A pose that only moves the origin.
+    /// Creates a pose that only moves the origin.
     pub const fn from_translation(translation_m: Vec3) -> Self {
         Self { rotation: Quat::IDENTITY, translation_m }
     }
 
-    /// A point of the inner frame, in the outer frame.
+    /// Converts a point from the inner frame to the outer frame.
     pub fn transform_point(self, point_m: Vec3) -> Vec3 {
         math::rotate(self.rotation, point_m) + self.translation_m
     }
 
-    /// Pose of the outer frame in the inner one.
+    /// Returns the pose of the outer frame in the inner frame.
     #[must_use]
     pub fn inverse(self) -> Self {
         let rotation = self.rotation.conjugate();
         Self { rotation, translation_m: -math::rotate(rotation, self.translation_m) }
     }
 
-    /// Whether every component is a number.
+    /// Returns `true` if every component is finite.
     pub fn is_finite(self) -> bool {
         let of_rotation = self.rotation.dot(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0));
         math::zero_of_numbers(self.translation_m) + of_rotation == 0.0
@@ -66,6 +66,13 @@ impl Transform {
 impl Default for Transform {
     fn default() -> Self {
         Self::IDENTITY
+    }
+}
+
+impl From<Vec3> for Transform {
+    /// Creates a pose that only moves the origin, in m.
+    fn from(translation_m: Vec3) -> Self {
+        Self::from_translation(translation_m)
     }
 }
 
@@ -82,13 +89,13 @@ impl Mul for Transform {
 
 /// Angular and linear velocity (rad/s, m/s) or acceleration (rad/s², m/s²) of a frame's origin.
 ///
-/// The axes are named where a `Twist` is used. The linear part is the plain time derivative of the
-/// origin's path (classical, not spatial, acceleration).
+/// Code that uses a `Twist` states its axes. The linear part is the plain time derivative of the origin's path
+/// (classical, not spatial, acceleration).
 ///
 /// ```
 /// use sinew_core::{Twist, glam::Vec3, math};
 /// let motion = Twist::new(Vec3::X, Vec3::Y * 0.5);
-/// // The same motion in axes that are turned by a quarter about z.
+/// // The motion in axes that are rotated by a quarter turn about z.
 /// let turned = motion.rotated(math::exp(Vec3::Z * core::f32::consts::FRAC_PI_2));
 /// assert!((turned.angular - Vec3::Y).length() < 1e-6);
 /// assert!((turned.linear + Vec3::X * 0.5).length() < 1e-6);
@@ -100,29 +107,29 @@ impl Mul for Transform {
     serde(deny_unknown_fields)
 )]
 pub struct Twist {
-    /// Angular part.
+    /// Angular part, rad/s or rad/s².
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub angular: Vec3,
-    /// Linear part, of the frame's origin.
+    /// Linear part, of the frame's origin, m/s or m/s².
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear: Vec3,
 }
 
 impl Twist {
-    /// At rest.
+    /// Zero velocity or acceleration.
     pub const ZERO: Self = Self { angular: Vec3::ZERO, linear: Vec3::ZERO };
 
-    /// A motion from its parts.
+    /// Creates a motion from its parts.
     pub const fn new(angular: Vec3, linear: Vec3) -> Self {
         Self { angular, linear }
     }
 
-    /// Whether every component is a number.
+    /// Returns `true` if every component is finite.
     pub fn is_finite(self) -> bool {
         math::zero_of_numbers(self.angular) + math::zero_of_numbers(self.linear) == 0.0
     }
 
-    /// The same motion in the axes that `rotation` leads to.
+    /// Returns the motion in rotated axes.
     #[must_use]
     pub fn rotated(self, rotation: Quat) -> Self {
         Self {
@@ -158,7 +165,7 @@ impl Sub for Twist {
 
 /// Force, and its moment about a frame's origin.
 ///
-/// The axes are named where a `Wrench` is used.
+/// Code that uses a `Wrench` states its axes.
 ///
 /// ```
 /// use sinew_core::{Twist, Wrench, glam::Vec3};
@@ -183,25 +190,25 @@ pub struct Wrench {
 }
 
 impl Wrench {
-    /// No force, no moment.
+    /// Zero force and moment.
     pub const ZERO: Self = Self { moment_nm: Vec3::ZERO, force_n: Vec3::ZERO };
 
-    /// A wrench from its parts.
+    /// Creates a wrench from its parts.
     pub const fn new(moment_nm: Vec3, force_n: Vec3) -> Self {
         Self { moment_nm, force_n }
     }
 
-    /// Whether every component is a number.
+    /// Returns `true` if every component is finite.
     pub fn is_finite(self) -> bool {
         self.as_twist().is_finite()
     }
 
-    /// The same six numbers as a twist: components along a joint's axes are found alike for both.
+    /// Returns the six numbers as a twist, because both have the same components along a joint's axes.
     pub(crate) fn as_twist(self) -> Twist {
         Twist { angular: self.moment_nm, linear: self.force_n }
     }
 
-    /// Power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
+    /// Returns the power in W that the wrench gives a body moving with `velocity` (same axes, same origin).
     pub fn power_w(self, velocity: Twist) -> f32 {
         self.moment_nm.dot(velocity.angular) + self.force_n.dot(velocity.linear)
     }

@@ -1,4 +1,4 @@
-//! The rig: a tree of bodies in regular numbering, validated once.
+//! The rig: a validated tree of bodies in regular numbering.
 
 use core::fmt;
 
@@ -11,7 +11,7 @@ use crate::joint::{JointError, JointKind};
 use crate::math;
 use crate::transform::Transform;
 
-/// One body, and the joint that connects it to its parent.
+/// A body, and the joint that connects it to its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -22,26 +22,26 @@ use crate::transform::Transform;
 pub struct Body {
     /// Index of the parent body (λ); `None` only for the root, whose parent is the world.
     pub parent: Option<usize>,
-    /// What the joint leaves free.
+    /// Kind of the joint: the motions that it allows.
     pub joint: JointKind,
-    /// Pose of the joint frame in the parent's body frame. The body frame is the joint frame after the
-    /// joint's own motion.
+    /// Pose of the joint frame in the parent's body frame. The joint's own motion leads from the joint frame to the
+    /// body frame.
     pub placement: Transform,
     /// Mass properties in the body frame.
     pub inertia: Inertia,
-    /// The inertia that the rotor of the joint's drive adds to each of its dofs, as the gear shows it: `J n²`
-    /// of a rotor with inertia J behind a ratio of n. In kg m², or in kg of a joint that slides; zero for none.
-    /// Simulators call it armature.
+    /// Inertia that the rotor of the joint's drive adds to each of its dofs, after the gear: `J n²` for a rotor with
+    /// inertia J and a gear ratio n. In kg m², or in kg for a joint that slides; zero for none. Simulators call it
+    /// armature.
     ///
-    /// It resists acceleration along the joint only; the parent does not feel it. A fixed or a free joint has no
-    /// drive, so theirs is zero.
+    /// The rotor resists acceleration along the joint only; the parent does not feel it. A fixed or a free joint has
+    /// no drive and must have zero.
     #[cfg_attr(feature = "serde", serde(default, deserialize_with = "crate::read::finite"))]
     pub rotor_inertia: f32,
 }
 
 impl Body {
-    /// Rotation of the body in the joint frame, as far as the motion subspace depends on it: of no kind of joint but
-    /// the universal one. `rotation`: of the body in its parent's frame.
+    /// Returns the rotation of the body in the joint frame if the motion subspace depends on it (universal joints
+    /// only), else the identity. `rotation`: the body in its parent's frame.
     #[inline]
     pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
         if matches!(self.joint, JointKind::Universal { .. }) {
@@ -51,7 +51,7 @@ impl Body {
         }
     }
 
-    /// Apart, since most joints do not ask.
+    /// Never inlined, since most joints do not need it.
     #[inline(never)]
     fn turn_from_placement(&self, rotation: Quat) -> Quat {
         self.placement.rotation.conjugate() * rotation
@@ -60,7 +60,7 @@ impl Body {
 
 /// A tree of at most `N` bodies (`N` up to [`BodySet::CAPACITY`]), immutable once built.
 ///
-/// Its sets carry the paper's names: λ parent, κ supporters, ν subtree, µ children.
+/// The sets have the paper's names: λ parent, κ supporters, ν subtree, µ children.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, TreeError, glam::Vec3};
@@ -83,29 +83,23 @@ impl Body {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree<const N: usize> {
     bodies: Vec<Body, N>,
-    supporters: Vec<BodySet, N>,
-    subtree: Vec<BodySet, N>,
-    children: Vec<BodySet, N>,
+    /// Bodies that have children. The other sets follow from the parents on demand: stored for each body, the sets
+    /// would be a third of the tree.
+    inner: BodySet,
     shape: u32,
 }
 
 impl<const N: usize> Tree<N> {
-    /// A tree without bodies.
+    /// Creates an empty tree.
     pub fn new() -> Self {
         const { assert!(N <= BodySet::CAPACITY, "a tree holds at most BodySet::CAPACITY bodies") };
-        Self {
-            bodies: Vec::new(),
-            supporters: Vec::new(),
-            subtree: Vec::new(),
-            children: Vec::new(),
-            shape: 0x811c_9dc5,
-        }
+        Self { bodies: Vec::new(), inner: BodySet::EMPTY, shape: 0x811c_9dc5 }
     }
 
-    /// A tree of the given bodies, in their order. O(n · depth).
+    /// Creates a tree from bodies, in their order. O(n).
     ///
     /// # Errors
-    /// As [`Self::push`].
+    /// As in [`Self::push`].
     pub fn from_bodies(bodies: &[Body]) -> Result<Self, TreeError> {
         let mut tree = Self::new();
         for body in bodies {
@@ -114,11 +108,11 @@ impl<const N: usize> Tree<N> {
         Ok(tree)
     }
 
-    /// Adds a body and returns its index. O(depth).
+    /// Adds a body and returns its index. O(1).
     ///
     /// # Errors
-    /// [`TreeError`], and the tree is as before, if the tree is full, the parent is not there yet, there is a
-    /// root already, or the body's numbers cannot be.
+    /// [`TreeError`], and the tree is unchanged, if the tree is full, the parent was not added before, there is
+    /// already a root, or a number of the body is invalid.
     pub fn push(&mut self, body: Body) -> Result<usize, TreeError> {
         let index = self.bodies.len();
         if index == N {
@@ -148,152 +142,158 @@ impl<const N: usize> Tree<N> {
             return Err(TreeError::RotorWithoutDrive { body: index, value });
         }
 
-        let full = |_| TreeError::Full { capacity: N };
-        let mut supporters =
-            body.parent.and_then(|parent| self.supporters.get(parent).copied()).unwrap_or_default();
-        supporters.insert(index);
         let placement = Transform::new(math::unit(rotation), body.placement.translation_m);
         self.bodies
             .push(Body { joint: body.joint.normalized(), placement, ..body })
             .map_err(|_| TreeError::Full { capacity: N })?;
-        self.supporters.push(supporters).map_err(full)?;
-        self.subtree.push(BodySet::EMPTY).map_err(full)?;
-        self.children.push(BodySet::EMPTY).map_err(full)?;
         let after_parent = body.parent.map_or(0, |parent| parent.saturating_add(1));
         let word = u32::try_from(after_parent).unwrap_or(u32::MAX);
         self.shape = (self.shape ^ word).wrapping_mul(0x0100_0193);
-        for ancestor in supporters.iter() {
-            if let Some(subtree) = self.subtree.get_mut(ancestor) {
-                subtree.insert(index);
-            }
-        }
-        if let Some(siblings) = body.parent.and_then(|parent| self.children.get_mut(parent)) {
-            siblings.insert(index);
+        if let Some(parent) = body.parent {
+            self.inner.insert(parent);
         }
         Ok(index)
     }
 
-    /// The bodies in regular numbering.
+    /// Returns the bodies in regular numbering.
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// A hash (FNV-1a) of the parents, which is all of the tree that world states follow from joint states by.
+    /// Returns a hash (FNV-1a) of the parents, the only data of the tree that world states depend on besides joint
+    /// states.
     pub(crate) fn shape(&self) -> u32 {
         self.shape
     }
 
-    /// Number of bodies.
+    /// Returns the number of bodies.
     pub fn len(&self) -> usize {
         self.bodies.len()
     }
 
-    /// Whether there is no body.
+    /// Returns `true` if there is no body.
     pub fn is_empty(&self) -> bool {
         self.bodies.is_empty()
     }
 
-    /// λ: the parent of a body; `None` for the root, and if there is no such body.
+    /// Returns λ, the parent of a body; `None` for the root, and if there is no such body.
     pub fn parent(&self, body: usize) -> Option<usize> {
         self.bodies.get(body).and_then(|body| body.parent)
     }
 
-    /// κ: the joints that support a body, from the root to its own.
+    /// Returns κ, the joints that support a body, from the root to its own. O(depth).
     pub fn supporters(&self, body: usize) -> BodySet {
-        self.supporters.get(body).copied().unwrap_or_default()
+        self.inward(body).collect()
     }
 
-    /// ν: the bodies that joint `body` moves, itself among them.
+    /// Returns ν, the bodies that joint `body` moves, including `body`. O(n).
     pub fn subtree(&self, body: usize) -> BodySet {
-        self.subtree.get(body).copied().unwrap_or_default()
+        let mut subtree = BodySet::EMPTY;
+        if body < self.len() {
+            subtree.insert(body);
+        }
+        // Parents come first.
+        for (index, other) in self.bodies.iter().enumerate().skip(body) {
+            if other.parent.is_some_and(|parent| subtree.contains(parent)) {
+                subtree.insert(index);
+            }
+        }
+        subtree
     }
 
-    /// µ: the children of a body.
+    /// Returns µ, the children of a body. O(n).
     pub fn children(&self, body: usize) -> BodySet {
-        self.children.get(body).copied().unwrap_or_default()
+        let bodies = self.bodies.iter().enumerate();
+        bodies.filter(|(_, other)| other.parent == Some(body)).map(|(index, _)| index).collect()
     }
 
-    /// Whether a body has no children.
+    /// Returns `true` if a body has no children. O(1).
     pub fn is_leaf(&self, body: usize) -> bool {
-        body < self.len() && self.children(body).is_empty()
+        body < self.len() && !self.inner.contains(body)
     }
 
-    /// The bodies without children, in rising order.
+    /// Returns the bodies without children, in rising order. O(n).
     pub fn leaves(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.len()).filter(|body| self.is_leaf(*body))
     }
 
-    /// Whether `ancestor` supports `body` and is not `body` itself.
+    /// Returns `true` if `ancestor` supports `body` and is not `body` itself. O(depth).
     pub fn is_ancestor(&self, ancestor: usize, body: usize) -> bool {
-        ancestor != body && self.supporters(body).contains(ancestor)
+        self.inward(body).skip(1).any(|supporter| supporter == ancestor)
+    }
+
+    /// Returns a body, if it exists, and its ancestors, up to the root.
+    fn inward(&self, body: usize) -> impl Iterator<Item = usize> + '_ {
+        let first = (body < self.len()).then_some(body);
+        core::iter::successors(first, |body| self.parent(*body))
     }
 }
 
-// Not derived: a capacity that is too large must not compile this way either.
+// Not derived: this way too, a capacity that is too large must not compile.
 impl<const N: usize> Default for Tree<N> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-/// Why a body was not added to a tree.
+/// An error in a body that was to be added to a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum TreeError {
-    /// There is no room for another body.
+    /// The tree is full.
     Full {
-        /// How many bodies the tree holds.
+        /// Maximum number of bodies.
         capacity: usize,
     },
-    /// The parent has not been added before its child (or is the child itself).
+    /// The parent was not added before its child, or is the child itself.
     ParentNotFirst {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// Its parent.
+        /// Index of its parent.
         parent: usize,
     },
     /// A body after the first has no parent.
     SecondRoot {
-        /// The body.
+        /// Index of the body.
         body: usize,
     },
-    /// The joint's pose in the parent has a NaN or infinite component.
+    /// The placement of the joint has a NaN or infinite component.
     NonFinitePlacement {
-        /// The body.
+        /// Index of the body.
         body: usize,
     },
-    /// The joint's rotation in the parent is not a unit quaternion.
+    /// The rotation of the joint's placement is not a unit quaternion.
     RotationNotUnit {
-        /// The body.
+        /// Index of the body.
         body: usize,
     },
-    /// The joint model is not usable.
+    /// The joint model is invalid.
     Joint {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// Why.
+        /// Error in the joint model.
         error: JointError,
     },
-    /// The mass properties cannot be real.
+    /// No real body has these mass properties.
     Inertia {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// Why.
+        /// Error in the mass properties.
         error: InertiaError,
     },
     /// The rotor inertia is NaN, infinite or negative.
     RotorInertia {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// The rotor inertia.
+        /// Rotor inertia, kg m² or kg.
         value: f32,
     },
-    /// A joint that no drive can move, fixed or free, has a rotor inertia.
+    /// A fixed or free joint, which has no drive, has a rotor inertia.
     RotorWithoutDrive {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// The rotor inertia.
+        /// Rotor inertia, kg m² or kg.
         value: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! The image is for the board that QEMU has.
+//! Links the image for the board that QEMU emulates.
 
 fn main() {
     sinew_image::link(sinew_image::EMULATED, &[]);

@@ -1,4 +1,4 @@
-//! The images are for the board that QEMU has. One of them plays a show, one has a rig: both are made here.
+//! Links the images for the board that QEMU emulates. The show of one image and the rigs of others are made here.
 
 #[path = "build/performer.rs"]
 mod performer;
@@ -10,7 +10,7 @@ use sinew_rig::{board::BoardRig, new};
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
-/// The most servos of an arm here, and its bodies.
+/// The largest number of servos of an arm, and its bodies.
 const MOST: usize = 40;
 const BODIES: usize = MOST + 1;
 
@@ -31,8 +31,8 @@ fn main() {
     println!("cargo:rerun-if-changed=build");
 }
 
-/// An arm as `sinew rig new --arm` makes it, as a board has it, and a show of it: 4 s in which each joint swings by
-/// less than what counts as not following, so that servos that stand still play it without a fault.
+/// Returns an arm of `sinew rig new --arm` in the compact form of a board, and a show for it. In 4 s each joint
+/// swings by less than the limit of the following-error detector, so that servos that do not move cause no fault.
 fn arm(servos: usize) -> (Vec<u8>, Vec<u8>) {
     let rig = new::arm(servos).expect("an arm may have so many joints");
     let mechanism = rig.mechanism().expect("a new arm is sound");

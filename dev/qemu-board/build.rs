@@ -1,4 +1,4 @@
-//! As for all boards.
+//! Prepares linking, as for all boards.
 
 fn main() {
     sinew_image::board(&[]);

@@ -1,20 +1,21 @@
-//! The status light: it breathes while all is well, and blinks the number of a fault.
+//! The status light: it breathes while there is no fault, and blinks the number of a fault.
 
 use micromath::F32Ext;
 
-/// Duration of one breath, s: calm enough to be told from a fault's blinking.
+/// Duration of a breath, s: slow enough to be distinguished from a fault's blinking.
 pub const BREATH_S: f32 = 3.0;
 
-/// Duty of the light's 8-bit PWM at a time in ms, 0 to 255.
+/// Returns the duty of the light's 8-bit PWM at a time in ms, 0 to 255.
 ///
-/// The sine is micromath's, the one place where an approximation does no harm: its error is below half a
-/// step of the duty (tested), nobody sees it, and no soft-float library is pulled in for a light.
+/// The sine is micromath's. Only for the light is an approximation harmless: its error is below half a step of the
+/// duty (tested), nobody sees it, and no soft-float library is linked for a light.
 ///
 /// ```
 /// assert_eq!(sinew_firmware::indicator::breath(0), 0);
 /// ```
 pub fn breath(time_ms: u32) -> u8 {
-    // In whole milliseconds first: a float of the time since boot would lose them within hours.
+    // The remainder is computed in whole milliseconds first: a float of the time since boot would lose milliseconds
+    // within hours.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "3000 ms")]
     const PERIOD_MS: u32 = (BREATH_S * 1000.0) as u32;
     #[expect(clippy::cast_precision_loss, reason = "below 3000")]
@@ -29,14 +30,15 @@ pub fn breath(time_ms: u32) -> u8 {
     duty
 }
 
-/// A long blink, for ten, and a short one, for one, ms: on, then dark.
+/// Duration of a long blink, which counts ten, ms: on, then dark.
 const LONG_MS: [u32; 2] = [900, 300];
-/// The same of a short one.
+/// Duration of a short blink, which counts one, ms: on, then dark.
 const SHORT_MS: [u32; 2] = [250, 300];
-/// Dark between two numbers, ms.
+/// Dark time between two numbers, ms.
 const PAUSE_MS: u32 = 1800;
 
-/// Duty of the light at a time in ms, 0 to 255: the number of the first fault that is latched, or a breath.
+/// Returns the duty of the light at a time in ms, 0 to 255: it blinks the number of the first latched fault, or
+/// breathes.
 ///
 /// ```
 /// use sinew_firmware::indicator::{breath, duty};
@@ -74,7 +76,7 @@ mod tests {
             let phase = f64::from(time_ms) / 1000.0 / f64::from(BREATH_S);
             let exact = 255.0 * (0.5 - 0.5 * libm::cos(phase * core::f64::consts::TAU));
             let got = f64::from(breath(u32::from(time_ms)));
-            // Cutting to a whole step loses up to one; micromath's cosine may add 0.002 * 127.5 = 0.26.
+            // Truncation to a whole step loses up to one; micromath's cosine may add 0.002 * 127.5 = 0.26.
             assert!(got - exact < 0.26 && exact - got < 1.26, "{time_ms} ms: {got} {exact}");
         }
     }
@@ -82,7 +84,7 @@ mod tests {
     #[test]
     fn a_number_is_counted_in_blinks() {
         for number in 1..=99 {
-            // Lengths of the times that it is lit, of one number.
+            // Durations of the blinks of a number, ms.
             let mut lit = Vec::new();
             let mut dark = 0;
             for time_ms in 0.. {

@@ -1,23 +1,23 @@
-//! Why a setting is refused.
+//! The error of an invalid setting.
 
 use core::fmt;
 
-/// Why a setting was refused.
+/// A setting outside its bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SettingError {
-    /// The setting.
+    /// Name of the setting.
     pub what: &'static str,
-    /// The value that was found.
+    /// Invalid value.
     pub found: f32,
-    /// The least that it may be.
+    /// Minimum valid value.
     pub least: f32,
-    /// The most that it may be.
+    /// Maximum valid value.
     pub most: f32,
 }
 
 impl SettingError {
-    /// Refuses a number that is not between bounds; NaN is not.
+    /// Returns an error if a number is outside its bounds, or NaN.
     pub(crate) fn check(
         what: &'static str,
         found: f32,

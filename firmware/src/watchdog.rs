@@ -1,9 +1,10 @@
-//! The hardware watchdog, which resets a board that has no whole ticks any more.
+//! The hardware watchdog, which resets a board that completes no more ticks.
 
 use sinew_core::tracker::Tick;
 
-/// A tick was whole and valid: what feeds the watchdog. [`MotionController::end`](crate::controller::MotionController::end) makes
-/// one of a tick of the loop; on a board without the loop, what a tracker asks for becomes one.
+/// Proof that a tick was complete and valid, which feeds the watchdog.
+/// [`MotionController::end`](crate::controller::MotionController::end) creates it for a tick of the loop; on a board
+/// without the loop, a tracker's tick is converted to it.
 #[derive(Debug)]
 #[must_use = "it feeds the watchdog"]
 pub struct Complete(());
@@ -14,14 +15,14 @@ impl Complete {
     }
 }
 
-/// Only a tick that was not refused has a [`Tick`], and it is used up: one tick feeds once.
+/// Only a tick that was not refused has a [`Tick`]. It is consumed, so a tick feeds only once.
 impl<const N: usize, const D: usize, const R: usize> From<Tick<'_, N, D, R>> for Complete {
     fn from(_: Tick<'_, N, D, R>) -> Self {
         Self::new()
     }
 }
 
-/// A board's watchdog, which nothing but a whole tick feeds: it keeps what feeds the hardware to itself.
+/// A board's watchdog, which only a complete tick feeds: it owns the function that feeds the hardware.
 ///
 /// ```
 /// use sinew_firmware::watchdog::Watchdog;
@@ -49,7 +50,7 @@ impl<const N: usize, const D: usize, const R: usize> From<Tick<'_, N, D, R>> for
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Without a tick it does not compile:
+/// Without a tick, feeding does not compile:
 ///
 /// ```compile_fail
 /// use sinew_firmware::watchdog::{Complete, Watchdog};
@@ -60,12 +61,12 @@ impl<const N: usize, const D: usize, const R: usize> From<Tick<'_, N, D, R>> for
 pub struct Watchdog<F>(F);
 
 impl<F: FnMut()> Watchdog<F> {
-    /// Of a watchdog that runs; `feed` feeds it, and is the only way there is.
+    /// Creates the wrapper of a watchdog that runs. `feed` must be the only function that feeds it.
     pub fn new(feed: F) -> Self {
         Self(feed)
     }
 
-    /// Feeds it for a tick. O(1).
+    /// Feeds the watchdog for a tick. O(1).
     #[expect(clippy::needless_pass_by_value, reason = "a tick feeds once")]
     pub fn feed(&mut self, tick: Complete) {
         let Complete(()) = tick;

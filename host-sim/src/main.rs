@@ -1,15 +1,16 @@
 //! The command `sinew`: it reads the command line, calls the crates, and prints.
 //!
 //! # Files
-//! - `cli/mod`: the commands at the top. Each has a file of its name in `cli/` (`bake`, `report`), or a folder:
+//! - `cli/mod`: the top-level commands. Each has a file of its name in `cli/` (`bake`, `report`), or a folder:
 //!   `board/`, `play/`, `record/`, `rig/`, `servo/` (`servo simulate` is in `cli/servos`).
-//! - `cli/clip`: its commands are `cli/inspect`, `map`, `find`, `blend`, `export` and `weights`.
-//! - `cli/evaluation`: the command `evaluate`. Alone it is `cli/evaluate` (the paper's tables, and their report in
-//!   `page`); its other commands are `cli/robustness`, `latency`, `sweep`, `verify` and `figure`.
+//! - `cli/clip`: its commands are in `cli/inspect`, `map`, `find`, `blend`, `export` and `weights`.
+//! - `cli/evaluation`: the command `evaluate`. Without a sub-command it runs `cli/evaluate` (the paper's tables, and
+//!   their report in `page`); its sub-commands are in `cli/robustness`, `latency`, `sweep`, `verify` and `figure`.
 //! - `cli/clips`, `methods`, `setup`, `unit_args`, `performance`, `driven`, `target`: options that commands share.
-//! - `cli/guide`, `stack`, `stop`, `renamed`: a scripted hand; a large stack; Ctrl-C; names of before.
-//! - `cli/output`: files to write, compared with those that a command reads, and tried.
-//! - `inspect/`: a file of motion, a character or a rig, recognized and described.
+//! - `cli/guide`: a scripted hand. `stack`: a thread with a large stack. `stop`: Ctrl-C. `renamed`: old names of
+//!   commands.
+//! - `cli/output`: checks that an output file differs from all input files and can be written.
+//! - `inspect/`: recognizes and describes a file of motion, a character or a rig.
 
 mod cli;
 mod inspect;

@@ -1,12 +1,12 @@
-//! The square root of an `f32` in one instruction where the target has one, with the same bits everywhere.
+//! The square root of an `f32`, in a single instruction if the target has one, with the same bits on all targets.
 //!
-//! `f32::sqrt` is not in `core`. `libm` computes it in integers: some 50 instructions on Arm, where the Cortex-M4F has
-//! one. Both round correctly, as IEEE 754 asks of a square root, so the bits are the same. It is a crate of its own, so
-//! that the motion core can forbid `unsafe`.
+//! `f32::sqrt` is not in `core`. `libm` computes it with integers: about 50 instructions on Arm, whereas the
+//! Cortex-M4F has one instruction. Both round correctly, as IEEE 754 requires for square roots, so the bits are
+//! equal. This is a separate crate, so that the motion core can forbid `unsafe`.
 
 #![no_std]
 
-/// The square root, correctly rounded; NaN below zero.
+/// Returns the square root, correctly rounded; NaN below zero.
 ///
 /// ```
 /// assert_eq!(sinew_fpu::sqrt(2.25), 1.5);
@@ -20,8 +20,8 @@ pub fn sqrt(x: f32) -> f32 {
     {
         let mut bits = x.to_bits();
         #[expect(unsafe_code, reason = "stable Rust has no safe function for the instruction")]
-        // SAFETY: changes one register of the core, the named one of the FPU, which targets of the hard-float ABI
-        // have, and flags of FPSCR, which are not said to be preserved.
+        // SAFETY: changes one core register, the named FPU register, which hard-float targets have, and flags of
+        // FPSCR, which need not be preserved.
         unsafe {
             core::arch::asm!(
                 "vmov s0, {bits}",

@@ -1,4 +1,4 @@
-//! What each degree of freedom is asked for, split into the parts that a drive may use.
+//! Commands by dof, split into the parts that a drive may use.
 
 use core::f32::consts::TAU;
 use core::mem;
@@ -15,16 +15,16 @@ use crate::state::JointState;
 use crate::transform::Wrench;
 use crate::tree::Body;
 
-/// What one degree of freedom is asked for: where to be, and the effort in two parts.
+/// The command for one dof: target position and velocity, and the effort in two parts.
 ///
-/// The feed-forward effort and the sum are within the joint's limit; the feedback effort alone may be up to twice it. A
-/// common [`supply`](crate::supply) cuts the sum, not the feed-forward effort.
+/// The feed-forward effort and the sum are within the joint's limit. The feedback effort alone may be up to twice the
+/// limit. A common [`supply`](crate::supply) reduces the sum, not the feed-forward effort.
 ///
-/// All numbers are finite: one that is too large for f32 is zero.
+/// All numbers are finite: a number that is too large for f32 becomes zero.
 ///
-/// A drive takes the parts that its servo can use: with current control the whole [`Self::effort`]; with position
-/// control the target, and the feed-forward effort over the servo's own stiffness, but no feedback, which would close
-/// a second loop round the servo's; with neither, the target alone.
+/// A drive uses the parts that its servo supports. With current control: the whole [`Self::effort`]. With position
+/// control: the target, and the feed-forward effort divided by the servo's own stiffness, but no feedback, which
+/// would close a second loop around the servo's. With neither: the target alone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -34,38 +34,38 @@ use crate::tree::Body;
 )]
 pub struct DofCommand {
     /// Target position. Revolute and universal joints: angle in rad, in [-π, π] (see [`nearest_turn`]). Prismatic
-    /// ones: displacement in m. Spherical ones: a component of the rotation vector of the desired pose in the joint
-    /// frame, rad. Free ones: that, then a component of the position in the joint frame, m.
+    /// joints: displacement in m. Spherical joints: a component of the rotation vector of the desired pose in the
+    /// joint frame, rad. Free joints: a component of the rotation vector, then of the position in the joint frame, m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub position: f32,
-    /// Target velocity along the joint's axis, rad/s or m/s. Of spherical and free joints a component in desired body
-    /// axes, which is not the derivative of the rotation vector.
+    /// Target velocity along the joint's axis, rad/s or m/s. For spherical and free joints: a component in desired
+    /// body axes, which is not the derivative of the rotation vector.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub velocity: f32,
-    /// What the desired acceleration takes at the measured state, gravity and external wrenches among it, within the
-    /// joint's limit; N m or N. Zero with the law of PD alone.
+    /// Effort of the desired acceleration at the measured state, including gravity and external wrenches, within the
+    /// joint's limit; N m or N. Zero with the PD law.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub feedforward_effort: f32,
-    /// The rest of the effort that the tick gave, after limits and supply: what corrects the error; N m or N.
+    /// Effort that corrects the error: the rest of the tick's effort, after limits and supply; N m or N.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub feedback_effort: f32,
-    /// What limited the effort of the joint, if anything did. With [`LimitReason::NotFinite`] and
+    /// Reason that limited the effort of the joint, or `None`. With [`LimitReason::NotFinite`] and
     /// [`LimitReason::NoRoom`] both efforts are zero.
     pub limited: Option<LimitReason>,
 }
 
 impl DofCommand {
-    /// Feed-forward and feedback together: the effort that the tick gave, within all limits. N m or N.
+    /// Returns the sum of feed-forward and feedback: the effort that the tick gave, within all limits. N m or N.
     pub fn effort(&self) -> f32 {
         self.feedforward_effort + self.feedback_effort
     }
 }
 
-/// The same angle with as many whole turns as bring it next to another, rad.
+/// Adds whole turns to an angle, which brings it nearest to another angle, rad.
 ///
-/// Poses do not count turns, so target angles are in [-π, π]. A servo whose range goes beyond takes the one
-/// next to the middle of its range; one that turns without end, the one next to what its encoder reads. Where f32 has
-/// no such angle, it is `angle_rad` itself.
+/// Poses do not count turns, so target angles are in [-π, π]. For a servo with a wider range, pass the middle of its
+/// range as `to_rad`. For a servo that turns without end, pass its encoder's reading. If f32 cannot hold the result,
+/// the function returns `angle_rad`.
 ///
 /// ```
 /// use sinew_core::{coordinates::nearest_turn, math::PI};
@@ -79,16 +79,16 @@ pub fn nearest_turn(angle_rad: f32, to_rad: f32) -> f32 {
 }
 
 impl<const N: usize> TorqueController<N> {
-    /// What each degree of freedom is asked for, after a tick with the same targets, measurements, external wrenches
-    /// and workspace; its torques may have been through a [`supply`](crate::supply) since. O(n), about a tick: only for
-    /// drives that cannot do with [`Tree::efforts`](crate::Tree::efforts) alone.
+    /// Writes the command for each dof, after a tick with the same targets, measurements, external wrenches and
+    /// workspace. A [`supply`](crate::supply) may have changed the tick's torques in between. O(n), about the cost of
+    /// a tick: only for drives that need more than [`Tree::efforts`](crate::Tree::efforts).
     ///
-    /// Feed-forward is inverse dynamics of the targets' accelerations (what an observer has added among them), whatever
-    /// the method.
+    /// Feed-forward is inverse dynamics of the targets' accelerations (including an observer's addition), for every
+    /// method.
     ///
     /// # Errors
-    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements are of another tree, or `out`
-    /// has not one item for each degree of freedom.
+    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements belong to another tree, or the
+    /// length of `out` is not the number of dofs.
     ///
     /// ```
     /// use sinew_core::coordinates::DofCommand;
@@ -173,12 +173,12 @@ impl<const N: usize> TorqueController<N> {
     }
 }
 
-/// The number, or zero in the place of what f32 does not hold.
+/// Returns the number, or zero if it is not finite.
 fn finite(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }
 
-/// The target position of each degree of freedom; the rest is zero.
+/// Returns the target position of each dof, followed by zeros.
 fn position(body: &Body, desired: &JointState) -> [f32; 6] {
     let in_joint = in_joint(body, &desired.pose);
     match body.joint {

@@ -1,4 +1,4 @@
-//! Why coordinates of a tree were refused, and the checks of counts and numbers.
+//! Errors in the coordinates of a tree, and the checks of counts and numbers.
 
 use core::fmt;
 use core::iter::repeat_n;
@@ -7,46 +7,46 @@ use crate::joint::JointKind;
 use crate::state::StateInputError;
 use crate::tree::Body;
 
-/// The largest position, speed, acceleration or effort that is accepted: no machine has more, and nothing that follows
-/// from such numbers overflows.
+/// Maximum absolute position, speed, acceleration or effort. No machine exceeds it, and no result computed from such
+/// numbers overflows.
 const LARGEST: f32 = 1e6;
 
-/// Why the coordinates of a tree's joints were refused.
+/// An error in the coordinates of a tree's joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum CoordinatesError {
     /// A slice has too few or too many items for the tree.
     Count {
-        /// Which slice.
+        /// Name of the slice.
         name: &'static str,
-        /// How many items the tree asks for.
+        /// Number of items that the tree needs.
         expected: usize,
-        /// How many there are.
+        /// Number of items in the slice.
         found: usize,
     },
     /// A number is NaN, or not from -1e6 to 1e6.
     Number {
-        /// Which slice.
+        /// Name of the slice.
         name: &'static str,
-        /// The joint that the number belongs to.
+        /// Index of the joint that the number belongs to.
         joint: usize,
-        /// Where in the slice.
+        /// Index in the slice.
         index: usize,
-        /// The number.
+        /// The invalid number.
         value: f32,
     },
     /// A joint's quaternion is not of length 1.
     NotUnit {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// Where in `q` the quaternion begins.
+        /// Index in `q` of the quaternion's first component.
         index: usize,
-        /// Its squared length.
+        /// Squared length of the quaternion.
         squared: f32,
     },
-    /// There is no difference from the positions before: the time is not a positive number (from 1e-9 s), or a joint is
-    /// farther than 1e6 m from its parent.
+    /// The difference from the previous positions does not exist: the time is not a positive number (at least 1e-9
+    /// s), or a joint is farther than 1e6 m from its parent.
     Difference(StateInputError),
 }
 
@@ -71,7 +71,7 @@ impl fmt::Display for CoordinatesError {
 
 impl core::error::Error for CoordinatesError {}
 
-/// Refuses a slice of another length.
+/// Refuses a slice whose length is not `expected`.
 pub(super) fn check_count(
     name: &'static str,
     expected: usize,
@@ -80,7 +80,7 @@ pub(super) fn check_count(
     if found == expected { Ok(()) } else { Err(CoordinatesError::Count { name, expected, found }) }
 }
 
-/// Refuses numbers that are too few, too many, no numbers or too large. `count`: how many a joint has.
+/// Refuses a slice of the wrong length, and numbers that are NaN or too large. `count`: numbers per joint.
 pub(super) fn check_numbers(
     name: &'static str,
     bodies: &[Body],

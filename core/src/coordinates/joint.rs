@@ -1,4 +1,4 @@
-//! Coordinates of one joint: its state from them, and back.
+//! Converts between the state of one joint and its coordinates.
 
 use core::fmt;
 
@@ -10,14 +10,14 @@ use crate::state::JointState;
 use crate::transform::{Transform, Twist};
 
 impl JointKind {
-    /// State of a joint from its coordinates, as servos and encoders give them.
+    /// Returns the state of a joint from its coordinates, in the form that servos and encoders use.
     ///
-    /// `position`: nothing (fixed), angle in rad (revolute), m (prismatic), two angles (universal), a unit
-    /// quaternion xyzw (spherical), a quaternion then x y z in m (free). `speed`: rad/s or m/s along the
-    /// columns of the motion subspace. `placement`: of the joint frame in the parent's frame.
+    /// `position`: empty (fixed), angle in rad (revolute), displacement in m (prismatic), two angles in rad
+    /// (universal), a unit quaternion xyzw (spherical), a quaternion then x y z in m (free). `speed`: rad/s or m/s
+    /// along the columns of the motion subspace. `placement`: the joint frame in the parent's frame.
     ///
     /// # Errors
-    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite or a quaternion not unit, or the state
+    /// [`JointCoordinatesError`] if a count is wrong, a number is not finite, a quaternion is not unit, or the state
     /// is too large for f32.
     ///
     /// ```
@@ -56,7 +56,7 @@ impl JointKind {
         }
     }
 
-    /// [`Self::state`] of coordinates that are checked; zero of those that are not there.
+    /// Returns the state like [`Self::state`], for checked coordinates. Missing coordinates count as zero.
     pub(super) fn state_at(
         self,
         placement: Transform,
@@ -66,7 +66,7 @@ impl JointKind {
         let unit = |x, y, z, w| math::unit(Quat::from_xyzw(x, y, z, w));
         let in_joint = match (self, position) {
             (Self::Revolute { axis }, &[a]) => {
-                // Without the ways and the columns of the other kinds.
+                // A shortcut that avoids the branches and the columns of the other kinds.
                 let rotation = placement.rotation * math::exp(axis * a);
                 let speed = speed.first().copied().unwrap_or_default();
                 return JointState {
@@ -86,9 +86,9 @@ impl JointKind {
         JointState { pose: placement * in_joint, velocity }
     }
 
-    /// S `numbers`: the twist of speeds or accelerations along the axes, body axes.
+    /// Returns S `numbers`: the twist of speeds or accelerations along the axes, in body axes.
     pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
-        // The joints that most rigs have need no columns.
+        // Revolute and spherical joints, the most frequent kinds, need no columns.
         match (self, numbers) {
             (Self::Revolute { axis }, &[speed]) => return turning(axis * speed),
             (Self::Spherical, &[x, y, z]) => return turning(Vec3::new(x, y, z)),
@@ -100,7 +100,7 @@ impl JointKind {
             .fold(Twist::ZERO, |sum, (column, number)| sum + *column * *number)
     }
 
-    /// Sᵀ `twist`: its components along the axes. The rest of `out` stays.
+    /// Writes Sᵀ `twist`: its components along the axes. The rest of `out` is unchanged.
     pub(super) fn components(self, rotation: Quat, twist: Twist, out: &mut [f32]) {
         match self {
             Self::Revolute { axis } => return copy([0.0 + axis.dot(twist.angular)], out),
@@ -112,8 +112,8 @@ impl JointKind {
         }
     }
 
-    /// The coordinates of the pose next to `in_joint` that the joint can take: the way back from [`Self::state`].
-    /// Angles are in [-π, π].
+    /// Writes the coordinates of the valid pose nearest to `in_joint`: the inverse of [`Self::state`]. Angles are in
+    /// [-π, π].
     pub(super) fn write_position(self, in_joint: &Transform, out: &mut [f32]) {
         let Quat { x, y, z, w } = in_joint.rotation;
         let position = in_joint.translation_m.to_array();
@@ -124,49 +124,49 @@ impl JointKind {
     }
 }
 
-/// From zero on, as the sum of columns: it has no negative zeros.
+/// Returns a pure rotation rate. Adding zero removes negative zeros, as in the sum over columns.
 fn turning(angular: Vec3) -> Twist {
     Twist::new(Vec3::ZERO + angular, Vec3::ZERO)
 }
 
-/// The squared length of the quaternion that a joint's coordinates begin with, if it is not a unit quaternion; those of
-/// joints without one are fewer than four.
+/// Returns the squared length of a joint's quaternion if the quaternion is not unit. A joint without a quaternion has
+/// fewer than four coordinates and gives `None`.
 pub(super) fn squared_length_off_unit(position: &[f32]) -> Option<f32> {
     let &[x, y, z, w, ..] = position else { return None };
     let q = Quat::from_xyzw(x, y, z, w);
     (!math::is_unit(q)).then(|| q.dot(q))
 }
 
-/// Fills a slice from its beginning.
+/// Fills a slice from its start.
 pub(super) fn copy(numbers: impl IntoIterator<Item = f32>, out: &mut [f32]) {
     for (slot, number) in out.iter_mut().zip(numbers) {
         *slot = number;
     }
 }
 
-/// Why joint coordinates were refused.
+/// An error in the coordinates of a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum JointCoordinatesError {
     /// Too few or too many numbers for this kind of joint.
     Count {
-        /// How many this kind takes.
+        /// Number of values that this kind needs.
         expected: usize,
-        /// How many came.
+        /// Number of values that were given.
         found: usize,
     },
-    /// A position (or, counted on after them, a speed) is NaN or infinite.
+    /// A position or a speed is NaN or infinite.
     NonFinite {
-        /// Which one.
+        /// Index of the value; speeds count on after the positions.
         index: usize,
     },
     /// The quaternion is not of length 1.
     NotUnit {
-        /// Its squared length.
+        /// Squared length of the quaternion.
         squared: f32,
     },
-    /// The state that the coordinates make is too large for f32.
+    /// The state is too large for f32.
     Overflow,
 }
 
@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_universal_joint_has_the_velocity_and_bias_of_its_rotation() {
-        // Central differences of the rotation in single precision, with the step that suits it: 1e-2 s.
+        // Central differences of the rotation in single precision, with a suitable step: 1e-2 s.
         let (first, second) = (Vec3::Y, Vec3::new(0.6, 0.0, 0.8));
         let kind = JointKind::Universal { first, second };
         let h = 1e-2;

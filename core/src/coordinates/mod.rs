@@ -1,36 +1,35 @@
-//! Joint coordinates: the numbers that servos and encoders have, for all joints of a tree.
+//! Joint coordinates: the numbers of servos and encoders, for all joints of a tree.
 //!
-//! Inside, the core works with transforms ([`JointState`](crate::JointState)). A rig is driven by numbers: positions
-//! `q`, speeds `qd`, accelerations `qdd`, and efforts. Each is one slice, body after body in regular numbering.
+//! The core works with transforms ([`JointState`](crate::JointState)). A rig works with numbers: positions `q`,
+//! speeds `qd`, accelerations `qdd`, and efforts. Each kind is one slice, body after body in regular numbering.
 //!
 //! | joint | `q` | `qd`, `qdd` and efforts |
 //! | --- | --- | --- |
 //! | fixed | | |
 //! | revolute | angle, rad | rad/s, rad/s², N m |
 //! | prismatic | displacement, m | m/s, m/s², N |
-//! | universal | both angles, rad | two of a revolute joint's |
-//! | spherical | unit quaternion x y z w of the body in the joint frame | three about x, y, z of the body |
-//! | free | that quaternion, then x y z in the joint frame, m | three about, three along axes of the body |
+//! | universal | both angles, rad | rad/s, rad/s², N m, about both axes |
+//! | spherical | unit quaternion x y z w of the body in the joint frame | rad/s, rad/s², N m, about x, y, z of the body |
+//! | free | quaternion as above, then x y z in the joint frame, m | three about, then three along x, y, z of the body |
 //!
-//! So `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq), the others have
-//! [`Tree::dof_count`](crate::Tree::dof_count) (nv). [`Tree::coordinates`](crate::Tree::coordinates)
-//! and [`Tree::dofs`](crate::Tree::dofs) say where a body's numbers are.
+//! `q` has [`Tree::coordinate_count`](crate::Tree::coordinate_count) numbers (nq). The other slices have
+//! [`Tree::dof_count`](crate::Tree::dof_count) numbers (nv). [`Tree::coordinates`](crate::Tree::coordinates) and
+//! [`Tree::dofs`](crate::Tree::dofs) return the ranges of a body's numbers.
 //!
-//! - **In**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) (measured; of encoders without
-//!   speeds
-//!   [`JointStates::update_coordinates`](crate::JointStates::update_coordinates)),
-//!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) (wanted).
-//! - **Out**: [`Tree::efforts`](crate::Tree::efforts) of a tick's torques, or
-//!   [`TorqueController::dof_commands`](crate::TorqueController::dof_commands): target, feed-forward and feedback for
-//!   each dof.
-//! - **Back**: `coordinates` of states and targets, [`Tree::accelerations`](crate::Tree::accelerations) of commands,
-//!   [`Tree::wrenches`](crate::Tree::wrenches) of efforts.
+//! - **Numbers in**: [`JointStates::set_coordinates`](crate::JointStates::set_coordinates) for measured states (for
+//!   encoders without speeds, [`JointStates::update_coordinates`](crate::JointStates::update_coordinates));
+//!   [`JointTargets::set_coordinates`](crate::JointTargets::set_coordinates) for targets.
+//! - **Numbers out**: [`Tree::efforts`](crate::Tree::efforts) for the torques of a tick, or
+//!   [`TorqueController::dof_commands`](crate::TorqueController::dof_commands) for target, feed-forward and feedback
+//!   of each dof.
+//! - **Inverses**: `coordinates` for states and targets, [`Tree::accelerations`](crate::Tree::accelerations) for
+//!   commands, [`Tree::wrenches`](crate::Tree::wrenches) for efforts.
 //!
-//! All are O(n), allocate nothing, and refuse what does not fit by name ([`CoordinatesError`]).
+//! All are O(n) and allocate nothing. An error ([`CoordinatesError`]) names the slice that is refused.
 //!
-//! The speeds of a spherical or free joint are components in body axes, not derivatives of its quaternion. The
-//! linear accelerations of a free joint are the second derivative of its position, turned to body axes: with
-//! `ω × v` more than the derivative of its linear speeds.
+//! The speeds of a spherical or free joint are components in body axes, not derivatives of its quaternion. The linear
+//! accelerations of a free joint are the second derivative of its position, in body axes. They exceed the derivative
+//! of its linear speeds by `ω × v`.
 //!
 //! ```
 //! use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
@@ -52,10 +51,12 @@
 //! ```
 
 mod dof_command;
+mod dynamics;
 mod error;
 mod joint;
 mod tree;
 
 pub use dof_command::{DofCommand, nearest_turn};
+pub use dynamics::UnderGravity;
 pub use error::CoordinatesError;
 pub use joint::JointCoordinatesError;

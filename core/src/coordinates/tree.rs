@@ -1,4 +1,4 @@
-//! Coordinates of all joints of a tree, in and out.
+//! Reads and writes the coordinates of all joints of a tree.
 
 use core::mem;
 use core::ops::Range;
@@ -14,31 +14,31 @@ use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
 impl<const N: usize> Tree<N> {
-    /// How many numbers `q` has (nq): a ball joint has four for three degrees of freedom. O(n).
+    /// Returns the length of `q` (nq): a ball joint has four numbers for three dofs. O(n).
     pub fn coordinate_count(&self) -> usize {
         count(self.bodies(), JointKind::coordinate_count)
     }
 
-    /// Number of degrees of freedom of all joints together: how many numbers `qd`, `qdd` and efforts have (nv). O(n).
+    /// Returns the number of dofs of all joints: the length of `qd`, `qdd` and efforts (nv). O(n).
     pub fn dof_count(&self) -> usize {
         dof_count(self.bodies())
     }
 
-    /// Where the numbers of a body's joint are in `q`; an empty range at the end if there is no such body. O(n): ask
-    /// once.
+    /// Returns the range in `q` of a body's joint; an empty range at the end if there is no such body. O(n): call it
+    /// once and keep the result.
     pub fn coordinates(&self, body: usize) -> Range<usize> {
         range(self.bodies(), body, JointKind::coordinate_count)
     }
 
-    /// Where the numbers of a body's joint are in `qd`, `qdd` and efforts; an empty range at the end if there is no
-    /// such body. O(n): ask once.
+    /// Returns the range in `qd`, `qdd` and efforts of a body's joint; an empty range at the end if there is no such
+    /// body. O(n): call it once and keep the result.
     pub fn dofs(&self, body: usize) -> Range<usize> {
         range(self.bodies(), body, JointKind::dof_count)
     }
 
-    /// Accelerations along the degrees of freedom, of accelerations of joints in body axes
-    /// ([`Workspace::commands`](crate::Workspace::commands),
-    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)): `Sᵀ` of each. `joints`: their states. O(n).
+    /// Converts accelerations of joints in body axes ([`Workspace::commands`](crate::Workspace::commands),
+    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)) to accelerations by dof: `Sᵀ` times each. `joints`:
+    /// their states. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -56,8 +56,8 @@ impl<const N: usize> Tree<N> {
         Ok(())
     }
 
-    /// Efforts along the degrees of freedom (N m, N), of wrenches on bodies in body axes, such as a tick's torques:
-    /// `Sᵀ` of each. `joints`: their measured states. The power is the same: `effort · qd = wrench · twist`. O(n).
+    /// Converts wrenches on bodies in body axes, such as a tick's torques, to efforts by dof (N m, N): `Sᵀ` times
+    /// each. `joints`: their measured states. The power is unchanged: `effort · qd = wrench · twist`. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -73,7 +73,7 @@ impl<const N: usize> Tree<N> {
     /// let mut effort = [0.0];
     /// tree.efforts(measured.as_slice(), &[wrench], &mut effort)?;
     /// assert_eq!(effort, [3.0]);
-    /// // The way back has no part of what the bearings carry.
+    /// // The inverse omits the part that the bearings carry.
     /// let mut of_drive = [Wrench::ZERO];
     /// tree.wrenches(measured.as_slice(), &effort, &mut of_drive)?;
     /// assert_eq!(of_drive, [Wrench::new(Vec3::X * 3.0, Vec3::ZERO)]);
@@ -94,7 +94,7 @@ impl<const N: usize> Tree<N> {
         Ok(())
     }
 
-    /// Wrenches on bodies, in body axes, of efforts along the degrees of freedom: `S` times each. O(n).
+    /// Converts efforts by dof to wrenches on bodies, in body axes: `S` times each. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], and nothing is written, if a slice does not fit the tree, or an effort is not a number
@@ -121,12 +121,12 @@ impl<const N: usize> Tree<N> {
 }
 
 impl<const N: usize> JointStates<N> {
-    /// Sets all joints by their positions and speeds, as encoders give them (see
+    /// Sets all joints from their positions and speeds, in the form that encoders give (see
     /// [`coordinates`](crate::coordinates)). O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, if a slice or the states do not fit the tree, a number is not
-    /// one from -1e6 to 1e6, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing changes, if a slice or the states do not fit the tree, a number is not from
+    /// -1e6 to 1e6, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
@@ -152,17 +152,17 @@ impl<const N: usize> JointStates<N> {
         check_count("joints", bodies.len(), self.as_slice().len())?;
         check_state(bodies, q, qd)?;
         for_each_state(bodies, q, qd, |joint, _, state, _| {
-            // A joint that is there: counted above.
+            // The joint exists: its count was checked.
             let _ = self.put(joint, state);
         });
         Ok(())
     }
 
-    /// Sets all joints by their positions, and their speeds to zero: for the first reading of encoders that measure no
+    /// Sets all joints from their positions, with zero speeds: for the first reading of encoders that measure no
     /// speeds. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, as [`Self::set_coordinates`].
+    /// [`CoordinatesError`], and nothing changes, in the cases of [`Self::set_coordinates`].
     pub fn set_coordinates_at_rest(
         &mut self,
         tree: &Tree<N>,
@@ -172,18 +172,18 @@ impl<const N: usize> JointStates<N> {
         check_count("joints", bodies.len(), self.as_slice().len())?;
         check_positions(bodies, q)?;
         for_each_state(bodies, q, &[], |joint, _, state, _| {
-            // A joint that is there: counted above.
+            // The joint exists: its count was checked.
             let _ = self.put(joint, state);
         });
         Ok(())
     }
 
-    /// Sets all joints by newly measured positions, and their speeds to the backward differences from where they were
-    /// `elapsed_s` before: for encoders that measure no speeds. An angle goes the shorter way round. O(n).
+    /// Sets all joints from newly measured positions, for encoders that measure no speeds. The speeds become the
+    /// backward differences from the positions `elapsed_s` earlier. An angle takes the shorter way round. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, as [`Self::set_coordinates`]; or if the time is not a positive
-    /// number (from 1e-9 s), or a joint is farther than 1e6 m from its parent.
+    /// [`CoordinatesError`], and nothing changes, in the cases of [`Self::set_coordinates`]; or if the time is not a
+    /// positive number (at least 1e-9 s), or a joint is farther than 1e6 m from its parent.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, Transform, Tree, glam::Vec3};
@@ -193,7 +193,7 @@ impl<const N: usize> JointStates<N> {
     /// let tree = Tree::<1>::from_bodies(&[knee])?;
     /// let mut measured = JointStates::rest(&tree);
     /// measured.set_coordinates_at_rest(&tree, &[3.1])?;
-    /// // Past the end of the encoder's range.
+    /// // The angle passes the end of the encoder's range.
     /// measured.update_coordinates(&tree, &[-3.1], 0.01)?;
     /// let turned_rad = core::f32::consts::TAU - 6.2;
     /// assert!((measured.as_slice()[0].velocity.angular.x - turned_rad / 0.01).abs() < 1e-3);
@@ -220,8 +220,8 @@ impl<const N: usize> JointStates<N> {
         Ok(())
     }
 
-    /// The positions and speeds of all joints. Angles are in [-π, π]; of a pose that the joint cannot take, those of
-    /// the nearest that it can. O(n).
+    /// Writes the positions and speeds of all joints. Angles are in [-π, π]. For a pose that the joint cannot reach,
+    /// the nearest reachable position is written. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice or the states do not fit the tree.
@@ -236,14 +236,16 @@ impl<const N: usize> JointStates<N> {
 }
 
 impl<const N: usize> JointTargets<N> {
-    /// Sets all joints by their positions, speeds and accelerations (see [`coordinates`](crate::coordinates)). O(n).
+    /// Sets all joints from their positions, speeds and accelerations (see [`coordinates`](crate::coordinates)).
+    /// O(n).
     ///
-    /// The accelerations are the derivatives of the speeds (but for linear ones of a free joint, see there); what
-    /// the axes of a universal joint add by moving is added here.
+    /// The accelerations are the derivatives of the speeds (except the linear accelerations of a free joint, see
+    /// [`coordinates`](crate::coordinates)). The function adds the acceleration due to the moving axes of a universal
+    /// joint.
     ///
     /// # Errors
-    /// [`CoordinatesError`], and nothing is changed, if a slice or the targets do not fit the tree, a number is not
-    /// one from -1e6 to 1e6, or a quaternion is not unit.
+    /// [`CoordinatesError`], and nothing changes, if a slice or the targets do not fit the tree, a number is not from
+    /// -1e6 to 1e6, or a quaternion is not unit.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointTargets, Transform, Tree, glam::Vec3};
@@ -272,13 +274,13 @@ impl<const N: usize> JointTargets<N> {
             let of_joint = take(&mut rest, body.joint.dof_count());
             let bias = body.joint.bias_acceleration(in_joint, state.velocity);
             let acceleration = body.joint.twist_along(in_joint, of_joint) + bias;
-            // A joint that is there: counted above.
+            // The joint exists: its count was checked.
             let _ = self.put(joint, state, acceleration);
         });
         Ok(())
     }
 
-    /// The positions, speeds and accelerations of all joints, as [`JointStates::coordinates`] gives them. O(n).
+    /// Writes the positions, speeds and accelerations of all joints, like [`JointStates::coordinates`]. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice or the targets do not fit the tree.
@@ -305,14 +307,14 @@ fn range(bodies: &[Body], body: usize, of_joint: impl Fn(JointKind) -> usize) ->
     start..start.saturating_add(from.first().map_or(0, |body| of_joint(body.joint)))
 }
 
-/// Refuses positions and speeds that are no state of the tree.
-fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
+/// Refuses positions and speeds that are not a valid state of the tree.
+pub(super) fn check_state(bodies: &[Body], q: &[f32], qd: &[f32]) -> Result<(), CoordinatesError> {
     check_positions(bodies, q)?;
     check_numbers("qd", bodies, JointKind::dof_count, qd)
 }
 
-/// Refuses positions that are none of the tree.
-fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
+/// Refuses positions that are not valid for the tree.
+pub(super) fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
     check_numbers("q", bodies, JointKind::coordinate_count, q)?;
     let mut rest = q;
     for (joint, body) in bodies.iter().enumerate() {
@@ -325,9 +327,9 @@ fn check_positions(bodies: &[Body], q: &[f32]) -> Result<(), CoordinatesError> {
     Ok(())
 }
 
-/// Calls `set` with every joint, its body, its state, and the body's rotation in the joint frame. For what
-/// [`check_state`] has passed; speeds that are not there count as zero.
-fn for_each_state(
+/// Calls `set` with every joint, its body, its state, and the body's rotation in the joint frame. The numbers must
+/// have passed [`check_state`]. Missing speeds count as zero.
+pub(super) fn for_each_state(
     bodies: &[Body],
     mut q: &[f32],
     mut qd: &[f32],
@@ -341,7 +343,7 @@ fn for_each_state(
     }
 }
 
-/// Writes positions and speeds of states.
+/// Writes the positions and speeds of joint states.
 fn write_state<const N: usize>(
     tree: &Tree<N>,
     joints: &[JointState],
@@ -362,8 +364,8 @@ fn write_state<const N: usize>(
     Ok(())
 }
 
-/// Writes `Sᵀ` of a six-vector of each joint. For slices that fit.
-fn write_components(
+/// Writes `Sᵀ` times a six-vector of each joint. The slices must fit the tree.
+pub(super) fn write_components(
     bodies: &[Body],
     joints: &[JointState],
     twists: impl Iterator<Item = Twist>,
@@ -377,13 +379,13 @@ fn write_components(
     }
 }
 
-/// A pose in the parent's frame, in the joint frame.
+/// Converts a pose from the parent's frame to the joint frame.
 pub(super) fn in_joint(body: &Body, pose: &Transform) -> Transform {
     body.placement.inverse() * *pose
 }
 
-/// The first `count` numbers, which are then left out of `rest`.
-fn take<'a>(rest: &mut &'a [f32], count: usize) -> &'a [f32] {
+/// Splits the first `count` numbers off `rest`.
+pub(super) fn take<'a>(rest: &mut &'a [f32], count: usize) -> &'a [f32] {
     let (first, behind) = rest.split_at_checked(count).unwrap_or_default();
     *rest = behind;
     first

@@ -1,4 +1,4 @@
-//! The articulated-body algorithm.
+//! The articulated-body algorithm: forward dynamics.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -11,37 +11,38 @@ use crate::symmetric::{ROUNDING, Symmetric};
 use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
-/// A body with all bodies that hang on it by their joints: workspace of [`forward_dynamics`].
+/// A body together with all bodies that its joints carry: workspace of [`forward_dynamics`].
 ///
-/// Body axes, about the body's origin.
+/// All vectors are in body axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArticulatedBody {
     to_parent: Mat3,
-    /// Axes in body axes.
+    /// Joint with its axes in body axes.
     joint: JointKind,
-    /// Absolute.
+    /// Absolute angular velocity.
     angular_velocity: Vec3,
-    /// Absolute, minus gravity, and classical; before the outward pass its part by velocities alone.
+    /// Absolute acceleration, minus gravity, in classical form. Before the outward pass: only the part due to
+    /// velocities.
     acceleration: Twist,
-    /// The joint must pass on `inertia · acceleration + wrench`; once the joint has given way this is in terms
-    /// of the acceleration that the body has without the joint's.
+    /// Articulated inertia: the joint must transmit `inertia · acceleration + wrench`. Once the joint has yielded,
+    /// this acceleration is the part that does not include the joint's own.
     inertia: ArticulatedInertia,
     wrench: Wrench,
     response: Response,
 }
 
-/// How a joint gives way.
+/// The response of a joint to forces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Response {
-    /// Not at all.
+    /// A fixed joint: no motion.
     Rigid,
-    /// Along one axis.
+    /// Motion along one axis.
     Axis(Along),
-    /// Along two.
+    /// Motion along two axes.
     Axes([Along; 2]),
-    /// In any turn.
+    /// Rotation in any direction.
     Ball(Ball),
-    /// In any way: the acceleration of the origin is `linear`, and what is `held` of the carried one.
+    /// Any motion. The acceleration of the origin is `linear` plus the part `held` of the carried acceleration.
     Free { ball: Ball, linear: Vec3, held: Option<Symmetric> },
 }
 
@@ -52,8 +53,8 @@ struct Along {
     per_acceleration: Wrench,
 }
 
-/// Absolute angular acceleration: `turn - per_way · (acceleration of the origin)`, and what is `held` of the
-/// carried one: by dofs without inertia, and by a rotor.
+/// Absolute angular acceleration: `turn - per_way · (acceleration of the origin)`, plus the part `held` of the
+/// carried acceleration, which is due to dofs without inertia and to a rotor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Ball {
     turn: Vec3,
@@ -62,7 +63,7 @@ struct Ball {
 }
 
 impl Default for ArticulatedBody {
-    /// Contents do not matter.
+    /// The contents do not matter.
     fn default() -> Self {
         Self {
             to_parent: Mat3::IDENTITY,
@@ -76,36 +77,36 @@ impl Default for ArticulatedBody {
     }
 }
 
-/// Accelerations that the given joint wrenches make: the articulated-body algorithm (Featherstone, *Rigid
-/// Body Dynamics Algorithms*, 2008, ch. 7), for joints of any kind and a fixed or a free root. O(n).
+/// Computes the accelerations that the given joint wrenches cause: the articulated-body algorithm (Featherstone,
+/// *Rigid Body Dynamics Algorithms*, 2008, ch. 7), for joints of any kind and a fixed or a free root. O(n).
 ///
-/// It is the inverse of [`inverse_dynamics`](super::inverse_dynamics), with the same conventions:
+/// The function is the inverse of [`inverse_dynamics`](super::inverse_dynamics), with the same conventions:
 /// - `joints`: states relative to the parent, body axes.
-/// - `wrenches`: of joint i on body i about the origin of body i, in body axes. Only the part along the
-///   joint's motion subspace counts, its drive's: the bearings carry what they must.
+/// - `wrenches`: of joint i on body i about the origin of body i, in body axes. Only the drive's part counts, along
+///   the joint's motion subspace: the bearings carry the rest.
 /// - `gravity_m_s2`: in world axes.
-/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
-///   tree, or empty.
+/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the tree, or
+///   empty.
 /// - `workspace`: contents do not matter.
-/// - `out`: acceleration of each joint, relative to the parent, body axes: the derivative of the components
-///   of the angular velocity, and the second derivative of the position turned to body axes.
+/// - `out`: acceleration of each joint, relative to the parent, in body axes: the derivative of the components of the
+///   angular velocity, and the second derivative of the position, turned to body axes.
 ///
-/// If a slice is shorter than the tree, the bodies beyond it are left out, as if they were not there.
+/// If a slice is shorter than the tree, the bodies beyond it are left out, as if they did not exist.
 ///
-/// # Degrees of freedom without inertia
-/// Where a joint's drive meets no resistance (massless bodies without a rotor, a point mass on a ball joint turning
-/// about its arm), or less than a millionth of what it meets in other directions, so that it cannot be told from
-/// rounding, no acceleration follows from the forces. That dof is then held for the instant, as if it were
-/// welded: the body keeps its speed along it, and the drive's force there goes nowhere. In turns of a ball
-/// joint and motions of a free one the direction is found whichever way it points.
+/// # Dofs without inertia
+/// A joint's drive may meet no resistance (massless bodies without a rotor, a point mass on a ball joint that turns
+/// about its arm), or less than a millionth of the resistance in other directions, which is within rounding. No
+/// acceleration then follows from the forces. The function holds this dof for the instant, as if it were welded: the
+/// body keeps its speed along the dof, and the drive's force along it has no effect. For rotations of a ball joint
+/// and motions of a free joint, the direction is found for any orientation.
 ///
-/// No NaN arises from finite numbers as long as no product of them is beyond the range of f32.
+/// Finite numbers give no NaN, as long as no product of them exceeds the range of f32.
 ///
 /// ```
 /// use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, Twist, RotationalInertia, Transform, Tree, Wrench};
 /// use sinew_core::glam::Vec3;
-/// // A 2 kg weight on a 0.5 m arm, let go from level: the weight falls freely, so the arm turns at 9.81 / 0.5.
+/// // A 2 kg weight on a 0.5 m arm, released when level: the weight falls freely, so α is 9.81 / 0.5 rad/s².
 /// let arm = Body {
 ///     parent: None,
 ///     joint: JointKind::Revolute { axis: Vec3::Z },
@@ -135,13 +136,13 @@ pub fn forward_dynamics(
     workspace: &mut [ArticulatedBody],
     out: &mut [Twist],
 ) {
-    // What one of the slices does not have is no part of the tree.
+    // A body that is missing from one slice is not part of the tree.
     let count = [joints.len(), wrenches.len(), workspace.len(), out.len()]
         .into_iter()
         .fold(bodies.len(), usize::min);
     let rig = || bodies.iter().zip(joints).take(count).enumerate();
 
-    // Outward: velocities, and each body by itself.
+    // First outward pass: velocities, and each body by itself.
     let mut external = external.iter();
     for (index, (body, joint)) in rig() {
         let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
@@ -151,8 +152,8 @@ pub fn forward_dynamics(
         this.start(body, joint, carried, from_outside);
     }
 
-    // Inward: what each joint passes on to its parent, whatever that does. (Backwards by index: the way back
-    // through several iterators at once would hold a panic.)
+    // Inward pass: the inertia and wrench that each joint transmits to its parent, for any motion of the parent. (A
+    // loop backwards by index: reversing several zipped iterators would contain a panic.)
     for index in (0..count).rev() {
         let (Some(body), Some(joint), Some(drive), Some((inner, [this, ..]))) = (
             bodies.get(index),
@@ -168,7 +169,7 @@ pub fn forward_dynamics(
         }
     }
 
-    // Outward: what it does.
+    // Second outward pass: the accelerations.
     let world = Twist::new(Vec3::ZERO, -gravity_m_s2);
     for ((index, (body, joint)), slot) in rig().zip(out) {
         let Some((inner, [this, ..])) = workspace.split_at_mut_checked(index) else { return };
@@ -178,7 +179,7 @@ pub fn forward_dynamics(
 }
 
 impl ArticulatedBody {
-    /// The body by itself: Newton's and Euler's laws about its origin.
+    /// Starts with the body alone: Newton's and Euler's laws about its origin.
     #[inline]
     fn start(&mut self, body: &Body, joint: &JointState, of_parent: Vec3, external: Wrench) {
         self.to_parent = Mat3::from_quat(joint.pose.rotation);
@@ -191,7 +192,7 @@ impl ArticulatedBody {
             angular: carried.cross(joint.velocity.angular) + along_axes.angular,
             linear: transposed_mul(&self.to_parent, centripetal),
         };
-        // As in the recursive Newton-Euler algorithm: what does not slide has no such velocity.
+        // Like the recursive Newton-Euler algorithm: only sliding joints have this term.
         if body.joint.slides() {
             self.acceleration.linear += carried.cross(joint.velocity.linear) * 2.0;
         }
@@ -205,7 +206,7 @@ impl ArticulatedBody {
         };
     }
 
-    /// Lets the joint give way to the forces, its drive's rotor with it.
+    /// Lets the joint yield to the forces, together with its drive's rotor.
     #[inline]
     fn give_way(&mut self, drive: &Wrench, rotor: f32) {
         self.response = match self.joint {
@@ -238,8 +239,8 @@ impl ArticulatedBody {
         self.move_along(&wrench, resistance, self.inertia.linear.trace(), force)
     }
 
-    /// Lets an axis give way to a force, from the wrench and the force that it resists with per acceleration,
-    /// and from what that is in all directions together.
+    /// Lets an axis yield to a force. `wrench`, `resistance`: wrench and force per acceleration along the axis.
+    /// `in_all`: sum of the resistance in all directions.
     #[inline]
     fn move_along(&mut self, wrench: &Wrench, resistance: f32, in_all: f32, force: f32) -> Along {
         let resists = resistance > f32::MIN_POSITIVE && resistance > ROUNDING * in_all;
@@ -250,7 +251,7 @@ impl ArticulatedBody {
         Along { alone, per_acceleration: scaled(wrench, per_force) }
     }
 
-    /// Lets all turns give way: nothing is left but the resistance of the origin.
+    /// Lets all rotations yield: only the resistance of the origin remains.
     #[inline]
     fn turn_any_way(&mut self, drive: &Wrench) -> Ball {
         let inverse = self.inertia.angular.inverse();
@@ -267,11 +268,11 @@ impl ArticulatedBody {
         Ball { turn, per_way, held }
     }
 
-    /// As [`Self::turn_any_way`], against a rotor r as well.
+    /// Lets all rotations yield like [`Self::turn_any_way`], against a rotor r as well.
     ///
-    /// To a carried angular acceleration α the joint gives way by `(I + r)⁻¹ I α`. Held is the rest,
-    /// `r (I + r)⁻¹ α`, and the body resists with as much of its inertia. Apart, since most joints have no rotor and
-    /// would pay for the registers.
+    /// A carried angular acceleration α makes the joint yield by `(I + r)⁻¹ I α`. The joint holds the rest,
+    /// `r (I + r)⁻¹ α`, and the body resists with that share of its inertia. Never inlined, since most joints have no
+    /// rotor and would lose registers.
     #[inline(never)]
     fn turn_any_way_with_rotor(&mut self, drive: &Wrench, rotor: f32) -> Ball {
         let ArticulatedInertia { angular, coupling, .. } = self.inertia;
@@ -296,7 +297,8 @@ impl ArticulatedBody {
         Response::Free { ball, linear: inverse.mul_vec3(free), held }
     }
 
-    /// Adds what a child's joint with such a rotor passes on, `arm_m` away from this body's origin.
+    /// Adds the inertia and wrench that a child's joint transmits, at a distance `arm_m` from this body's origin.
+    /// `rotor`: of the child's joint.
     #[inline]
     fn carry(&mut self, child: &Self, rotor: f32, arm_m: Vec3) {
         let mut wrench = child.wrench;
@@ -317,7 +319,7 @@ impl ArticulatedBody {
         self.wrench = self.wrench + Wrench { moment_nm, force_n };
     }
 
-    /// Moves the body with its parent and its joint; returns the joint's acceleration.
+    /// Moves the body with its parent and its joint. Returns the joint's acceleration.
     #[inline]
     fn follow(&mut self, parent: Twist, joint: &JointState) -> Twist {
         let at_joint = parent.linear + parent.angular.cross(joint.pose.translation_m);
@@ -331,7 +333,7 @@ impl ArticulatedBody {
                 let step = along.of(carried);
                 Twist { linear: carried.linear + axis * step, ..carried }
             }
-            // The one that gave way last is the first that nothing else stands open for.
+            // The axis that yielded last is solved first: its response depends on no other.
             (Response::Axes([one, two]), JointKind::Universal { first, second }) => {
                 one.turned(first, two.turned(second, carried))
             }

@@ -1,4 +1,4 @@
-//! The inertia of a body with all that hangs on it by joints, in 21 numbers.
+//! The articulated inertia of a body with all bodies that its joints carry, in 21 numbers.
 
 use glam::{Mat3, Vec3};
 
@@ -22,7 +22,7 @@ impl ArticulatedInertia {
     pub(crate) const ZERO: Self =
         Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
 
-    /// Of a point mass in a ball, both at the origin: it resists motion alike in every direction.
+    /// Returns the inertia of a point mass in a ball, both at the origin: it resists motion alike in every direction.
     pub(crate) fn round(angular: f32, linear: f32) -> Self {
         Self {
             angular: Symmetric::diagonal(angular),
@@ -38,20 +38,20 @@ impl ArticulatedInertia {
         turn + slide
     }
 
-    /// Wrench per angular acceleration along an axis.
+    /// Returns the wrench per angular acceleration along an axis.
     #[inline]
     pub(crate) fn of_turn(&self, axis: Vec3) -> Wrench {
         Wrench { moment_nm: self.angular * axis, force_n: transposed_mul(&self.coupling, axis) }
     }
 
-    /// Wrench per linear acceleration along an axis.
+    /// Returns the wrench per linear acceleration along an axis.
     #[inline]
     pub(crate) fn of_slide(&self, axis: Vec3) -> Wrench {
         Wrench { moment_nm: self.coupling * axis, force_n: self.linear * axis }
     }
 
-    /// Takes a dof out that gives way, by its wrench per acceleration, and the acceleration along it per
-    /// force along it.
+    /// Removes a dof that yields to forces. `wrench`: the wrench per acceleration along the dof. `per_force`: the
+    /// acceleration along the dof per force along the dof.
     #[inline]
     pub(crate) fn give_way(&mut self, wrench: &Wrench, per_force: f32) {
         let Wrench { moment_nm, force_n } = *wrench;
@@ -60,7 +60,8 @@ impl ArticulatedInertia {
         self.linear += Symmetric::from_outer(force_n, force_n * (-0.5 * per_force));
     }
 
-    /// Adds that of a child, whose axes `rotation` turns to this body's, `arm_m` away from this body's origin.
+    /// Adds the inertia of a child, whose axes `rotation` turns to this body's axes, at a distance `arm_m` from this
+    /// body's origin.
     #[inline]
     pub(crate) fn add(&mut self, child: &Self, rotation: &Mat3, arm_m: Vec3) {
         self.add_at(
@@ -73,12 +74,12 @@ impl ArticulatedInertia {
         );
     }
 
-    /// As [`Self::add`], in the same axes.
+    /// Adds a child like [`Self::add`], in the axes of this body.
     #[inline]
     pub(crate) fn add_at(&mut self, child: &Self, arm_m: Vec3) {
         let Self { angular, coupling, linear } = *child;
         let by_arm = arm_times(arm_m, &linear);
-        // [p] Bᵀ - B [p] - [p] M [p] is Z + Zᵀ with Z = [p] (B + ½ [p] M)ᵀ.
+        // [p] Bᵀ - B [p] - [p] M [p] equals Z + Zᵀ with Z = [p] (B + ½ [p] M)ᵀ.
         let halfway = (coupling + by_arm * 0.5).transpose();
         let z = Mat3::from_cols(
             arm_m.cross(halfway.x_axis),
@@ -90,13 +91,13 @@ impl ArticulatedInertia {
         self.linear += linear;
     }
 
-    /// As [`Self::add`], of a child that resists only the acceleration of its origin.
+    /// Adds a child like [`Self::add`], if the child resists only the acceleration of its origin.
     #[inline]
     pub(crate) fn add_linear(&mut self, child: &Symmetric, rotation: &Mat3, arm_m: Vec3) {
         self.add_linear_at(&child.turned(rotation), arm_m);
     }
 
-    /// As [`Self::add_linear`], in the same axes.
+    /// Adds a child like [`Self::add_linear`], in the axes of this body.
     #[inline]
     pub(crate) fn add_linear_at(&mut self, child: &Symmetric, arm_m: Vec3) {
         let by_arm = arm_times(arm_m, child);
@@ -118,19 +119,19 @@ impl From<&RigidInertia> for ArticulatedInertia {
     }
 }
 
-/// `Mᵀ v`.
+/// Returns `Mᵀ v`.
 #[inline]
 pub(crate) fn transposed_mul(m: &Mat3, v: Vec3) -> Vec3 {
     Vec3::new(m.x_axis.dot(v), m.y_axis.dot(v), m.z_axis.dot(v))
 }
 
-/// `[p] M`.
+/// Returns `[p] M`.
 #[inline]
 fn arm_times(arm_m: Vec3, m: &Symmetric) -> Mat3 {
     Mat3::from_cols(arm_m.cross(m.x_axis()), arm_m.cross(m.y_axis()), arm_m.cross(m.z_axis()))
 }
 
-/// `Z + Zᵀ`.
+/// Returns `Z + Zᵀ`.
 #[inline]
 fn twice_symmetric_part(z: &Mat3) -> Symmetric {
     Symmetric {

@@ -1,4 +1,4 @@
-//! A joint as its body sees it.
+//! The axes of a joint, in the axes of its body.
 
 use glam::Mat3;
 
@@ -6,8 +6,8 @@ use super::articulated_inertia::transposed_mul;
 use crate::joint::JointKind;
 use crate::tree::Body;
 
-/// The joint of a body with all its axes in body axes, as if the joint frame were there now: its functions
-/// take the identity for the rotation. `to_parent` turns body axes to the parent's.
+/// Returns the joint of a body with all its axes in body axes, as if the joint frame coincided with the body frame.
+/// Its functions then take the identity as rotation. `to_parent` turns body axes to the parent's.
 #[inline]
 pub(super) fn in_body_axes(body: &Body, to_parent: &Mat3) -> JointKind {
     match body.joint {

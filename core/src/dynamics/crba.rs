@@ -1,4 +1,4 @@
-//! The composite-rigid-body algorithm.
+//! The composite-rigid-body algorithm: the mass matrix.
 
 use core::hint::black_box;
 
@@ -12,26 +12,26 @@ use crate::state::JointState;
 use crate::transform::Wrench;
 use crate::tree::Body;
 
-/// A body with all bodies beyond it, held together: scratch of [`mass_matrix`].
+/// A body held together with all bodies that it carries: scratch of [`mass_matrix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompositeBody {
     parent: Option<usize>,
-    /// Turns body axes to the parent's; on the way outward to the root's, which has the identity.
+    /// Rotation from body axes to the parent's axes. In the outward pass: to the root's axes; identity for the root.
     turn: Quat,
-    /// The same, on the way outward.
+    /// The rotation `turn` as a matrix, in the outward pass.
     rotation: Mat3,
-    /// From the parent's origin to the body's, in the parent's axes; on the way outward in the root's.
+    /// Vector from the parent's origin to the body's, in the parent's axes. In the outward pass: in the root's axes.
     arm_m: Vec3,
-    /// Axes in body axes; on the way outward in the root's.
+    /// Joint with its axes in body axes. In the outward pass: in the root's axes.
     joint: JointKind,
     /// Row of the joint's first dof.
     first: usize,
-    /// Body axes.
+    /// Inertia of the body with all bodies that it carries, in body axes.
     inertia: RigidInertia,
 }
 
 impl Default for CompositeBody {
-    /// Contents do not matter.
+    /// The contents do not matter.
     fn default() -> Self {
         Self {
             parent: None,
@@ -45,7 +45,7 @@ impl Default for CompositeBody {
     }
 }
 
-/// Number of degrees of freedom of all joints together.
+/// Returns the number of dofs of all joints.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, dynamics::dof_count};
@@ -59,24 +59,24 @@ pub fn dof_count(bodies: &[Body]) -> usize {
     bodies.iter().map(|body| body.joint.dof_count()).fold(0, usize::saturating_add)
 }
 
-/// The joint-space mass matrix H of a pose: `½ q̇ᵀ H q̇` is the kinetic energy, and `H q̈` the forces along
-/// all dofs that accelerate the tree from rest without gravity. The composite-rigid-body algorithm
-/// (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 6). O(n · depth), and O(D²) to clear it.
+/// Computes the joint-space mass matrix H of a pose: `½ q̇ᵀ H q̇` is the kinetic energy, and `H q̈` are the forces
+/// along all dofs that accelerate the tree from rest without gravity. The composite-rigid-body algorithm
+/// (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 6). O(n · depth), plus O(D²) to clear the matrix.
 ///
-/// - Rows and columns: the dofs of the joints in the order of the bodies, each joint's in the order of
-///   the columns of its [`JointKind::motion_subspace`]: angular ones first, in body axes. Units are kg m²
-///   between turns, kg between slides, kg m between one and the other.
-/// - `joints`: states relative to the parent; only the poses count.
+/// - Rows and columns: the dofs of the joints in the order of the bodies, each joint's dofs in the order of the
+///   columns of its [`JointKind::motion_subspace`]: angular dofs first, in body axes. Units are kg m² between
+///   rotations, kg between slides, kg m between a rotation and a slide.
+/// - `joints`: states relative to the parent; only the poses matter.
 /// - `scratch`: contents do not matter.
-/// - `out`: H in full, row by row (it is symmetric to the last bit, so also column by column), in the first
-///   D² numbers; what is behind stays.
+/// - `out`: the full H, row by row (it is symmetric to the last bit, so also column by column), in the first D²
+///   numbers; the rest is unchanged.
 ///
-/// Returns D, the [`dof_count`] of the bodies that it holds: if a slice is shorter than the tree, or
-/// `out` has no room for the square, the bodies beyond are left out, as if they were not there.
+/// Returns D, the [`dof_count`] of the bodies in H. If a slice is shorter than the tree, or `out` has no room for the
+/// square, the remaining bodies are left out, as if they did not exist.
 ///
 /// Rotors of the drives add to the diagonal ([`Body::rotor_inertia`]).
 ///
-/// H is positive definite unless some motion of the joints moves no mass and no rotor; then it is singular.
+/// H is positive definite unless some motion of the joints moves no mass and no rotor. It is then singular.
 ///
 /// ```
 /// use sinew_core::dynamics::{CompositeBody, mass_matrix};
@@ -114,7 +114,7 @@ pub fn mass_matrix(
             break;
         }
         *slot = CompositeBody {
-            // No parent comes after its child, whatever a hand-made slice says.
+            // A parent must precede its child; an invalid parent in a hand-made slice is ignored.
             parent: body.parent.filter(|parent| *parent < count),
             turn: joint.pose.rotation,
             rotation: Mat3::IDENTITY,
@@ -128,8 +128,8 @@ pub fn mass_matrix(
     let mut matrix = Square { elements: out, size };
     matrix.clear();
 
-    // Inward: a body is whole when all beyond it have been added. (Backwards by index: the way back through
-    // several iterators at once would hold a panic.)
+    // Inward: a body is complete when all bodies beyond it have been added. (A loop backwards by index: reversing
+    // several zipped iterators would contain a panic.)
     for index in (0..count).rev() {
         let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { break };
         if let Some(parent) = this.parent.and_then(|parent| inner.get_mut(parent)) {
@@ -138,8 +138,8 @@ pub fn mass_matrix(
         }
     }
 
-    // Outward: from here on what is inward of a body has the axes of its root, so that wrenches are turned once, and
-    // not from body to body.
+    // Outward: from now on, the bodies between a body and its root are stored in root axes. Each wrench is then
+    // rotated once, not from body to body.
     for (index, body) in bodies.iter().take(count).enumerate() {
         let Some((inner, [this, ..])) = scratch.split_at_mut_checked(index) else { break };
         matrix.set_own_block(this);
@@ -154,7 +154,7 @@ pub fn mass_matrix(
             this.rotation = Mat3::IDENTITY;
             continue;
         };
-        // By quaternions, as a product of matrices is less and less a rotation.
+        // Composed as quaternions, because a repeated product of matrices drifts away from a rotation.
         this.turn = math::unit(parent.turn * this.turn);
         this.rotation = Mat3::from_quat(this.turn);
         this.arm_m = parent.rotation * this.arm_m;
@@ -187,7 +187,7 @@ pub fn mass_matrix(
     size
 }
 
-/// The matrix, row by row.
+/// The mass matrix, row by row.
 struct Square<'a> {
     elements: &'a mut [f32],
     size: usize,
@@ -197,7 +197,8 @@ impl Square<'_> {
     fn clear(&mut self) {
         let len = self.size.saturating_mul(self.size);
         let Some(elements) = self.elements.get_mut(..len) else { return };
-        // Copied, as the compiler does not know what: it would call `memset`, which takes three times as long.
+        // Zeros are copied through `black_box`. Otherwise the compiler would call `memset`, which takes three times
+        // as long.
         let zeros = black_box([0.0; 16]);
         let mut chunks = elements.chunks_exact_mut(zeros.len());
         for place in chunks.by_ref().filter_map(|chunk| chunk.first_chunk_mut()) {
@@ -206,7 +207,7 @@ impl Square<'_> {
         chunks.into_remainder().fill(0.0);
     }
 
-    /// Sets what a body's dofs feel of each other.
+    /// Sets the block that couples a body's dofs with each other.
     #[inline]
     fn set_own_block(&mut self, body: &CompositeBody) {
         let CompositeBody { joint, first, inertia, .. } = *body;
@@ -240,8 +241,9 @@ impl Square<'_> {
         }
     }
 
-    /// Sets a row up to a body's own columns, and the same column: the forces along the dofs of all bodies that
-    /// carry this one. `wrench`: what moves all beyond the body along that dof, about its origin, in its axes.
+    /// Sets a row up to a body's own columns, and the mirrored column: the forces along the dofs of all bodies that
+    /// carry this body. `wrench`: the wrench that accelerates the subtree along that dof, about the body's origin, in
+    /// its axes.
     #[inline(never)]
     fn set_row(
         &mut self,
@@ -258,7 +260,7 @@ impl Square<'_> {
         rows.set(turned(wrench.moment_nm), turned(wrench.force_n), body, inner);
     }
 
-    /// As [`Self::set_row`], of all turns of a body.
+    /// Sets the rows of all three rotations of a body, like [`Self::set_row`].
     #[inline(never)]
     fn set_rows_of_turns(&mut self, body: &CompositeBody, inner: &[CompositeBody]) {
         let (size, first) = (self.size, body.first);
@@ -266,7 +268,7 @@ impl Square<'_> {
         let Some((above, rows)) = self.elements.split_at_mut_checked(start) else { return };
         let Some((x_row, rows)) = rows.split_at_mut_checked(size) else { return };
         let Some((y_row, z_row)) = rows.split_at_mut_checked(size) else { return };
-        // To one length, so that one check does for all three.
+        // Cut to equal length: one bounds check then serves all three.
         let (Some(x_row), Some(y_row), Some(z_row)) =
             (x_row.get_mut(..first), y_row.get_mut(..first), z_row.get_mut(..first))
         else {
@@ -282,7 +284,7 @@ impl Square<'_> {
             turned * rotational_kg_m2.y_axis(),
             turned * rotational_kg_m2.z_axis(),
         ];
-        // As of [`RigidInertia::of_turns`], without its zeros.
+        // Equal to [`RigidInertia::of_turns`], without its zeros.
         let Mat3 { x_axis, y_axis, z_axis } = turned;
         let forces = [z_axis * y - y_axis * z, x_axis * z - z_axis * x, y_axis * x - x_axis * y];
         rows.set(moments, forces, body, inner);
@@ -302,7 +304,7 @@ impl Square<'_> {
         column: usize,
         block: &[[f32; M]; K],
     ) {
-        // Within the matrix, so below its number of elements.
+        // The block is within the matrix, so `start` is below the number of elements.
         let mut start = row.wrapping_mul(self.size).wrapping_add(column);
         for numbers in block {
             let place = self.elements.get_mut(start..).and_then(|rest| rest.first_chunk_mut::<M>());
@@ -314,17 +316,17 @@ impl Square<'_> {
     }
 }
 
-/// Rows one below the other, up to the columns of their body, and the matrix above them.
+/// Consecutive rows, up to the columns of their body, and the matrix above them.
 struct Rows<'a, const K: usize> {
     above: &'a mut [f32],
     size: usize,
-    /// The first row.
+    /// Index of the first row.
     first: usize,
     columns: [&'a mut [f32]; K],
 }
 
 impl<const K: usize> Rows<'_, K> {
-    /// Sets them. `moments`, `forces`: of the body along each of its dofs, about its origin; root's axes.
+    /// Sets the rows. `moments`, `forces`: of the body along each of its dofs, about its origin, in root axes.
     #[inline]
     fn set(
         mut self,
@@ -338,7 +340,7 @@ impl<const K: usize> Rows<'_, K> {
             for (moment, force) in moments.iter_mut().zip(forces) {
                 *moment += arm_m.cross(force);
             }
-            // Not before they are needed: they would be loaded for joints of one dof, too.
+            // Evaluated lazily: joints with one dof do not need these loads.
             let axes = || {
                 let Mat3 { x_axis, y_axis, z_axis } = this.rotation;
                 [x_axis, y_axis, z_axis]
@@ -367,13 +369,13 @@ impl<const K: usize> Rows<'_, K> {
         }
     }
 
-    /// Sets components along axes.
+    /// Sets the components of vectors along axes.
     #[inline]
     fn set_along<const M: usize>(&mut self, column: usize, axes: [Vec3; M], vectors: &[Vec3; K]) {
         self.set_block(column, vectors.map(|vector| axes.map(|axis| axis.dot(vector))));
     }
 
-    /// Sets a block and its mirror.
+    /// Sets a block and its mirror image.
     #[inline]
     fn set_block<const M: usize>(&mut self, column: usize, block: [[f32; M]; K]) {
         for (row, numbers) in self.columns.iter_mut().zip(&block) {
@@ -382,7 +384,7 @@ impl<const K: usize> Rows<'_, K> {
                 *place = *numbers;
             }
         }
-        // Within the matrix, so below its number of elements.
+        // The block is within the matrix, so `start` is below the number of elements.
         let mut start = column.wrapping_mul(self.size).wrapping_add(self.first);
         for numbers in transposed(&block) {
             let place = self.above.get_mut(start..).and_then(|rest| rest.first_chunk_mut());

@@ -1,9 +1,9 @@
-//! Gauss's principle of least constraint over a tree, by the sweeps of the articulated-body algorithm
-//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7): of all motions that the joints allow, the
-//! one that makes `Σ ½ (A - T)ᵀ I (A - T)` least, body by body with its wanted motion T and its inertia I.
+//! Gauss's principle of least constraint for a tree, by the sweeps of the articulated-body algorithm (Featherstone,
+//! *Rigid Body Dynamics Algorithms*, 2008, ch. 7). Among all motions A that the joints allow, it finds the motion
+//! that minimises `Σ ½ (A - T)ᵀ I (A - T)` over the bodies, where T is a body's desired motion and I its inertia.
 //!
-//! The inertias need not be those of masses: the manifold projection and the resolved acceleration weigh
-//! with them how much each body's wanted motion counts. O(n), and no matrix is larger than one joint's.
+//! The inertias need not be those of masses: the manifold projection and the resolved acceleration use them as
+//! weights of each body's desired motion. O(n), and no matrix is larger than a joint's.
 
 use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
@@ -16,59 +16,60 @@ use crate::symmetric::Symmetric;
 use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
-/// What the bodies from a joint outwards want: `½ Aᵀ I A - Aᵀ W` should be least, A the motion of the
-/// joint's body. World axes, about the body's origin.
+/// The cost of all bodies from a joint outwards, `½ Aᵀ I A - Aᵀ W`, to be minimised. A is the motion of the joint's
+/// body. World axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Demand {
     pub(crate) inertia: ArticulatedInertia,
     pub(crate) wrench: Wrench,
 }
 
-/// How a joint gives way.
+/// The motions that a joint allows.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum MotionSubspace {
-    /// To any turn.
+    /// Any rotation.
     Ball,
-    /// To anything.
+    /// Any motion.
     Free,
-    /// To a turn about an axis: most joints of a rig of servos.
+    /// Rotation about an axis: the most frequent joint in a rig of servos.
     Hinge(Hinge),
-    /// Along some axes; none if it is rigid.
+    /// Motion along some axes; none for a rigid joint.
     Axes(Vec<Axis, 3>),
 }
 
-/// A turn about an axis through the body's origin.
+/// Rotation about an axis through the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Hinge {
     /// Unit axis, world axes.
     pub(crate) axis: Vec3,
-    /// As [`Axis::held`].
+    /// Whether the joint is at the end of its range, see [`Axis::held`].
     pub(crate) held: bool,
 }
 
-/// One way that a joint can move.
+/// An axis along which a joint can move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
     /// Twist of the body for a unit along the axis, world axes.
     pub(crate) motion: Twist,
-    /// At the end of its range, and pressed against it: the bodies farther in do not count on it.
+    /// Whether the joint is at the end of its range and pressed against it. The bodies closer to the root then treat
+    /// it as rigid.
     pub(crate) held: bool,
 }
 
-/// How the joint moves, whatever its parent does.
+/// The motion of a joint as a function of its parent's motion.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Response {
-    /// In any turn.
+    /// Any rotation.
     Ball(BallResponse),
-    /// The body moves so.
+    /// The body moves with this twist, for any motion of its parent.
     Free(Twist),
-    /// About the axis.
+    /// Rotation about the axis.
     Hinge(HingeResponse),
-    /// Along each axis.
+    /// Motion along each axis.
     Axes(Vec<AxisResponse, 3>),
 }
 
-/// The body turns by `turn` less `per_way` times the way that its parent carries it.
+/// The body rotates by `turn` minus `per_way` times the displacement of its origin by the parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BallResponse {
     turn: Vec3,
@@ -94,7 +95,7 @@ pub(crate) struct AxisResponse {
 }
 
 impl MotionSubspace {
-    /// Of a joint whose body is turned by `relative` in the parent and by `world` in the world.
+    /// Returns the subspace of a joint. `relative`: rotation of its body in the parent; `world`: in the world.
     pub(crate) fn of(body: &Body, relative: Quat, world: Quat) -> Self {
         match body.joint {
             JointKind::Spherical => Self::Ball,
@@ -114,10 +115,10 @@ impl MotionSubspace {
 impl Demand {
     pub(crate) const ZERO: Self = Self { inertia: ArticulatedInertia::ZERO, wrench: Wrench::ZERO };
 
-    /// Takes a joint's dofs out: what is left is what the joint passes on to its parent.
+    /// Eliminates a joint's dofs: the remainder is the cost that the joint transmits to its parent.
     ///
-    /// An axis that nothing resists stays where it is. `damping` is by how much of its own a turn or an axis
-    /// resists more (Marquardt's): zero for the least itself.
+    /// An axis without resistance does not move. `damping`: additional resistance of each rotation or axis, relative
+    /// to its own resistance (Marquardt's method). Zero gives the exact minimum.
     pub(crate) fn eliminate(&mut self, dofs: &MotionSubspace, damping: f32) -> Response {
         match dofs {
             MotionSubspace::Ball => {
@@ -140,7 +141,7 @@ impl Demand {
         }
     }
 
-    /// What [`Self::eliminate`] answers without damping, where nothing has to be passed on any more.
+    /// Returns the result of [`Self::eliminate`] without damping, when the remainder is not needed.
     pub(crate) fn response(&self, dofs: &MotionSubspace) -> Response {
         if matches!(dofs, MotionSubspace::Ball) {
             return self.turn(0.0).into();
@@ -163,8 +164,8 @@ impl Demand {
         }
     }
 
-    /// Takes all turns out. What is left is how the origin resists; the rest of the inertia and the moment do not
-    /// count any more, whatever they are.
+    /// Eliminates all rotations. The remainder is the resistance of the origin. The angular part of the inertia and
+    /// the moment are undefined afterwards.
     #[inline]
     pub(crate) fn eliminate_turn(&mut self, damping: f32) -> BallResponse {
         let response = self.turn(damping);
@@ -185,7 +186,7 @@ impl Demand {
         AxisResponse { motion: axis.motion, wrench, force, per_force }
     }
 
-    /// As an axis, with nothing to compute of ways.
+    /// Eliminates a hinge like an axis, without the linear terms.
     fn eliminate_hinge(&mut self, hinge: &Hinge, damping: f32) -> HingeResponse {
         let Hinge { axis, held } = *hinge;
         let wrench = self.inertia.of_turn(axis);
@@ -197,21 +198,21 @@ impl Demand {
         HingeResponse { axis, wrench, force, per_force }
     }
 
-    /// Takes out an axis that asks for `force`, from its wrench per acceleration.
+    /// Eliminates an axis. `wrench`: its wrench per acceleration. `force`: the force that it asks for.
     fn give_way(&mut self, wrench: Wrench, force: f32, per_force: f32) {
         let share = force * per_force;
         self.inertia.give_way(&wrench, per_force);
         self.wrench = self.wrench + Wrench::new(wrench.moment_nm * -share, wrench.force_n * -share);
     }
 
-    /// Adds what a child passes on, `arm_m` away from this body's origin.
+    /// Adds the cost that a child transmits, at a distance `arm_m` from this body's origin.
     pub(crate) fn add_child(&mut self, child: &Self, arm_m: Vec3) {
         self.inertia.add_at(&child.inertia, arm_m);
         self.wrench.moment_nm += child.wrench.moment_nm;
         self.add_force(child.wrench.force_n, arm_m);
     }
 
-    /// As [`Self::add_child`], after [`Self::eliminate_turn`].
+    /// Adds a child like [`Self::add_child`], after [`Self::eliminate_turn`].
     #[inline]
     pub(crate) fn add_ball(&mut self, child: &Self, arm_m: Vec3) {
         self.inertia.add_linear_at(&child.inertia.linear, arm_m);
@@ -225,7 +226,7 @@ impl Demand {
     }
 }
 
-/// How far an axis goes per force along it.
+/// Returns the step of an axis per force along it.
 fn yielding(resistance: f32, damping: f32) -> f32 {
     let resistance = resistance * (1.0 + damping);
     if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 }
@@ -238,7 +239,7 @@ impl From<BallResponse> for Response {
 }
 
 impl BallResponse {
-    /// Turn of the body when its parent carries its origin so far.
+    /// Returns the rotation of the body when its parent moves its origin by `way`.
     #[inline]
     pub(crate) fn turn(&self, way: Vec3) -> Vec3 {
         self.turn - self.per_way * way
@@ -246,8 +247,8 @@ impl BallResponse {
 }
 
 impl Response {
-    /// Twist of the body when its parent carries it along with `carried`; `limit` is asked what of the step
-    /// along axis k may be made.
+    /// Returns the twist of the body when its parent carries it along with `carried`. `limit(k, step)` returns the
+    /// allowed part of the step along axis k.
     pub(crate) fn motion(&self, carried: Twist, mut limit: impl FnMut(usize, f32) -> f32) -> Twist {
         match self {
             Self::Ball(ball) => {
@@ -261,7 +262,7 @@ impl Response {
             }
             Self::Axes(axes) => {
                 let mut motion = carried;
-                // The last one eliminated is the first that nothing else stands open for.
+                // The axis that was eliminated last is solved first: its step depends on no other.
                 for (index, axis) in axes.iter().enumerate().rev() {
                     let step = (axis.force - axis.wrench.power_w(motion)) * axis.per_force;
                     let step = limit(index, step);

@@ -1,4 +1,4 @@
-//! Dynamics of the tree.
+//! Dynamics of a tree: inverse and forward dynamics, mass matrix, reflected inertia.
 
 mod aba;
 mod articulated_inertia;

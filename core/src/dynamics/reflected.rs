@@ -1,4 +1,4 @@
-//! What inertia the drive of a joint feels.
+//! The inertia that a joint's drive works against.
 
 use glam::Mat3;
 use heapless::Vec;
@@ -12,7 +12,7 @@ use crate::symmetric::{ROUNDING, Symmetric};
 use crate::transform::{Twist, Wrench};
 use crate::tree::Tree;
 
-/// What the joints beyond a joint do while it is accelerated.
+/// The behaviour of the joints beyond a joint while that joint accelerates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -21,16 +21,16 @@ use crate::tree::Tree;
     serde(rename_all = "snake_case")
 )]
 pub enum OuterJoints {
-    /// They are held: the joint moves its subtree as one body. The composite-rigid-body inertia, the
+    /// They are held: the joint moves its subtree as one body. This gives the composite-rigid-body inertia, the
     /// diagonal blocks of the mass matrix.
     Locked,
-    /// They give way: the articulated-body inertia (Featherstone, *Rigid Body Dynamics Algorithms*, 2008,
-    /// ch. 7), never more than with locked joints. What a torque meets before any other drive has reacted.
+    /// They yield: the articulated-body inertia (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7), never
+    /// larger than with locked joints. It is the resistance before any other drive has reacted.
     Free,
 }
 
-/// Inertia against which a joint's drive works while the parent is held, along the joint's dofs; zero
-/// across them. That of its own rotor is included.
+/// The inertia that a joint's drive works against while the parent is held, along the joint's dofs; zero across them.
+/// It includes the drive's own rotor.
 ///
 /// ```
 /// use sinew_core::{Twist, RotationalInertia, dynamics::ReflectedInertia, glam::Vec3};
@@ -38,7 +38,7 @@ pub enum OuterJoints {
 ///     angular_kg_m2: RotationalInertia::diagonal(0.0, 0.0, 0.25),
 ///     linear_kg: 0.0,
 /// };
-/// // A hinge about z: 4 rad/s² take 1 N m.
+/// // A hinge about z: 4 rad/s² need 1 N m.
 /// let wrench = of_joint.wrench(Twist::new(Vec3::Z * 4.0, Vec3::ZERO));
 /// assert_eq!(wrench.moment_nm, Vec3::Z);
 /// ```
@@ -50,20 +50,20 @@ pub enum OuterJoints {
     serde(deny_unknown_fields)
 )]
 pub struct ReflectedInertia {
-    /// Moment per angular acceleration, about the joint, body axes.
+    /// Moment per angular acceleration, about the joint, in body axes, kg m².
     pub angular_kg_m2: RotationalInertia,
-    /// Force per linear acceleration, the mean of the ways that the joint slides.
+    /// Force per linear acceleration, the mean over the directions in which the joint slides, kg.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub linear_kg: f32,
 }
 
 impl ReflectedInertia {
-    /// Whether every component is a number: not so where the masses and lengths of a rig are near the end of f32.
+    /// Returns `true` if every component is finite. Masses and lengths near the limit of f32 give `false`.
     pub fn is_finite(&self) -> bool {
         self.angular_kg_m2.is_finite() && self.linear_kg.is_finite()
     }
 
-    /// Moment and force for an acceleration in body axes.
+    /// Returns moment and force for an acceleration in body axes.
     pub fn wrench(&self, acceleration: Twist) -> Wrench {
         Wrench {
             moment_nm: self.angular_kg_m2.mul_vec3(acceleration.angular),
@@ -72,7 +72,7 @@ impl ReflectedInertia {
     }
 }
 
-/// The reflected inertia of every joint in one pose. O(n), for settings: it is constant in no other pose.
+/// Computes the reflected inertia of every joint in one pose. O(n). Meant for settings: in another pose it differs.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, RotationalInertia, Transform, Tree};
@@ -94,7 +94,7 @@ impl ReflectedInertia {
 /// let rest = JointStates::rest(&tree);
 /// let of = |outer| reflected_inertia(&tree, &rest, outer)[0].angular_kg_m2.zz;
 /// assert!((of(OuterJoints::Locked) - (0.25 + 1.0)).abs() < 1e-6);
-/// // Along the line the outer weight swings out of the way of any turn of the inner arm.
+/// // In line with the inner arm, the outer weight yields to any rotation of the inner arm.
 /// assert!((of(OuterJoints::Free) - 0.25).abs() < 1e-6);
 /// # Ok::<(), sinew_core::TreeError>(())
 /// ```
@@ -109,7 +109,7 @@ pub fn reflected_inertia<const N: usize>(
         fixed::collect(bodies.iter().map(|body| of_body(&body.inertia)));
     let mut reflected: Vec<ReflectedInertia, N> =
         fixed::collect(bodies.iter().map(|_| ReflectedInertia::default()));
-    // Inward: a body is done when all beyond it have been added.
+    // Inward: a body is complete when all bodies beyond it have been added.
     for (index, (body, joint)) in bodies.iter().zip(pose.as_slice()).enumerate().rev() {
         let Some(mut inertia) = inertias.get(index).copied() else { continue };
         let in_joint = body.placement.rotation.conjugate() * joint.pose.rotation;
@@ -127,7 +127,7 @@ pub fn reflected_inertia<const N: usize>(
     reflected
 }
 
-/// An inertia along a joint's dofs, each with a rotor.
+/// Returns an inertia along a joint's dofs, with a rotor on each.
 fn along(inertia: &ArticulatedInertia, dofs: &[Twist], rotor: f32) -> ReflectedInertia {
     let mut onto = Symmetric::ZERO;
     let (mut mass, mut ways) = (0.0, 0.0);
@@ -144,20 +144,20 @@ fn along(inertia: &ArticulatedInertia, dofs: &[Twist], rotor: f32) -> ReflectedI
     }
 }
 
-/// Takes out of an inertia what gives way along a joint's dofs, each against a rotor: one after the other.
+/// Eliminates a joint's dofs from an inertia, one after the other, each against a rotor.
 fn give_way(inertia: &mut ArticulatedInertia, dofs: &[Twist], rotor: f32) {
     let whole = *inertia;
     for dof in dofs {
         let wrench = wrench_of(inertia, *dof);
         let resistance = wrench.power_w(*dof) + rotor;
-        // The dofs before have taken all of it away but for rounding: no direction is left.
+        // If only rounding is left, the dofs before have already eliminated this direction.
         if resistance > ROUNDING * wrench_of(&whole, *dof).power_w(*dof) {
             inertia.give_way(&wrench, 1.0 / resistance);
         }
     }
 }
 
-/// [`ArticulatedInertia::wrench`] as a call: this is no part of a tick, and images hold it once.
+/// Calls [`ArticulatedInertia::wrench`] without inlining: the tick does not use it, and one copy saves flash.
 #[inline(never)]
 fn wrench_of(inertia: &ArticulatedInertia, acceleration: Twist) -> Wrench {
     inertia.wrench(acceleration)

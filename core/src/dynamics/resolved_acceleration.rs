@@ -1,4 +1,4 @@
-//! Resolved acceleration: joint accelerations that give every body the acceleration it should have in the world.
+//! Resolved acceleration: joint accelerations that give every body its desired acceleration in the world.
 
 use super::articulated_inertia::ArticulatedInertia;
 use super::least_constraint::{Demand, MotionSubspace};
@@ -9,26 +9,26 @@ use crate::state::{BodyState, JointState};
 use crate::transform::Twist;
 use crate::tree::Body;
 
-/// One body's part of [`resolved_acceleration`]: scratch.
+/// Scratch of [`resolved_acceleration`] for one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedAccelerationScratch(Demand);
 
 impl ResolvedAccelerationScratch {
-    /// Before the first use.
+    /// Initial value, before the first use.
     pub const ZERO: Self = Self(Demand::ZERO);
 }
 
-/// Turns the accelerations that the bodies should have into the nearest ones that the joints allow: those that
-/// make `Σ ρᵢ² |αᵢ - α*ᵢ|² + wᵢ |aᵢ - a*ᵢ|²` least, with `ρᵢ` and `wᵢ` the weights of turn and position. O(n).
+/// Replaces the desired accelerations of the bodies by the nearest accelerations that the joints allow: they minimise
+/// `Σ ρᵢ² |αᵢ - α*ᵢ|² + wᵢ |aᵢ - a*ᵢ|²`, with the rotation weights `ρᵢ` and the position weights `wᵢ`. O(n).
 ///
-/// After Luh, Walker & Paul, "Resolved-acceleration control of mechanical manipulators" (1980), of all bodies of
-/// a tree at once: by Gauss's principle these are the accelerations of bodies with those weights as inertias
-/// and the wanted accelerations as those of free fall, and the articulated-body algorithm finds them.
+/// After Luh, Walker & Paul, "Resolved-acceleration control of mechanical manipulators" (1980), applied to all bodies
+/// of a tree at once. By Gauss's principle, the result equals the accelerations of bodies with those weights as
+/// inertias and the desired accelerations as free fall; the articulated-body algorithm computes them.
 ///
-/// `joints` are the measured states, and `world` those of their bodies. `accelerations`: by body, angular and of
-/// the origin (classical), world axes; in: those that they should have, out: those that they get.
-/// [`joint_accelerations`](crate::kinematics::joint_accelerations) are the way there. If a slice is
-/// shorter than the tree, the bodies beyond it are left out.
+/// `joints` are the measured states, and `world` those of their bodies. `accelerations`: by body, angular and of the
+/// origin (classical), in world axes. On entry the desired accelerations, on return the resulting ones.
+/// [`joint_accelerations`](crate::kinematics::joint_accelerations) converts them to joints. If a slice is shorter
+/// than the tree, the bodies beyond it are left out.
 ///
 /// ```
 /// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, kinematics};
@@ -41,7 +41,7 @@ impl ResolvedAccelerationScratch {
 ///     inertia: Inertia::default(),
 ///     rotor_inertia: 0.0,
 /// };
-/// // The hinge can answer for one of two axes only; the ball beyond it makes up for the other.
+/// // The hinge can follow only one of two axes; the ball joint beyond it follows the other.
 /// let hinge = JointKind::Revolute { axis: Vec3::Z };
 /// let arm = Tree::<2>::from_bodies(&[link(None, hinge, 0.0), link(Some(0), JointKind::Spherical, 0.5)])?;
 /// let joints = JointStates::rest(&arm);
@@ -72,17 +72,17 @@ pub fn resolved_acceleration<const N: usize>(
         *demand = Demand { inertia, wrench: inertia.wrench(*wanted) };
     }
 
-    // Inward: what every joint should do, whatever its parent does.
+    // Inward: the desired motion of every joint, as a function of its parent's motion.
     for (index, ((body, joint), state)) in bodies.iter().zip(joints).zip(world).enumerate().rev() {
         let parent = of_parent(body, world, &BodyState::WORLD);
         let Some(ResolvedAccelerationScratch(demand)) = scratch.get_mut(index) else { continue };
-        // What velocities do is done; the joint is asked for the rest.
+        // The velocities cause a part of the acceleration; the joint must supply the rest.
         let moving = by_velocities(body, parent, state, joint);
         demand.wrench = demand.wrench - demand.inertia.wrench(moving);
         let mut passed_on = *demand;
         passed_on.eliminate(&dofs(body, joint, state), 0.0);
         if passed_on == Demand::ZERO {
-            // A joint that can do all that is wanted beyond it, as most can where only turns count.
+            // The joint can fulfil all demands beyond it, like most joints when only rotations count.
             continue;
         }
         let arm = state.pose.translation_m - parent.pose.translation_m;
@@ -92,7 +92,7 @@ pub fn resolved_acceleration<const N: usize>(
         }
     }
 
-    // Outward: what it does, now that its parent's acceleration is known.
+    // Outward: the motion, now that the parent's acceleration is known.
     for (index, (((body, joint), state), ResolvedAccelerationScratch(demand))) in
         bodies.iter().zip(joints).zip(world).zip(scratch.iter()).enumerate()
     {
@@ -109,7 +109,7 @@ fn dofs(body: &Body, joint: &JointState, state: &BodyState) -> MotionSubspace {
     MotionSubspace::of(body, joint.pose.rotation, state.pose.rotation)
 }
 
-/// What a body's acceleration is with nothing of its parent's and none of its joint's axes. World axes.
+/// Returns the part of a body's acceleration that depends only on velocities. World axes.
 fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Twist {
     let moving = velocity_products(parent, state);
     if !matches!(body.joint, JointKind::Universal { .. }) {

@@ -6,18 +6,18 @@ use crate::inertia::Inertia;
 use crate::symmetric::Symmetric;
 use crate::transform::Wrench;
 
-/// Of a body, or of bodies that hold together, in one frame's axes.
+/// Inertia of a body, or of bodies that are held together, in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct RigidInertia {
     pub(crate) mass_kg: f32,
-    /// Mass times the way from the origin to the centre of mass.
+    /// Mass times the vector from the origin to the centre of mass.
     pub(crate) first_moment_kg_m: Vec3,
-    /// About the origin.
+    /// Rotational inertia about the origin.
     pub(crate) rotational_kg_m2: Symmetric,
 }
 
 impl RigidInertia {
-    /// Of a body, about the origin of its frame.
+    /// Returns the inertia of a body about the origin of its frame.
     #[inline]
     pub(crate) fn of(inertia: &Inertia) -> Self {
         Self {
@@ -28,12 +28,13 @@ impl RigidInertia {
         .moved(inertia.center_of_mass_m)
     }
 
-    /// The same at another origin that this one is `arm_m` away from, by the parallel axis theorem.
+    /// Returns the inertia about another origin, by the parallel axis theorem. `arm_m`: vector from the new origin to
+    /// this one.
     #[inline]
     pub(crate) fn moved(&self, arm_m: Vec3) -> Self {
         let Self { mass_kg, first_moment_kg_m, rotational_kg_m2 } = *self;
         let way = arm_m * mass_kg;
-        // -[p][h] - [h][p] - m [p][p], with k = h + ½ m p: 2 (p · k) 1 - p kᵀ - k pᵀ.
+        // -[p][h] - [h][p] - m [p][p], with k = h + ½ m p, is 2 (p · k) 1 - p kᵀ - k pᵀ.
         let halfway = first_moment_kg_m + way * 0.5;
         let about_arm = Symmetric::diagonal(2.0 * arm_m.dot(halfway));
         Self {
@@ -43,7 +44,7 @@ impl RigidInertia {
         }
     }
 
-    /// The same in the axes that a rotation leads to.
+    /// Returns the inertia in rotated axes.
     #[inline]
     pub(crate) fn turned(&self, rotation: &Mat3) -> Self {
         Self {
@@ -61,7 +62,7 @@ impl RigidInertia {
         }
     }
 
-    /// What turns it at 1 rad/s² about an axis through the origin, from rest.
+    /// Returns the wrench that gives 1 rad/s² about an axis through the origin, from rest.
     #[inline]
     pub(crate) fn of_turn(&self, axis: Vec3) -> Wrench {
         Wrench {
@@ -70,13 +71,13 @@ impl RigidInertia {
         }
     }
 
-    /// What moves it at 1 m/s² along an axis, from rest.
+    /// Returns the wrench that gives 1 m/s² along an axis, from rest.
     #[inline]
     pub(crate) fn of_slide(&self, axis: Vec3) -> Wrench {
         Wrench { moment_nm: self.first_moment_kg_m.cross(axis), force_n: axis * self.mass_kg }
     }
 
-    /// [`Self::of_turn`] of x, y and z.
+    /// Returns [`Self::of_turn`] for x, y and z.
     #[inline]
     pub(crate) fn of_turns(&self) -> [Wrench; 3] {
         let Self { first_moment_kg_m: Vec3 { x, y, z }, rotational_kg_m2, .. } = *self;
@@ -87,7 +88,7 @@ impl RigidInertia {
         ]
     }
 
-    /// [`Self::of_slide`] of x, y and z.
+    /// Returns [`Self::of_slide`] for x, y and z.
     #[inline]
     pub(crate) fn of_slides(&self) -> [Wrench; 3] {
         [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| self.of_slide(axis))

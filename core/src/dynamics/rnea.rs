@@ -1,4 +1,4 @@
-//! The recursive Newton-Euler algorithm.
+//! The recursive Newton-Euler algorithm: inverse dynamics.
 
 use glam::{Mat3, Vec3};
 
@@ -13,7 +13,7 @@ use crate::tree::Body;
 pub struct BodyMotion {
     angular_velocity: Vec3,
     angular_acceleration: Vec3,
-    /// Of the body's origin, classical, minus gravity: so gravity costs nothing more.
+    /// Acceleration of the body's origin, classical, minus gravity. Gravity then needs no further computation.
     linear_acceleration: Vec3,
 }
 
@@ -25,25 +25,26 @@ impl BodyMotion {
     };
 }
 
-/// Wrench that each joint must pass to its body for the given motion: the recursive Newton-Euler
-/// algorithm in the vector form of Luh, Walker & Paul, "On-Line Computational Scheme for Mechanical
-/// Manipulators" (1980), for joints of any kind and a fixed or a free root. O(n).
+/// Computes the wrench that each joint must transmit to its body for the given motion: the recursive Newton-Euler
+/// algorithm in the vector form of Luh, Walker & Paul, "On-Line Computational Scheme for Mechanical Manipulators"
+/// (1980), for joints of any kind and a fixed or a free root. O(n).
 ///
-/// - `joints`: states relative to the parent, body axes. Joints that do not slide have no linear velocity and
-///   acceleration: theirs are not read.
-/// - `accelerations`: of each joint, relative to the parent, body axes: the derivative of the components
-///   of the angular velocity, and the second derivative of the position turned to body axes.
+/// - `joints`: states relative to the parent, in body axes. The linear velocity and acceleration of joints that do
+///   not slide are not read.
+/// - `accelerations`: of each joint, relative to the parent, in body axes: the derivative of the components of the
+///   angular velocity, and the second derivative of the position, turned to body axes.
 /// - `gravity_m_s2`: in world axes.
-/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the
-///   tree, or empty.
+/// - `external`: wrench on each body from outside, about its origin, in body axes; may be shorter than the tree, or
+///   empty.
 /// - `scratch`: contents do not matter.
-/// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive has to deliver its
-///   part along the motion subspace, what its rotor takes included ([`Body::rotor_inertia`]); the power of joint i is
-///   `out[i] · velocity[i]`. Wrenches, or what holds one, such as [`Limited`](crate::control::Limited).
+/// - `out`: wrench of joint i on body i about the origin of body i, in body axes. A joint's drive must deliver the
+///   part along the motion subspace, which includes the rotor ([`Body::rotor_inertia`]). The power of joint i is
+///   `out[i] · velocity[i]`. The items are wrenches, or contain a wrench, such as
+///   [`Limited`](crate::control::Limited).
 ///
 /// If a slice is shorter than the tree, the bodies beyond it are left out.
 ///
-/// For a free root, `out[0]` is what must come from outside to make the root move as given: zero for a
+/// For a free root, `out[0]` is the wrench that must act from outside for the given motion of the root: zero for a
 /// figure that flies freely.
 ///
 /// ```
@@ -78,7 +79,7 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     scratch: &mut [BodyMotion],
     out: &mut [W],
 ) {
-    // What one of the slices does not have is no part of the tree.
+    // A body that is missing from one slice is not part of the tree.
     let count = [joints.len(), accelerations.len(), scratch.len(), out.len()]
         .into_iter()
         .fold(bodies.len(), usize::min);
@@ -95,8 +96,8 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
             fall(slot, joint, gravity_m_s2);
         }
     }
-    // The wrench that each body needs by itself. Apart: in one loop with the above, x86 compilers shuffle more than
-    // they compute.
+    // The wrench that each body needs by itself. A separate loop: merged with the loop above, x86 compilers spend
+    // more time on moves between registers than on the computation.
     for (index, (body, motion)) in bodies.iter().zip(scratch.iter()).enumerate() {
         let Some(out_slot) = out.get_mut(index) else { return };
         let mut needed = newton_euler(body, motion);
@@ -107,11 +108,11 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
         *out_slot.as_mut() = needed;
     }
 
-    // Inward: each joint carries what its body needs and what the joints beyond it ask for.
+    // Inward: each joint transmits the wrench that its body and the joints beyond it need.
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
         let Some(of_joint) = out.get_mut(index).map(W::as_mut) else { continue };
         let wrench = *of_joint;
-        // Not of what is passed on: the parent does not feel the rotor.
+        // Only in the joint's own wrench: the parent does not feel the rotor.
         if body.rotor_inertia > 0.0 {
             add_rotor(of_joint, body, accelerations.get(index));
         }
@@ -125,10 +126,11 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     }
 }
 
-/// Adds what the rotor of a joint's drive takes. Along each axis that is its inertia times the acceleration of that
-/// axis, also of a universal joint: what its axes add to the joint's acceleration by moving is across both of them.
+/// Adds the torque that accelerates the rotor of a joint's drive: along each axis its inertia times the axis
+/// acceleration. This holds for a universal joint too: the acceleration due to its moving axes is perpendicular to
+/// both axes.
 ///
-/// Apart, since most joints have no rotor and would pay for the registers.
+/// Never inlined, since most joints have no rotor and would lose registers.
 #[inline(never)]
 fn add_rotor(wrench: &mut Wrench, body: &Body, acceleration: Option<&Twist>) {
     let Some(Twist { angular, linear }) = acceleration else { return };
@@ -138,14 +140,15 @@ fn add_rotor(wrench: &mut Wrench, body: &Body, acceleration: Option<&Twist>) {
     }
 }
 
-/// Adds to the motion of a root that the world rises: minus gravity. Apart: it would take registers from all bodies.
+/// Adds gravity to the motion of a root, as an upward acceleration of the world. Never inlined: it would take
+/// registers from all bodies.
 #[inline(never)]
 fn fall(motion: &mut BodyMotion, joint: &JointState, gravity_m_s2: Vec3) {
     let to_body = Mat3::from_quat(joint.pose.rotation).transpose();
     motion.linear_acceleration += to_body * -gravity_m_s2;
 }
 
-/// Motion of a body from its parent's and its joint's.
+/// Returns the motion of a body from its parent's and its joint's.
 #[inline]
 fn outward(
     parent: &BodyMotion,
@@ -175,7 +178,7 @@ fn outward(
     }
 }
 
-/// Wrench about its origin that makes a body move so: Newton's and Euler's laws.
+/// Returns the wrench about its origin that gives a body this motion: Newton's and Euler's laws.
 #[inline]
 fn newton_euler(body: &Body, motion: &BodyMotion) -> Wrench {
     let inertia = &body.inertia;

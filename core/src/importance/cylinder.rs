@@ -1,4 +1,4 @@
-//! Importance by the surface of bones with a thickness.
+//! Importance from the surface of bones with a thickness.
 
 use glam::Vec3;
 
@@ -6,27 +6,28 @@ use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ by the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral surfaces of all
-/// bones below the joint, each a round cylinder from a parent to its child, without caps.
+/// Computes weights in m³ from the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral
+/// surfaces of all bones below the joint. Each bone is a round cylinder from a parent to its child, without caps.
 ///
-/// `radii_m`: of the cylinder that ends at a joint; the root's is not used. A bone without length or thickness counts
-/// nothing. Each integral is within 2e-7 of its exact value by the rule, and within 1e-6 with f32's rounding; lengths
-/// below 1e-18 m are none. O(n · depth), some 1,500 instructions for each bone and ancestor.
+/// `radii_m`: radius of the cylinder that ends at each joint, m; the root's is not used. A bone without length or
+/// thickness adds nothing. Each integral is within 2e-7 of its exact value by the quadrature rule, and within 1e-6
+/// with f32 rounding; lengths below 1e-18 m count as zero. O(n · depth), about 1,500 instructions for each bone and
+/// ancestor.
 ///
-/// The article's printed code makes points at random, as [`cylinder_samples`](super::cylinder_samples) does, and has
-/// half the bone's length in the area that they stand for, which halves each surface against the base. Here surfaces
-/// are whole.
+/// The article's printed code makes random points, like [`cylinder_samples`](super::cylinder_samples). It uses half
+/// the bone's length for the area of the points, which halves each surface relative to the base. This function uses
+/// the full surface.
 ///
 /// # Errors
-/// [`ImportanceError`] if there is not a radius for each joint, one is negative or not finite, the base is, or a weight
-/// is too large for f32, or all are zero.
+/// [`ImportanceError`] if the number of radii is not the number of joints, a radius or the base is negative or not
+/// finite, a weight is too large for f32, or all weights are zero.
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{RestPose, cylinder_surface}};
 /// let arm = RestPose::<3>::new(&[None, Some(0), Some(1)], &[Vec3::ZERO, Vec3::X, Vec3::X * 1.5])?;
 /// let importance = cylinder_surface(&arm, &[0.0, 0.05, 0.04], 0.001)?;
 /// let [shoulder, elbow, wrist] = [0, 1, 2].map(|joint| importance.as_slice()[joint]);
-/// // Of thin bones: 2 π r ∫ x dx.
+/// // For thin bones: 2 π r ∫ x dx.
 /// let forearm = 6.283 * 0.04 * 0.5 * (1.5 * 1.5 - 1.0);
 /// assert!((shoulder - 0.001 - 6.283 * 0.05 * 0.5 - forearm).abs() < 0.01 * shoulder);
 /// assert!((elbow - 0.001 - 6.283 * 0.04 * 0.125).abs() < 0.03 * elbow);
@@ -51,14 +52,14 @@ pub fn cylinder_surface<const N: usize>(
 /// The lateral surface of a round cylinder.
 pub(super) struct Cylinder {
     start_m: Vec3,
-    /// Unit.
+    /// Unit vector from start to end.
     pub(super) axis: Vec3,
     pub(super) length_m: f32,
     pub(super) radius_m: f32,
 }
 
 impl Cylinder {
-    /// The bones that have a length and a thickness, by the joint that they end at.
+    /// Returns the bones that have a length and a thickness, with the joint at their end.
     pub(super) fn of_bones<'a, const N: usize>(
         rest_pose: &'a RestPose<N>,
         radii_m: &'a [f32],
@@ -88,11 +89,12 @@ impl Cylinder {
         self.start_m + self.axis * (0.5 * self.length_m)
     }
 
-    /// Mean distance of the surface from a point.
+    /// Returns the mean distance of the surface from a point.
     ///
-    /// The mean over the circle at one place of the axis is known ([`mean_distance_of_circle_m`]). Along the axis it
-    /// changes fastest next to the point's foot on it, over a length that may be anything down to nothing. So the
-    /// axis is cut there, and what is left on either side gets a rule with its nodes close together at that end.
+    /// The mean over the circle at one position on the axis has a closed form ([`mean_distance_of_circle_m`]). Along
+    /// the axis, it changes fastest near the foot of the perpendicular from the point, over a length that may be
+    /// arbitrarily short. The axis is therefore split at the foot, and each part is integrated by a rule whose nodes
+    /// are dense at that end.
     fn mean_distance_m(&self, point_m: Vec3) -> f32 {
         let from_start_m = point_m - self.start_m;
         let foot_m = from_start_m.dot(self.axis);
@@ -116,15 +118,15 @@ impl Cylinder {
     }
 }
 
-/// The shortest length, m: below, its square has too few digits in f32.
+/// Minimum length, m. Below it, its square has too few digits in f32.
 const SHORTEST_M: f32 = 1e-18;
 
 /// Nodes and weights on [0, 1]: the Gauss-Legendre rule of twelve points in u, for x = u³.
 ///
-/// Its worst error was sought over a grid of all geometries (feet from a hundred lengths away to the middle, points
-/// on the axis, on the surface and far from it, radii from 1e-4 to 100 lengths), against a composite rule of 1,220
-/// points: 1.6e-7 of the mean, for points on the axis of a cylinder 30 times as long as thick. Without the cube it is
-/// 1.2e-5.
+/// The maximum error over a grid of all geometries is 1.6e-7 of the mean, for points on the axis of a cylinder 30
+/// times as long as thick. The grid has feet from a hundred lengths away to the middle, points on the axis, on the
+/// surface and far from it, and radii from 1e-4 to 100 lengths. The reference is a composite rule of 1,220 points.
+/// Without the cube the error is 1.2e-5.
 const RULE: [[f32; 2]; 12] = [
     [7.836_966e-7, 6.015_036e-6],
     [0.000_110_187_255, 0.000_368_680_02],
@@ -140,10 +142,11 @@ const RULE: [[f32; 2]; 12] = [
     [0.972_595_16, 0.069_464_19],
 ];
 
-/// Mean distance in m of a circle from a point: `along_m` from its plane, `beside_m` from its axis.
+/// Returns the mean distance in m of a circle from a point: `along_m` from its plane, `beside_m` from its axis.
 ///
-/// It is the circumference of the ellipse that has the least and the largest distance as its half axes, over 2π, which
-/// is 2/π times the larger one times the complete elliptic integral E of 1 - (smaller / larger)².
+/// The result is the circumference, divided by 2π, of the ellipse whose half axes are the minimum and the maximum
+/// distance. This equals 2/π times the larger distance, times the complete elliptic integral E of 1 - (smaller /
+/// larger)².
 fn mean_distance_of_circle_m(along_m: f32, beside_m: f32, radius_m: f32) -> f32 {
     let (near_m, far_m) = (beside_m - radius_m, beside_m + radius_m);
     let squared_m2 = along_m * along_m;
@@ -152,10 +155,10 @@ fn mean_distance_of_circle_m(along_m: f32, beside_m: f32, radius_m: f32) -> f32 
     2.0 / math::PI * math::sqrt(largest_m2) * elliptic_e(ratio)
 }
 
-/// The complete elliptic integral of the second kind of the parameter `1 - y`, to 1e-7, for `y` in [0, 1].
+/// Returns the complete elliptic integral of the second kind of the parameter `1 - y`, to 1e-7, for `y` in [0, 1].
 ///
-/// Its form has the logarithm that E has at `y = 0` (Hastings 1955; Abramowitz and Stegun, 17.3.36, off by less than
-/// 2e-8).
+/// The formula includes the logarithm that E has at `y = 0` (Hastings 1955; Abramowitz and Stegun, 17.3.36, with an
+/// error below 2e-8).
 fn elliptic_e(y: f32) -> f32 {
     let regular =
         1.0 + y * (0.443_251_4 + y * (0.062_606_01 + y * (0.047_573_84 + y * 0.017_365_065)));

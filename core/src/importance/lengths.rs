@@ -1,18 +1,18 @@
-//! Importance by the length of the bones that a joint moves.
+//! Importance from the lengths of the bones that a joint moves.
 
 use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m by the lengths of a joint's descendants: `w = base + Σ discount (L_child + w_child)` over its children,
-/// with a child's distance `L`.
+/// Computes weights in m from the lengths of a joint's descendants: `w = base + Σ discount (L_child + w_child)` over
+/// its children, at distances `L_child`.
 ///
-/// So a bone counts with its length, times the discount for every joint from here to its end. The article prints a
-/// base of 0.01; the list that it publishes comes of 0.1 m, with its discount of 0.9. O(n).
+/// Each bone adds its length, times the discount for every joint from this joint to the bone's end. The article
+/// prints a base of 0.01; its published list results from 0.1 m, with its discount of 0.9. O(n).
 ///
 /// # Errors
-/// [`ImportanceError`] if the base is negative or not finite, the discount is not from 0 to 1, or a weight is too large
-/// for f32, or all are zero.
+/// [`ImportanceError`] if the base is negative or not finite, the discount is not from 0 to 1, a weight is too large
+/// for f32, or all weights are zero.
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{RestPose, descendants_length}};

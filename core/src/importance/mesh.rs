@@ -1,4 +1,4 @@
-//! Importance by a skinned mesh.
+//! Importance from a skinned mesh.
 
 use core::fmt;
 
@@ -8,19 +8,19 @@ use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ by the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`, vertex by vertex, so
-/// that no mesh need fit in memory. A vertex' share is what it is bound to the joint and all below it, of all that it
-/// is bound to.
+/// Sums for weights in m³ from the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`. Vertices
+/// are added one by one, so the mesh need not fit in memory. A vertex' share for a joint is the part of its skinning
+/// weights that belongs to the joint and all joints below it.
 ///
-/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area is a third of that of the triangles
-/// it belongs to, so that the areas sum to the surface. (The numbers that the article publishes come out if it is
-/// their mean instead, which is about half of that on its mesh; its base counts that much more.)
+/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area must be a third of the total area
+/// of its triangles; the areas then sum to the surface. (The article's published numbers result from the mean of
+/// these triangles instead, about half as much on its mesh, which doubles the effect of its base.)
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{MeshSurface, RestPose}};
 /// let arm = RestPose::<2>::new(&[None, Some(0)], &[Vec3::ZERO, Vec3::X])?;
 /// let mut surface = MeshSurface::new(arm, 0.0)?;
-/// // On the upper arm; then one that the elbow has a fourth of.
+/// // A vertex on the upper arm, then a vertex that is bound to the elbow with a share of a fourth.
 /// surface.add(Vec3::X * 0.5, 0.01, &[(0, 1.0)])?;
 /// surface.add(Vec3::X * 2.0, 0.02, &[(0, 0.75), (1, 0.25)])?;
 /// let importance = surface.importance()?;
@@ -36,7 +36,7 @@ pub struct MeshSurface<const N: usize> {
 }
 
 impl<const N: usize> MeshSurface<N> {
-    /// A skeleton whose mesh has no vertex yet.
+    /// Creates the sums for a skeleton, without any vertex.
     ///
     /// # Errors
     /// [`ImportanceError::Base`] if the base is negative or not finite.
@@ -45,16 +45,16 @@ impl<const N: usize> MeshSurface<N> {
         Ok(Self { rest_pose, weights })
     }
 
-    /// Adds a vertex: its position in the axes of the rest pose in m, the area in m² that it stands for, and the
-    /// joints that it is bound to with their skinning weights. O(influences · depth).
+    /// Adds a vertex: its position in the axes of the rest pose in m, its area in m², and its joints with their
+    /// skinning weights. O(influences · depth).
     ///
-    /// Skinning weights are taken as shares of their sum, so those that were quantised or cut off need not be mended. A
-    /// vertex of no triangle has an area of zero and counts nothing.
+    /// Skinning weights are divided by their sum, so quantised or truncated weights need no correction. A vertex
+    /// without a triangle has an area of zero and adds nothing.
     ///
     /// # Errors
     /// [`VertexError`], and nothing is added, if the position is not finite, the area or a weight is negative or not
-    /// finite, a joint does not exist, the weights' sum is zero or too large for f32, or what the vertex would add to a
-    /// joint is.
+    /// finite, a joint does not exist, the sum of the weights is zero or too large for f32, or the vertex would add
+    /// too large a value to a joint.
     pub fn add(
         &mut self,
         position_m: Vec3,
@@ -100,51 +100,51 @@ impl<const N: usize> MeshSurface<N> {
         Ok(())
     }
 
-    /// The weights of the vertices so far. O(n).
+    /// Returns the weights from the vertices so far. O(n).
     ///
     /// # Errors
-    /// [`ImportanceError`] if a weight is too large for f32, or all are zero.
+    /// [`ImportanceError`] if a weight is too large for f32, or all weights are zero.
     pub fn importance(&self) -> Result<Importance<N>, ImportanceError> {
         self.weights.importance()
     }
 }
 
-/// Why a vertex was not added.
+/// An error in a vertex of a skinned mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum VertexError {
-    /// Its position has a NaN or infinite component.
+    /// The position has a NaN or infinite component.
     NonFinitePosition,
-    /// Its area is negative or not finite.
+    /// The area is negative or not finite.
     Area {
-        /// The area in m².
+        /// Area of the vertex, m².
         value: f32,
     },
-    /// It is bound to a joint that does not exist.
+    /// The vertex is bound to a joint that does not exist.
     NoSuchJoint {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// How many joints there are.
+        /// Number of joints.
         count: usize,
     },
     /// A skinning weight is negative or not finite.
     Influence {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// The weight.
+        /// Skinning weight of the vertex for the joint.
         value: f32,
     },
-    /// It is bound to nothing, or its skinning weights' sum is too large for f32.
+    /// The vertex is bound to no joint, or the sum of its skinning weights is too large for f32.
     InfluenceSum {
-        /// The sum.
+        /// Sum of the skinning weights.
         value: f32,
     },
-    /// Its area times its distance from a joint is too large for f32.
+    /// The area times the distance from a joint is too large for f32.
     Moment {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// The product in m³.
+        /// Area times distance, m³.
         value: f32,
     },
 }
@@ -183,7 +183,7 @@ impl core::error::Error for VertexError {}
 mod tests {
     use super::*;
 
-    /// The root's part is small enough; the elbow's is not.
+    /// The root's part fits in f32; the elbow's does not.
     #[test]
     fn a_vertex_too_far_from_one_joint_is_not_added_to_others() {
         let positions_m = [Vec3::ZERO, Vec3::X * 1e19];

@@ -1,8 +1,9 @@
-//! How much each joint matters: weights of joints by how much of the figure they move, and how far.
+//! Importance of joints: weights from how much of the figure a joint moves, and how far.
 //!
-//! A small turn at a joint moves all that hangs on it, and the further off, the more. Three measures of that, from a
-//! skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones with a thickness,
-//! [`MeshSurface`] from a skinned mesh. They weigh errors of joint rotations where not all can be small.
+//! A small rotation of a joint moves all bodies beyond it, and moves distant ones farther. Three functions measure
+//! this on a skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones with a
+//! thickness, [`MeshSurface`] from a skinned mesh. The weights apply to errors of joint rotations, when not all
+//! errors can be small.
 //!
 //! After D. Holden, "Joint Error Propagation" (2025).
 //!
@@ -42,9 +43,9 @@ pub use rest_pose::{RestPose, RestPoseError};
 pub use samples::{SurfaceSamples, cylinder_samples};
 use sum::sum;
 
-/// One weight for each joint, in the order that the joints were given in: finite, zero or more, and not all zero.
+/// A weight for each joint, in the given order of joints: finite, zero or more, and not all zero.
 ///
-/// Its unit is that of the measure it comes from; [`Self::normalised`] leaves it out.
+/// The unit is that of the measure; [`Self::normalised`] removes it.
 ///
 /// ```
 /// use sinew_core::importance::{Importance, ImportanceError};
@@ -61,11 +62,11 @@ pub struct Importance<const N: usize> {
 }
 
 impl<const N: usize> Importance<N> {
-    /// Weights by joint. O(n).
+    /// Validates weights, one per joint. O(n).
     ///
     /// # Errors
-    /// [`ImportanceError`] if there are more than `N`, one is negative or not finite, or their sum is zero or too large
-    /// for f32.
+    /// [`ImportanceError`] if there are more than `N` weights, a weight is negative or not finite, or their sum is
+    /// zero or too large for f32.
     pub fn new(weights: &[f32]) -> Result<Self, ImportanceError> {
         if weights.len() > N {
             return Err(ImportanceError::Full { capacity: N });
@@ -82,12 +83,12 @@ impl<const N: usize> Importance<N> {
         }
     }
 
-    /// The weights by joint.
+    /// Returns the weights by joint.
     pub fn as_slice(&self) -> &[f32] {
         &self.weights
     }
 
-    /// The same weights with a sum of 1, as near as f32 comes to it. O(n).
+    /// Returns the weights divided by their sum, within f32 rounding. O(n).
     #[must_use]
     pub fn normalised(&self) -> Self {
         let sum = sum(self.weights.iter().copied());
@@ -95,39 +96,39 @@ impl<const N: usize> Importance<N> {
     }
 }
 
-/// Why there are no weights.
+/// An error in weights of joints, or in the measures they are computed from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ImportanceError {
-    /// There is no room for so many weights.
+    /// There are more weights than the capacity.
     Full {
-        /// How many there is room for.
+        /// Maximum number of weights.
         capacity: usize,
     },
-    /// A weight is negative, or no finite number: the skeleton's measures are too large for f32.
+    /// A weight is negative or not finite. In the second case the skeleton's measures are too large for f32.
     Weight {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// Its weight.
+        /// Weight of the joint.
         value: f32,
     },
     /// All weights are zero, or their sum is too large for f32.
     Sum {
-        /// The sum.
+        /// Sum of the weights.
         value: f32,
     },
-    /// The weight that every joint begins with is negative or not finite.
+    /// The base weight, which every joint starts with, is negative or not finite.
     Base {
-        /// The weight.
+        /// Base weight of every joint.
         value: f32,
     },
     /// The discount is not from 0 to 1.
     Discount {
-        /// The discount.
+        /// Discount per joint.
         value: f32,
     },
-    /// There must be a radius for each joint.
+    /// The number of radii is not the number of joints.
     RadiusCount {
         /// Number of joints.
         expected: usize,
@@ -136,21 +137,21 @@ pub enum ImportanceError {
     },
     /// The radius of the bone that ends at a joint is negative or not finite.
     Radius {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// The radius in m.
+        /// Radius, m.
         value: f32,
     },
     /// A sample is not in [0, 1).
     Sample {
-        /// Which one, from 0.
+        /// Index of the sample, from 0.
         index: usize,
-        /// The sample.
+        /// The pair (u, v).
         value: [f32; 2],
     },
-    /// There are fewer samples than points to make.
+    /// The samples ran out before all points were made.
     TooFewSamples {
-        /// The joint that the bone ends at for which there were none left.
+        /// Index of the joint at the end of the bone that lacks samples.
         joint: usize,
     },
 }

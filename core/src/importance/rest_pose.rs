@@ -1,4 +1,4 @@
-//! The skeleton that importance is measured on.
+//! The skeleton on which importance is measured.
 
 use core::fmt;
 
@@ -10,8 +10,8 @@ use crate::fixed;
 use crate::transform::Transform;
 use crate::tree::Tree;
 
-/// A skeleton of 1 to `N` joints (`N` up to [`BodySet::CAPACITY`]) at rest: a tree in any order, and where its joints
-/// are. Validated once.
+/// A validated skeleton of 1 to `N` joints (`N` up to [`BodySet::CAPACITY`]) at rest: a tree with joints in any
+/// order, and their positions.
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{RestPose, RestPoseError}};
@@ -26,17 +26,17 @@ use crate::tree::Tree;
 pub struct RestPose<const N: usize> {
     parents: Vec<Option<usize>, N>,
     positions_m: Vec<Vec3, N>,
-    descendants: Vec<BodySet, N>,
-    /// The joints, parents first.
+    /// Indices of the joints, parents first.
     outwards: Vec<usize, N>,
 }
 
 impl<const N: usize> RestPose<N> {
-    /// A skeleton of joints with their parents, in any order, and their positions in world axes in m. O(n).
+    /// Validates a skeleton: the parent of each joint, in any order, and its position in world axes in m. O(n²).
     ///
     /// # Errors
-    /// [`RestPoseError`] if there is no joint or more than `N`, not a position for each, a position is not finite, a
-    /// parent is no joint, a second joint has no parent, or a joint is its own ancestor.
+    /// [`RestPoseError`] if there is no joint or more than `N`, the number of positions is not the number of joints,
+    /// a position is not finite, a parent does not exist, a second joint has no parent, or a joint is its own
+    /// ancestor.
     pub fn new(parents: &[Option<usize>], positions_m: &[Vec3]) -> Result<Self, RestPoseError> {
         const { assert!(N <= BodySet::CAPACITY, "a rest pose holds at most BodySet::CAPACITY joints") };
         let count = parents.len();
@@ -53,25 +53,15 @@ impl<const N: usize> RestPose<N> {
             return Err(RestPoseError::NonFinitePosition { joint });
         }
         let outwards = outwards(parents)?;
-        let mut descendants: Vec<BodySet, N> =
-            fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
-        for &joint in outwards.iter().rev() {
-            let Some(parent) = parents.get(joint).copied().flatten() else { continue };
-            let mut below = descendants.get(joint).copied().unwrap_or_default();
-            below.insert(joint);
-            if let Some(set) = descendants.get_mut(parent) {
-                *set = set.union(below);
-            }
-        }
         Ok(Self {
             parents: fixed::collect(parents.iter().copied()),
             positions_m: fixed::collect(positions_m.iter().copied()),
-            descendants,
             outwards,
         })
     }
 
-    /// A rig with every joint in the zero pose of its joint frame; its joints are numbered as its bodies. O(n).
+    /// Returns the skeleton of a rig with every joint in the zero pose of its joint frame. Joints have the indices of
+    /// their bodies. O(n²).
     ///
     /// # Errors
     /// [`RestPoseError`] if the tree has no body, or a position is too large for f32.
@@ -81,7 +71,7 @@ impl<const N: usize> RestPose<N> {
             let parent = body.parent.and_then(|parent| poses.get(parent).copied());
             let pose = parent.map_or(body.placement, |parent| parent * body.placement);
             if poses.push(pose).is_err() {
-                break; // Never: the tree holds no more.
+                break; // Unreachable: the tree holds no more.
             }
         }
         let parents: Vec<Option<usize>, N> =
@@ -90,46 +80,53 @@ impl<const N: usize> RestPose<N> {
         Self::new(&parents, &positions_m)
     }
 
-    /// Number of joints, at least one.
-    #[expect(clippy::len_without_is_empty, reason = "it never is")]
+    /// Returns the number of joints, at least one.
+    #[expect(clippy::len_without_is_empty, reason = "it is never empty")]
     pub fn len(&self) -> usize {
         self.parents.len()
     }
 
-    /// The parent of a joint; `None` for the root, and if there is no such joint.
+    /// Returns the parent of a joint; `None` for the root, and if there is no such joint.
     pub fn parent(&self, joint: usize) -> Option<usize> {
         self.parents.get(joint).copied().flatten()
     }
 
-    /// Position of a joint in world axes in m; the origin if there is no such joint.
+    /// Returns the position of a joint in world axes in m; the origin if there is no such joint.
     pub fn position_m(&self, joint: usize) -> Vec3 {
         self.positions_m.get(joint).copied().unwrap_or_default()
     }
 
-    /// The joints that hang on a joint, which itself is not among them.
+    /// Returns the joints beyond a joint, without the joint itself. O(n).
     pub fn descendants(&self, joint: usize) -> BodySet {
-        self.descendants.get(joint).copied().unwrap_or_default()
+        let mut descendants = BodySet::EMPTY;
+        for &other in &self.outwards {
+            let hangs = |parent| parent == joint || descendants.contains(parent);
+            if self.parent(other).is_some_and(hangs) {
+                descendants.insert(other);
+            }
+        }
+        descendants
     }
 
-    /// The joints that a joint hangs on, from its parent to the root.
+    /// Returns the joints from a joint's parent to the root.
     pub(super) fn ancestors(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         core::iter::successors(self.parent(joint), |joint| self.parent(*joint))
     }
 
-    /// The joints from the leaves to the root: children before their parents.
+    /// Returns the joints from the leaves to the root: children before their parents.
     pub(super) fn inwards(&self) -> impl Iterator<Item = usize> + '_ {
         self.outwards.iter().rev().copied()
     }
 }
 
-/// The joints in an order that has parents first, breadth first.
+/// Sorts the joints with parents first, breadth first.
 fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, RestPoseError> {
-    let mut children: Vec<BodySet, N> = fixed::collect(parents.iter().map(|_| BodySet::EMPTY));
     let mut outwards = Vec::new();
     for (joint, &parent) in parents.iter().enumerate() {
         if let Some(parent) = parent {
-            let siblings = children.get_mut(parent);
-            siblings.ok_or(RestPoseError::NoSuchParent { joint, parent })?.insert(joint);
+            if parent >= parents.len() {
+                return Err(RestPoseError::NoSuchParent { joint, parent });
+            }
         } else if let Some(&root) = outwards.first() {
             return Err(RestPoseError::SecondRoot { joint, root });
         } else {
@@ -140,7 +137,7 @@ fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, 
     let mut next = 0;
     while let Some(&joint) = outwards.get(next) {
         reached.insert(joint);
-        for child in children.get(joint).copied().unwrap_or_default().iter() {
+        for (child, _) in parents.iter().enumerate().filter(|(_, parent)| **parent == Some(joint)) {
             let _ = outwards.push(child);
         }
         next = next.saturating_add(1);
@@ -148,24 +145,24 @@ fn outwards<const N: usize>(parents: &[Option<usize>]) -> Result<Vec<usize, N>, 
     let Some(astray) = (0..parents.len()).find(|joint| !reached.contains(*joint)) else {
         return Ok(outwards);
     };
-    // As many steps up as there are joints end in the loop that the joint is in, or hangs on.
+    // Going up as many steps as there are joints ends inside the loop.
     let up = |joint: usize| parents.get(joint).copied().flatten().unwrap_or(joint);
     Err(RestPoseError::Loop { joint: parents.iter().fold(astray, |joint, _| up(joint)) })
 }
 
-/// Why a skeleton was refused.
+/// An error in a skeleton.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RestPoseError {
     /// There is no joint.
     Empty,
-    /// There is no room for so many joints.
+    /// There are more joints than the capacity.
     Full {
-        /// How many there is room for.
+        /// Maximum number of joints.
         capacity: usize,
     },
-    /// There must be a position for each joint.
+    /// The number of positions is not the number of joints.
     Count {
         /// Number of joints.
         expected: usize,
@@ -174,26 +171,26 @@ pub enum RestPoseError {
     },
     /// A position has a NaN or infinite component.
     NonFinitePosition {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
-    /// The parent of a joint is none of the joints.
+    /// The parent of a joint does not exist.
     NoSuchParent {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// What it names as its parent.
+        /// The invalid parent index.
         parent: usize,
     },
     /// A second joint has no parent.
     SecondRoot {
-        /// The joint.
+        /// Index of the second root.
         joint: usize,
-        /// The first without a parent.
+        /// Index of the first joint without a parent.
         root: usize,
     },
-    /// A joint is its own ancestor, as some joint is wherever none is without a parent.
+    /// A joint is its own ancestor. This is also the error if every joint has a parent.
     Loop {
-        /// The joint.
+        /// Index of a joint in the loop.
         joint: usize,
     },
 }

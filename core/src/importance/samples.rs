@@ -1,4 +1,4 @@
-//! Importance by random points on bones with a thickness.
+//! Importance from random points on bones with a thickness.
 
 use core::num::NonZeroU16;
 
@@ -9,16 +9,17 @@ use super::weights::Weights;
 use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
-/// Weights in m³ as [`cylinder_surface`](super::cylinder_surface) gives them, estimated from points on the surfaces,
-/// as in the article: each stands for the same part of its bone's surface.
+/// Estimates the weights of [`cylinder_surface`](super::cylinder_surface), in m³, from points on the surfaces, like
+/// the article. Each point represents the same part of its bone's surface.
 ///
-/// `samples`: `(u, v)` in [0, 1), as many as points for each bone of some length and thickness, in the order of the
-/// joints that the bones end at. The point is `[r cos 2πv, r sin 2πv, L (u - 1/2)]` from the middle of a bone along
-/// +z, turned by the shortest rotation to the bone's direction (along -z: half a turn about x). With 1,000
-/// [`SurfaceSamples`] the weights are off by about 1 %. O(points · n · depth).
+/// `samples`: pairs `(u, v)` in [0, 1), `points` of them for each bone that has a length and a thickness, in the
+/// order of the joints at the ends of the bones. A point is `[r cos 2πv, r sin 2πv, L (u - 1/2)]` from the middle of
+/// a bone along +z, then rotated by the shortest rotation to the bone's direction (for -z: half a turn about x). With
+/// 1,000 points from [`SurfaceSamples`] the error of the weights is about 1 %. O(points · n · depth).
 ///
 /// # Errors
-/// As [`cylinder_surface`](super::cylinder_surface), and if a sample is not in [0, 1) or there are too few of them.
+/// As in [`cylinder_surface`](super::cylinder_surface), and if a sample is not in [0, 1) or there are too few
+/// samples.
 ///
 /// ```
 /// use core::num::NonZeroU16;
@@ -61,7 +62,7 @@ pub fn cylinder_samples<const N: usize>(
     weights.importance()
 }
 
-/// A cylinder's middle, and axes as long as its radius, radius and length, in m.
+/// The middle of a cylinder, and its axes scaled by radius, radius and length, m.
 struct Frame {
     middle: Vec3,
     x: Vec3,
@@ -73,7 +74,7 @@ impl Frame {
     fn new(bone: &Cylinder) -> Self {
         let Vec3 { x, y, z } = bone.axis;
         let off_axis = x * x + y * y;
-        // 1 / (1 + z) of a unit vector, without the difference of like numbers.
+        // 1 / (1 + z) for a unit vector, without the difference of nearly equal numbers.
         let factor = if z >= 0.0 { 1.0 / (1.0 + z) } else { (1.0 - z) / off_axis };
         let (first, second) = if z < 0.0 && off_axis < f32::MIN_POSITIVE {
             (Vec3::X, -Vec3::Y)
@@ -95,7 +96,8 @@ impl Frame {
     }
 }
 
-/// Endless pairs of independent random numbers in [0, 1): the same for the same seed, on all machines.
+/// An endless iterator of pairs of independent random numbers in [0, 1): equal seeds give equal numbers on all
+/// machines.
 ///
 /// The generator is PCG XSH RR 64/32 (O'Neill 2014), stream 54 of its demonstration.
 ///
@@ -112,7 +114,7 @@ pub struct SurfaceSamples {
 }
 
 impl SurfaceSamples {
-    /// The pairs of a seed.
+    /// Creates the generator for a seed.
     pub fn new(seed: u64) -> Self {
         let mut samples = Self { state: 0 };
         samples.next_u32();
@@ -130,7 +132,7 @@ impl SurfaceSamples {
         mixed.rotate_right((state >> 59) as u32)
     }
 
-    /// A multiple of 2⁻²⁴, which f32 has exactly.
+    /// Returns a multiple of 2⁻²⁴, which f32 represents exactly.
     fn next_unit(&mut self) -> f32 {
         (self.next_u32() >> 8) as f32 * (1.0 / 16_777_216.0)
     }
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn the_generator_makes_the_numbers_of_its_demonstration() {
-        // pcg32-demo of the authors' C library, seed 42, stream 54.
+        // Output of pcg32-demo in the authors' C library, seed 42, stream 54.
         let mut samples = SurfaceSamples::new(42);
         let published = [0xa15c_02b7, 0x7b47_f409, 0xba1d_3330, 0x83d2_f293, 0xbfa4_784b];
         assert_eq!(published.map(|_| samples.next_u32()), published);

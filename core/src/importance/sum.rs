@@ -1,16 +1,16 @@
-//! Sums of many small terms.
+//! Exact sums of many small terms.
 
-/// A sum that loses no digits to the number of its terms (Kahan, 1965).
+/// A compensated sum, whose rounding error does not grow with the number of terms (Kahan, 1965).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Sum {
     value: f32,
-    /// What was added too much by rounding.
+    /// Excess in `value` due to rounding.
     excess: f32,
 }
 
 impl Sum {
-    /// A sum with one term that is exact.
+    /// Creates a sum of one exact term.
     pub(super) fn from(value: f32) -> Self {
         Self { value, excess: 0.0 }
     }
@@ -27,7 +27,7 @@ impl Sum {
     }
 }
 
-/// The sum of numbers.
+/// Returns the compensated sum of numbers.
 pub(super) fn sum(terms: impl IntoIterator<Item = f32>) -> f32 {
     let mut sum = Sum::default();
     terms.into_iter().for_each(|term| sum.add(term));

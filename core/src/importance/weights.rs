@@ -1,4 +1,4 @@
-//! Weights of joints while they are summed.
+//! Sums from which the weights of joints are made.
 
 use heapless::Vec;
 
@@ -14,10 +14,10 @@ pub(super) struct Weights<const N: usize> {
 }
 
 impl<const N: usize> Weights<N> {
-    /// So many joints with the same weight to begin with.
+    /// Creates `count` joints with the same base weight.
     ///
     /// # Errors
-    /// [`ImportanceError::Base`] if that is negative or not finite.
+    /// [`ImportanceError::Base`] if the base is negative or not finite.
     pub(super) fn new(count: usize, base: f32) -> Result<Self, ImportanceError> {
         if base >= 0.0 && base.is_finite() {
             let sums = (0..count).map(|_| Sum::from(base));
@@ -38,7 +38,7 @@ impl<const N: usize> Weights<N> {
     }
 
     /// # Errors
-    /// As [`Importance::new`].
+    /// As in [`Importance::new`].
     pub(super) fn importance(&self) -> Result<Importance<N>, ImportanceError> {
         let weights: Vec<f32, N> = fixed::collect(self.sums.iter().map(|sum| sum.value()));
         Importance::new(&weights)

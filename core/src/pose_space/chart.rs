@@ -1,4 +1,5 @@
-//! Coordinates of a joint: from and to poses, across the seam where angles go round, and how coordinates turn bodies.
+//! Coordinates of a joint: conversion from and to poses, steps across the wrap-around of angles, and their derivative
+//! with respect to the motion of bodies.
 
 use core::ops::{Add, Mul, Sub};
 
@@ -9,13 +10,13 @@ use crate::math::{self, PI};
 use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
-/// What a joint's kind leaves free, in the joint frame: numbers that a straight line can be drawn through.
+/// Coordinates of a joint in its joint frame: numbers that can be interpolated linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointCoordinates {
-    /// Rotation vector (spherical, free), axis times angle (revolute), first axis times first angle and second axis
-    /// times second angle (universal), rad.
+    /// Rotation vector (spherical, free), axis times angle (revolute), or first axis times first angle plus second
+    /// axis times second angle (universal), rad.
     pub angular_rad: Vec3,
-    /// Axis times way (prismatic), position (free), m.
+    /// Axis times displacement (prismatic), or position (free), m.
     pub linear_m: Vec3,
 }
 
@@ -23,7 +24,7 @@ impl JointCoordinates {
     /// The pose of the joint's placement.
     pub const ZERO: Self = Self { angular_rad: Vec3::ZERO, linear_m: Vec3::ZERO };
 
-    /// `|angular|² + |linear|²`, in rad² and m².
+    /// Returns `|angular|² + |linear|²`, in rad² and m².
     pub(super) fn squared(self) -> f32 {
         self.angular_rad.dot(self.angular_rad) + self.linear_m.dot(self.linear_m)
     }
@@ -59,7 +60,7 @@ impl Mul<f32> for JointCoordinates {
     }
 }
 
-/// Coordinates of the pose of a joint in its parent's frame, the nearest that the joint can take. Angles in [-π, π].
+/// Returns the coordinates of the valid pose nearest to a pose in the parent's frame. Angles are in [-π, π].
 pub(super) fn coordinates(body: &Body, pose: &Transform) -> JointCoordinates {
     let in_joint = body.placement.inverse() * *pose;
     let [a, b] = body.joint.along(&in_joint);
@@ -74,7 +75,7 @@ pub(super) fn coordinates(body: &Body, pose: &Transform) -> JointCoordinates {
     JointCoordinates { angular_rad, linear_m }
 }
 
-/// The pose of a joint in its parent's frame.
+/// Returns the pose of a joint in its parent's frame.
 pub(super) fn pose(body: &Body, at: &JointCoordinates) -> Transform {
     body.placement * Transform::new(rotation(body.joint, at.angular_rad), at.linear_m)
 }
@@ -89,8 +90,8 @@ fn rotation(kind: JointKind, angular_rad: Vec3) -> Quat {
     }
 }
 
-/// The straight way from one pose of a joint to another in coordinates, the shortest of those between their several
-/// names: where it starts, and how far it goes.
+/// Returns the shortest straight line from one pose of a joint to another in coordinates: its start and its step.
+/// Rotations have several coordinates each; the pair with the shortest step is used.
 pub(super) fn way(
     kind: JointKind,
     from: &JointCoordinates,
@@ -114,7 +115,7 @@ pub(super) fn way(
     )
 }
 
-/// An angle of at most half a turn that differs by whole turns; of two angles in [-π, π], the difference.
+/// Returns the difference of two angles in [-π, π], wrapped to at most half a turn.
 fn nearer_angle(angle_rad: f32) -> f32 {
     if angle_rad > PI {
         angle_rad - 2.0 * PI
@@ -125,18 +126,18 @@ fn nearer_angle(angle_rad: f32) -> f32 {
     }
 }
 
-/// Start and step of the shortest way between two rotations by their vectors. Every rotation has another vector, the
-/// other way round: it is taken of one of them where that is nearer.
+/// Returns start and step of the shortest line between two rotations in terms of their vectors. Every rotation has a
+/// second vector, the other way round; it replaces one of the two vectors if that shortens the line.
 fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     let direct = to_rad - from_rad;
     let (from_squared, to_squared) = (from_rad.dot(from_rad), to_rad.dot(to_rad));
-    // Both vectors together are not longer than the way by the other name of one, if that is the shorter.
+    // In these cases no second vector can give a shorter line.
     if from_rad.dot(to_rad) >= 0.0 || from_squared.max(to_squared) < (0.5 * PI) * (0.5 * PI) {
         return (from_rad, direct);
     }
     let other = |vector: Vec3, squared: f32| {
         let angle = math::sqrt(squared);
-        // There is none of no turn, and none is needed.
+        // The identity has no second vector, and needs none.
         if angle > 0.0 { vector * ((angle - 2.0 * PI) / angle) } else { vector }
     };
     let other_from = other(from_rad, from_squared);
@@ -147,7 +148,7 @@ fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     shorter((from_rad, direct), shorter(by_from, by_to))
 }
 
-/// A gradient with respect to motions in the body's axes, as one with respect to coordinates.
+/// Converts a gradient with respect to motions in body axes to a gradient with respect to coordinates.
 pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) -> JointCoordinates {
     let turn = rotation(body.joint, at.angular_rad);
     let angular_rad = match body.joint {
@@ -160,12 +161,12 @@ pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) ->
     JointCoordinates { angular_rad, linear_m: math::rotate(turn, of_motion.linear) }
 }
 
-/// How the exponential map turns in the body's axes when a rotation vector changes:
+/// Returns the derivative of the exponential map: the body-axes rotation per change of a rotation vector,
 /// `I - (1 - cos φ)/φ² [v] + (φ - sin φ)/φ³ [v]²`.
 fn right_jacobian(vector_rad: Vec3) -> Mat3 {
     let squared = vector_rad.dot(vector_rad);
     let (of_cross, of_square) = if squared < 0.06 {
-        // Series: the differences below have no digits left.
+        // Series, because the differences below would have no digits left.
         (
             0.5 - squared * (1.0 / 24.0 - squared * (1.0 / 720.0)),
             1.0 / 6.0 - squared * (1.0 / 120.0 - squared * (1.0 / 5040.0)),
@@ -207,7 +208,7 @@ mod tests {
         ]
     }
 
-    /// Coordinates that the kind has.
+    /// Returns the coordinates that the joint's kind uses.
     fn some(kind: JointKind, numbers: [f32; 6]) -> JointCoordinates {
         let [a, b, c, d, e, f] = numbers;
         let (turn, way) = (Vec3::new(a, b, c), Vec3::new(d, e, f));
@@ -249,7 +250,7 @@ mod tests {
                 let gradient = gradient(&body, &at, &force);
                 let got = gradient.angular_rad.dot(change.angular_rad)
                     + gradient.linear_m.dot(change.linear_m);
-                // What third derivatives leave of a central difference, and f32 of its poses.
+                // Tolerance: third derivatives in a central difference, and f32 rounding of the poses.
                 assert!((got - expected).abs() < 2e-4, "{kind:?}: {got} {expected}");
             }
         }

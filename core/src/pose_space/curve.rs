@@ -1,4 +1,4 @@
-//! The energy of a curve through poses, which geodesics make least, and its gradient.
+//! The energy of a curve through poses, which geodesics minimise, and its gradient.
 
 use glam::Vec3;
 
@@ -8,15 +8,16 @@ use crate::math;
 use crate::transform::{Transform, Twist};
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Energy of a curve through poses, eq. (6): the sum of the squared distances from each to the next, m². O(n) for
-    /// each.
+    /// Returns the energy of a curve through poses, eq. (6): the sum of the squared distances from each pose to the
+    /// next, m². O(n) for each pose.
     ///
-    /// The integral that it stands for, eq. (5), is as many times that as there are steps.
+    /// The integral of eq. (5) is approximately this sum times the number of steps.
     pub fn curve_energy(&self, points: &[BodyPoses<N>]) -> f32 {
         self.steps_m(points).map(|step_m| step_m * step_m).sum()
     }
 
-    /// Length of a curve through poses, eq. (4): the sum of the distances from each to the next, m. O(n) for each.
+    /// Returns the length of a curve through poses, eq. (4): the sum of the distances from each pose to the next, m.
+    /// O(n) for each pose.
     pub fn curve_length(&self, points: &[BodyPoses<N>]) -> f32 {
         self.steps_m(points).sum()
     }
@@ -25,13 +26,13 @@ impl<const N: usize> PoseSpace<'_, N> {
         points.iter().zip(points.iter().skip(1)).map(|(a, b)| self.position_distance(a, b))
     }
 
-    /// Gradient of a curve's energy with respect to motions of one of its inner poses, joint by joint, in body axes:
-    /// `2 Jᵀ W (2 F - F₋ - F₊)`. O(n).
+    /// Writes the gradient of a curve's energy with respect to motions of an inner pose, joint by joint, in body
+    /// axes: `2 Jᵀ W (2 F - F₋ - F₊)`. O(n).
     ///
-    /// Eq. (7) of the paper has `2 (F₋ - F₊)` there, which is not the derivative of eq. (6): it disagrees with finite
-    /// differences.
+    /// Eq. (7) of the paper has `2 (F₋ - F₊)` instead, which is not the derivative of eq. (6): it disagrees with
+    /// finite differences.
     ///
-    /// `out` goes by joint; what is longer than the rig is left alone.
+    /// `out` is by joint; items beyond the rig are unchanged.
     pub fn energy_gradient(
         &self,
         before: &BodyPoses<N>,
@@ -43,7 +44,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         for (((_, weight), ((before, at), after)), out) in
             self.weighted().zip(positions).zip(out.iter_mut())
         {
-            // Differences of neighbours: the sum would lose the digits that they have in common.
+            // Differences of neighbours: the plain sum would lose the digits that the positions share.
             let linear = ((at - before) - (after - at)) * (2.0 * weight);
             *out = Twist { angular: Vec3::ZERO, linear };
         }
@@ -52,9 +53,10 @@ impl<const N: usize> PoseSpace<'_, N> {
         }
     }
 
-    /// A gradient with respect to motions in body axes, as one with respect to the coordinates of the pose. O(n).
+    /// Converts a gradient with respect to motions in body axes to one with respect to the coordinates of the pose.
+    /// O(n).
     ///
-    /// `of_motions` and `out` go by joint.
+    /// `of_motions` and `out` are by joint.
     pub fn in_coordinates(
         &self,
         at: &PoseCoordinates<N>,
@@ -67,8 +69,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         }
     }
 
-    /// The pose that a straight line in coordinates from one pose to another has come to at `t`: the first at 0, the
-    /// second at 1. Every joint goes the shorter way round. O(n).
+    /// Returns the pose at `t` on the straight line in coordinates from `a` (`t` = 0) to `b` (`t` = 1). Every joint
+    /// takes the shorter way round. O(n).
     pub fn on_line(
         &self,
         a: &PoseCoordinates<N>,
@@ -83,7 +85,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         PoseCoordinates { joints: fixed::collect(joints) }
     }
 
-    /// The pose that is moved by `motions` of its joints, body axes, as far as their kinds leave them free. O(n).
+    /// Returns the pose after `motions` of its joints, in body axes; only the part that each joint allows counts.
+    /// O(n).
     #[must_use]
     pub fn moved(&self, at: &PoseCoordinates<N>, motions: &[Twist]) -> PoseCoordinates<N> {
         let joints =

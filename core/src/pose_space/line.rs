@@ -1,5 +1,8 @@
-//! The length of the straight line between two poses, in space: four of its points at a time.
-#![expect(clippy::inline_always, reason = "out of line, vectors go through memory: a third slower")]
+//! The spatial length of the straight line between two poses, computed for four of its points at a time.
+#![expect(
+    clippy::inline_always,
+    reason = "without inlining, vectors pass through memory: a third slower"
+)]
 
 use glam::{Quat, Vec3};
 
@@ -11,12 +14,12 @@ use crate::transform::Transform;
 use crate::tree::Body;
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Geodesic-line distance: the length that F has along the straight line in coordinates from one pose to another,
-    /// m, sampled in `steps` steps of the same size. O(n) for each. Of no steps it is 0.
+    /// Returns the geodesic-line distance: the length of F along the straight line in coordinates from one pose to
+    /// another, m, sampled in `steps` equal steps. O(n) for each step. With no steps the result is 0.
     ///
-    /// Eq. (4) of the paper over the line of its section 2.2; every joint goes the shorter way round. It keeps bones
-    /// as long as they are, and in exact numbers is never below [`Self::position_distance`]. The paper's list of its
-    /// points has both weights swapped.
+    /// Eq. (4) of the paper over the line of its section 2.2; every joint takes the shorter way round. Along the
+    /// line, bones keep their lengths. In exact arithmetic the result is never below [`Self::position_distance`]. In
+    /// the paper's list of the line's points, both weights are swapped.
     pub fn line_distance(
         &self,
         a: &PoseCoordinates<N>,
@@ -31,7 +34,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         for (index, ((body, of_line), (a, b))) in
             bodies.zip(a.joints.iter().zip(&b.joints)).enumerate()
         {
-            // How a leaf is turned moves no joint.
+            // The rotation of a leaf moves no joint.
             let turns = !self.tree.is_leaf(index);
             if self.leaves_out(body) {
                 *of_line = LineSample::WORLD;
@@ -44,7 +47,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         let mut length_m = 0.0;
         let mut first = 0;
         while first <= steps {
-            // Points after the last are the last again: they add no length.
+            // Points after the end repeat the last point and add no length.
             let t = Four::from_fn(|lane| f32::from(first.saturating_add(lane).min(steps)) * share);
             let squared = self.four_steps(t, first == 0, workspace);
             length_m += squared.sqrt_sum();
@@ -54,8 +57,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         length_m
     }
 
-    /// Squared lengths of the steps to four points, each from the one before. The first point of all has none before
-    /// it.
+    /// Returns the squared lengths of the steps to four points, each from the point before it. The first point of the
+    /// line has no point before it.
     fn four_steps(&self, t: Four, is_first: bool, workspace: &mut LineWorkspace<N>) -> Four {
         let mut squared = Four::ZERO;
         for (index, (body, weight)) in self.weighted().enumerate() {
@@ -80,7 +83,7 @@ pub struct LineWorkspace<const N: usize> {
 }
 
 impl<const N: usize> LineWorkspace<N> {
-    /// A workspace.
+    /// Creates a workspace.
     pub fn new() -> Self {
         Self { bodies: [LineSample::WORLD; N] }
     }
@@ -92,10 +95,10 @@ impl<const N: usize> Default for LineWorkspace<N> {
     }
 }
 
-/// One body on the line: where its joint starts and goes, and where that puts the body at four points.
+/// A body on the line: start and step of its joint, and the body's poses at four points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct LineSample {
-    /// Half the rotation vector, and the joint's own place in the parent.
+    /// Half the rotation vector, without the placement of the joint.
     half_rad: Vec3,
     half_step_rad: Vec3,
     offset_m: Vec3,
@@ -103,10 +106,10 @@ struct LineSample {
     placement: Quat,
     is_held: bool,
     turns: bool,
-    /// x, y, z, w.
+    /// Quaternion components x, y, z, w.
     rotation: [Four; 4],
     position_m: [Four; 3],
-    /// Of the point before the four.
+    /// Position at the point before the four.
     last_m: [f32; 3],
 }
 
@@ -141,7 +144,7 @@ impl LineSample {
         self.turns = turns;
     }
 
-    /// Where the body is at four points of the line, its parent there already.
+    /// Places the body at four points of the line. The parent must already be placed.
     fn place(&mut self, body: &Body, parent: &Self, t: Four) {
         if self.is_held {
             return;
@@ -176,7 +179,7 @@ impl LineSample {
     }
 }
 
-/// The exponential map of four rotation vectors, given by halves of at most π.
+/// Returns the exponential map of four rotation vectors, given as halves of at most π.
 #[inline(always)]
 fn exp_of_half(half_rad: [Four; 3]) -> [Four; 4] {
     let (scale, w) = math::sine_over_angle_and_cosine(dot(half_rad, half_rad));
@@ -194,7 +197,7 @@ fn cross(a: [Four; 3], b: [Four; 3]) -> [Four; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Products of quaternions.
+/// Returns products of quaternions.
 #[inline(always)]
 fn times(a: [Four; 4], b: [Four; 4]) -> [Four; 4] {
     let [ax, ay, az, aw] = a;
@@ -207,7 +210,7 @@ fn times(a: [Four; 4], b: [Four; 4]) -> [Four; 4] {
     ]
 }
 
-/// Vectors turned by unit quaternions, as [`math::rotate`].
+/// Returns vectors rotated by unit quaternions, like [`math::rotate`].
 #[inline(always)]
 fn rotate(q: [Four; 4], v: [Four; 3]) -> [Four; 3] {
     let [x, y, z, w] = q;

@@ -1,4 +1,4 @@
-//! Distances between two poses, and the metric tensor at one: `JᵀWJ`, never formed.
+//! Distances between two poses, and products with the metric tensor `JᵀWJ` at a pose, without forming the matrix.
 
 use glam::{Quat, Vec3};
 use heapless::Vec;
@@ -14,11 +14,11 @@ use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
 impl<const N: usize> PoseSpace<'_, N> {
-    /// Joint-angle metric, eq. (1): the root of the sum of the squared differences of all coordinates (rad; m of what
-    /// slides), each the shorter way round. O(n).
+    /// Returns the joint-angle metric, eq. (1): the root of the sum of the squared differences of all coordinates
+    /// (rad; m for slides), each taken the shorter way round. O(n).
     ///
-    /// Rotation vectors of ball joints have a seam at half a turn: next to it this depends on coordinates, and the
-    /// triangle inequality may fail. [`Self::rotation_distance`] has none.
+    /// Rotation vectors of ball joints have a discontinuity at half a turn. Near it, the result depends on the
+    /// coordinates, and the triangle inequality may fail. [`Self::rotation_distance`] has no discontinuity.
     pub fn angle_distance(&self, a: &PoseCoordinates<N>, b: &PoseCoordinates<N>) -> f32 {
         let joints = self.weighted().zip(a.joints.iter().zip(&b.joints));
         math::sqrt(
@@ -28,11 +28,11 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Metric of the product of rotation groups: the root of the sum of the squared angles (rad) between both
-    /// rotations of every joint. It does not depend on coordinates. O(n).
+    /// Returns the metric of the product of rotation groups: the root of the sum of the squared angles (rad) between
+    /// the two rotations of every joint. It does not depend on coordinates. O(n).
     ///
-    /// With the squares of [`Self::bone_lengths_m`] as weights, it is that of Tournier et al., "Motion compression
-    /// using principal geodesics analysis" (2009), in metres.
+    /// With the squares of [`Self::bone_lengths_m`] as weights, it is the metric of Tournier et al., "Motion
+    /// compression using principal geodesics analysis" (2009), in metres.
     ///
     /// ```
     /// use sinew_core::pose_space::PoseSpace;
@@ -61,8 +61,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         math::sqrt(squares.sum())
     }
 
-    /// How long the bones are that a joint turns: the mean distance of the next joints from it, m; 0 where there are
-    /// none. O(n).
+    /// Returns, for each joint, the length of the bones that it rotates: the mean distance of its child joints, m; 0
+    /// if there are none. O(n).
     pub fn bone_lengths_m(&self) -> Vec<f32, N> {
         let mut bones: Vec<(f32, f32), N> =
             fixed::collect(self.tree.bodies().iter().map(|_| (0.0, 0.0)));
@@ -77,17 +77,18 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Distance through space: the root of the sum of the squared distances (m) of all joints, `|F(a) - F(b)|`. It
-    /// does not keep bones as long as they are; no way between the poses is shorter. O(n).
+    /// Returns the distance in space: the root of the sum of the squared distances (m) of all joints,
+    /// `|F(a) - F(b)|`. It ignores that bones keep their lengths, and is therefore a lower bound of every path
+    /// between the poses. O(n).
     pub fn position_distance(&self, a: &BodyPoses<N>, b: &BodyPoses<N>) -> f32 {
         let ways = self.weighted().zip(a.positions_m().zip(b.positions_m()));
         math::sqrt(ways.map(|((_, weight), (a, b))| weight * (a - b).dot(a - b)).sum())
     }
 
-    /// A column of the Jacobian of F: how all joints move (m/s, world axes) when one does, by `motion` in its body's
-    /// axes, as far as its kind lets it. O(n).
+    /// Writes a column of the Jacobian of F: the velocities of all joints (m/s, world axes) when one joint moves by
+    /// `motion`, given in its body's axes; only the part that the joint allows counts. O(n).
     ///
-    /// `out` goes by body; what is longer than the rig is left alone.
+    /// `out` is by body; items beyond the rig are unchanged.
     pub fn jacobian_column(
         &self,
         at: &BodyPoses<N>,
@@ -110,11 +111,12 @@ impl<const N: usize> PoseSpace<'_, N> {
         }
     }
 
-    /// `JᵀWJ v`: the metric tensor at a pose times motions of all joints (body axes), without the matrix. O(n).
+    /// Writes `JᵀWJ v`: the metric tensor at a pose times motions of all joints (body axes), without forming the
+    /// matrix. O(n).
     ///
-    /// `v` and `out` go by joint, and of `v` only counts what a joint's kind leaves free. `out` is in the same axes.
+    /// `v` and `out` are by joint, in body axes; only the part of `v` that each joint allows counts.
     pub fn metric_product(&self, at: &BodyPoses<N>, v: &[Twist], out: &mut [Twist]) {
-        // Outwards: how every body moves, in world axes.
+        // Outwards: the motion of every body, in world axes.
         for (index, ((body, place), v)) in
             self.tree.bodies().iter().zip(&at.bodies).zip(v).enumerate()
         {
@@ -135,8 +137,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         self.gather(at, out);
     }
 
-    /// Jᵀ of forces on all bodies (`linear`, at the joints, world axes; `angular` zero), in place: what of them every
-    /// joint feels, in body axes, as far as its kind leaves it free.
+    /// Replaces forces on all bodies by Jᵀ of them, in place: the generalised force on every joint, in body axes,
+    /// along its dofs. The forces are `linear`, at the joints, in world axes; `angular` is zero.
     pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Twist]) {
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = forces.get(index).copied() else { continue };
@@ -155,10 +157,10 @@ impl<const N: usize> PoseSpace<'_, N> {
         }
     }
 
-    /// Trace of the metric tensor `JᵀWJ` in body axes: how fast all joints move, squared and summed over all motions
-    /// of one joint at a time by 1 rad/s or 1 m/s. O(n).
+    /// Returns the trace of the metric tensor `JᵀWJ` in body axes: the sum of the squared speeds of all joints, over
+    /// all motions of one dof at 1 rad/s or 1 m/s. O(n).
     pub fn metric_trace(&self, at: &BodyPoses<N>) -> f32 {
-        // Of what every joint carries: weight, first and second moments about the joint, world axes.
+        // For each joint: weight, first and second moments of the bodies it carries, about the joint, in world axes.
         let mut carried: Vec<Carried, N> =
             fixed::collect(self.weights.iter().map(|weight| Carried::point(*weight)));
         let mut trace = 0.0;
@@ -182,7 +184,7 @@ impl<const N: usize> PoseSpace<'_, N> {
         trace
     }
 
-    /// Number of coordinates: the joints' degrees of freedom, without those of a root that does not count.
+    /// Returns the number of coordinates: the joints' dofs, without those of an ignored root.
     pub fn dimensions(&self) -> usize {
         let bodies = self.tree.bodies();
         let root = bodies.iter().filter(|body| self.leaves_out(body));
@@ -204,7 +206,7 @@ impl<const N: usize> PoseSpace<'_, N> {
     }
 }
 
-/// Rotation of a body in its joint frame, as far as its motion subspace depends on it.
+/// Returns the rotation of a body in its joint frame, or the identity if its motion subspace does not depend on it.
 fn rotation_in_joint<const N: usize>(body: &Body, place: &Transform, at: &BodyPoses<N>) -> Quat {
     if !matches!(body.joint, JointKind::Universal { .. }) {
         return Quat::IDENTITY;
@@ -213,13 +215,13 @@ fn rotation_in_joint<const N: usize>(body: &Body, place: &Transform, at: &BodyPo
     body.rotation_in_joint(parent.rotation.conjugate() * place.rotation)
 }
 
-/// The weights that a joint carries, seen from it.
+/// Moments of the weights that a joint carries, about the joint.
 #[derive(Debug, Clone, Copy)]
 struct Carried {
     weight: f32,
-    /// Σ w r.
+    /// First moment, Σ w r.
     first: Vec3,
-    /// Σ w r rᵀ.
+    /// Second moment, Σ w r rᵀ.
     second: Symmetric,
 }
 
@@ -228,7 +230,7 @@ impl Carried {
         Self { weight, first: Vec3::ZERO, second: Symmetric::ZERO }
     }
 
-    /// Takes in what an outer joint carries, `arm` away.
+    /// Adds the moments of an outer joint at a distance `arm`.
     fn add(&mut self, outer: &Self, arm: Vec3) {
         self.weight += outer.weight;
         self.first += outer.first + arm * outer.weight;
@@ -238,7 +240,7 @@ impl Carried {
             + Symmetric::from_outer(arm, arm * (0.5 * outer.weight));
     }
 
-    /// `Σ w |axis × r|²` of a unit axis, or 0 of none.
+    /// Returns `Σ w |axis × r|²` for a unit axis, or 0 for a zero axis.
     fn turned_about(&self, axis: Vec3) -> f32 {
         let along = axis.dot(Vec3::new(
             self.second.x_axis().dot(axis),

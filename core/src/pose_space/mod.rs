@@ -1,4 +1,5 @@
-//! Poses compared by how far joints move in space: the metrics, curves and derivatives of Hauberg & Pedersen (2012).
+//! Comparison of poses by the distances of joints in space: the metrics, curves and derivatives of Hauberg & Pedersen
+//! (2012).
 
 mod chart;
 mod curve;
@@ -19,14 +20,14 @@ use crate::math;
 use crate::transform::Transform;
 use crate::tree::{Body, Tree};
 
-/// The poses of one rig, and how far they are apart.
+/// The space of poses of a rig, with its distances.
 ///
-/// A pose has coordinates θ (what its joints leave free) and a place in space F(θ): the positions of all joints, world
-/// axes, metres. Distances in θ, as [`Self::angle_distance`], weigh a shoulder and a finger equally; distances
-/// in F do not, and the way between two poses that keeps all bones as long as they are is a curve on the surface that F
-/// makes: see [`Self::line_distance`] and [`Self::curve_energy`].
+/// A pose has coordinates θ (the positions of its joints' dofs) and an image in space F(θ): the positions of all
+/// joints, in world axes, in metres. Distances in θ, such as [`Self::angle_distance`], weigh a shoulder and a finger
+/// equally; distances in F do not. A path between two poses on which all bones keep their lengths is a curve on the
+/// surface of all F(θ): see [`Self::line_distance`] and [`Self::curve_energy`].
 ///
-/// As in the paper, where the root is and how it is turned does not count, unless [`Self::with_root`] says so.
+/// The root's position and rotation are ignored, as in the paper, unless [`Self::with_root`] includes them.
 ///
 /// Hauberg & Pedersen, "Spatial measures between human poses for classification and understanding" (2012).
 ///
@@ -53,7 +54,7 @@ use crate::tree::{Body, Tree};
 /// pose[1].rotation = math::exp(Vec3::Z * 0.5);
 /// let raised = space.coordinates(&pose)?;
 ///
-/// // Half a radian of the shoulder; the elbow moves on an arc of 0.3 m, the hand on one of 0.6 m.
+/// // The shoulder turns by 0.5 rad: the elbow moves on an arc of radius 0.3 m, the hand on one of radius 0.6 m.
 /// assert!((space.angle_distance(&straight, &raised) - 0.5).abs() < 1e-6);
 /// let way_m = space.line_distance(&straight, &raised, 100, &mut LineWorkspace::new());
 /// assert!((way_m - 0.5 * math::sqrt(0.3 * 0.3 + 0.6 * 0.6)).abs() < 1e-5);
@@ -67,7 +68,7 @@ pub struct PoseSpace<'t, const N: usize> {
     root: Root,
 }
 
-/// What of the root counts.
+/// Whether the root's pose counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Root {
@@ -75,14 +76,14 @@ enum Root {
     Counted,
 }
 
-/// The coordinates of a pose: of every joint, what its kind leaves free. Finite.
+/// The coordinates of a pose, by joint. Always finite.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PoseCoordinates<const N: usize> {
     joints: Vec<JointCoordinates, N>,
 }
 
-/// Rotations of all joints in their parents' frames, made ready once to be compared with many, see
+/// Rotations of all joints in their parents' frames, prepared once for many comparisons, see
 /// [`PoseSpace::rotation_distance`].
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -90,7 +91,7 @@ pub struct JointRotations<const N: usize> {
     rotations: Vec<Quat, N>,
 }
 
-/// Where the bodies of a pose are, seen from the world, or from the root where that does not count.
+/// Poses of the bodies in the world frame, or in the root's frame if the root is ignored.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct BodyPoses<const N: usize> {
@@ -98,18 +99,18 @@ pub struct BodyPoses<const N: usize> {
 }
 
 impl<'t, const N: usize> PoseSpace<'t, N> {
-    /// The poses of a rig, all joints counting alike, the root's place and orientation not at all. O(n).
+    /// Creates the pose space of a rig, with equal weights for all joints, and without the root's pose. O(n).
     pub fn new(tree: &'t Tree<N>) -> Self {
         let weights = fixed::collect(tree.bodies().iter().map(|_| 1.0));
         Self { tree, weights, root: Root::LeftOut }
     }
 
-    /// The same with a weight for each joint, for squared distances in metres and in radians alike: how much it
-    /// counts where the joint is, and how it is turned. [`importance`](crate::importance)s are such.
+    /// Sets a weight for each joint, which applies to squared distances in metres and in radians alike. An
+    /// [`importance`](crate::importance) may serve as weights.
     ///
     /// # Errors
-    /// [`PoseSpaceError::Count`] if there is not one for each joint, [`PoseSpaceError::Weight`] if one is negative, not
-    /// finite, or above 1e6, or all are zero.
+    /// [`PoseSpaceError::Count`] if the number of weights is not the number of joints, [`PoseSpaceError::Weight`] if
+    /// a weight is negative, not finite, or above 1e6, or all are zero.
     pub fn with_weights(self, weights: &[f32]) -> Result<Self, PoseSpaceError> {
         if weights.len() != self.weights.len() {
             let (expected, found) = (self.weights.len(), weights.len());
@@ -126,24 +127,24 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         Ok(Self { weights: fixed::collect(weights.iter().copied()), ..self })
     }
 
-    /// The same with the root's place and orientation counting like any joint's.
+    /// Includes the root's position and rotation, like any joint's.
     #[must_use]
     pub fn with_root(self) -> Self {
         Self { root: Root::Counted, ..self }
     }
 
-    /// The rig.
+    /// Returns the rig.
     pub fn tree(&self) -> &'t Tree<N> {
         self.tree
     }
 
-    /// The coordinates of a pose, given as the poses of all joints in their parents' frames. O(n).
+    /// Returns the coordinates of a pose, given as the poses of all joints in their parents' frames. O(n).
     ///
-    /// What the joints' kinds do not leave free is left out: bones are as long as the rig's.
+    /// The part of a pose that a joint does not allow is ignored: bones keep the rig's lengths.
     ///
     /// # Errors
-    /// [`PoseSpaceError::Count`] if there is not a pose for each joint, [`PoseSpaceError::Pose`] if one is not finite,
-    /// farther than 1e6 m away, or its rotation not unit.
+    /// [`PoseSpaceError::Count`] if the number of poses is not the number of joints, [`PoseSpaceError::Pose`] if a
+    /// pose is not finite, farther than 1e6 m away, or its rotation not unit.
     pub fn coordinates(&self, poses: &[Transform]) -> Result<PoseCoordinates<N>, PoseSpaceError> {
         let bodies = self.tree.bodies();
         if poses.len() != bodies.len() {
@@ -167,24 +168,24 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         Ok(PoseCoordinates { joints: fixed::collect(joints) })
     }
 
-    /// The poses of all joints in their parents' frames, from coordinates; a root that does not count gets its
-    /// placement. O(n).
+    /// Writes the poses of all joints in their parents' frames, from coordinates. An ignored root gets its placement.
+    /// O(n).
     ///
-    /// `out` goes by joint; what is longer than the rig is left alone.
+    /// `out` is by joint; items beyond the rig are unchanged.
     pub fn joint_poses(&self, at: &PoseCoordinates<N>, out: &mut [Transform]) {
         for ((body, joint), out) in self.tree.bodies().iter().zip(&at.joints).zip(out) {
             *out = if self.leaves_out(body) { body.placement } else { chart::pose(body, joint) };
         }
     }
 
-    /// The rotations of all joints, from coordinates. O(n).
+    /// Returns the rotations of all joints, from coordinates. O(n).
     pub fn joint_rotations(&self, at: &PoseCoordinates<N>) -> JointRotations<N> {
         let joints = self.tree.bodies().iter().zip(&at.joints);
         let rotations = fixed::collect(joints.map(|(body, at)| chart::pose(body, at).rotation));
         JointRotations { rotations }
     }
 
-    /// Where all bodies are in a pose. A root that does not count is at the origin, not turned. O(n).
+    /// Returns the poses of all bodies. An ignored root is at the origin, without rotation. O(n).
     pub fn body_poses(&self, at: &PoseCoordinates<N>) -> BodyPoses<N> {
         let mut bodies = Vec::<Transform, N>::new();
         for (body, joint) in self.tree.bodies().iter().zip(&at.joints) {
@@ -195,7 +196,7 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
                 let place = parent * chart::pose(body, joint);
                 Transform { rotation: math::unit(place.rotation), ..place }
             };
-            // There is room: they are as many as the tree's.
+            // There is room: the tree has the same number of bodies.
             if bodies.push(place).is_err() {
                 break;
             }
@@ -203,61 +204,61 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
         BodyPoses { bodies }
     }
 
-    /// Whether a joint's coordinates do not count, since it is the root's.
+    /// Returns `true` if the joint is the root's and the root is ignored.
     fn leaves_out(&self, body: &Body) -> bool {
         body.parent.is_none() && self.root == Root::LeftOut
     }
 
-    /// Bodies with their weights.
+    /// Returns the bodies with their weights.
     fn weighted(&self) -> impl DoubleEndedIterator<Item = (&'t Body, f32)> + ExactSizeIterator {
         self.tree.bodies().iter().zip(self.weights.iter().copied())
     }
 }
 
-/// The farthest position, m: beyond, f32 does not resolve a tenth of a metre.
+/// Maximum distance of a position, m. Beyond it, f32 does not resolve a tenth of a metre.
 const FARTHEST_M: f32 = 1e6;
 
 impl<const N: usize> PoseCoordinates<N> {
-    /// By joint.
+    /// Returns the coordinates by joint.
     pub fn as_slice(&self) -> &[JointCoordinates] {
         &self.joints
     }
 }
 
 impl<const N: usize> BodyPoses<N> {
-    /// By body.
+    /// Returns the poses by body.
     pub fn as_slice(&self) -> &[Transform] {
         &self.bodies
     }
 
-    /// F(θ): the positions by body, m.
+    /// Returns F(θ): the positions by body, m.
     pub fn positions_m(&self) -> impl DoubleEndedIterator<Item = Vec3> + ExactSizeIterator {
         self.bodies.iter().map(|body| body.translation_m)
     }
 }
 
-/// Why poses or weights were refused.
+/// An error in poses or weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PoseSpaceError {
-    /// There must be one for each joint of the rig.
+    /// The number of poses or weights is not the number of joints.
     Count {
         /// Number of joints.
         expected: usize,
         /// Number of poses or weights.
         found: usize,
     },
-    /// A pose is not finite, farther than 1e6 m away, or its rotation is no unit quaternion.
+    /// A pose is not finite, farther than 1e6 m away, or its rotation is not a unit quaternion.
     Pose {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
-    /// A weight is not a number from 0 to 1e6, or all of them are zero.
+    /// A weight is not a number from 0 to 1e6, or all weights are zero.
     Weight {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// The weight.
+        /// Weight of the joint.
         value: f32,
     },
 }

@@ -1,4 +1,4 @@
-//! How one joint takes part in a projection: where it starts, how it can give way, and its step.
+//! The part of one joint in a projection: its start, its allowed motions, and its step.
 
 use glam::Vec3;
 
@@ -9,25 +9,25 @@ use crate::math;
 use crate::transform::{Transform, Twist};
 use crate::tree::Body;
 
-/// The farthest that a joint turns (rad) or slides (m) in one sweep: sweeps are right to first order in it.
+/// Maximum rotation (rad) or displacement (m) of a joint in one sweep, because a sweep is exact only to first order.
 const LONGEST_STEP: f32 = 0.5;
 
-/// One joint's state from frame to frame.
+/// State of a joint that is kept from frame to frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Joint {
-    /// The solution, in the parent's frame.
+    /// Pose of the solution, in the parent's frame.
     pub(super) pose: Transform,
-    /// `pose` as the desired pose sees it: the next frame starts with it. Without a step it keeps its bits. Of a
-    /// prismatic joint the way is in the parent's axes.
+    /// The solution relative to the desired pose; the next frame starts with it. Without a step its bits do not
+    /// change. For a prismatic joint the displacement is in the parent's axes.
     deviation: Transform,
-    /// Angles or ways of a joint with one or two axes.
+    /// Angles or displacements of a joint with one or two axes, rad or m.
     along: [f32; 2],
-    /// Which of its axes the last sweep pressed against the end of the range, one bit each.
+    /// Axes that the last sweep pressed against the end of the range, one bit each.
     pressed: u8,
 }
 
 impl Joint {
-    /// On the desired pose.
+    /// Initial state: exactly the desired pose.
     pub(super) const NEW: Self = Self {
         pose: Transform::IDENTITY,
         deviation: Transform::IDENTITY,
@@ -35,7 +35,7 @@ impl Joint {
         pressed: 0,
     };
 
-    /// Takes the pose that is off the new desired one by what the last solution was, as far as the joint can.
+    /// Starts from the new desired pose with the last solution's deviation, as far as the joint can reach it.
     pub(super) fn start(&mut self, body: &Body, range: &JointRange, desired: &Transform) {
         let start = *desired * self.deviation;
         match body.joint {
@@ -67,18 +67,19 @@ impl Joint {
         }
     }
 
-    /// Whether it gives way to any turn, and to nothing else.
+    /// Returns `true` if the joint allows any rotation, and nothing else.
     pub(super) fn is_free_ball(&self, body: &Body) -> bool {
         matches!(body.joint, JointKind::Spherical) && !self.is_pressed()
     }
 
-    /// How the joint gives way, in world axes, its body at `pose` there.
+    /// Returns the motions that the joint allows, in world axes. `pose`: world pose of its body.
     pub(super) fn dofs(&self, body: &Body, pose: &Transform) -> MotionSubspace {
         let held = |index: u8| self.pressed & (1 << index) != 0;
         match body.joint {
             JointKind::Free => MotionSubspace::Free,
             JointKind::Spherical if held(0) => {
-                // The way out first, then the two across it: along the border, and round itself.
+                // The axis towards the border first, then two axes perpendicular to it: along the border, and about
+                // itself.
                 let from_zero = body.placement.rotation.conjugate() * self.pose.rotation;
                 let out = pose.rotation * direction(math::log(from_zero));
                 let helper = if out.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
@@ -92,7 +93,7 @@ impl Joint {
                 )
             }
             JointKind::Spherical => MotionSubspace::Ball,
-            // As below, with nothing to ask of where it stands.
+            // Like the other kinds below, but independent of the pose.
             JointKind::Revolute { axis } => MotionSubspace::Hinge(Hinge {
                 axis: math::rotate(pose.rotation, axis),
                 held: held(0),
@@ -113,15 +114,15 @@ impl Joint {
         }
     }
 
-    /// Whether the last sweep pressed it against the end of its range.
+    /// Returns `true` if the last sweep pressed the joint against the end of its range.
     pub(super) fn is_pressed(&self) -> bool {
         self.pressed != 0
     }
 
-    /// Moves the joint by a sweep's response, its body at `pose` in the world and `carried` along by the
-    /// parent; returns how the body moves. World axes.
+    /// Moves the joint by a sweep's response and returns the motion of its body, in world axes. `pose`: world pose of
+    /// the body. `carried`: motion by the parent.
     ///
-    /// What is not finite (inputs near the end of f32) is no step.
+    /// A step that is not finite (inputs near the limit of f32) is ignored.
     pub(super) fn step(
         &mut self,
         body: &Body,
@@ -145,7 +146,7 @@ impl Joint {
                 let kept = self.keep_turn_within(body, range, desired);
                 self.pressed = u8::from(kept.is_some());
                 let angular = match kept {
-                    // What is left of the step.
+                    // The part of the step that remains.
                     Some(back) => carried.angular + (turn + pose.rotation * back),
                     None => carried.angular + turn,
                 };
@@ -190,7 +191,7 @@ impl Joint {
                 self.deviation.rotation =
                     math::unit(desired.rotation.conjugate() * self.pose.rotation);
                 if let JointKind::Prismatic { .. } = kind {
-                    // Along the axis alone: what is across it, another figure's, only adds roundings.
+                    // Only along the axis: the part across it, due to another figure, would only add rounding.
                     let wanted = kind.along(&(body.placement.inverse() * *desired));
                     let off = kind.at(self.along).translation_m - kind.at(wanted).translation_m;
                     if off.is_finite() {
@@ -202,7 +203,7 @@ impl Joint {
         }
     }
 
-    /// Turns a body at `pose` in the world, as seen from its desired pose; `turn` in world axes.
+    /// Rotates the body, and updates its deviation from the desired pose. `turn`: in world axes.
     #[inline]
     fn turn_by(&mut self, desired: &Transform, pose: &Transform, turn: Vec3) {
         let in_body = math::rotate(pose.rotation.conjugate(), turn);
@@ -210,8 +211,7 @@ impl Joint {
         self.pose.rotation = desired.rotation * self.deviation.rotation;
     }
 
-    /// Goes a step along one of its axes, as far as the range lets it; returns how far. A step that is no number is
-    /// none.
+    /// Moves a step along an axis, limited by the range, and returns the actual step. A NaN step is ignored.
     fn step_along(&mut self, index: usize, range: &JointRange, step: f32) -> f32 {
         let Some(now) = self.along.get_mut(index).filter(|_| step.is_finite()) else { return 0.0 };
         let wanted = *now + step.clamp(-LONGEST_STEP, LONGEST_STEP);
@@ -225,13 +225,13 @@ impl Joint {
         made
     }
 
-    /// Takes the pose of its angles or ways; the zero pose, if a way leads beyond f32.
+    /// Sets the pose from the angles or displacements; the zero pose if it is not finite.
     fn go_along(&mut self, body: &Body) {
         let pose = body.placement * body.joint.at(self.along);
         self.pose = if pose.is_finite() { pose } else { body.placement };
     }
 
-    /// Brings a spherical joint back within its range; returns by which turn, in body axes, if it was outside.
+    /// Returns a spherical joint to its range. The result is the correction, in body axes, if it was outside.
     fn keep_turn_within(
         &mut self,
         body: &Body,
@@ -252,13 +252,13 @@ impl Joint {
     }
 }
 
-/// A vector, shortened to a length.
+/// Shortens a vector to a maximum length.
 fn within(v: Vec3, length: f32) -> Vec3 {
     let squared = v.dot(v);
     if squared > length * length { v * (length / math::sqrt(squared)) } else { v }
 }
 
-/// The unit vector in the direction of `v`; X if it has none.
+/// Returns the unit vector in the direction of `v`; X if `v` is zero.
 fn direction(v: Vec3) -> Vec3 {
     let length = math::length(v);
     if length > 0.0 { v / length } else { Vec3::X }

@@ -1,4 +1,4 @@
-//! Manifold projection: the pose of *this* figure that is nearest to the desired one.
+//! Manifold projection: the pose of *this* figure that is nearest to the desired pose.
 
 mod joint;
 mod range;
@@ -20,17 +20,17 @@ use crate::math;
 use crate::transform::{Transform, Twist, Wrench};
 use crate::tree::{Body, Tree};
 
-/// Finds the pose of a figure that is nearest to the desired one, which another figure can take: the one
-/// that makes `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²` least over all poses within the joints' ranges.
+/// A search for the pose of a figure that is nearest to the desired pose of another figure. The result is the pose
+/// within the joints' ranges that minimises `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`.
 ///
-/// Tracked with World Space Error, that pose trades a little of the angles for much of the positions where
-/// the rig has other dimensions than the performer. With equal dimensions it is the desired pose itself.
+/// When the rig and the performer differ in dimensions, tracking this pose with World Space Error gives up a little
+/// angle accuracy for much better positions. With equal dimensions the result is the desired pose.
 ///
-/// A fixed number of Gauss-Newton steps a call, twenty in a workspace's first one, stiffened where a body is pulled
-/// away and damped while a joint is pressed against its end, each solved exactly in O(n) by sweeps of the
-/// articulated-body form over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`), from the
-/// last call's solution: how far each joint was from its desired pose. That changes slowly in a performance, so one
-/// step is enough (see [`DEFAULT_SWEEPS`]).
+/// Each call makes a fixed number of Gauss-Newton steps (twenty in a workspace's first call), from the last call's
+/// solution: the deviation of each joint from its desired pose. The deviation changes slowly in a performance, which
+/// makes a single step enough (see [`DEFAULT_SWEEPS`]). A step is stiffened where a body is pulled away, and damped
+/// while a joint is pressed against its end. Each step is solved exactly in O(n) by sweeps of the articulated-body
+/// algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -48,7 +48,7 @@ use crate::tree::{Body, Tree};
 /// let arm = Tree::<3>::from_bodies(&bodies)?;
 /// let projection = ManifoldProjection::new(&arm, &[BodyWeight::new(1.0, 0.1); 3])?;
 ///
-/// // The performer's upper arm is shorter: bent a little, the elbow comes nearer to where it should be.
+/// // The performer's upper arm is shorter. With a small bend, the elbow is nearer to its desired position.
 /// let mut desired = bodies.map(|body| body.placement);
 /// desired[2].translation_m = Vec3::new(0.29, 0.05, 0.0);
 /// let (mut workspace, mut nearest) = (ProjectionWorkspace::new(), desired);
@@ -65,24 +65,23 @@ pub struct ManifoldProjection<const N: usize> {
     sweeps: u8,
 }
 
-/// Sweeps of a call: from the solution of the frame before, one is within 1 % of the optimum.
+/// Default number of sweeps per call. Starting from the frame before, a single sweep is within 1 % of the optimum.
 pub const DEFAULT_SWEEPS: u8 = 1;
 
-/// Sweeps of the first call, which has no solution to start from.
+/// Number of sweeps in the first call, which has no solution to start from.
 const FIRST_SWEEPS: u8 = 20;
 
-/// By how much more joints resist while one of them is pressed against the end of its range.
+/// Additional relative resistance of all joints while a joint is pressed against the end of its range.
 ///
-/// What a joint does that stops at its end, or comes off it, the others had not counted on: undamped sweeps can go
-/// to and fro for ever.
+/// When a joint reaches or leaves its end, the other joints have not accounted for it. Without damping, the sweeps
+/// can oscillate forever.
 const PRESSED_DAMPING: f32 = 0.3;
 
 impl<const N: usize> ManifoldProjection<N> {
-    /// A projection with one weight for each body of the tree, without ranges, and with
-    /// [`DEFAULT_SWEEPS`].
+    /// Creates a projection with a weight for each body of the tree, without ranges, and with [`DEFAULT_SWEEPS`].
     ///
     /// # Errors
-    /// [`ProjectionError::Weights`] as [`BodyWeights::new`].
+    /// [`ProjectionError::Weights`] in the cases of [`BodyWeights::new`].
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, ProjectionError> {
         Ok(Self {
             weights: BodyWeights::new(tree, weights).map_err(ProjectionError::Weights)?,
@@ -92,10 +91,10 @@ impl<const N: usize> ManifoldProjection<N> {
         })
     }
 
-    /// The same with other weights of the bodies.
+    /// Sets the weights of the bodies.
     ///
     /// # Errors
-    /// [`ProjectionError::Weights`] as [`BodyWeights::new`].
+    /// [`ProjectionError::Weights`] in the cases of [`BodyWeights::new`].
     pub fn with_weights(
         self,
         tree: &Tree<N>,
@@ -105,10 +104,10 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { weights, ..self })
     }
 
-    /// The same, with a range for each joint: no solution is ever outside of one.
+    /// Sets a range for each joint: no solution is ever outside its range.
     ///
     /// # Errors
-    /// [`ProjectionError`] if there is not a range for each joint, or one does not fit its joint.
+    /// [`ProjectionError`] if the number of ranges is not the number of joints, or a range does not fit its joint.
     pub fn with_ranges(
         self,
         tree: &Tree<N>,
@@ -126,28 +125,29 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { ranges: fixed::collect(ranges.iter().copied()), ..self })
     }
 
-    /// The same with the root where it is desired: what a rig that walks on its own feet must not change.
-    /// A root on a fixed joint is held in any case.
+    /// Holds the root at its desired pose, which a rig that walks on its own feet must not change. A root on a fixed
+    /// joint is held in any case.
     #[must_use]
     pub fn with_root_held(self) -> Self {
         Self { root_held: true, ..self }
     }
 
-    /// The same with another number of sweeps, at least one.
+    /// Sets the number of sweeps per call, at least one.
     #[must_use]
     pub fn with_sweeps(self, sweeps: u8) -> Self {
         Self { sweeps: sweeps.max(1), ..self }
     }
 
-    /// The nearest pose, as the poses of all joints in their parents' frames, to one given in the same way
+    /// Computes the nearest pose, as the poses of all joints in their parents' frames. `desired`: in the same form,
     /// with the performer's dimensions. O(n) for each sweep.
     ///
-    /// A root that is fixed or held gets its desired pose; other fixed joints their placement. Consecutive
-    /// frames of a performance go through one workspace; call [`ProjectionWorkspace::reset`] before another.
+    /// A root that is fixed or held gets its desired pose; other fixed joints get their placement. Use one workspace
+    /// for the consecutive frames of a performance, and call [`ProjectionWorkspace::reset`] before another
+    /// performance.
     ///
     /// # Errors
-    /// [`ProjectionError`], and neither `out` nor the workspace is changed, if a slice has not a pose for each
-    /// joint, or a pose is not finite or its rotation not unit.
+    /// [`ProjectionError`], and neither `out` nor the workspace changes, if the length of a slice is not the number
+    /// of joints, or a pose is not finite or its rotation not unit.
     pub fn project(
         &self,
         tree: &Tree<N>,
@@ -161,7 +161,7 @@ impl<const N: usize> ManifoldProjection<N> {
                 return Err(ProjectionError::Count { expected: self.ranges.len(), found });
             }
         }
-        // A rotation that is unit is finite.
+        // A unit rotation is finite.
         let usable =
             |pose: &Transform| math::is_finite(pose.translation_m) && math::is_unit(pose.rotation);
         let bad = desired.iter().position(|pose| !usable(pose));
@@ -172,7 +172,7 @@ impl<const N: usize> ManifoldProjection<N> {
         let sweeps = if workspace.started { self.sweeps } else { FIRST_SWEEPS.max(self.sweeps) };
         workspace.started = true;
         for sweep in 0..sweeps {
-            // The first one's demands are there from the start.
+            // `start` has already set the demands of the first sweep.
             if sweep > 0 {
                 workspace.ask(self, bodies);
             }
@@ -185,7 +185,7 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(())
     }
 
-    /// Whether the joint of a body cannot be moved at all.
+    /// Returns `true` if the joint of a body cannot move at all.
     fn is_rigid(&self, body: &Body) -> bool {
         matches!(body.joint, JointKind::Fixed) || (body.parent.is_none() && self.root_held)
     }
@@ -195,7 +195,7 @@ impl<const N: usize> ManifoldProjection<N> {
     }
 }
 
-/// What a [`ManifoldProjection`] remembers of the last frame, and its scratch memory.
+/// The solution of a [`ManifoldProjection`] for the last frame, and its scratch memory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProjectionWorkspace<const N: usize> {
     joints: [Joint; N],
@@ -203,7 +203,7 @@ pub struct ProjectionWorkspace<const N: usize> {
     started: bool,
 }
 
-/// One body's part of a sweep, in world axes.
+/// Data of one body in a sweep, in world axes.
 #[derive(Debug, Clone, PartialEq)]
 struct Solved {
     desired: Transform,
@@ -211,12 +211,12 @@ struct Solved {
     demand: Demand,
     response: Response,
     motion: Twist,
-    /// Sum of the weighted ways to go of all bodies from here outwards.
+    /// Sum of the weighted distances to the desired positions, over all bodies from this body outwards.
     pull: Vec3,
 }
 
 impl<const N: usize> ProjectionWorkspace<N> {
-    /// A workspace for trees of capacity `N`: the first frame starts from the desired pose.
+    /// Creates a workspace for trees of capacity `N`. The first frame starts from the desired pose.
     #[inline(never)]
     pub fn new() -> Self {
         let solved = Solved {
@@ -234,14 +234,15 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// Forgets the last frame: the next starts from the desired pose.
+    /// Forgets the last frame: the next frame starts from the desired pose.
     pub fn reset(&mut self) {
-        // In place: a whole new workspace would be put together on the stack. What is solved starts anew by itself.
+        // In place: a new workspace would be built on the stack. The solved bodies are overwritten anyway.
         self.joints.fill(Joint::NEW);
         self.started = false;
     }
 
-    /// The desired world poses, the last solution's joints carried over to them, and what the bodies then want.
+    /// Computes the desired world poses, starts the joints from the last solution, and sets the demands of the
+    /// bodies.
     fn start(
         &mut self,
         projection: &ManifoldProjection<N>,
@@ -269,7 +270,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// What the bodies want where the joints are now.
+    /// Sets the demands of the bodies at the present poses of the joints.
     fn ask(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
         for (index, ((body, joint), weight)) in
             bodies.iter().zip(&self.joints).zip(projection.weights.as_slice()).enumerate()
@@ -281,7 +282,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// From the leaves to the root: what every joint should do, whatever its parent does.
+    /// Sweeps from the leaves to the root: the desired motion of every joint, as a function of its parent's motion.
     fn inward(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
         let pressed = self.joints.iter().take(bodies.len()).any(Joint::is_pressed);
         let damping = if pressed { PRESSED_DAMPING } else { 0.0 };
@@ -316,7 +317,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// From the root to the leaves: what every joint does, now that its parent's motion is known.
+    /// Sweeps from the root to the leaves: the motion of every joint, now that its parent's motion is known.
     fn outward(
         &mut self,
         projection: &ManifoldProjection<N>,
@@ -346,7 +347,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
 }
 
 impl Solved {
-    /// What the body wants by itself, `joint` away from its parent.
+    /// Sets the demand of the body itself. `joint`: its joint to the parent.
     #[inline]
     fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: BodyWeight) {
         self.pose = parent.map_or(joint.pose, |parent| parent.pose * joint.pose);
@@ -360,11 +361,11 @@ impl Solved {
         };
     }
 
-    /// Takes over what a child at the end of an arm is pulled by.
+    /// Adds the pull of a child whose origin is `arm_m` away.
     #[inline]
     fn carry(&mut self, pull: Vec3, arm_m: Vec3) {
-        // A turn takes the arm's end off its tangent, against a pull outwards: the cost's own curvature there,
-        // which Gauss and Newton leave out, and without which a rig too short for its goals overshoots.
+        // A rotation moves the arm's end away from its tangent, against an outward pull. Gauss-Newton omits this
+        // curvature of the cost; without it, a rig that is too short for its goals overshoots.
         let stiffening = pull.dot(arm_m);
         if stiffening > 0.0 {
             self.demand.inertia.angular.add_diagonal(stiffening);
@@ -379,35 +380,35 @@ impl<const N: usize> Default for ProjectionWorkspace<N> {
     }
 }
 
-/// The turn that leads from one orientation to another, by their difference: no turn at all between equal ones, where
-/// the product of one with the other's inverse is off by a rounding.
+/// Returns the rotation from one orientation to another, from their difference. For equal orientations it is exactly
+/// no rotation, whereas a product with the inverse has a rounding error.
 fn turn_between(from: Quat, to: Quat) -> Quat {
     let difference = (to - from) * from.conjugate();
     Quat { w: from.dot(from) + difference.w, ..difference }
 }
 
-/// Why a projection could not be made.
+/// An error in the arguments of a projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ProjectionError {
-    /// There must be one for each body of the tree.
+    /// The number of items is not the number of bodies.
     Count {
         /// Number of bodies.
         expected: usize,
-        /// Number given.
+        /// Number of items.
         found: usize,
     },
-    /// The bodies' weights were refused.
+    /// The weights of the bodies are invalid.
     Weights(BodyWeightsError),
-    /// The range is not one of this kind of joint, or its ends are not numbers in order.
+    /// The range does not fit this kind of joint, or its ends are not numbers in order.
     Range {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
     /// The desired pose of a joint is not finite, or its rotation not a unit quaternion.
     InvalidPose {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
     },
 }

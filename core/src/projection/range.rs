@@ -1,9 +1,9 @@
-//! How far joints can go.
+//! Ranges of joints.
 
 use crate::joint::JointKind;
 use crate::math;
 
-/// How far a joint can go, from the zero pose of its joint frame.
+/// The range of a joint, from the zero pose of its joint frame.
 ///
 /// ```
 /// use sinew_core::projection::{BodyWeight, JointRange, ManifoldProjection, ProjectionError};
@@ -33,23 +33,23 @@ use crate::math;
     serde(rename_all = "snake_case")
 )]
 pub enum JointRange {
-    /// As far as its kind lets it.
+    /// No limit other than the joint's kind.
     #[default]
     Any,
-    /// A revolute joint from the first to the second angle in rad, both in [-π, π]; a prismatic one from the
-    /// first to the second way in m.
+    /// Revolute joint: from the first to the second angle in rad, both in [-π, π]. Prismatic joint: from the first to
+    /// the second displacement in m.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Axis([f32; 2]),
-    /// Both axes of a universal joint, as [`Self::Axis`]; each reaches to its own ends.
+    /// Both axes of a universal joint, each with its own ends as in [`Self::Axis`].
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Axes([[f32; 2]; 2]),
-    /// A spherical joint up to this angle in rad, above 0 and up to π, in any direction.
+    /// Spherical joint: up to this angle in rad, above 0 and up to π, in any direction.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Turn(f32),
 }
 
 impl JointRange {
-    /// Whether this is a range that a joint of this kind can have; NaN is in none.
+    /// Returns `true` if the range is valid for this kind of joint. NaN is invalid.
     pub(super) fn fits(self, joint: JointKind) -> bool {
         let angles =
             |[least, most]: [f32; 2]| -math::PI <= least && least <= most && most <= math::PI;
@@ -65,7 +65,7 @@ impl JointRange {
         }
     }
 
-    /// The ends of axis `index`.
+    /// Returns the ends of axis `index`.
     pub(super) fn ends(self, index: usize) -> [f32; 2] {
         match self {
             Self::Axis(ends) => ends,
@@ -74,7 +74,7 @@ impl JointRange {
         }
     }
 
-    /// Coordinates brought within the range.
+    /// Limits coordinates to the range.
     pub(super) fn clamp(self, along: [f32; 2]) -> [f32; 2] {
         let [a, b] = along;
         let within = |x: f32, [least, most]: [f32; 2]| x.max(least).min(most);

@@ -1,4 +1,4 @@
-//! The generalised accumulated error: every body seen from an ancestor of its own choice.
+//! The generalised accumulated error: every body relative to a chosen ancestor.
 
 use core::fmt;
 
@@ -9,10 +9,10 @@ use crate::fixed;
 use crate::state::BodyState;
 use crate::tree::Tree;
 
-/// The reference body l of each joint: an ancestor, or `None` for the world. Validated once.
+/// The validated reference body l of each joint: an ancestor, or `None` for the world.
 ///
-/// The paper asks only for `l < i`; a body that is not an ancestor would bring in joints that joint `i`
-/// cannot answer for, so it is refused.
+/// The paper only requires `l < i`. A body that is not an ancestor is refused: its error would include joints that
+/// joint `i` cannot correct.
 ///
 /// ```
 /// use sinew_core::state_error::{References, ReferencesError};
@@ -28,7 +28,7 @@ use crate::tree::Tree;
 /// let figure = Tree::<4>::from_bodies(&[None, Some(0), Some(1), Some(0)].map(body))?;
 /// assert_eq!(References::egocentric(&figure).as_slice(), [None, Some(0), Some(0), Some(0)]);
 /// assert_eq!(References::generations(&figure, 2).as_slice(), [None, None, Some(0), None]);
-/// // The leg cannot answer for the spine.
+/// // The leg cannot correct an error of the spine.
 /// let refused = References::new(&figure, &[None, None, None, Some(1)]);
 /// assert_eq!(refused, Err(ReferencesError::NotAncestor { joint: 3, reference: 1 }));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -40,10 +40,11 @@ pub struct References<const N: usize> {
 }
 
 impl<const N: usize> References<N> {
-    /// Reference bodies by joint. O(n).
+    /// Validates reference bodies, one per joint. O(n).
     ///
     /// # Errors
-    /// [`ReferencesError`] if there is not one for each joint, or one is not an ancestor.
+    /// [`ReferencesError`] if the number of references is not the number of joints, or a reference is not an
+    /// ancestor.
     pub fn new(tree: &Tree<N>, references: &[Option<usize>]) -> Result<Self, ReferencesError> {
         if references.len() != tree.len() {
             return Err(ReferencesError::Count { expected: tree.len(), found: references.len() });
@@ -57,37 +58,38 @@ impl<const N: usize> References<N> {
         Ok(Self { bodies: fixed::collect(references.iter().copied()) })
     }
 
-    /// The egocentric case: every body as the root sees it, the root as the world sees it.
+    /// Returns the references of the egocentric case: every body relative to the root, the root relative to the
+    /// world.
     pub fn egocentric(tree: &Tree<N>) -> Self {
         Self::of_ancestor(tree, 0)
     }
 
-    /// What `ancestor` moves as `ancestor` sees it; itself and all others as the world sees them.
+    /// Refers all bodies beyond `ancestor` to `ancestor`; `ancestor` and all other bodies to the world.
     pub fn of_ancestor(tree: &Tree<N>, ancestor: usize) -> Self {
         let seen = |joint| tree.is_ancestor(ancestor, joint).then_some(ancestor);
         Self { bodies: fixed::collect((0..tree.len()).map(seen)) }
     }
 
-    /// Every body as the one `count` generations above it sees it, the world where that is beyond the root:
-    /// from 1, the parents and so the local error, to the depth of the tree, the world error. A body is no
-    /// reference of itself, so 0 is taken as 1. O(n · count).
+    /// Refers every body to its ancestor `count` generations up, or to the world if that is beyond the root. With 1
+    /// this is the parent, which gives the local error; with the depth of the tree it gives the world error. A body
+    /// cannot refer to itself: 0 counts as 1. O(n · count).
     pub fn generations(tree: &Tree<N>, count: usize) -> Self {
         let above = |joint| (0..count.max(1)).try_fold(joint, |body, _| tree.parent(body));
         Self { bodies: fixed::collect((0..tree.len()).map(above)) }
     }
 
-    /// The reference bodies by joint.
+    /// Returns the reference bodies by joint.
     pub fn as_slice(&self) -> &[Option<usize>] {
         &self.bodies
     }
 }
 
-/// Why reference bodies were refused.
+/// An error in reference bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ReferencesError {
-    /// There must be one for each joint.
+    /// The number of references is not the number of joints.
     Count {
         /// Number of joints.
         expected: usize,
@@ -96,9 +98,9 @@ pub enum ReferencesError {
     },
     /// The reference is not an ancestor of the joint's body.
     NotAncestor {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// Its reference body.
+        /// Index of its reference body.
         reference: usize,
     },
 }
@@ -119,16 +121,16 @@ impl fmt::Display for ReferencesError {
 
 impl core::error::Error for ReferencesError {}
 
-/// Error of each body as its reference body sees it, in the axes of the reference: the desired pose
-/// seen from the desired reference against the measured seen from the measured one.
+/// Computes the error of each body relative to its reference body, in the axes of the reference: the desired pose
+/// relative to the desired reference against the measured pose relative to the measured reference.
 ///
-/// With the parent as reference this is [`local`](super::local()), with the world
-/// [`world`](super::world()); in between it accumulates the errors of the joints between l and i. O(n).
+/// With the parent as reference this is [`local`](super::local()), with the world [`world`](super::world()). In
+/// between it accumulates the errors of the joints between l and i. O(n).
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3, state_error::{StateError, accumulated}};
 /// let at = |x| BodyState { pose: Transform::from_translation(Vec3::X * x), ..BodyState::WORLD };
-/// // Both bodies are 0.1 m off in the world: as the root sees it, the other one is where it should be.
+/// // Both bodies are off by 0.1 m in the world, but relative to the root, the second has no error.
 /// let (desired, measured) = ([at(1.0), at(1.5)], [at(0.9), at(1.4)]);
 /// let mut errors = [StateError::ZERO; 2];
 /// accumulated(&[None, Some(0)], &desired, &measured, &mut errors);

@@ -1,12 +1,12 @@
-//! Local Space Error.
+//! Local Space Error: the error of each joint relative to its parent.
 
 use super::StateError;
 use crate::state::{BodyState, JointState};
 
-/// Error of each joint, in the axes of the parent's frame: eq. (3) of Notman et al. (2011). O(n).
+/// Computes the error of each joint, in the axes of the parent's frame: eq. (3) of Notman et al. (2011). O(n).
 ///
-/// The linear error of a joint that only turns is the difference of the link's offset: zero unless the
-/// figures differ in dimensions, and nothing that the joint could act on.
+/// For a joint that only rotates, the linear error is the difference of the link offsets. It is zero unless the
+/// figures differ in dimensions, and the joint cannot change it.
 ///
 /// ```
 /// use sinew_core::{JointState, Transform, glam::{Quat, Vec3}, math};
@@ -23,13 +23,13 @@ pub fn local(desired: &[JointState], measured: &[JointState], out: &mut [StateEr
     }
 }
 
-/// Error of one joint, in the axes of the parent's frame.
+/// Returns the error of a joint, in the axes of the parent's frame.
 #[inline]
 pub(crate) fn of_joint(desired: &JointState, measured: &JointState) -> StateError {
     StateError::between(&in_parent(desired), &in_parent(measured))
 }
 
-/// A joint's state with its velocity in the parent's axes.
+/// Returns a joint's state with its velocity in the parent's axes.
 fn in_parent(joint: &JointState) -> BodyState {
     BodyState { pose: joint.pose, velocity: joint.velocity.rotated(joint.pose.rotation) }
 }

@@ -1,15 +1,15 @@
-//! How far the measured figure is from the desired one, by the methods of Notman, Carlisle & Manning,
-//! "Methods for Measuring State Error for Control of Animated Human Figures" (2011).
+//! State errors: the difference between the desired and the measured figure, by the methods of Notman, Carlisle &
+//! Manning, "Methods for Measuring State Error for Control of Animated Human Figures" (2011).
 //!
 //! | method | error of body i | reference frame |
 //! | --- | --- | --- |
-//! | [`local`] (3) | of its joint | parent's |
-//! | [`world`] (4) | of its world state | world |
-//! | [`accumulated`] | as an ancestor `l` sees it | `l`'s; `l` = root is the egocentric case |
-//! | [`linear_compensation`] (6)-(10) | of its world state, the desired one turned towards its child's goal | world |
+//! | [`local`] (3) | joint state | parent's |
+//! | [`world`] (4) | world state | world |
+//! | [`accumulated`] | state relative to an ancestor `l` | `l`'s; `l` = root is the egocentric case |
+//! | [`linear_compensation`] (6)-(10) | world state, with the desired state turned towards the child's goal | world |
 //!
-//! The difference of two rotations is the rotation vector that takes the measured to the desired one,
-//! `Log(R_d R_mᵀ)`, in the axes of the frame both are seen from.
+//! The difference of two rotations is the rotation vector from the measured to the desired rotation, `Log(R_d R_mᵀ)`,
+//! in the axes of the reference frame.
 
 mod accumulated;
 mod linear_compensation;
@@ -32,8 +32,8 @@ use crate::body_weight::BodyWeights;
 use crate::math;
 use crate::state::BodyState;
 
-/// Difference of the desired and the measured state of one body, and its rate, in the axes of the
-/// method's reference frame.
+/// The difference between the desired and the measured state of a body, and its rate, in the axes of the method's
+/// reference frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -56,7 +56,7 @@ pub struct StateError {
 }
 
 impl StateError {
-    /// Desired equals measured.
+    /// Zero error: desired equals measured.
     pub const ZERO: Self = Self {
         angular_rad: Vec3::ZERO,
         linear_m: Vec3::ZERO,
@@ -64,10 +64,10 @@ impl StateError {
         linear_rate_m_s: Vec3::ZERO,
     };
 
-    /// Error of one body whose two states are given in the same frame, in the axes of that frame.
+    /// Returns the error of a body whose two states are given in the same frame, in the axes of that frame.
     ///
-    /// The rate of the rotation vector is `ω_d - ω_m` to first order, and exactly in the direction that
-    /// damping needs: `d/dt |e|²/2 = e · (ω_d - ω_m)`.
+    /// The rate of the rotation vector is `ω_d - ω_m` to first order, and exactly in the direction that damping
+    /// needs: `d/dt |e|²/2 = e · (ω_d - ω_m)`.
     ///
     /// ```
     /// use sinew_core::{BodyState, Transform, glam::Vec3, math, state_error::StateError};
@@ -82,7 +82,7 @@ impl StateError {
         Self::to_rotation(desired.pose.rotation, desired, measured)
     }
 
-    /// As [`Self::between`], with another desired rotation.
+    /// Returns the error like [`Self::between`], with another desired rotation.
     #[inline]
     fn to_rotation(rotation: Quat, desired: &BodyState, measured: &BodyState) -> Self {
         Self {
@@ -94,7 +94,7 @@ impl StateError {
     }
 }
 
-/// Which state error is tracked, with what it needs. `N` as of the tree.
+/// A method of measuring the state error, with its parameters. `N` is the tree's capacity.
 ///
 /// ```
 /// use sinew_core::state_error::{Aims, Compensation, Method, References};
@@ -117,7 +117,7 @@ impl StateError {
 /// for method in [Method::Local, Method::World, egocentric, linear_compensation.clone()] {
 ///     TorqueController::new(figure.clone(), gains, method)?;
 /// }
-/// // What was made for another figure is refused.
+/// // A method that was made for another figure is refused.
 /// let other = Tree::<3>::from_bodies(&[body(None)])?;
 /// let refused = TorqueController::new(other, gains, linear_compensation);
 /// assert!(matches!(refused, Err(ControllerError::Aims(_))));
@@ -139,16 +139,16 @@ pub enum Method<const N: usize> {
     Accumulated(References<N>),
     /// Linear Compensation Error, eq. (6)-(10).
     LinearCompensation {
-        /// What each body aims at.
+        /// Aim of each body.
         aims: Aims<N>,
-        /// How much and with which rate.
+        /// Strength and rate term.
         settings: Compensation,
     },
-    /// World Space Error, fed to accelerations of the bodies instead of those of their joints: a body's error
-    /// in the world then does not depend on its ancestors', see
-    /// [`resolved_acceleration`](crate::dynamics::resolved_acceleration). Only with inverse dynamics.
+    /// World Space Error that commands accelerations of bodies instead of joints. A body's world error then does not
+    /// depend on its ancestors' errors, see [`resolved_acceleration`](crate::dynamics::resolved_acceleration). Only
+    /// with inverse dynamics.
     ResolvedAcceleration {
-        /// What counts where not every body can have its acceleration.
+        /// Weights of the bodies, for when not every body can reach its acceleration.
         weights: BodyWeights<N>,
     },
 }

@@ -1,9 +1,9 @@
-//! World Space Error.
+//! World Space Error: the error of each body in the world.
 
 use super::StateError;
 use crate::state::BodyState;
 
-/// Error of each body's world state, in world axes: eq. (4) of Notman et al. (2011). O(n).
+/// Computes the error of each body's world state, in world axes: eq. (4) of Notman et al. (2011). O(n).
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3, state_error::{StateError, world}};

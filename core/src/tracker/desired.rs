@@ -1,4 +1,4 @@
-//! The desired side: from frames to targets.
+//! The desired side: converts frames to targets.
 
 use core::mem;
 
@@ -18,46 +18,47 @@ use super::error::{InputError, TrackerError, check_count};
 use super::frames::{Frame, FrameSource};
 use super::names::{DesiredVelocity, Differences};
 
-/// Frames that differences need to know before the next one tells a target: two are what is differenced, and the
-/// projection goes on from one more.
+/// Number of frames that must precede a frame before that frame gives a target: differences need two, and the
+/// projection starts from one more.
 const LEAD: u8 = 3;
 
-/// What frames are. Of coordinates nothing is remembered.
+/// Kind of the source's frames. For coordinates no frame is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Poses,
     Coordinates,
 }
 
-/// Takes frames as the rig can perform them, and their differences.
+/// The desired side of a tracker: it projects frames onto the rig and computes targets from their differences.
 #[derive(Debug)]
 pub(super) struct Desired<const N: usize> {
     differences: Differences,
     velocity: DesiredVelocity,
     dt_s: f32,
-    /// How many frames the targets are ahead of the tick: at the state that its torques meet.
+    /// Number of frames by which the targets are ahead of the tick: they are for the time when the tick's torques
+    /// act.
     latency: i32,
     projection: Option<ManifoldProjection<N>>,
     projected: ProjectionWorkspace<N>,
-    /// Remembers frames by itself, and is used alone where the velocities are those of bodies.
+    /// Stores frames itself. When velocities are those of bodies, it is used instead of `window`.
     of_bodies: ForwardDifferences<N>,
-    /// Whether the steps in `of_bodies` are those that the next three frames begin with, for aligned differences: they
-    /// are not used beside those of bodies, and boards have no RAM for both.
+    /// Whether the steps in `of_bodies` belong to the next three frames, for aligned differences. The storage is
+    /// shared, because bodies' and aligned differences are never used together, and boards lack the RAM for both.
     steps_known: bool,
-    /// The joints' poses in the last three frames, from the slot `oldest` on.
+    /// Poses of the joints in the last three frames, oldest in slot `oldest`.
     window: [[Transform; N]; 3],
     oldest: usize,
-    /// What the source's frames are; none before the beginning.
+    /// Kind of the source's frames; `None` before the start.
     kind: Option<Kind>,
-    /// The number of the last frame that was taken; none before the first.
+    /// Number of the last accepted frame; `None` before the first.
     newest: Option<i32>,
-    /// How many frames that follow each other are known, up to [`LEAD`].
+    /// Number of consecutive frames that are known, up to [`LEAD`].
     known: u8,
     targets: JointTargets<N>,
 }
 
 impl<const N: usize> Desired<N> {
-    /// Creates the desired side of an empty tree.
+    /// Creates the desired side for an empty tree.
     #[inline(never)]
     pub(super) fn uninit() -> Self {
         Self {
@@ -94,7 +95,7 @@ impl<const N: usize> Desired<N> {
         self.targets = JointTargets::rest(tree);
     }
 
-    /// Sets the projection of poses, or none.
+    /// Sets the projection of poses, or removes it.
     pub(super) fn set_projection(&mut self, projection: Option<ManifoldProjection<N>>) {
         self.projection = projection;
     }
@@ -107,7 +108,7 @@ impl<const N: usize> Desired<N> {
         &mut self.targets
     }
 
-    /// Puts another projection in the place of the one there is.
+    /// Replaces the projection, which must exist.
     pub(super) fn replace_projection(
         &mut self,
         replace: impl FnOnce(&ManifoldProjection<N>) -> Result<ManifoldProjection<N>, ProjectionError>,
@@ -117,22 +118,23 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
-    /// Whether the velocities are those of bodies by forward differences.
+    /// Returns `true` if velocities are forward differences of bodies.
     fn differences_bodies(&self) -> bool {
         self.differences == Differences::Forward && self.velocity == DesiredVelocity::Bodies
     }
 
-    /// The frame that the torques of a tick meet.
+    /// Returns the frame for the time when the torques of a tick act.
     fn met_by(&self, index: i32) -> i32 {
         index.saturating_add(self.latency)
     }
 
-    /// The farthest frame that differences for it need.
+    /// Returns the latest frame that the differences for a tick need.
     fn newest_of(&self, index: i32) -> i32 {
         self.met_by(index).saturating_add(self.differences.frames_ahead())
     }
 
-    /// Begins a performance at tick `index`: nothing is left of the one before, and its frames may be of either kind.
+    /// Starts a performance at tick `index`. The previous performance is forgotten, and the new frames may be of
+    /// either kind.
     pub(super) fn begin(
         &mut self,
         tree: &Tree<N>,
@@ -160,8 +162,8 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
-    /// Takes a frame that tells no target yet.
-    // Not within its callers, whose frame on the stack every tick would pay for.
+    /// Accepts a frame that gives no target yet.
+    // Never inlined: otherwise every tick would pay for its stack frame.
     #[inline(never)]
     fn lead(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         if self.differences_bodies() {
@@ -180,8 +182,8 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
-    /// The targets of tick `index`. Each tick takes one frame. After a jump the first [`LEAD`] of them tell no target
-    /// yet: meanwhile the targets go on as they were, at constant velocities.
+    /// Computes the targets of tick `index`. Each tick reads one frame. After a jump the first [`LEAD`] frames give
+    /// no target yet: until then the targets continue at constant velocities.
     pub(super) fn follow(
         &mut self,
         tree: &Tree<N>,
@@ -198,7 +200,7 @@ impl<const N: usize> Desired<N> {
             return self.take_exactly(tree, frames.frame(self.met_by(index)));
         }
         let newest = self.newest_of(index);
-        // A frame that is refused is a jump, too.
+        // A refused frame counts as a jump, too.
         if self.newest.take().and_then(|newest| newest.checked_add(1)) != Some(newest) {
             self.known = 0;
         }
@@ -221,14 +223,14 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
-    /// The targets that a frame of coordinates tells.
+    /// Sets the targets from a frame of coordinates.
     #[inline(never)]
     fn take_exactly(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         let Frame::Coordinates { q, qd, qdd } = frame else { return Err(InputError::Kind) };
         Ok(self.targets.set_coordinates(tree, q, qd, qdd)?)
     }
 
-    /// The targets where the window's frames are differenced.
+    /// Computes the targets by differences of the frames in the window.
     #[inline(never)]
     fn difference(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         self.take_in(tree, frame)?;
@@ -250,8 +252,8 @@ impl<const N: usize> Desired<N> {
         }?)
     }
 
-    /// The same with velocities that are no forward differences in the place of those.
-    // Apart, since boards have no use for it: not on the stack of their ticks.
+    /// Computes the targets like `difference`, but with velocities that are zero or backward differences.
+    // Never inlined: boards do not use it, and their ticks should not pay for its stack.
     #[inline(never)]
     fn difference_at_rest_or_backward(
         &mut self,
@@ -269,8 +271,8 @@ impl<const N: usize> Desired<N> {
         Ok(())
     }
 
-    /// Velocities of the joints, in body axes, that go with backward differences of the bodies' world poses. Before the
-    /// next frame is taken the window begins one before the tick's.
+    /// Returns the velocities of the joints, in body axes, from backward differences of the bodies' world poses. At
+    /// this point, before the next frame is accepted, the window starts with the frame before the tick's.
     fn backward(&self, tree: &Tree<N>) -> Result<[Twist; N], StateInputError> {
         let rate_hz = rate(self.dt_s)?;
         let [before, now, _] = in_order(&self.window, self.oldest);
@@ -298,7 +300,7 @@ impl<const N: usize> Desired<N> {
         Ok(velocities)
     }
 
-    /// Puts a frame into the window, as the rig can perform it, in the place of the oldest.
+    /// Stores a frame, projected onto the rig if there is a projection, in place of the oldest frame of the window.
     fn take_in(&mut self, tree: &Tree<N>, frame: Frame<'_>) -> Result<(), InputError> {
         let [a, b, c] = &mut self.window;
         let (slot, next) = match self.oldest {
@@ -317,7 +319,7 @@ impl<const N: usize> Desired<N> {
     }
 }
 
-/// The frames of a window, from its oldest on.
+/// Returns the frames of a window, oldest first.
 fn in_order<T>([a, b, c]: &[T; 3], oldest: usize) -> [&T; 3] {
     match oldest {
         0 => [a, b, c],
@@ -326,7 +328,7 @@ fn in_order<T>([a, b, c]: &[T; 3], oldest: usize) -> [&T; 3] {
     }
 }
 
-/// A frame's poses, by joint.
+/// Returns a frame's poses, by joint.
 fn joints_of<'f, const N: usize>(
     frame: Frame<'f>,
     tree: &Tree<N>,
@@ -336,7 +338,7 @@ fn joints_of<'f, const N: usize>(
     Ok(poses)
 }
 
-/// A frame as the rig can perform it: itself, or projected on the rig's own poses in `slot`.
+/// Returns a frame in a form that the rig can perform: unchanged, or projected onto the rig's own poses in `slot`.
 fn performed<'f, const N: usize>(
     (projection, workspace): (&Option<ManifoldProjection<N>>, &mut ProjectionWorkspace<N>),
     tree: &Tree<N>,

@@ -1,4 +1,4 @@
-//! Why there is no tracker, or no torques.
+//! Errors of a tracker: in its settings, and in the inputs of a tick.
 
 use core::fmt;
 
@@ -11,29 +11,29 @@ use crate::projection::ProjectionError;
 use crate::state::StateInputError;
 use crate::state_error::ReferencesError;
 
-/// Why a frame or a reading was refused.
+/// An error in a frame or a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum InputError {
-    /// There must be one pose for each joint.
+    /// The number of poses is not the number of joints.
     Count {
         /// Number of joints.
         expected: usize,
         /// Number of poses.
         found: usize,
     },
-    /// A pose.
+    /// A pose is invalid.
     Pose(StateInputError),
-    /// A pose that the projection cannot take.
+    /// The projection refused a pose.
     Projection(ProjectionError),
-    /// Coordinates.
+    /// The coordinates are invalid.
     Coordinates(CoordinatesError),
-    /// A frame is of another kind than those that the tracker began with.
+    /// A frame is of another kind than the first frames.
     Kind,
 }
 
-/// Refuses poses that are not one for each joint.
+/// Refuses poses unless there is exactly one for each joint.
 pub(super) fn check_count(expected: usize, found: usize) -> Result<(), InputError> {
     if found == expected { Ok(()) } else { Err(InputError::Count { expected, found }) }
 }
@@ -74,7 +74,7 @@ impl fmt::Display for InputError {
 
 impl core::error::Error for InputError {}
 
-/// Why a tick has no torques.
+/// An error because of which a tick has no torques.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -96,36 +96,36 @@ impl fmt::Display for StepError {
 
 impl core::error::Error for StepError {}
 
-/// Why a setting cannot be.
+/// An error in the settings of a tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SettingError {
-    /// An observer of accelerations for a law that commands none.
+    /// An observer of accelerations is combined with a law that commands none.
     ObserverWithoutDynamics,
-    /// Gains of joints for a law that knows their inertia itself.
+    /// Gains per joint are combined with a law that already includes the joints' inertia.
     GainsWithoutPd,
-    /// Gains of a period for a law that has no unit of inertia.
+    /// Implicit gains are combined with a law whose gains are not per unit of inertia.
     ImplicitWithoutInertia,
-    /// A value that [`MethodName::Recommended`](super::MethodName::Recommended) has of its own.
+    /// A value that [`MethodName::Recommended`](super::MethodName::Recommended) fixes was set to another value.
     Fixed {
-        /// The key, dotted.
+        /// Key of the setting, with dots between its parts.
         key: &'static str,
     },
-    /// A body that the rig does not have.
+    /// The rig has no body with this index.
     Reference {
-        /// Its number.
+        /// Index of the body.
         body: usize,
         /// Number of bodies.
         bodies: usize,
     },
-    /// A value out of its range.
+    /// A value is out of its range.
     Value {
-        /// The key, dotted.
+        /// Key of the setting, with dots between its parts.
         key: &'static str,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// The invalid value.
         value: f32,
     },
 }
@@ -134,7 +134,8 @@ impl fmt::Display for SettingError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ObserverWithoutDynamics => f.write_str(
-                "law: expected \"inverse_dynamics\" with an observer, which the method \"recommended\" has too; found \"pd\"",
+                "law: expected \"inverse_dynamics\" with an observer, such as that of the method \"recommended\"; \
+                 found \"pd\"",
             ),
             Self::GainsWithoutPd => {
                 f.write_str("gains: expected \"uniform\"; other gains need law = \"pd\"")
@@ -158,42 +159,42 @@ impl fmt::Display for SettingError {
 
 impl core::error::Error for SettingError {}
 
-/// Why a tracker cannot be made.
+/// An error in the settings of a tracker, or in their combination with a rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum TrackerError {
-    /// A setting cannot be.
+    /// A setting is invalid.
     Setting(SettingError),
-    /// The gains cannot be used.
+    /// The gains are invalid.
     Gains(GainsError),
-    /// The bodies that others are seen from cannot be.
+    /// The reference bodies of the accumulated error are invalid.
     References(ReferencesError),
-    /// The controller.
+    /// The controller refused its settings.
     Controller(ControllerError),
-    /// The projection.
+    /// The projection refused its settings.
     Projection(ProjectionError),
-    /// The observer.
+    /// The observer refused its settings.
     Observer(ObserverError),
-    /// The rig's rest pose cannot be weighed.
+    /// The rig's rest pose is invalid, so its joints have no importance.
     RestPose(RestPoseError),
-    /// The rig's joints have no importance.
+    /// The importance of the rig's joints is invalid.
     Importance(ImportanceError),
-    /// Ranges or weights for a method without a projection.
+    /// Ranges or weights were set for a method without a projection.
     NoProjection,
-    /// The supply was made of another rig.
+    /// The supply was made for another rig.
     SupplyJoints {
         /// Number of the rig's joints.
         expected: usize,
         /// Number of the supply's joints.
         found: usize,
     },
-    /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) has no use for, or lacks them.
+    /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) does not use, or lacks required
+    /// weights.
     SupplyWeights,
-    /// There is not a rest zone for each joint, or one is not a finite number from 0.
+    /// The number of rest zones is not the number of joints, or a zone is not a finite number, zero or more.
     Rest,
-    /// With the method `recommended`, the latency and the tick together take longer than
-    /// [`MAX_DELAY_S`](super::MAX_DELAY_S).
+    /// With the method `recommended`, the latency plus the tick exceed [`MAX_DELAY_S`](super::MAX_DELAY_S).
     TooLate,
 }
 
@@ -236,13 +237,14 @@ impl fmt::Display for TrackerError {
                 write!(f, "the supply is of a rig of {found} joints, this one has {expected}")
             }
             Self::SupplyWeights => f.write_str(
-                "the supply must have weights with sharing = \"importance\", and none with another",
+                "the supply must have weights if sharing = \"importance\", and no weights otherwise",
             ),
             Self::Rest => f.write_str(
                 "there must be a rest zone for each joint, each a finite number from 0",
             ),
             Self::TooLate => f.write_str(
-                "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: more ticks a second, or another method",
+                "with method = \"recommended\" the latency and the tick together must not take longer than 10 ms: \
+                 choose a higher rate, or another method",
             ),
         }
     }

@@ -1,4 +1,4 @@
-//! The measured side: from readings to the state that torques meet.
+//! The measured side: estimates the state at the time when the torques act from the readings.
 
 use crate::control::Limited;
 use crate::joint_states::JointStates;
@@ -11,24 +11,24 @@ use crate::tree::Tree;
 use super::error::{InputError, check_count};
 use super::frames::Measured;
 
-/// The state of the rig: backward differences of readings, or an observer's, which begins with them.
+/// The state of the rig: backward differences of readings, or an observer, which starts from them.
 #[derive(Debug)]
 pub(super) struct Estimate<const N: usize, const D: usize> {
     dt_s: f32,
-    /// The last reading that was accepted, with speeds by differences or as measured.
+    /// Last accepted reading, with speeds by differences or as measured.
     differenced: JointStates<N>,
-    /// Ticks since the last reading that was accepted; zero before any was.
+    /// Ticks since the last accepted reading; zero before the first.
     age_ticks: u16,
     observer: Observer<N, D>,
-    /// Whether the observer is used at all.
+    /// Whether the settings include an observer.
     observes: bool,
-    /// Whether the observer is used, and knows the last reading and the command that followed.
+    /// Whether the observer is used, and has the last reading and the command that followed.
     observing: bool,
     cancel: bool,
 }
 
 impl<const N: usize, const D: usize> Estimate<N, D> {
-    /// Creates an estimate of no bodies, for [`init`](Self::init).
+    /// Creates an estimate for an empty tree, to be filled by [`init`](Self::init).
     pub(super) fn uninit() -> Self {
         Self {
             dt_s: 0.0,
@@ -41,7 +41,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         }
     }
 
-    /// Initializes in place for a rig, before any reading; on an error nothing is changed.
+    /// Initializes in place for a rig, before any reading. On an error nothing changes.
     #[inline(never)]
     pub(super) fn init(
         &mut self,
@@ -62,8 +62,8 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(())
     }
 
-    /// Takes a reading, one tick before the next; of a rig at rest, if it has no speeds. Nothing is left of what was
-    /// estimated before.
+    /// Accepts a first reading, a tick before the next reading. If it has no speeds, the rig counts as at rest. All
+    /// earlier estimates are forgotten.
     pub(super) fn begin(
         &mut self,
         tree: &Tree<N>,
@@ -86,22 +86,22 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(())
     }
 
-    /// Notes that ticks were left out: the next difference is over their time too.
+    /// Records that ticks were skipped: the next difference includes their time.
     pub(super) fn skip(&mut self, ticks: u16) {
         if self.age_ticks > 0 {
             self.age_ticks = self.age_ticks.saturating_add(ticks);
         }
     }
 
-    /// Takes the reading of a tick. The first one counts as at rest, if it has no speeds: where the rig stood before is
-    /// not known.
+    /// Accepts the reading of a tick. If the first reading has no speeds, the rig counts as at rest, because its
+    /// previous position is unknown.
     pub(super) fn observe(
         &mut self,
         tree: &Tree<N>,
         measured: Measured<'_>,
     ) -> Result<(), InputError> {
         let age_ticks = self.age_ticks;
-        // Ages before the reading is looked at: one that is refused has taken its tick all the same.
+        // The age grows before the reading is checked: a refused reading also takes its tick.
         self.skip(1);
         match measured {
             Measured::Poses(poses) => {
@@ -117,7 +117,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(())
     }
 
-    /// The time since a reading of that age.
+    /// Returns the time since a reading of that age, s.
     fn elapsed_s(&self, age_ticks: u16) -> f32 {
         self.dt_s * f32::from(age_ticks)
     }
@@ -129,11 +129,11 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         age_ticks: u16,
     ) -> Result<(), StateInputError> {
         if self.observing && age_ticks == 1 {
-            // In case that the next reading is refused. Its speeds are the observer's to know.
+            // Stored in case the next reading is refused. The observer has the speeds.
             self.differenced.set_at_rest(poses)?;
             return self.observer.observe_checked(tree, poses);
         }
-        // Commands in between are not known: after a gap the observer begins anew from differences.
+        // The commands in a gap are unknown: after it the observer restarts from differences.
         match age_ticks {
             0 => self.differenced.set_at_rest(poses)?,
             _ => self.differenced.update_poses(poses, self.elapsed_s(age_ticks))?,
@@ -142,7 +142,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(())
     }
 
-    // Not within its caller, whose frame on the stack rigs without coordinates would pay for.
+    // Never inlined: otherwise rigs without coordinates would pay for its stack frame.
     #[inline(never)]
     fn observe_coordinates(
         &mut self,
@@ -156,7 +156,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         match (qd, age_ticks) {
             (Some(qd), _) => self.differenced.set_coordinates(tree, q, qd)?,
             (None, 0) => self.differenced.set_coordinates_at_rest(tree, q)?,
-            // Its speeds are the observer's to know.
+            // The observer has the speeds.
             (None, _) if observing => self.differenced.set_coordinates_at_rest(tree, q)?,
             (None, _) => self.differenced.update_coordinates(tree, q, elapsed_s)?,
         }
@@ -172,7 +172,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         Ok(())
     }
 
-    /// Lets the observer, if there is one, begin anew from what was read.
+    /// Restarts the observer, if there is one, from the last reading.
     fn restart(&mut self) {
         if self.observes {
             self.observer.restart(&self.differenced);
@@ -180,29 +180,29 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         }
     }
 
-    /// Notes that nothing was commanded in this tick: the observer begins anew.
+    /// Records that nothing was commanded in this tick: the observer restarts.
     pub(super) fn interrupt(&mut self) {
         self.observing = false;
     }
 
-    /// The state that torques of this tick meet, as far as it is known.
+    /// Returns the estimated state at the time when the torques of this tick act.
     pub(super) fn states(&self) -> &JointStates<N> {
         if self.observes { self.observer.states() } else { &self.differenced }
     }
 
-    /// The observer, whether it is used or not.
+    /// Returns the observer, even if it is unused.
     pub(super) fn observer_mut(&mut self) -> &mut Observer<N, D> {
         &mut self.observer
     }
 
-    /// Takes off the targets what the observer has learnt of disturbances, if it is to.
+    /// Subtracts the learnt disturbances from the targets, if that is enabled.
     pub(super) fn compensate(&self, targets: &mut JointTargets<N>) {
         if self.observes && self.cancel {
             self.observer.compensate(targets);
         }
     }
 
-    /// Notes what the joints were commanded.
+    /// Records the commands to the joints.
     pub(super) fn commanded(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         if self.observes {
             self.observer.record_commands(commands, torques);

@@ -1,44 +1,44 @@
-//! Where frames come from.
+//! Frames of a performance, readings of sensors, and the source of frames.
 
 use crate::transform::Transform;
 
-/// One frame of a performance: where the rig should be at an instant.
+/// A frame of a performance: the desired pose of the rig at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Frame<'a> {
-    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure: a
-    /// projection finds the rig's own pose. Velocities and accelerations are differences of frames.
+    /// Poses of all joints, each in its parent's frame, in metres. The dimensions may be those of another figure; a
+    /// projection then finds the rig's own pose. Velocities and accelerations are differences of frames.
     Poses(&'a [Transform]),
-    /// The rig's own coordinates with their exact derivatives, as [`coordinates`](crate::coordinates) has them. They
-    /// need neither projection nor differences, and nothing keeps them within the joints' ranges.
+    /// The rig's own coordinates with their exact derivatives, as defined in [`coordinates`](crate::coordinates).
+    /// They need neither projection nor differences, and are not limited to the joints' ranges.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
-        /// Speeds along the degrees of freedom, nv numbers.
+        /// Speeds by dof, nv numbers.
         qd: &'a [f32],
-        /// Accelerations along the degrees of freedom, nv numbers.
+        /// Accelerations by dof, nv numbers.
         qdd: &'a [f32],
     },
 }
 
-/// What the sensors of the joints measured in a tick.
+/// The measurement of the joints' sensors in a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Measured<'a> {
     /// Poses of all joints, each in its parent's frame. Velocities are backward differences.
     Poses(&'a [Transform]),
-    /// Positions alone, as [`coordinates`](crate::coordinates) has them: of encoders that measure no speeds. Speeds are
-    /// backward differences.
+    /// Positions alone, as defined in [`coordinates`](crate::coordinates): for encoders that measure no speeds.
+    /// Speeds are backward differences.
     Positions {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
     },
-    /// Positions and speeds, as [`coordinates`](crate::coordinates) has them. An observer estimates the speeds itself;
-    /// it uses these only to start.
+    /// Positions and speeds, as defined in [`coordinates`](crate::coordinates). An observer estimates the speeds
+    /// itself; it uses the measured speeds only to start.
     Coordinates {
         /// Positions of the joints, nq numbers.
         q: &'a [f32],
-        /// Speeds along the degrees of freedom, nv numbers.
+        /// Speeds by dof, nv numbers.
         qd: &'a [f32],
     },
 }
@@ -55,10 +55,10 @@ impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
     }
 }
 
-/// Where frames come from: a baked show, a clip, a live stream, a pose that is held.
+/// A source of frames, such as a baked show, a clip, a live stream, or a held pose.
 ///
-/// A [`Tracker`](super::Tracker) asks for frames by number and never knows how they are stored. All frames of a source
-/// are of one kind; before a source of the other kind, [`begin`](super::Tracker::begin) anew.
+/// A [`Tracker`](super::Tracker) asks for frames by number and is independent of their storage. All frames of a
+/// source are of one kind; before a source of the other kind, call [`begin`](super::Tracker::begin) again.
 ///
 /// ```
 /// use sinew_core::Transform;
@@ -74,12 +74,12 @@ impl<'a, const K: usize> From<&'a [Transform; K]> for Measured<'a> {
 /// # assert_eq!(Hold([Transform::IDENTITY]).frame(3), Frame::Poses(&[Transform::IDENTITY]));
 /// ```
 pub trait FrameSource {
-    /// The frame of that number. Negative ones lie before the performance: see [`extrapolate_before_start`]. Beyond the
-    /// end, the last one is held.
+    /// Returns the frame with this number. Negative numbers are before the performance: see
+    /// [`extrapolate_before_start`]. Beyond the end, the last frame is held.
     fn frame(&mut self, index: i32) -> Frame<'_>;
 
-    /// Whether all frames are [`Frame::Coordinates`]. A source that says so at compile time leaves all that poses need,
-    /// projection and differences, out of a board's image.
+    /// Returns `true` if all frames are [`Frame::Coordinates`]. If the compiler can evaluate it to `true`, a board's
+    /// image contains no code for poses: neither projection nor differences.
     #[inline]
     fn has_coordinates_alone(&self) -> bool {
         false
@@ -105,7 +105,7 @@ impl<S: FrameSource + ?Sized> FrameSource for &mut S {
 /// assert_eq!(extrapolate_before_start(&first, &second, 2).translation_m.x, -3.0);
 /// ```
 pub fn extrapolate_before_start(first: &Transform, second: &Transform, frames: u32) -> Transform {
-    // Few: as many as differences look back, and latencies are long.
+    // A small number: differences look back a few frames, and latencies are short.
     #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let frames = frames as f32;
     crate::trajectory::interpolate(first, second, -frames)

@@ -1,4 +1,4 @@
-//! From frames and readings to torques in one call: the whole composition, the same on boards and in simulators.
+//! Converts frames and readings to torques in one call: the complete pipeline, identical on boards and in simulators.
 //!
 //! ```text
 //! frames ── (manifold projection) ── differences ───────┐
@@ -46,13 +46,32 @@ pub use settings::{
 };
 pub use timing::{MAX_DELAY_S, Timing};
 
-/// Tracks a performance with a rig of up to `N` bodies: frames and readings in, limited torques out, one call a tick.
-///
-/// `D`: one more than the longest latency in ticks. `R`: `N` for resolved acceleration, else 0. All memory is in here:
-/// put it in a static.
+/// A [`Tracker`] of a rig of up to `N` bodies: latency of up to 7 ticks, all methods but resolved acceleration.
 ///
 /// ```
-/// use sinew_core::tracker::{Frame, FrameSource, Settings, Timing, Tracker};
+/// use sinew_core::tracker::{RigTracker, Settings, Timing};
+/// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
+/// let link = Inertia::of_box(0.2, Vec3::Y * 0.05, Vec3::new(0.04, 0.1, 0.04));
+/// let head = Tree::<1>::from_bodies(&[Body::revolute(None, Vec3::X, Vec3::ZERO, link)])?;
+/// let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
+/// let tracker = RigTracker::new(head, &Settings::default(), timing)?;
+/// assert_eq!(tracker.controller().tree().len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub type RigTracker<const N: usize> = Tracker<N, 8>;
+
+/// A [`Tracker`] with room for resolved acceleration, 132 bytes for each body of the capacity `N`, and for latencies of
+/// up to `D` - 1 ticks. [`Tracker::with_workspace`] creates it with [`Workspace::resolving`].
+pub type ResolvedTracker<const N: usize, const D: usize = 8> = Tracker<N, D, N>;
+
+/// A tracker, with which a rig of up to `N` bodies follows a performance: frames and readings in, limited torques out,
+/// one call per tick.
+///
+/// Most programs need [`RigTracker`], which has no parameter but `N`. `D`: maximum latency in ticks, plus one. `R`: `N`
+/// for resolved acceleration, else 0. The value contains all its memory: store it in a static.
+///
+/// ```
+/// use sinew_core::tracker::{Frame, FrameSource, RigTracker, Settings, Timing};
 /// use sinew_core::{Body, Inertia, JointKind, RotationalInertia, Transform, Tree};
 /// use sinew_core::{glam::Vec3, math};
 /// let head = Body {
@@ -79,10 +98,10 @@ pub use timing::{MAX_DELAY_S, Timing};
 ///
 /// let timing = Timing { dt_s: 0.002, latency_ticks: 1 };
 /// let tree = Tree::<1>::from_bodies(&[head])?;
-/// let mut tracker = Tracker::<1, 8>::new(tree, &Settings::recommended(), timing)?;
+/// let mut tracker = RigTracker::new(tree, &Settings::recommended(), timing)?;
 /// let mut show = Shake([Transform::IDENTITY]);
 /// for tick in 0..100 {
-///     // What the sensors of the joints say goes in, and torques for their drives come out.
+///     // Input: readings of the joints' sensors. Output: torques for their drives.
 ///     let measured = [Transform::IDENTITY];
 ///     let mut efforts_nm = [0.0];
 ///     tracker.step(&mut show, tick, &measured)?.efforts(&mut efforts_nm)?;
@@ -103,10 +122,11 @@ pub struct Tracker<const N: usize, const D: usize = 1, const R: usize = 0> {
 }
 
 impl<const N: usize, const D: usize> Tracker<N, D> {
-    /// A tracker of a rig, for all methods but resolved acceleration. O(n).
+    /// Creates a tracker of a rig, for all methods except resolved acceleration. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if a setting or the timing cannot be, not on this rig, or the latency is longer than `D` - 1.
+    /// [`TrackerError`] if a setting or the timing is invalid, or invalid for this rig, or the latency is more than
+    /// `D - 1`.
     pub fn new(tree: Tree<N>, settings: &Settings, timing: Timing) -> Result<Self, TrackerError> {
         Self::with_workspace(tree, settings, timing, Workspace::new())
     }
@@ -116,7 +136,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Creates a tracker with a workspace: resolved acceleration needs [`Workspace::resolving`].
     ///
     /// # Errors
-    /// As [`Tracker::new`].
+    /// As in [`Tracker::new`].
     #[expect(clippy::needless_pass_by_value, reason = "a tracker has its own rig and workspace")]
     pub fn with_workspace(
         tree: Tree<N>,
@@ -129,8 +149,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(tracker)
     }
 
-    /// Creates a tracker of no bodies, which asks for nothing, for [`init`](Self::init) to fill in place. The value is
-    /// large: each move would take its size of stack.
+    /// Creates a tracker of an empty tree, to be filled in place by [`init`](Self::init). The value is large, and
+    /// each move would cost its size in stack.
     #[inline(never)]
     pub fn uninit() -> Self {
         Self {
@@ -144,10 +164,10 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
     }
 
-    /// Initializes in place: the result is that of [`Tracker::new`].
+    /// Initializes in place, with the result of [`Tracker::new`].
     ///
     /// # Errors
-    /// As [`Tracker::new`]: it must be initialized again then.
+    /// As in [`Tracker::new`]. After an error the tracker must be initialized again.
     #[inline(never)]
     pub fn init(
         &mut self,
@@ -161,11 +181,11 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(())
     }
 
-    /// Initializes in place for frames of the rig's own coordinates alone: they need no projection, so an image without
-    /// poses has none.
+    /// Initializes in place for frames of the rig's own coordinates only. They need no projection, so an image
+    /// without poses contains none.
     ///
     /// # Errors
-    /// As [`Tracker::new`]: it must be initialized again then.
+    /// As in [`Tracker::new`]. After an error the tracker must be initialized again.
     #[inline(never)]
     pub fn init_for_coordinates(
         &mut self,
@@ -180,7 +200,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
         settings.set_controller(&mut self.controller, tree, dt_s)?;
         let effective = settings.effective(dt_s);
-        // Who does not look ahead acts as if there were no latency.
+        // Without prediction, the tracker acts as if there were no latency.
         let latency_ticks = if effective.observer.predict { latency_ticks } else { 0 };
         let ahead = i32::try_from(latency_ticks).unwrap_or(i32::MAX);
         let differences = (effective.differences, effective.desired_velocity);
@@ -192,7 +212,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(())
     }
 
-    /// Sets the observer's bandwidth of each joint, rad/s; 0 for that of the settings. See
+    /// Sets the observer's bandwidth for each joint, rad/s; 0 selects the settings' bandwidth. See
     /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
@@ -201,16 +221,20 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
     }
 
-    /// Sets the rest zone of each joint: while its target is slower than [`STANDS_RAD_S`], an error of at most so many
-    /// rad (of slides, m) counts as none, and the observer learns nothing from it. 0 for none. Half the play of a
-    /// joint's gear and a step of its encoder is the radius within which its loop can only hunt. A joint with a zone
-    /// and a bandwidth of its own ([`Self::set_bandwidths`]) has 0.6 of it while it stands: within the play of a gear
-    /// a loop of the whole bandwidth can swing, and nothing is to be followed. It stands when it has been within four
-    /// radii of a target that stands for 0.3 s, and then learns nothing within one and a half radii. O(n).
+    /// Sets the radius of the rest zone of each joint, rad (for slides, m); 0 for no zone. O(n).
+    ///
+    /// While a joint's target is slower than [`STANDS_RAD_S`], an error within the zone counts as zero, and the
+    /// observer learns nothing from it. A suitable radius is half the play of the joint's gear plus a step of its
+    /// encoder: within it, the loop can only hunt.
+    ///
+    /// A joint stands when it has been within four radii of a constant target for 0.3 s. It then learns nothing
+    /// within one and a half radii. If it has its own bandwidth ([`Self::set_bandwidths`]), it uses 0.6 of it while
+    /// it stands: within the play of a gear, a loop with the full bandwidth can swing, and there is no motion to
+    /// follow.
     ///
     /// # Errors
-    /// [`TrackerError::Rest`], and nothing is changed, if there is not one for each joint, or one is not a finite
-    /// number from 0.
+    /// [`TrackerError::Rest`], and nothing changes, if the number of radii is not the number of joints, or a radius
+    /// is not a finite number, zero or more.
     pub fn set_rest(&mut self, radii: &[f32]) -> Result<(), TrackerError> {
         let fits = radii.len() == self.controller.tree().len();
         // Written so that NaN fails.
@@ -224,7 +248,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Sets a torque limit for each joint.
     ///
     /// # Errors
-    /// [`ControllerError`] as [`TorqueController::with_limits`].
+    /// [`ControllerError`] in the cases of [`TorqueController::with_limits`].
     pub fn with_limits(self, limits: &[TorqueLimit]) -> Result<Self, ControllerError> {
         Ok(Self { controller: self.controller.with_limits(limits)?, ..self })
     }
@@ -232,7 +256,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Sets gravity, in world axes, m/s². Default: 9.81 m/s² along -y.
     ///
     /// # Errors
-    /// [`ControllerError`] as [`TorqueController::with_gravity`].
+    /// [`ControllerError`] in the cases of [`TorqueController::with_gravity`].
     pub fn with_gravity(self, gravity_m_s2: glam::Vec3) -> Result<Self, ControllerError> {
         Ok(Self { controller: self.controller.with_gravity(gravity_m_s2)?, ..self })
     }
@@ -240,8 +264,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Sets the supply that all drives share, by the rule of [`Settings::sharing`].
     ///
     /// # Errors
-    /// [`TrackerError`] if the supply is of another number of joints, or has weights where
-    /// [`Sharing::Importance`] is not the rule, or has none where it is.
+    /// [`TrackerError`] if the supply is for another number of joints, has weights although the rule is not
+    /// [`Sharing::Importance`], or has no weights although it is.
     pub fn with_supply(self, supply: TorqueSupply<N>) -> Result<Self, TrackerError> {
         let (expected, found) = (self.controller.tree().len(), supply.joint_count());
         if found != expected {
@@ -253,11 +277,11 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Self { supply: Some(supply), ..self })
     }
 
-    /// Sets a range for each joint: the projection has no target outside of them.
+    /// Sets a range for each joint: the projection gives no target outside these ranges.
     ///
     /// # Errors
-    /// [`TrackerError`] if the method has no projection, there is not a range for each joint, or one does not fit its
-    /// joint.
+    /// [`TrackerError`] if the method has no projection, the number of ranges is not the number of joints, or a range
+    /// does not fit its joint.
     pub fn with_ranges(mut self, ranges: &[JointRange]) -> Result<Self, TrackerError> {
         let tree = self.controller.tree();
         self.desired
@@ -269,7 +293,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`BodyWeights::by_importance`](crate::projection::BodyWeights::by_importance).
     ///
     /// # Errors
-    /// [`TrackerError`] if the method has no projection, or the weights are not the rig's.
+    /// [`TrackerError`] if the method has no projection, or the weights do not fit the rig.
     pub fn with_weights(mut self, weights: &[BodyWeight]) -> Result<Self, TrackerError> {
         let tree = self.controller.tree();
         self.desired
@@ -277,14 +301,14 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(self)
     }
 
-    /// Begins as a new tracker would, with tick `index`: takes the frames that lead to those of the tick, and a
-    /// reading of one tick before it. If the reading has no speeds, it counts as that of a rig at rest.
+    /// Starts like a new tracker at tick `index`: reads the frames before those of the tick, and accepts a reading
+    /// from a tick earlier. If the reading has no speeds, the rig counts as at rest.
     ///
-    /// The first tick of all does this itself, from its own reading. It takes as long as some twenty ticks where the
-    /// projection has to find its first pose.
+    /// The first tick calls this itself, with its own reading. If the projection must find its first pose, the call
+    /// takes as long as about twenty ticks.
     ///
     /// # Errors
-    /// [`StepError`] if a frame or the reading is refused: begin again.
+    /// [`StepError`] if a frame or the reading is refused. Call it again.
     pub fn begin<'m>(
         &mut self,
         frames: &mut impl FrameSource,
@@ -297,14 +321,14 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         self.estimate.begin(tree, measured.into()).map_err(StepError::Measured)
     }
 
-    /// Begins another performance with tick `index` while the rig moves: takes the frames that lead to those of the
-    /// tick, and leaves what is known of the rig. The source may be of another kind than the one before.
+    /// Starts another performance at tick `index` while the rig moves: reads the frames before those of the tick, and
+    /// keeps the estimated state of the rig. The new source may be of another kind.
     ///
-    /// It takes as long as [`Self::begin`]. If ticks are left out meanwhile, [`Self::skip`] them. Targets jump to the
-    /// new performance: where they must not, let the source lead over.
+    /// The call takes as long as [`Self::begin`]. If ticks are missed meanwhile, call [`Self::skip`]. Targets jump to
+    /// the new performance; to avoid a jump, the source must blend.
     ///
     /// # Errors
-    /// [`StepError::Frame`] if a frame is refused: begin again.
+    /// [`StepError::Frame`] if a frame is refused. Call it again.
     pub fn begin_frames(
         &mut self,
         frames: &mut impl FrameSource,
@@ -313,26 +337,25 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         self.desired.begin(self.controller.tree(), frames, index).map_err(StepError::Frame)
     }
 
-    /// Tells that `ticks` were left out since the last call of [`Self::begin`] or [`Self::step`]: velocities are then
-    /// differences over the time that has passed, and an observer, which does not know what was commanded meanwhile,
-    /// starts anew from them. A call of [`Self::step`] that was refused is no tick left out.
+    /// Records that `ticks` were missed since the last call of [`Self::begin`] or [`Self::step`]. The next velocities
+    /// are then differences over the elapsed time, and an observer, which does not know the commands in between,
+    /// restarts from them. A refused call of [`Self::step`] does not count as missed.
     pub fn skip(&mut self, ticks: u16) {
         self.estimate.skip(ticks);
     }
 
-    /// One tick: torques for frame `index`, from what the joints' sensors measure now. O(n).
+    /// Computes the torques of a tick for frame `index`, from the present measurement of the joints' sensors. O(n).
     ///
-    /// Each tick takes one frame. Poses tell a target together with those before them: in the first three ticks after a
-    /// jump, such as over a tick that was left out or a frame that was refused, the targets go on as they were, at
-    /// constant velocities. So a rig that was late once is not late again. Who wants the new frames at once calls
-    /// [`Self::begin_frames`].
+    /// Each tick reads one frame. A target needs several consecutive frames of poses. In the first three ticks after
+    /// a jump (a missed tick or a refused frame), the targets therefore continue at constant velocities. A tick after
+    /// a jump thus takes no longer than others. To use the new frames at once, call [`Self::begin_frames`].
     ///
-    /// A tick that is refused has taken its time: the next goes on from differences over it. Ticks that are left out
-    /// must be told: see [`Self::skip`].
+    /// A refused tick counts in time: the next tick takes differences over it. For missed ticks, call [`Self::skip`].
     ///
     /// # Errors
-    /// [`StepError`] if a frame is refused, or a reading: not one for each joint, a pose that is not finite or whose
-    /// rotation is not unit. There are no torques then, and the servos must be held safe.
+    /// [`StepError`] if a frame or a reading is refused: the number of poses is not the number of joints, a pose is
+    /// not finite or its rotation is not unit. There are then no torques, and the servos must be kept in a safe
+    /// state.
     pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
@@ -341,7 +364,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     ) -> Result<Tick<'_, N, D, R>, StepError> {
         let tree = self.controller.tree();
         let of_frame = self.desired.follow(tree, frames, index);
-        // The reading is kept, whatever became of the frame.
+        // The reading is stored even if the frame was refused.
         self.estimate.observe(tree, measured.into()).map_err(StepError::Measured)?;
         if let Err(error) = of_frame {
             self.estimate.interrupt();
@@ -366,18 +389,19 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Tick { tracker: self })
     }
 
-    /// Notes that a dof swings: the measurement that follows from the last tick is observed with this share of its
-    /// joint's own bandwidth, 0 to 1. O(n).
+    /// Records that a dof swings: the next measurement is observed with this share, 0 to 1, of its joint's own
+    /// bandwidth. O(n).
     ///
-    /// The observer's path carries a swing through a soft gear; less of the feedback alone leaves it.
+    /// The observer is part of the loop that sustains a swing through a soft gear. Less feedback alone would not stop
+    /// it.
     pub fn note_swing(&mut self, dof: usize, share: f32) {
         if let Some(joint) = self.joint_of(dof) {
             self.estimate.observer_mut().note_share(joint, share);
         }
     }
 
-    /// Notes that the drive of a dof could not give all that the last tick asked for: from the measurement that
-    /// follows, no disturbance is learnt that would ask for more. O(n).
+    /// Records that the drive of a dof could not deliver the command of the last tick: from the next measurement, no
+    /// disturbance is learnt that would ask for more. O(n).
     pub fn note_limited(&mut self, dof: usize) {
         let Some(joint) = self.joint_of(dof) else { return };
         let bodies = self.controller.tree().bodies();
@@ -387,7 +411,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         }
     }
 
-    /// Returns the joint that has a dof.
+    /// Returns the joint that a dof belongs to.
     fn joint_of(&self, dof: usize) -> Option<usize> {
         let mut first = dof;
         self.controller.tree().bodies().iter().position(|body| {
@@ -398,68 +422,69 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         })
     }
 
-    /// The rig's controller.
+    /// Returns the rig's controller.
     pub fn controller(&self) -> &TorqueController<N> {
         &self.controller
     }
 
-    /// The targets of the last tick.
+    /// Returns the targets of the last tick.
     pub fn targets(&self) -> &JointTargets<N> {
         self.desired.targets()
     }
 
-    /// The state that the torques of the last tick go by: as measured, or with an observer that which they will meet.
+    /// Returns the state that the last tick used: as measured, or, with an observer, predicted for the time when the
+    /// torques act.
     pub fn states(&self) -> &JointStates<N> {
         self.estimate.states()
     }
 
-    /// What the last tick left: commands, torques.
+    /// Returns the results of the last tick: commands, torques.
     pub fn workspace(&self) -> &Workspace<N, R> {
         &self.workspace
     }
 
-    /// State errors of the last tick, see [`TorqueController::errors`].
+    /// Writes the state errors of the last tick, see [`TorqueController::errors`].
     pub fn errors(&mut self, out: &mut [StateError]) {
         let states = self.estimate.states();
         self.controller.errors(self.desired.targets_mut(), states, &mut self.workspace, out);
     }
 }
 
-/// What a tick asks for: there is none of a tick that was refused.
+/// The result of a tick. A refused tick has none.
 #[derive(Debug)]
 pub struct Tick<'t, const N: usize, const D: usize = 1, const R: usize = 0> {
     tracker: &'t mut Tracker<N, D, R>,
 }
 
 impl<const N: usize, const D: usize, const R: usize> Tick<'_, N, D, R> {
-    /// The wrench of each joint's drive, as [`TorqueController::tick`] gives it.
+    /// Returns the wrench of each joint's drive, as in [`TorqueController::tick`].
     pub fn torques(&self) -> &[Limited<Wrench>] {
         let count = self.tracker.controller.tree().len();
         self.tracker.workspace.torques().get(..count).unwrap_or_default()
     }
 
-    /// What the drives of the degrees of freedom are to give, N m or N: see [`Tree::efforts`]. O(n).
+    /// Writes the efforts that the drives must deliver, by dof, N m or N: see [`Tree::efforts`]. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    /// [`CoordinatesError::Count`] if the length of `out` is not the number of dofs.
     pub fn efforts(&self, out: &mut [f32]) -> Result<(), CoordinatesError> {
         let states = self.tracker.estimate.states().as_slice();
         self.tracker.controller.tree().efforts(states, self.torques(), out)
     }
 
-    /// What each degree of freedom is asked for: target, feed-forward and feedback effort, and what limited it. See
+    /// Writes the command for each dof: target, feed-forward and feedback effort, and the reason of a limit. See
     /// [`TorqueController::dof_commands`]. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError::Count`] if `out` has not one item for each degree of freedom.
+    /// [`CoordinatesError::Count`] if the length of `out` is not the number of dofs.
     pub fn dof_commands(&mut self, out: &mut [DofCommand]) -> Result<(), CoordinatesError> {
         let Tracker { controller, desired, estimate, workspace, .. } = &mut *self.tracker;
         controller.dof_commands(desired.targets(), estimate.states(), &[], workspace, out)
     }
 }
 
-/// Cuts what the last tick asked for to what there is.
-// Not within the tick, whose frame on the stack every rig would pay for.
+/// Reduces the torques of the last tick to the supply.
+// Never inlined into the tick: otherwise every rig would pay for its stack frame.
 #[inline(never)]
 fn share<const N: usize, const R: usize>(
     controller: &TorqueController<N>,

@@ -1,10 +1,10 @@
-//! The names of methods and settings, as files, options and tables have them: here and nowhere else.
+//! The names of methods and settings in files, options and tables, defined only in this module.
 
 use core::fmt;
 
 macro_rules! methods {
     ($($variant:ident = $name:literal, $label:literal, $summary:literal;)*) => {
-        /// A method of measuring the state error, or a setting with one.
+        /// A method of measuring the state error, or a complete setting that includes such a method.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[cfg_attr(feature = "defmt", derive(defmt::Format))]
         #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -17,24 +17,24 @@ macro_rules! methods {
         }
 
         impl MethodName {
-            /// Every one there is.
+            /// All methods.
             pub const EVERY: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-            /// The name in options and files.
+            /// Returns the name in options and files.
             pub const fn as_str(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)*
                 }
             }
 
-            /// The name in headings.
+            /// Returns the name in headings.
             pub const fn label(self) -> &'static str {
                 match self {
                     $(Self::$variant => $label,)*
                 }
             }
 
-            /// What it does, in a line.
+            /// Returns a one-line description.
             pub const fn summary(self) -> &'static str {
                 match self {
                     $(Self::$variant => $summary,)*
@@ -45,27 +45,27 @@ macro_rules! methods {
 }
 
 methods! {
-    Local = "local", "Local", "Local Space Error: every joint as its parent sees it";
+    Local = "local", "Local", "Local Space Error: every joint relative to its parent";
     World = "world", "World", "World Space Error";
     Egocentric = "egocentric", "Egocentric",
-        "Every body as the root sees it, the root as the world sees it";
+        "Every body relative to the root, the root relative to the world";
     Accumulated = "accumulated", "Accumulated",
-        "The descendants of `reference` as that body sees them, all others as the world does";
+        "Descendants of `reference` relative to that body, all others relative to the world";
     LinearCompensation = "linear_compensation", "Linear Compensation",
         "Linear Compensation Error: bodies turn so that their child reaches its goal";
     ManifoldProjection = "manifold_projection", "Manifold Projection",
-        "World Space Error of the rig's own pose that is nearest to the performance's";
+        "World Space Error with the rig's pose nearest to the performance as the goal";
     ResolvedAcceleration = "resolved_acceleration", "Resolved Acceleration",
-        "Joint accelerations that make every body's error in the world obey one law";
+        "Joint accelerations by which the world space errors of all bodies follow one law";
     Recommended = "recommended", "Recommended",
-        "For real rigs: manifold projection, aligned differences, implicit gains, an observer that looks ahead";
+        "For real rigs: manifold projection, aligned differences, implicit gains, an observer that predicts";
 }
 
 impl MethodName {
-    /// The paper's three, in its order.
+    /// The paper's three methods, in its order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
-    /// All that need no reference.
+    /// All methods that need no reference body.
     pub const ALL: [Self; 7] = [
         Self::Local,
         Self::World,
@@ -76,7 +76,7 @@ impl MethodName {
         Self::Recommended,
     ];
 
-    /// The method of that name.
+    /// Returns the method with this name.
     ///
     /// ```
     /// use sinew_core::tracker::MethodName;
@@ -94,7 +94,7 @@ impl fmt::Display for MethodName {
     }
 }
 
-/// How the weight of turns is shared among the bodies in the projection.
+/// The distribution of the projection's rotation weight among the bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -103,13 +103,13 @@ impl fmt::Display for MethodName {
     serde(rename_all = "snake_case")
 )]
 pub enum WeightsName {
-    /// All have the same.
+    /// All bodies have the same weight.
     Uniform,
-    /// By importance: the length of what hangs on a body's joint. The mean is `rotation_m`.
+    /// Weights by importance: the length of the bones beyond a body's joint. Their mean is `rotation_m`.
     Lengths,
 }
 
-/// Which frames desired velocities and accelerations are differences of.
+/// The frames whose differences give desired velocities and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -118,16 +118,17 @@ pub enum WeightsName {
     serde(rename_all = "snake_case")
 )]
 pub enum Differences {
-    /// This one and the next two: the paper's.
+    /// The current frame and the next two, as in the paper.
     Forward,
-    /// The one before, this one and the next, so that velocities are of the same instant as measured ones.
+    /// The frames before and after, and the current frame. Desired velocities are then for the same instant as
+    /// measured ones.
     Aligned,
-    /// This one and the two before: for a live stream, whose next frame is not known.
+    /// The current frame and the two before it: for a live stream, whose next frame is unknown.
     Live,
 }
 
 impl Differences {
-    /// How many frames they look ahead.
+    /// Returns the number of frames that the differences look ahead.
     pub(super) const fn frames_ahead(self) -> i32 {
         match self {
             Self::Forward => 2,
@@ -137,7 +138,7 @@ impl Differences {
     }
 }
 
-/// What a body of several children aims at.
+/// The aim of a body with several children.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -148,11 +149,11 @@ impl Differences {
 pub enum AimName {
     /// The child with the heaviest subtree.
     HeaviestChild,
-    /// All of them, by least squares.
+    /// All children, by least squares.
     AllChildren,
 }
 
-/// Where desired velocities come from, for forward differences.
+/// The source of desired velocities, with forward differences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -165,13 +166,13 @@ pub enum DesiredVelocity {
     Bodies,
     /// Forward differences of the joints' poses.
     Joints,
-    /// Backward differences of the bodies' world poses: of the same instant as the measured velocities.
+    /// Backward differences of the bodies' world poses: for the same instant as the measured velocities.
     Backward,
-    /// Omitted: every body is to stand still.
+    /// Zero: the desired velocity of every body is zero.
     Zero,
 }
 
-/// How joints share what their drives have together.
+/// The rule by which joints share a common supply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -180,20 +181,20 @@ pub enum DesiredVelocity {
     serde(rename_all = "snake_case")
 )]
 pub enum Sharing {
-    /// All torques are cut by the same factor.
+    /// All torques are reduced by the same factor.
     #[cfg_attr(feature = "serde", serde(rename = "alike"))]
     Uniform,
-    /// What is cut is least in squares, by the motion of the skin that it makes: the weights of the
+    /// The squared reductions are minimal, weighted by the skin motion they cause: the weights of the
     /// [`TorqueSupply`](crate::supply::TorqueSupply).
     Importance,
-    /// What carries the rig is left, and what accelerates it is cut by the same factor.
+    /// The torques that carry the rig are kept; those that accelerate it are reduced by the same factor.
     Accelerations,
 }
 
-/// What the gains of a PD controller are multiplied with, joint by joint.
+/// Factors of a PD controller's gains, joint by joint.
 ///
-/// The rule: a joint's gains are those of unit inertia (kp, and kd for critical damping) times the constant inertia
-/// that its drive works against in the rig's rest pose.
+/// A joint's gains are those of unit inertia (kp, and kd for critical damping) times the constant inertia that its
+/// drive works against in the rig's rest pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -202,15 +203,15 @@ pub enum Sharing {
     serde(rename_all = "snake_case")
 )]
 pub enum GainsName {
-    /// Nothing: all joints have the same.
+    /// No factor: all joints have the same gains.
     Uniform,
-    /// The inertia of all bodies beyond the joint, their joints held: the composite-rigid-body inertia.
+    /// The inertia of all bodies beyond the joint, with their joints held: the composite-rigid-body inertia.
     CompositeInertia,
-    /// The inertia of all bodies beyond the joint, their joints giving way: the articulated-body inertia.
+    /// The inertia of all bodies beyond the joint, with yielding joints: the articulated-body inertia.
     ArticulatedInertia,
 }
 
-/// The control law by the short name that settings have.
+/// Reads and writes the control law by its short name in settings.
 #[cfg(feature = "serde")]
 pub(super) mod law {
     use serde::{Deserialize as _, Deserializer, Serialize as _, Serializer};
@@ -224,7 +225,7 @@ pub(super) mod law {
         Pd,
     }
 
-    #[expect(clippy::trivially_copy_pass_by_ref, reason = "what serde asks for")]
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde requires this signature")]
     pub(in crate::tracker) fn serialize<S: Serializer>(
         law: &ControlLaw,
         to: S,

@@ -1,4 +1,4 @@
-//! Joints at rest: small errors of a target that stands are left alone.
+//! Rest zones of joints: small errors are ignored while the target is constant.
 
 use glam::Vec3;
 
@@ -10,38 +10,39 @@ use crate::observer::Stance;
 use crate::transform::Twist;
 use crate::tree::Tree;
 
-/// A target that is slower than this stands, rad/s; of slides this is in units of 0.1 m/s.
+/// Maximum speed of a target that counts as constant, rad/s; for slides in units of 0.1 m/s.
 pub const STANDS_RAD_S: f32 = 0.02;
-/// A joint that is faster than this does not rest yet, rad/s: it glides through its zone.
+/// Maximum speed of a joint at rest, rad/s. A faster joint only passes through its zone.
 const GLIDES_RAD_S: f32 = 0.2;
-/// Time in which a zone opens, s, and in which it closes.
+/// Time in which a zone opens, s.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
-/// A joint is near its target within so many radii of its zone. It swings through the play of a gear by less, also
-/// where that has twice the play that its model says; half of a joint's spare torque pushes it farther.
+/// Radius, in units of the zone's radius, within which a joint is near its target. Swinging through the play of a
+/// gear stays below it, even with twice the modelled play; half of a joint's spare torque pushes it farther.
 const NEAR: f32 = 4.0;
-/// A joint stands when it has been near for so long, s: until then one that was pushed comes back as fast as any.
+/// Time for which a joint must be near its target before it stands, s. Until then, a pushed joint returns at full
+/// speed.
 const SETTLES_S: f32 = 0.3;
-/// A joint that stands within so many radii of its target learns no more: beyond that, its model is wrong by more than
-/// gear and friction hide.
+/// Radius, in units of the zone's radius, within which a standing joint learns nothing. Farther off, its model error
+/// is larger than gear and friction can hide.
 const HELD: f32 = 1.5;
-/// A slide's speed counts as this many rad for a metre.
+/// Factor that converts a slide's speed to rad: 10 rad per m.
 const SLIDE_RAD_M: f32 = 10.0;
 
 /// The rest zones of all joints.
 ///
-/// An encoder behind a gear with play does not tell where in its play a joint is, and stiction holds a joint that is
-/// slightly off. A loop that corrects such an error hunts. So an error within a zone of half the play and a step of the
-/// encoder counts as none while the target stands, and the rest of a larger error is what lies beyond the zone. The
-/// zone opens and closes over several ticks: no command jumps.
+/// An encoder behind a gear with play does not show the joint's position within the play, and stiction holds a joint
+/// that is slightly off. A loop that corrects such an error hunts. While the target is constant, an error within a
+/// zone of half the play plus a step of the encoder therefore counts as zero; of a larger error, only the part beyond
+/// the zone counts. The zone opens and closes over several ticks, so that no command jumps.
 #[derive(Debug)]
 pub(super) struct Rest<const N: usize> {
     dt_s: f32,
-    /// By joint: radius of its zone, rad or m; 0 for none.
+    /// Radius of each joint's zone, rad or m; 0 for no zone.
     radii: [f32; N],
-    /// By joint: the share of its zone that is open.
+    /// Open share of each joint's zone, 0 to 1.
     open: [f32; N],
-    /// By joint: for so long it has been near a target that stands, s.
+    /// Time for which each joint has been near a constant target, s.
     near_s: [f32; N],
     stances: [Stance; N],
     is_set: bool,
@@ -68,14 +69,14 @@ impl<const N: usize> Rest<N> {
         self.is_set = false;
     }
 
-    /// Begins anew: all zones are closed.
+    /// Closes all zones, as at the start.
     pub(super) fn begin(&mut self) {
         self.open.fill(0.0);
         self.near_s.fill(0.0);
         self.stances.fill(Stance::Moves);
     }
 
-    /// Sets the radius of each joint's zone.
+    /// Sets the radius of each joint's zone, rad or m.
     pub(super) fn set(&mut self, radii: &[f32]) {
         self.begin();
         self.radii.fill(0.0);
@@ -83,14 +84,14 @@ impl<const N: usize> Rest<N> {
         self.is_set = true;
     }
 
-    /// Returns the stance of each joint in the last tick; nothing where no zones are set.
+    /// Returns the stance of each joint in the last tick; empty if no zones are set.
     pub(super) fn stances(&self) -> &[Stance] {
         if self.is_set { &self.stances } else { &[] }
     }
 
-    /// Takes off the targets' accelerations what the gains make of the errors within the zones. O(n).
+    /// Subtracts, from the targets' accelerations, the gains' response to the errors within the zones. O(n).
     ///
-    /// The targets' poses stay: drives and reports see the whole error.
+    /// The targets' poses are unchanged: drives and reports see the whole error.
     #[inline(never)]
     pub(super) fn apply(
         &mut self,
@@ -131,8 +132,8 @@ impl<const N: usize> Rest<N> {
                 let way = target.pose.translation_m - state.pose.translation_m;
                 target.pose.rotation.conjugate() * way
             } else {
-                // The chord, whose direction is that of the arc, and whose length is that of the arc but for a part of
-                // its square over 24: of a zone of 0.1 rad a part of 0.0004.
+                // The chord has the direction of the arc, and its length up to a relative error of the squared angle
+                // divided by 24: 0.0004 for a zone of 0.1 rad.
                 let turn = math::turn_in_body(state.pose.rotation, target.pose.rotation);
                 let chord = Vec3::new(turn.x, turn.y, turn.z) * 2.0;
                 if turn.w < 0.0 { -chord } else { chord }
@@ -173,7 +174,7 @@ mod tests {
     const INERTIA_KG_M2: f32 = 0.01;
     const ZONE_RAD: f32 = 0.005;
 
-    /// A hinge's target, and its speed.
+    /// Target position and speed of a revolute joint.
     struct Target([f32; 1], [f32; 1]);
 
     impl FrameSource for Target {
@@ -182,7 +183,7 @@ mod tests {
         }
     }
 
-    /// A tracker of a wheel about the vertical, without an observer.
+    /// Returns a tracker of a wheel about the vertical, without an observer.
     fn tracker() -> Tracker<1> {
         let wheel = Body {
             parent: None,
@@ -235,7 +236,7 @@ mod tests {
         for _ in 0..100 {
             effort_nm(&mut tracker, &mut target, 0.0);
         }
-        // Of its speed, the first tick at it asks for a damping torque at once.
+        // The damping torque for its speed starts at once, in the first tick.
         target.1 = [1.01 * super::STANDS_RAD_S];
         let mut effort = effort_nm(&mut tracker, &mut target, 0.0);
         for _ in 0..20 {

@@ -1,4 +1,4 @@
-//! The settings of a tracker: one value that files, boards and simulators share.
+//! The settings of a tracker, in a type that files, boards and simulators share.
 
 use crate::body_weight::{BodyWeight, BodyWeights};
 use crate::control::{ControlLaw, Gains};
@@ -19,17 +19,17 @@ use super::names::{
 /// Recommended weight of rotation against position in the projection: an error of 1 rad costs as much as 0.5 m.
 pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 
-/// Bandwidth of the recommended observer, where a tick is not longer than one over it.
+/// Bandwidth of the recommended observer, rad/s; limited to one over the tick.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
-/// What a bone of its own counts in the importance by lengths, in m, and what a bone still counts one joint further up.
+/// Importance of a bone itself in the importance by lengths, m.
 const IMPORTANCE_BASE_M: f32 = 0.1;
 const IMPORTANCE_DISCOUNT: f32 = 0.9;
 
-/// How a rig is made to follow its performance. Default: the Local Space Error of the paper, with its gains.
+/// Settings of a tracker. Default: the Local Space Error of the paper, with its gains.
 ///
-/// With the feature `serde` it is read from a file, and every key may be left out. `B` is how a body is named: by its
-/// number here, by a name where people write.
+/// With the feature `serde` the settings are read from a file, and every key is optional. `B` is the type that names
+/// a body: an index, or a name in files that people write.
 ///
 /// ```
 /// use sinew_core::tracker::{MethodName, Settings};
@@ -48,37 +48,36 @@ const IMPORTANCE_DISCOUNT: f32 = 0.9;
     serde(deny_unknown_fields, default)
 )]
 pub struct Settings<B: Default = usize> {
-    /// How the state error is measured.
+    /// Method of measuring the state error.
     pub method: MethodName,
-    /// The body that its descendants are seen from, for `accumulated`; all others are seen from the world.
+    /// Reference body of its descendants, for `accumulated`; all other bodies refer to the world.
     pub reference: B,
-    /// Weight β of Linear Compensation: 0 is World Space Error, 1 the paper's.
+    /// Weight β of Linear Compensation: 0 is World Space Error, 1 is the paper's method.
     pub beta: f32,
-    /// The derivative of the compensating rotation.
+    /// Rate of the compensating rotation.
     pub rate_term: RateTerm,
-    /// What a body of several children aims at in Linear Compensation.
+    /// Aim of a body with several children in Linear Compensation.
     pub aim: AimName,
-    /// The manifold projection, for the methods that have it.
+    /// Manifold projection, for methods with a projection.
     pub projection: ProjectionSettings,
-    /// What resolved acceleration weighs where not every body can have its acceleration.
+    /// Weights of resolved acceleration, for when not every body can reach its acceleration.
     pub resolved: ResolvedSettings,
-    /// How the state is estimated from what the sensors tell.
+    /// Estimation of the state from the sensors.
     pub observer: ObserverChoice,
-    /// Which frames desired velocities and accelerations are differences of.
+    /// Frames whose differences give desired velocities and accelerations.
     pub differences: Differences,
-    /// Where the desired velocities come from, for forward differences.
+    /// Source of the desired velocities, with forward differences.
     pub desired_velocity: DesiredVelocity,
-    /// How the error becomes a torque.
+    /// Law that turns the error into a torque.
     #[cfg_attr(feature = "serde", serde(with = "super::names::law"))]
     pub law: ControlLaw,
-    /// How the joints share a supply that all drives have together, see
-    /// [`Tracker::with_supply`](super::Tracker::with_supply).
+    /// Rule by which the joints share a common supply, see [`Tracker::with_supply`](super::Tracker::with_supply).
     pub sharing: Sharing,
-    /// What the gains of `pd` are multiplied with, joint by joint.
+    /// Factors of the gains of `pd`, joint by joint.
     pub gains: GainsName,
     /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
     pub kp: f32,
-    /// Whether the gains are those of stable PD: applied to the state one period ahead.
+    /// Whether the gains are those of stable PD, which act on the state one period ahead.
     pub implicit: bool,
 }
 
@@ -104,7 +103,7 @@ impl<B: Default> Default for Settings<B> {
     }
 }
 
-/// How the rig's pose nearest to the performance's is found.
+/// Settings of the manifold projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -115,13 +114,13 @@ impl<B: Default> Default for Settings<B> {
 pub struct ProjectionSettings {
     /// Weight of rotation against position: an error of 1 rad costs as much as this many metres.
     pub rotation_m: f32,
-    /// How that is shared among the bodies.
+    /// Distribution of this weight among the bodies.
     pub weights: WeightsName,
-    /// Whether the root stays where the performance has it.
+    /// Whether the root keeps its pose from the performance.
     pub root_held: bool,
     /// Gauss-Newton steps for each frame.
     pub sweeps: u8,
-    /// Whether the bodies' errors are fed by resolved acceleration instead of to their own joints.
+    /// Whether the bodies' errors are corrected by resolved acceleration instead of by their own joints.
     pub resolved: bool,
 }
 
@@ -137,7 +136,7 @@ impl Default for ProjectionSettings {
     }
 }
 
-/// How the state is estimated from what the sensors tell.
+/// Estimation of the state from the sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -146,15 +145,15 @@ impl Default for ProjectionSettings {
     serde(deny_unknown_fields, default)
 )]
 pub struct ObserverChoice {
-    /// Bandwidth of an extended state observer; 0 for backward differences.
+    /// Bandwidth of an extended state observer, rad/s; 0 for backward differences.
     pub bandwidth_rad_s: f32,
-    /// Whether the disturbance that it learns is cancelled.
+    /// Whether the learnt disturbance is cancelled.
     pub cancel: bool,
-    /// Whether the latency is known: commands are made for the state that they will meet.
+    /// Whether commands are computed for the state predicted over the latency.
     pub predict: bool,
 }
 
-/// What resolved acceleration weighs where not every body can have its acceleration.
+/// Weights of resolved acceleration, for when not every body can reach its acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -163,9 +162,9 @@ pub struct ObserverChoice {
     serde(deny_unknown_fields, default)
 )]
 pub struct ResolvedSettings {
-    /// What the acceleration of a body's joint counts, in m/s²; 0: only that of the root.
+    /// Weight of the acceleration of a body's joint; with 0 only the root's counts.
     pub position: f32,
-    /// What an angular acceleration counts against it: 1 rad/s² as much as so many m/s².
+    /// Weight of rotation against position: an error of 1 rad/s² costs as much as this many m/s².
     pub rotation_m: f32,
 }
 
@@ -176,18 +175,18 @@ impl Default for ResolvedSettings {
 }
 
 impl<B: Default + Clone> Settings<B> {
-    /// The setting for real rigs: manifold projection on aligned targets, implicit gains, and an observer that cancels
-    /// what the model has wrong and looks ahead over the latency.
+    /// Returns the settings for real rigs: manifold projection on aligned targets, implicit gains, and an observer
+    /// that cancels model errors and predicts over the latency.
     #[must_use]
     pub fn recommended() -> Self {
         Self { method: MethodName::Recommended, ..Self::default() }
     }
 
-    /// The same with the method [`MethodName::Recommended`] spelled out for a rig that acts once in `dt_s` seconds: the
-    /// settings that it stands for. Gains and the projection's weights stay.
+    /// Replaces the method [`MethodName::Recommended`] by the settings that it represents, for a rig with a period of
+    /// `dt_s` seconds. Gains and the projection's weights are kept.
     ///
-    /// A tracker of settings that are spelled out does not check its [`Timing`](super::Timing): for simulations of
-    /// drives that come too late.
+    /// A tracker with explicit settings does not check its [`Timing`](super::Timing): for simulations of drives with
+    /// too much delay.
     #[must_use]
     pub fn effective(self, dt_s: f32) -> Self {
         let recommended = self.method == MethodName::Recommended;
@@ -200,7 +199,7 @@ impl<B: Default + Clone> Settings<B> {
         effective
     }
 
-    /// The same at any period.
+    /// Replaces the recommended method as `effective` does, without the limit by the period.
     fn spelled_out(self) -> Self {
         if self.method != MethodName::Recommended {
             return self;
@@ -218,8 +217,8 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// The same with another method, for a comparison of several: [`MethodName::Recommended`] gets its own differences
-    /// and observer, whatever the others have.
+    /// Sets the method, for a comparison of several: [`MethodName::Recommended`] gets its own differences and
+    /// observer, whatever the settings of the others.
     #[must_use]
     pub fn with_method(self, method: MethodName) -> Self {
         let of_method = Self { method, ..self };
@@ -230,7 +229,7 @@ impl<B: Default + Clone> Settings<B> {
         Self { observer, differences, ..of_method }
     }
 
-    /// The key of what the method fixes, and is set neither to that nor to its default.
+    /// Returns the key of a setting that the method fixes, but that has neither the fixed value nor its default.
     fn fixed_otherwise(&self) -> Option<&'static str> {
         let (own, default) = (self.clone().spelled_out(), Self::default());
         if self.method != MethodName::Recommended {
@@ -244,7 +243,7 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// Returns the same settings with the reference body named in another way.
+    /// Converts the type that names the reference body.
     pub fn named<C: Default>(self, name: impl FnOnce(B) -> C) -> Settings<C> {
         Settings {
             method: self.method,
@@ -265,11 +264,11 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// Checks every value; NaN is refused. With [`MethodName::Recommended`], differences and observer are its own: they
+    /// Checks every value; NaN is refused. With [`MethodName::Recommended`], differences and observer are fixed and
     /// must be left out.
     ///
     /// # Errors
-    /// [`SettingError`] names the key.
+    /// [`SettingError`] with the key.
     ///
     /// ```
     /// use sinew_core::tracker::{Differences, Settings};
@@ -330,10 +329,10 @@ impl<B: Default + Clone> Settings<B> {
 }
 
 impl Settings {
-    /// The controller of a rig that acts once in `dt_s` seconds. O(n).
+    /// Creates the controller of a rig with a period of `dt_s` seconds. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if a setting cannot be, or not on this rig.
+    /// [`TrackerError`] if a setting is invalid, or invalid for this rig.
     #[expect(clippy::needless_pass_by_value, reason = "a controller has its own rig")]
     pub fn controller<const N: usize>(
         &self,
@@ -345,8 +344,8 @@ impl Settings {
         Ok(controller)
     }
 
-    /// The same in its place.
-    // Not within its caller: what it takes of the stack is then free again before the rest.
+    /// Initializes a controller in place.
+    // Never inlined: its stack is then free again before the caller goes on.
     #[inline(never)]
     pub(super) fn set_controller<const N: usize>(
         &self,
@@ -373,7 +372,7 @@ impl Settings {
         Ok(())
     }
 
-    /// The method of the state error, for a rig.
+    /// Returns the method of the state error, for a rig.
     fn state_error<const N: usize>(&self, tree: &Tree<N>) -> Result<Method<N>, TrackerError> {
         Ok(match self.method {
             MethodName::Local => Method::Local,
@@ -410,10 +409,10 @@ impl Settings {
         })
     }
 
-    /// The projection of the performance's poses on the rig's, if the method has one. O(n).
+    /// Returns the projection of the performance's poses onto the rig's, if the method has one. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if the weights cannot be, or not on this rig.
+    /// [`TrackerError`] if the weights are invalid, or invalid for this rig.
     #[inline(never)]
     pub fn projection<const N: usize>(
         &self,
@@ -440,7 +439,8 @@ impl Settings {
         Ok(Some(if root_held { projection.with_root_held() } else { projection }))
     }
 
-    /// The observer of the state, if there is one, of settings that are spelled out.
+    /// Returns the settings of the observer, if there is one. These settings must already be explicit (see
+    /// `effective`).
     pub(super) fn observer(&self, dt_s: f32) -> Result<Option<ObserverSettings>, TrackerError> {
         let ObserverChoice { bandwidth_rad_s, predict, .. } = self.observer;
         Ok(if bandwidth_rad_s > 0.0 {

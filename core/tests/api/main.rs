@@ -1,5 +1,8 @@
-//! The crate as its users meet it: the README's example, and settings and states that are stored.
+//! Tests of the crate's public interface: the first example, the README, dynamics in coordinates, and stored settings
+//! and states.
 
+mod dynamics;
+mod first_torque;
 mod readme;
 #[cfg(feature = "serde")]
 mod serde;

@@ -1,8 +1,8 @@
-//! The first example stands in the README, too: as it is.
+//! The README contains the first example unchanged.
 
 #[test]
 fn the_readme_has_the_example_as_it_is() {
     let (readme, example) =
-        (include_str!("../../README.md"), include_str!("../../examples/six_joints.rs"));
+        (include_str!("../../README.md"), include_str!("../../examples/first_torque.rs"));
     assert!(readme.contains(&format!("```rust\n{example}```\n")), "copy the example to README.md");
 }

@@ -1,4 +1,4 @@
-//! What is written is read again, bit by bit, and what is read is checked.
+//! Values survive writing and reading bit by bit, and reading validates its input.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -16,7 +16,7 @@ use sinew_core::{
     RotationalInertia, TorqueController, Transform, Tree, Twist, Workspace, Wrench, math,
 };
 
-/// Through a text and through a compact format for microcontrollers.
+/// Writes and reads a value as text and in a compact format for microcontrollers.
 #[track_caller]
 fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) {
     let text = serde_json::to_string(value).unwrap();
@@ -26,13 +26,13 @@ fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(val
     assert_eq!(&postcard::from_bytes::<T>(bytes).unwrap(), value);
 }
 
-/// The message with which a text is refused.
+/// Returns the error message for a refused text.
 #[track_caller]
 fn refused<T: DeserializeOwned + std::fmt::Debug>(text: &str) -> String {
     serde_json::from_str::<T>(text).unwrap_err().to_string()
 }
 
-/// Some numbers with all their digits.
+/// Returns numbers that use all digits.
 fn vector(seed: f32) -> Vec3 {
     Vec3::new(0.1 + seed, -0.3 * seed, 1e-7 / (1.0 + seed))
 }
@@ -67,7 +67,7 @@ fn joint_kinds() -> [JointKind; 6] {
     ]
 }
 
-/// A root with two children; bodies 2 to 5 are a chain.
+/// Returns a tree: a root with two children; bodies 2 to 5 are a chain.
 fn tree() -> Tree<8> {
     let mut tree = Tree::new();
     for (index, joint) in joint_kinds().into_iter().enumerate() {
@@ -120,7 +120,7 @@ fn plain_types_come_back() {
     round_trip(&Importance::<8>::new(&[0.5, 0.0, 1e-3]).unwrap());
     let set: BodySet = [0, 3, 64, 127].into_iter().collect();
     round_trip(&set);
-    round_trip(&(0..128).collect::<BodySet>());
+    round_trip(&(0..BodySet::CAPACITY).collect::<BodySet>());
     round_trip(&[Aim::None, Aim::Child(3), Aim::Children(set), Aim::Point(vector(0.1))]);
 }
 
@@ -180,7 +180,7 @@ fn controllers_come_back() {
     round_trip(&controller.with_law(ControlLaw::InverseDynamics).unwrap());
 }
 
-/// To read makes rotations unit once more.
+/// Reading normalises rotations once more.
 #[test]
 fn rotations_change_by_rounding_only() {
     let body = Body {
@@ -198,7 +198,7 @@ fn rotations_change_by_rounding_only() {
         let text = serde_json::to_string(&states).unwrap();
         let read: JointStates<1> = serde_json::from_str(&text).unwrap();
         let [before, after] = [&states, &read].map(|states| states.as_slice()[0].pose.rotation);
-        // The squared length is rounded four times, by half of EPSILON each; half of what it is off goes into each
+        // The squared length is rounded four times, by half of EPSILON each. Half of its error goes into each
         // component, which is rounded once itself.
         assert!((before - after).to_array().iter().all(|off| off.abs() <= 1.5 * f32::EPSILON));
     }
@@ -227,7 +227,7 @@ fn numbers_are_written_as_people_write_them() {
     assert_eq!(serde_json::to_string(&set).unwrap(), "[0,5]");
 }
 
-/// Through a format that has every bit pattern.
+/// Checks that a value is refused, through a format that can hold every bit pattern.
 #[track_caller]
 fn bad<T: Serialize + DeserializeOwned>(value: &T) {
     let mut buffer = [0; 256];
@@ -235,13 +235,13 @@ fn bad<T: Serialize + DeserializeOwned>(value: &T) {
     assert!(postcard::from_bytes::<T>(bytes).is_err(), "{}", std::any::type_name::<T>());
 }
 
-/// Whether a number was refused as too large: here as one that is not finite, or before by the reader of the text,
-/// where some crate of the workspace asks it to read numbers exactly.
+/// Returns `true` if a number was refused as too large: because it is not finite, or already by the text's reader, if
+/// some crate of the workspace makes it read numbers exactly.
 fn too_large(message: &str) -> bool {
     message.contains("not finite") || message.contains("number out of range")
 }
 
-/// Text has no NaN, but numbers too large for f32; a compact format has both.
+/// Text has no NaN, but has numbers that are too large for f32. The compact format has both.
 #[test]
 fn what_is_not_finite_is_refused() {
     let message = refused::<Twist>(r#"{"angular":[0,1e39,0],"linear":[0,0,0]}"#);
@@ -295,7 +295,7 @@ fn what_is_not_finite_is_refused() {
 fn what_breaks_a_rule_is_refused_by_its_name() {
     let message = refused::<Transform>(r#"{"rotation":[0,0,0,2],"translation_m":[0,0,0]}"#);
     assert!(message.contains("squared length 4") && message.contains("[x, y, z, w]"), "{message}");
-    // Its square overflows.
+    // The square overflows.
     refused::<Transform>(r#"{"rotation":[0,0,0,3e38],"translation_m":[0,0,0]}"#);
     let message = refused::<JointKind>(r#"{"revolute":{"axis":[0,3,4]}}"#);
     assert!(message.contains("length 5") && message.contains("unit vector"), "{message}");
@@ -350,7 +350,7 @@ fn importance_that_is_none_is_refused() {
 
 #[test]
 fn what_fits_no_tree_is_refused_and_what_fits_another_by_the_controller() {
-    // Body 2 is the child of one body only, and children come after their parents.
+    // Body 2 is the child of a single body, and children follow their parents.
     let aims = |text: &str| refused::<Aims<8>>(text);
     assert!(aims(r#"["none",{"child":0}]"#).contains("body 1 cannot aim at body 0"));
     assert!(aims(r#"[{"child":2},{"child":2},"none"]"#).contains("body 1 cannot aim at body 2"));
@@ -364,7 +364,7 @@ fn what_fits_no_tree_is_refused_and_what_fits_another_by_the_controller() {
     let gains = Gains::critically_damped(200.0).unwrap();
     let mut controller =
         serde_json::to_value(TorqueController::new(tree, gains, Method::World).unwrap()).unwrap();
-    // A chain, which the tree is not.
+    // References for a chain, but the tree is not a chain.
     controller["method"] = serde_json::json!({"accumulated": [null, 0, 1, 2, 3, 4]});
     let message = refused::<TorqueController<8>>(&controller.to_string());
     assert!(message.contains("do not match") && message.contains("joint 2"), "{message}");
@@ -387,7 +387,7 @@ fn states_and_targets_are_checked_joint_by_joint() {
     assert!(too_large(&message), "{message}");
 }
 
-/// Whatever bits have flipped on the way: it is refused, or a controller that computes finite torques.
+/// Damaged bytes are refused, or give a controller that computes finite torques.
 #[test]
 fn damaged_bytes_are_refused_or_make_a_usable_controller() {
     let tree = tree();

@@ -11,19 +11,19 @@ use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
 use crate::{ClientError, Line, TelemetryLog};
 
-/// How often a greeting is sent again.
+/// Interval between greetings.
 const HELLO_EVERY: Duration = Duration::from_millis(100);
-/// How often the host says that it is there: a quarter of the time after which a rig holds.
+/// Interval between heartbeats: a quarter of the time-out after which a rig holds its pose.
 const BEAT_EVERY: Duration = Duration::from_millis(50);
 
-/// Without a valid message for so long, a host that drives a rig hears nothing, if nothing else is set.
+/// Default time-out: a host that drives a rig counts as deaf after this time without a valid message.
 pub const SILENCE: Duration = Duration::from_secs(1);
-/// The time without a message while torque is off: a board that erases flash tells nothing for up to 4 s.
+/// Time-out while torque is off: a board that erases flash sends nothing for up to 4 s.
 const SILENCE_LIMP: Duration = Duration::from_secs(6);
-/// How often a host that hears nothing says `Stop`, and how long it waits behind each: a frame may be lost.
+/// Number of `Stop` commands that a deaf host sends, and the wait after each: a frame may be lost.
 const LAST_WORDS: (u32, Duration) = (3, Duration::from_millis(30));
 
-/// A controller, in a session.
+/// A session with a controller.
 #[derive(Debug)]
 pub struct Board<L> {
     line: L,
@@ -33,27 +33,27 @@ pub struct Board<L> {
     welcome: Option<Welcome>,
     outcome: Option<Outcome>,
     beat_due: Duration,
-    /// When the last valid message came.
+    /// Time of the last valid message.
     heard: Duration,
     silence: Duration,
-    /// It heard nothing for too long: it is silent.
+    /// Whether the host received nothing for too long, and therefore sends nothing.
     is_deaf: bool,
-    /// By the last that came: the rig is neither off nor limp nor faulted.
+    /// Whether the rig is neither off nor limp nor faulted, by the latest message.
     is_driven: bool,
-    /// Snapshots a second that were asked for.
+    /// Requested snapshots per second, Hz.
     telemetry_hz: f32,
-    /// What it has told unasked.
+    /// Telemetry and faults that the controller has sent on its own.
     pub log: TelemetryLog,
 }
 
-/// A number for a greeting, another one for each run of a program.
+/// Returns a number for a greeting, different for each run of a program.
 pub fn nonce() -> u32 {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     since.subsec_nanos() ^ std::process::id().rotate_left(16)
 }
 
 impl<L: Line> Board<L> {
-    /// Says hello until there is a session. One that another program has is waited for, too. `nonce`: see [`nonce()`].
+    /// Sends greetings until there is a session, also while another program has the rig. `nonce`: see [`nonce()`].
     ///
     /// # Errors
     /// [`ClientError::NoController`] if nothing answers within `patience`, [`ClientError::Misfit`] if the versions
@@ -78,10 +78,10 @@ impl<L: Line> Board<L> {
         Ok(board)
     }
 
-    /// Says hello anew: behind a restart of the board.
+    /// Starts a new session, after a restart of the board.
     ///
     /// # Errors
-    /// As of [`Self::connect`].
+    /// As in [`Self::connect`].
     pub fn reconnect(&mut self, patience: Duration) -> Result<(), ClientError> {
         self.nonce = self.nonce.wrapping_add(1);
         (self.welcome, self.outcome, self.is_deaf) = (None, None, false);
@@ -107,15 +107,15 @@ impl<L: Line> Board<L> {
         Err(if busy { ClientError::Misfit(Misfit::Busy) } else { ClientError::NoController })
     }
 
-    /// Sets after how long without a valid message the rig is stopped; [`SILENCE`] before.
+    /// Sets the time without a valid message after which the rig is stopped; [`SILENCE`] by default.
     pub fn set_silence(&mut self, silence: Duration) {
         self.silence = silence;
     }
 
-    /// Who it is.
+    /// Returns the description of the controller.
     ///
     /// # Panics
-    /// Never: it has answered a greeting.
+    /// Never, because the controller has answered a greeting.
     pub fn about(&self) -> About {
         const NOBODY: About = About {
             protocol: Version::CURRENT,
@@ -133,50 +133,50 @@ impl<L: Line> Board<L> {
         self.welcome.map_or(NOBODY, |welcome| welcome.about)
     }
 
-    /// The version of messages that both speak.
+    /// Returns the version of messages that both ends support.
     pub fn version(&self) -> Version {
         let minor = self.welcome.and_then(|welcome| welcome.verdict.ok()).unwrap_or(0);
         Version { major: Version::CURRENT.major, minor }
     }
 
-    /// That both know the messages of a minor version.
+    /// Checks that both ends know the messages of a minor version.
     ///
     /// # Errors
-    /// [`ClientError::Old`] names both versions.
+    /// [`ClientError::Old`] with both versions.
     pub fn needs(&self, minor: u8) -> Result<(), ClientError> {
         let has = self.version();
         let needs = Version { minor, ..has };
         if has.minor >= minor { Ok(()) } else { Err(ClientError::Old { needs, has }) }
     }
 
-    /// The line.
+    /// Returns the line.
     pub fn line_mut(&mut self) -> &mut L {
         &mut self.line
     }
 
-    /// The line's clock.
+    /// Returns the time of the line's clock.
     pub fn now(&self) -> Duration {
         self.line.now()
     }
 
-    /// Sends a command until it is answered. Says what was done.
+    /// Sends a command until it is answered. Returns its result.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] if it was not done; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
+    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
     /// [`ClientError::Line`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }
 
-    /// The same, with what limited it.
+    /// Sends a command like [`Self::ask`]. Returns its result, and the limit that reduced it.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn ask_limited(
         &mut self,
         command: Command,
     ) -> Result<(Applied, Option<Limit>), ClientError> {
-        // An emergency stop is a person's, and goes out in any case.
+        // An emergency stop comes from a person, and is always sent.
         if self.is_deaf && command != Command::EStop {
             return Err(ClientError::Deaf(self.silence));
         }
@@ -198,10 +198,11 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Takes what comes, waits for it up to `wait`, and sends what is due: heartbeats, and commands without an answer.
+    /// Receives messages, waiting up to `wait`, and sends what is due: heartbeats, and commands without an answer.
     ///
     /// # Errors
-    /// [`ClientError::Line`], [`ClientError::NoAnswer`]; [`ClientError::Deaf`] if nothing valid has come for too long.
+    /// [`ClientError::Line`], [`ClientError::NoAnswer`]; [`ClientError::Deaf`] if no valid message arrived for too
+    /// long.
     pub fn step(&mut self, wait: Duration) -> Result<(), ClientError> {
         if self.is_deaf {
             return Err(ClientError::Deaf(self.silence));
@@ -218,7 +219,7 @@ impl<L: Line> Board<L> {
         self.watch()
     }
 
-    /// Says that the host is there, and what it has heard.
+    /// Sends a heartbeat, with the number of the last received telemetry if the controller supports it.
     fn beat(&mut self) -> Result<(), ClientError> {
         self.beat_due = self.line.now() + BEAT_EVERY;
         let heard = self.log.heard().filter(|_| self.acknowledges());
@@ -230,8 +231,8 @@ impl<L: Line> Board<L> {
         self.version().minor >= ACKNOWLEDGED_SINCE
     }
 
-    /// Ends the session of a host that hears nothing: it says `Stop`, and then it is silent. So the board takes its rig
-    /// to the rest pose, or holds, and lowers it by itself.
+    /// Ends the session of a host that receives nothing: sends `Stop`, then nothing more. The board then moves its
+    /// rig to the rest pose, or holds, and lowers it on its own.
     fn watch(&mut self) -> Result<(), ClientError> {
         let told_hz = if self.is_driven && self.acknowledges() {
             self.telemetry_hz.max(TELEMETRY_LEAST_HZ)
@@ -240,7 +241,7 @@ impl<L: Line> Board<L> {
         };
         let silence = if self.is_driven { self.silence } else { self.silence.max(SILENCE_LIMP) };
         let silent = self.line.now().saturating_sub(self.heard);
-        // Where little is told, three in a row have to be missing.
+        // At a low telemetry rate, three successive snapshots must be missing.
         if told_hz <= 0.0 || silent < silence || silent.as_secs_f32() < 3.0 / told_hz {
             return Ok(());
         }
@@ -255,10 +256,10 @@ impl<L: Line> Board<L> {
         Err(ClientError::Deaf(self.silence))
     }
 
-    /// Takes what comes, for so long.
+    /// Receives messages for a time.
     ///
     /// # Errors
-    /// As of [`Self::step`].
+    /// As in [`Self::step`].
     pub fn run(&mut self, time: Duration) -> Result<(), ClientError> {
         let end = self.line.now() + time;
         while self.line.now() < end {
@@ -267,7 +268,7 @@ impl<L: Line> Board<L> {
         Ok(())
     }
 
-    /// Sends something of the stream, once.
+    /// Sends an item of the stream, once.
     ///
     /// # Errors
     /// [`ClientError::Line`], [`ClientError::Deaf`].
@@ -279,10 +280,10 @@ impl<L: Line> Board<L> {
         self.send(&ToController::Stream(numbered))
     }
 
-    /// Asks for telemetry; says what is sent.
+    /// Requests telemetry. Returns the setting that the controller uses.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn telemetry(
         &mut self,
         rate_hz: f32,
@@ -297,15 +298,15 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// The state, by the newest telemetry.
+    /// Returns the state from the newest telemetry.
     pub fn state(&self) -> Option<State> {
         self.log.summary.map(|summary| summary.state)
     }
 
-    /// A summary that is newer than this call: telemetry must be on.
+    /// Returns the state from a summary that is newer than this call: telemetry must be on.
     ///
     /// # Errors
-    /// As of [`Self::step`]; [`ClientError::Impatient`] if none comes.
+    /// As in [`Self::step`]; [`ClientError::Impatient`] if no summary arrives.
     pub fn fresh_state(&mut self, patience: Duration) -> Result<State, ClientError> {
         let (before, end) = (self.log.summaries, self.line.now() + patience);
         while self.line.now() < end {
@@ -319,10 +320,10 @@ impl<L: Line> Board<L> {
         Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
     }
 
-    /// The log of faults: the first since they were cleared, then from the latest back.
+    /// Reads the log of faults: the first since they were cleared, then from the latest back.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn fault_log(&mut self) -> Result<Vec<FaultRecord>, ClientError> {
         let mut records = Vec::new();
         for index in 0..u16::MAX {
@@ -338,30 +339,30 @@ impl<L: Line> Board<L> {
         Ok(records)
     }
 
-    /// A setting by its key.
+    /// Reads a setting by its key.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn setting(&mut self, key: u16) -> Result<f32, ClientError> {
         number(&self.ask(Command::ReadSetting { key })?)
     }
 
-    /// Writes a setting; says what the board has then. It starts anew with it: see [`Self::reconnect`].
+    /// Writes a setting. Returns the board's new value. The board restarts with it: see [`Self::reconnect`].
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn set_setting(&mut self, key: u16, value: f32) -> Result<f32, ClientError> {
         number(&self.ask(Command::WriteSetting { key, value: Value::Number(value) })?)
     }
 
     fn now_ms(&self) -> u32 {
-        // It may begin at 0 again: only differences count.
+        // The clock may wrap to 0: only differences matter.
         (self.line.now().as_millis() & u128::from(u32::MAX)).try_into().unwrap_or(0)
     }
 
     fn send(&mut self, message: &ToController) -> Result<(), ClientError> {
         let mut out = [0; FRAME_MAX];
-        // A number that is not finite: nothing may be sent then.
+        // If a number is not finite, nothing may be sent.
         let frame = encode(message, &mut out).map_err(|_| ClientError::Refused(Refusal::Value))?;
         self.line.send(frame).map_err(ClientError::Line)
     }
@@ -408,7 +409,7 @@ impl<L: Line> Board<L> {
     }
 }
 
-/// Whether somebody does something with a rig in this state.
+/// Returns `true` unless the rig is off, limp or faulted.
 fn is_driven(state: State) -> bool {
     !matches!(state, State::Off | State::Limp | State::Faulted)
 }

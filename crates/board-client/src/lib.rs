@@ -1,17 +1,18 @@
-//! The host's side of a controller.
+//! The host's side of a session with a controller.
 //!
 //! ```text
 //! command ──> Board (session, numbers, heartbeats) ──> Line ──> a serial port, an emulator, a simulated board
 //!    └─ BoardServos (a line of servos for `sinew-servo-tools`) ─┘
 //! ```
 //!
-//! - [`Line`] is bytes out and bytes in, with a clock; [`SerialBoard`] is one on a serial port.
-//! - [`Board`] is a session on it: [`Board::ask`] sends a command until it is answered, [`Board::step`] takes what
-//!   comes and says every 50 ms that the host is there. A host that hears nothing for 1 s says `Stop`, and is silent.
-//! - [`TelemetryLog`] is what telemetry has told, put together again.
-//! - [`Board::upload`] brings rigs, settings and shows, block by block, and goes on where it was interrupted.
+//! - [`Line`] sends and receives bytes, and has a clock; [`SerialBoard`] is a line on a serial port.
+//! - [`Board`] is a session on a line. [`Board::ask`] sends a command until it is answered. [`Board::step`] receives
+//!   messages and sends a heartbeat every 50 ms. A host that receives nothing for 1 s sends `Stop`, and then nothing
+//!   more.
+//! - [`TelemetryLog`] assembles telemetry from its frames.
+//! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: the controller passes packets on while its rig is limp.
-//! - [`port`]: which ports have a controller, and what a port is that has none.
+//! - [`port`]: finds ports with a controller, and identifies ports without one.
 //!
 //! ```no_run
 //! use sinew_board_client::port;
@@ -25,9 +26,9 @@
 //!
 //! # Files
 //! - `board`, `upload`: a session; items that a board stores.
-//! - `line`, `port`: bytes to a board and back; serial ports that have a board.
+//! - `line`, `port`: bytes to and from a board; serial ports with a board.
 //! - `servos`: a board as a line of servos.
-//! - `telemetry_log`: telemetry and faults that arrived.
+//! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.
 
 #![forbid(unsafe_code)]

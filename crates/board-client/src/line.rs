@@ -1,4 +1,4 @@
-//! Bytes to a controller and back.
+//! Sends bytes to a controller and receives bytes from it.
 
 use std::fs::File;
 use std::io;
@@ -8,21 +8,21 @@ use std::time::{Duration, Instant};
 use serial2::SerialPort;
 use sinew_servo_tools::{ServiceError, open_alone};
 
-/// A line to a controller, with a clock: that of the machine, or an emulator's own.
+/// A line to a controller, with a clock: the machine's, or an emulator's own.
 pub trait Line {
     /// Sends all bytes.
     ///
     /// # Errors
-    /// What the line says: it is gone.
+    /// An I/O error if the line has failed.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// What has come, at once or after up to `wait`: how many bytes, 0 if none came.
+    /// Receives bytes, at once or after up to `wait`. Returns the number of bytes, 0 if none arrived.
     ///
     /// # Errors
-    /// What the line says: it is gone.
+    /// An I/O error if the line has failed.
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize>;
 
-    /// Time since any beginning; it never goes back.
+    /// Returns the time since an arbitrary start; it never decreases.
     fn now(&self) -> Duration;
 }
 
@@ -40,20 +40,20 @@ impl<L: Line + ?Sized> Line for Box<L> {
     }
 }
 
-/// A serial port that no other program has.
+/// A serial port for the exclusive use of this program.
 #[derive(Debug)]
 pub struct SerialBoard {
     port: SerialPort,
-    /// Holds the lock on the port as long as it lives.
+    /// Lock on the port, held until the value is dropped.
     _lock: File,
     start: Instant,
 }
 
 impl SerialBoard {
-    /// Opens a port, 8N1, bits per second.
+    /// Opens a port, 8N1, at a rate in bit/s.
     ///
     /// # Errors
-    /// [`ServiceError::Port`] says what is wrong with the port and what helps.
+    /// [`ServiceError::Port`] with the problem of the port and its remedy.
     pub fn open(path: &Path, baud: u32) -> Result<Self, ServiceError> {
         let (port, lock) = open_alone(path, baud)?;
         Ok(Self { port, _lock: lock, start: Instant::now() })
@@ -66,11 +66,11 @@ impl Line for SerialBoard {
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        // A timeout below a millisecond would be none at all.
+        // Below a millisecond the port would not time out at all.
         self.port.set_read_timeout(wait.max(Duration::from_millis(1)))?;
         match self.port.read(into) {
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
-            // A signal that came meanwhile is told elsewhere.
+            // An interrupting signal is handled elsewhere.
             Err(error)
                 if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) =>
             {

@@ -7,17 +7,18 @@ use sinew_servo_tools::{Client, Protocol, SerialLine, ServiceError, Settings, an
 
 use crate::{Board, ClientError, SerialBoard, nonce};
 
-/// What boards talk at, bit/s: the faster ones first. USB and pseudo-terminals have no rate.
+/// Baud rates of boards, bit/s, in the order of trying. USB and pseudo-terminals have no rate.
 pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 
-/// How long a controller may take to answer, at each rate. One that another program has just left lowers its rig first.
+/// Time for a controller to answer, at each rate. After another program has left, the controller first lowers its
+/// rig.
 const PATIENCE: Duration = Duration::from_millis(1500);
-/// The same where servos are expected.
+/// Time for a controller to answer on a port where servos are expected.
 const GLANCE: Duration = Duration::from_millis(400);
-/// How long any servo may take.
+/// Time for any servo to answer.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
-/// Opens a port, and a session with the controller there.
+/// Opens a port, and a session with its controller.
 ///
 /// # Errors
 /// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
@@ -34,11 +35,11 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the one port of these that has a controller: `None` for those of USB.
+/// Opens the only port with a controller among the candidates: `None` stands for all USB ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] names where it was looked, [`ClientError::Several`] what was found; others as of
-/// [`open`].
+/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
+/// found; others as in [`open`].
 pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {
@@ -72,7 +73,7 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     found.pop().ok_or_else(|| ClientError::NoneFound(none()))
 }
 
-/// Whether a controller answers at a port: for whoever looks for servos there.
+/// Returns `true` if a controller answers at a port: for programs that look for servos.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }
@@ -89,7 +90,7 @@ fn greet(path: &Path, patience: Duration) -> Result<Board<SerialBoard>, ClientEr
     greeted
 }
 
-/// Servos at a port, if any answer.
+/// Returns the protocol and rate of the servos at a port, if any answer.
 fn servos(path: &Path) -> Result<Option<(Protocol, u32)>, ClientError> {
     let settings = Settings { patience: SERVO_PATIENCE, tries: 1 };
     let line = SerialLine::open(path)?;

@@ -1,4 +1,4 @@
-//! A controller's servos as a line: it passes packets on while its rig is limp.
+//! A controller as a line to its servos: it passes packets on while its rig is limp.
 
 use std::io;
 use std::time::Duration;
@@ -10,10 +10,10 @@ use sinew_servo_tools::Exchange;
 
 use crate::{Board, ClientError, Line};
 
-/// The minor version that has these messages.
+/// Minor version that has these messages.
 const SINCE: u8 = 1;
 
-/// One line of servos of a controller.
+/// A bus line of a controller's servos.
 #[derive(Debug)]
 pub struct BoardServos<L> {
     board: Board<L>,
@@ -23,32 +23,32 @@ pub struct BoardServos<L> {
 }
 
 impl<L: Line> BoardServos<L> {
-    /// The line of this number, 0 for the first, at its own rate.
+    /// Creates access to a bus line, at its own rate. `line`: index, 0 for the first.
     ///
     /// # Errors
-    /// [`ClientError::Old`] if the firmware passes nothing on.
+    /// [`ClientError::Old`] if the firmware does not pass packets on.
     pub fn new(board: Board<L>, line: u8) -> Result<Self, ClientError> {
         board.needs(SINCE)?;
         Ok(Self { board, line, baud: 0, took: Duration::ZERO })
     }
 
-    /// The controller.
+    /// Returns the controller.
     pub fn board_mut(&mut self) -> &mut Board<L> {
         &mut self.board
     }
 
-    /// The controller, again.
+    /// Returns the controller and ends the access.
     pub fn into_board(self) -> Board<L> {
         self.board
     }
 
-    /// From the first byte out of the last exchange to the last that came, by the controller's clock; zero if none
-    /// came.
+    /// Returns the time from the first sent to the last received byte of the last exchange, by the controller's
+    /// clock; zero if none was received.
     pub fn took(&self) -> Duration {
         self.took
     }
 
-    /// The line talks at its own rate again.
+    /// Returns the line to its own rate.
     pub fn own_rate(&mut self) {
         self.baud = 0;
     }
@@ -80,7 +80,7 @@ impl<L: Line> BoardServos<L> {
 }
 
 impl<L: Line> Exchange for BoardServos<L> {
-    /// The controller listens for 20 ms after the last byte out at most: what comes later is lost.
+    /// Passes bytes on. The controller listens for at most 20 ms after the last sent byte: later bytes are lost.
     fn exchange(
         &mut self,
         bytes: &[u8],
@@ -94,7 +94,7 @@ impl<L: Line> Exchange for BoardServos<L> {
 
     fn set_baud(&mut self, baud: u32) -> io::Result<()> {
         let before = std::mem::replace(&mut self.baud, baud);
-        // Nothing is said: only whether the line does this rate.
+        // Sends no bytes: only tests whether the line supports this rate.
         let tried = self.pass(&[], Duration::ZERO);
         if tried.is_err() {
             self.baud = before;
@@ -103,7 +103,7 @@ impl<L: Line> Exchange for BoardServos<L> {
     }
 
     fn pause(&mut self, time: Duration) {
-        // A line that is gone says so at the next exchange.
+        // If the line has failed, the next exchange reports it.
         let _ = self.board.run(time);
     }
 }
@@ -118,12 +118,13 @@ fn explained(error: ClientError) -> io::Error {
         ),
         ClientError::Refused(Refusal::Unsupported) => (
             io::ErrorKind::Unsupported,
-            "the board has no such line of servos, or does not do this rate".to_owned(),
+            "the board has no such line of servos, or does not support this rate".to_owned(),
         ),
         ClientError::Refused(Refusal::Value) => (
             io::ErrorKind::InvalidInput,
             format!(
-                "the board sends no more at once than leaves in {} ms, and nothing below {PASS_LEAST_BAUD} bit/s. Nothing was sent",
+                "the board sends at most what fits in {} ms, and nothing below {PASS_LEAST_BAUD} bit/s. Nothing was \
+                 sent",
                 PASS_WAIT_US / 1000
             ),
         ),

@@ -1,47 +1,47 @@
-//! What a controller has told unasked.
+//! Telemetry and faults that a controller sends on its own.
 
 use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, Telemetry};
 
-/// A pose as it was measured.
+/// A measured pose with its tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimedPose {
-    /// In which tick of the controller.
+    /// Tick of the controller.
     pub tick: u32,
-    /// The rig's coordinates; fewer if not all of its frames have come.
+    /// Coordinates of the rig; fewer if some frames did not arrive.
     pub q: Vec<f32>,
 }
 
-/// Telemetry, its frames put together again, and faults as they came.
+/// Received telemetry, assembled from its frames, and received faults.
 #[derive(Debug, Clone, Default)]
 pub struct TelemetryLog {
-    /// The tick of the last frame.
+    /// Tick of the last frame.
     pub tick: u32,
-    /// The newest summary.
+    /// Newest summary.
     pub summary: Option<Summary>,
-    /// The newest pose, the rig's coordinates.
+    /// Newest pose: the rig's coordinates.
     pub q: Vec<f32>,
-    /// All poses since this was put here, for those who record.
+    /// All poses since this field was set, for recording; `None` disables it.
     pub poses: Option<Vec<TimedPose>>,
-    /// The newest of degrees of freedom.
+    /// Newest data of dofs.
     pub dofs: Vec<Dof>,
-    /// The newest of servos.
+    /// Newest data of servos.
     pub servos: Vec<Servo>,
-    /// Summaries that came.
+    /// Number of received summaries.
     pub summaries: u32,
-    /// Frames that did not come.
+    /// Number of frames that did not arrive.
     pub lost: u32,
-    /// Faults that came, the first of them first.
+    /// Received faults, oldest first.
     pub faults: Vec<FaultRecord>,
     next: Option<u16>,
 }
 
 impl TelemetryLog {
-    /// The number of the newest frame.
+    /// Returns the number of the newest frame.
     pub(crate) fn heard(&self) -> Option<u16> {
         self.next.map(|next| next.wrapping_sub(1))
     }
 
-    /// Takes a frame: what it tells takes the place of what was there.
+    /// Stores a frame: its content replaces the older content.
     pub(crate) fn take(&mut self, Telemetry { seq, tick, part }: Telemetry) {
         if let Some(next) = self.next {
             self.lost += u32::from(seq.wrapping_sub(next));
@@ -64,7 +64,7 @@ impl TelemetryLog {
     }
 }
 
-/// Numbers of a tick's pose from `first` on. What comes behind a frame that was lost belongs to no pose.
+/// Appends numbers of a tick's pose from `first` on. Numbers after a lost frame are dropped.
 fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
     if first == 0 {
         poses.push(TimedPose { tick, q: q.to_vec() });
@@ -75,10 +75,10 @@ fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
     }
 }
 
-/// Items of a list from `first` on. The part that begins a list ends what was there before.
+/// Replaces items of a list from `first` on, and keeps the items after them.
 fn put<T: Clone>(list: &mut Vec<T>, first: u8, items: &[T]) {
     let first = usize::from(first);
-    // One that was lost leaves the old ones in their places.
+    // After a lost part, the older items stay in their places.
     if first <= list.len() {
         let behind = first + items.len();
         let rest = list.get(behind..).map(<[T]>::to_vec).unwrap_or_default();

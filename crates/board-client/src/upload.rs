@@ -1,4 +1,4 @@
-//! What a controller stores: what is there, and how something new comes there.
+//! Stored items of a controller, and their upload.
 
 use std::time::Duration;
 
@@ -7,13 +7,13 @@ use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Locati
 
 use crate::{Board, ClientError, Line};
 
-/// A board that starts anew answers within this time, unless it is slow to erase flash.
+/// Maximum time of a board's restart, unless it is slow to erase flash.
 const RESTART: Duration = Duration::from_secs(10);
 
-/// What a content is. `rig`: the CRC of the rig that it belongs to, 0 for any.
+/// Returns the description of a content. `rig`: the CRC of the rig that it belongs to, 0 for any rig.
 ///
 /// # Errors
-/// [`ClientError::Approver`] if the name cannot be.
+/// [`ClientError::Approver`] if the name is invalid.
 pub fn item(
     kind: Kind,
     schema: u16,
@@ -34,11 +34,12 @@ pub fn item(
 }
 
 impl<L: Line> Board<L> {
-    /// Uploads a content block by block, on from where the same upload was interrupted; `progress` gets the bytes that
-    /// are there. Behind a rig or settings the board starts anew, and this returns in a new session.
+    /// Uploads a content block by block, continuing the same upload if it was interrupted. `progress` receives the
+    /// number of stored bytes. After a rig or settings the board restarts, and this function returns in a new
+    /// session.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] says why the board does not take it; others as of [`Self::ask`].
+    /// [`ClientError::Refused`] with the board's reason; others as in [`Self::ask`].
     pub fn upload(
         &mut self,
         item: &Item,
@@ -52,7 +53,7 @@ impl<L: Line> Board<L> {
                 Ok(Applied::Upload { next })
                 | Err(ClientError::Refused(Refusal::Offset { next })) => next,
                 Ok(Applied::Stored(_)) => break,
-                // The answer to the end was lost, and the board has begun anew.
+                // The answer to the end was lost, and the board has restarted.
                 Err(ClientError::SessionOver) if is_end && restarts(item.kind) => break,
                 Ok(_) => return Err(ClientError::Unexpected("an upload")),
                 Err(error) => return Err(error),
@@ -75,10 +76,10 @@ impl<L: Line> Board<L> {
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
 
-    /// What is stored at a place.
+    /// Returns the item that is stored at a location.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn stored(&mut self, place: Location) -> Result<Option<Item>, ClientError> {
         match self.ask(Command::AskStored(place))? {
             Applied::Stored(item) => Ok(item),
@@ -86,20 +87,20 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// What is in each slot of shows.
+    /// Returns the item in each slot for shows.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn shows(&mut self) -> Result<Vec<Option<Item>>, ClientError> {
         (0..self.about().capacities.slots)
             .map(|slot| self.stored(Location::Show { slot }))
             .collect()
     }
 
-    /// The slot of a show of this rig with this content.
+    /// Returns the slot of a show with this content for this rig.
     ///
     /// # Errors
-    /// As of [`Self::ask`].
+    /// As in [`Self::ask`].
     pub fn slot_of(&mut self, show: &Item) -> Result<Option<u8>, ClientError> {
         let is_it = |item: &Option<Item>| {
             item.as_ref().is_some_and(|item| item.hash == show.hash && item.rig == show.rig)
@@ -109,7 +110,7 @@ impl<L: Line> Board<L> {
     }
 }
 
-/// Rig and settings count after a restart.
+/// Returns `true` if the item takes effect by a restart: rig and settings.
 fn restarts(kind: Kind) -> bool {
     matches!(kind, Kind::Rig | Kind::Settings)
 }

@@ -1,13 +1,13 @@
-//! How a rig is controlled: the core's settings, with bodies by their names.
+//! Controller settings: the core's settings, with bodies by name.
 
 use serde::{Deserialize, Serialize};
 use sinew_core::tracker::Settings;
 use sinew_figure::BODIES;
 
-/// How a rig is controlled.
+/// Settings of the controller of a rig, with bodies by name.
 pub type ControllerSettings = Settings<BodyName>;
 
-/// A body of a rig, by its name. Default: the root, by the name that it has in the figure.
+/// Name of a body of a rig. Default: the root, by its name in the figure.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct BodyName(pub String);

@@ -1,4 +1,5 @@
-//! More of a run than its means: by body, by size and over time, in memory that does not grow with the clip.
+//! Details of a run beyond its means: errors by body, by size and over time, in memory that does not grow with the
+//! clip.
 
 use super::metrics::ErrorTotals;
 use super::pose_error::PoseError;
@@ -6,13 +7,13 @@ use super::pose_error::PoseError;
 /// The errors of one run, by body, by size and over time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Detail {
-    /// By body and by size; may be merged over clips.
+    /// Errors by body and by size. They may be merged over clips.
     pub spread: Spread,
-    /// Over the time of the clip.
+    /// Errors over the time of the clip.
     pub trace: ErrorTrace,
 }
 
-/// How errors spread over the bodies and over their sizes.
+/// Distribution of errors over the bodies and over sizes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spread {
     /// Totals of each body.
@@ -23,7 +24,7 @@ pub struct Spread {
     pub linear_cm: Histogram,
 }
 
-/// Counts of positive values in bins that are an eighth of a power of two wide: 6 to 12 % of their values.
+/// A histogram of positive values. Each bin is an eighth of a power of two wide, 6 to 12 % of its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     counts: Vec<u64>,
@@ -31,8 +32,8 @@ pub struct Histogram {
 
 /// Errors over time: means and maxima over all bodies in equal stretches of the run.
 ///
-/// As a run goes on, neighbouring stretches are joined, so that there are never more than
-/// [`ErrorTrace::CAPACITY`] and all but the last are equally long.
+/// As a run proceeds, neighbouring stretches are joined. There are never more than [`ErrorTrace::CAPACITY`]
+/// stretches, and all except the last have equal length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorTrace {
     steps_each: usize,
@@ -41,7 +42,7 @@ pub struct ErrorTrace {
 }
 
 impl Detail {
-    /// Adds one step: how far each body is off.
+    /// Adds one step: the error of each body.
     pub fn add(&mut self, errors: &[PoseError]) {
         let mut step = ErrorTotals::default();
         self.spread.hold(errors.len());
@@ -56,14 +57,15 @@ impl Detail {
 }
 
 impl Spread {
-    /// Makes room for so many bodies.
+    /// Extends the list to at least `bodies` bodies.
     fn hold(&mut self, bodies: usize) {
         if self.bodies.len() < bodies {
             self.bodies.resize(bodies, ErrorTotals::default());
         }
     }
 
-    /// Adds that of another run. Sums are of floats: merge in the order of the clips for the same bits.
+    /// Adds the spread of another run. Float sums depend on the order: merge in the order of the clips for
+    /// identical bits.
     pub fn merge(&mut self, other: &Self) {
         self.hold(other.bodies.len());
         for (body, other) in self.bodies.iter_mut().zip(&other.bodies) {
@@ -75,12 +77,12 @@ impl Spread {
 }
 
 impl Histogram {
-    /// A bin is the values whose sign, exponent and first three bits of the mantissa are the same: exact, and
-    /// without a logarithm.
+    /// Shift from a value's bits to its bin. A bin contains the values with equal sign, exponent and first three
+    /// bits of the mantissa: exact, and without a logarithm.
     const SHIFT: u32 = 52 - 3;
-    /// The bins begin at 2^-14; smaller values count in the first bin.
+    /// Lower bound of the first bin, 2^-14. Smaller values count in the first bin.
     const FIRST: u64 = (1023 - 14) << 3;
-    /// They end at 2^10; larger values count in the last bin.
+    /// Number of bins. They end at 2^10; larger values count in the last bin.
     const BINS: usize = (14 + 10) << 3;
 
     #[inline]
@@ -96,13 +98,13 @@ impl Histogram {
         }
     }
 
-    /// Number of values.
+    /// Returns the number of values.
     pub fn n(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// The distribution function: upper bounds of the bins and the share of values below, from the last
-    /// empty bin at the bottom to the first full one.
+    /// Returns the distribution function as pairs of a bin's upper bound and the share of values below it, from
+    /// the last empty bin at the bottom to the first bin that reaches the total.
     pub fn cumulative(&self) -> Vec<(f64, f64)> {
         let n = self.n() as f64;
         let mut below = 0;
@@ -122,7 +124,7 @@ impl Histogram {
         points
     }
 
-    /// Lower bound of a bin.
+    /// Returns the lower bound of a bin.
     fn bound(bin: usize) -> f64 {
         f64::from_bits((Self::FIRST + bin as u64) << Self::SHIFT)
     }
@@ -135,7 +137,7 @@ impl Default for Histogram {
 }
 
 impl ErrorTrace {
-    /// The largest number of stretches.
+    /// Maximum number of stretches.
     pub const CAPACITY: usize = 600;
 
     fn add(&mut self, step: &ErrorTotals) {
@@ -151,7 +153,7 @@ impl ErrorTrace {
         last.merge(step);
     }
 
-    /// The capacity is even: no stretch is left over.
+    /// Joins pairs of stretches. The capacity is even: no stretch remains single.
     fn join_pairs(&mut self) {
         let joined = self.stretches.chunks(2).map(|pair| {
             let mut sum = pair[0];
@@ -162,12 +164,12 @@ impl ErrorTrace {
         self.steps_each *= 2;
     }
 
-    /// Steps of a stretch; the last one may have fewer.
+    /// Returns the number of steps of a stretch. The last stretch may have fewer.
     pub fn steps_each(&self) -> usize {
         self.steps_each
     }
 
-    /// The stretches in the order of time.
+    /// Returns the stretches in the order of time.
     pub fn stretches(&self) -> &[ErrorTotals] {
         &self.stretches
     }
@@ -184,7 +186,7 @@ mod tests {
     use super::*;
     use sinew_figure::BODY_COUNT;
 
-    /// A detail of `steps` steps, in step `s` of which body 7 alone is `s` mm and `s` mrad off.
+    /// Returns a detail of `steps` steps. In step `s` only body 7 has an error: `s` mm and `s` mrad.
     fn drifting(steps: u32) -> Detail {
         let mut detail = Detail::default();
         for step in 0..steps {

@@ -1,4 +1,4 @@
-//! What the controller does not know of its rig: wrong masses, noisy sensors, weak and late drives.
+//! Differences between a rig and the controller's model of it: wrong masses, noisy sensors, weak and late drives.
 
 use serde::{Deserialize, Serialize};
 use sinew_core::control::TorqueLimit;
@@ -8,11 +8,12 @@ use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 use super::capacity::MAX_LATENCY_STEPS;
 use super::controller::narrow;
 
-/// Disturbances that the controller does not know. The default is none.
+/// Disturbances that the controller does not know. The default has none.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Disturbance {
-    /// Every body of the plant weighs a random `1 ± masses` of what the controller believes; below 1.
+    /// Half-width of the random mass error: every body of the plant has `1 ± masses` times the mass in the
+    /// controller's model. Below 1.
     pub masses: f64,
     /// Seed of the masses and of the noise.
     pub seed: u64,
@@ -20,14 +21,14 @@ pub struct Disturbance {
     pub sensor_noise_rad: f64,
     /// Standard deviation of the measured position of the root along each axis, in m.
     pub sensor_noise_m: f64,
-    /// Resolution of the joints' sensors in bits of a turn, 1 to 24; 0 for sensors without steps. Each
-    /// component of a joint's rotation vector is rounded to it.
+    /// Resolution of the joints' sensors in bits per turn, 1 to 24; 0 for no quantization. Each component of a
+    /// joint's rotation vector is rounded to it.
     pub sensor_bits: u32,
-    /// The most that the drive of a joint gives, in N m; the root's drive is not limited.
+    /// Maximum torque of a joint's drive, in N m. The root's drive is not limited.
     pub torque_limit_nm: f64,
-    /// What the drives of all joints but the root's have together: the sum of their torques, in N m.
+    /// Maximum sum of the torques of all drives, except the root's, in N m.
     pub supply_nm: f64,
-    /// Steps that a torque comes late. Until the first arrives, the first is held.
+    /// Latency of torques, in steps. Until the first torque arrives, the drives already apply that torque.
     pub latency_steps: usize,
 }
 
@@ -49,11 +50,11 @@ impl Default for Disturbance {
 impl Disturbance {
     /// Finds the first invalid value: its key, what is expected, and the value.
     pub(super) fn find_fault(&self) -> Option<(&'static str, &'static str, f64)> {
-        // A range has no NaN.
+        // A range does not contain NaN.
         if !(0.0..1.0).contains(&self.masses) {
             return Some(("masses", "a fraction from 0 to below 1", self.masses));
         }
-        // TOML, in which setups are written, has no larger integers.
+        // TOML, the format of setups, has no larger integers.
         if i64::try_from(self.seed).is_err() {
             return Some(("seed", "0 to 9223372036854775807", self.seed as f64));
         }
@@ -69,7 +70,7 @@ impl Disturbance {
         for (key, limit_nm) in
             [("torque_limit_nm", self.torque_limit_nm), ("supply_nm", self.supply_nm)]
         {
-            // In f32, the core's, a tiny limit is none at all.
+            // In the core's f32, a tiny limit would round to zero.
             if limit_nm.is_nan() || narrow(limit_nm) <= 0.0 {
                 return Some((key, "a torque above 0 N m in f32 (inf for none)", limit_nm));
             }
@@ -80,7 +81,7 @@ impl Disturbance {
         None
     }
 
-    /// Varies a rig as it was built: alike for every motion of a seed.
+    /// Returns the rig as it was built, with varied masses. All motions of a seed have one rig.
     pub(super) fn build(&self, mechanism: &Mechanism) -> Mechanism {
         let mut random = Random::new(self.seed, Subject::Masses);
         let mut built = mechanism.clone();
@@ -92,7 +93,8 @@ impl Disturbance {
         built
     }
 
-    /// The limits of the joints' drives: this one's, or the rig's own if that is smaller. The root's drive has none.
+    /// Returns the limits of the joints' drives: the disturbance's limit, or the rig's own if that is smaller. The
+    /// root's drive has no limit.
     pub(super) fn torque_limits(&self, links: &[Link]) -> Vec<TorqueLimit> {
         let of_link = |link: &Link| {
             if link.parent.is_none() {

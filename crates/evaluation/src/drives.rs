@@ -1,4 +1,4 @@
-//! The drives of a run: friction that they feed forward, and their latency.
+//! The drives of a run: friction feed-forward and latency.
 
 use std::collections::VecDeque;
 
@@ -11,7 +11,7 @@ use super::disturbance::Disturbance;
 use super::friction::FrictionFeed;
 use super::reference::Performance;
 
-/// The drives of all joints, from the wrenches that the controller wants to what acts on the plant.
+/// The drives of all joints. They convert the controller's wrenches to the wrenches that act on the plant.
 pub(super) struct Drives {
     friction: Option<FrictionFeed>,
     delay: DelayLine,
@@ -29,8 +29,8 @@ impl Drives {
         }
     }
 
-    /// Takes the wrenches that are wanted in a frame, in body axes. Returns what acts now on the bodies at these poses,
-    /// and how many joints were not given what they wanted.
+    /// Accepts the desired wrenches of a frame, in body axes. Returns the wrenches that act now on the bodies at
+    /// these poses, and the number of joints that did not receive what was desired.
     pub(super) fn act(
         &mut self,
         performance: &Performance<'_>,
@@ -50,7 +50,7 @@ impl Drives {
     }
 }
 
-/// Turns wrenches from body axes to the world's.
+/// Rotates wrenches from body axes to world axes.
 fn set_drive(drive: &mut Drive, wanted: &[Wrench], poses: &[Pose]) {
     let drives = drive.torque_nm.iter_mut().zip(&mut drive.force_n);
     for ((wanted, pose), (torque_nm, force_n)) in wanted.iter().zip(poses).zip(drives) {
@@ -59,8 +59,8 @@ fn set_drive(drive: &mut Drive, wanted: &[Wrench], poses: &[Pose]) {
     }
 }
 
-/// A queue of torques on their way to the drives, of as many steps as they are late. They are in body axes: there a
-/// motor keeps them while its body turns.
+/// A queue of torques on their way to the drives. Its length is the latency in steps. The torques are in body
+/// axes, since a motor keeps its torque while its body turns.
 struct DelayLine {
     steps: usize,
     waiting: VecDeque<Vec<Wrench>>,
@@ -71,7 +71,7 @@ impl DelayLine {
         Self { steps, waiting: VecDeque::with_capacity(steps + 1) }
     }
 
-    /// Sends off what is wanted now; returns what arrives now.
+    /// Queues the torques that are desired now. Returns the torques that arrive now.
     fn pass(&mut self, wanted: impl Iterator<Item = Wrench>) -> &[Wrench] {
         let mut slot = if self.waiting.len() > self.steps {
             self.waiting.pop_front().unwrap_or_default()

@@ -11,141 +11,141 @@ use thiserror::Error;
 /// An invalid setup.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SetupError {
-    /// Not the TOML of a setup.
+    /// A text that is not the TOML of a setup.
     #[error("{0}")]
     Toml(String),
-    /// A subject for a body that needs none.
+    /// A subject for a body model that does not use it.
     #[error("subject: expected with body = \"hanavan_kwon\" only")]
     SubjectWithoutBody,
-    /// A setting of the figure that is made from a clip.
+    /// A setting that applies only to the figure, which is made from a clip.
     #[error("{key}: expected to be left out, since the rig has its own")]
     OfTheFigure {
-        /// The key.
+        /// Name of the key.
         key: &'static str,
     },
-    /// The reference is no body of the rig.
+    /// A reference that is not a body of the rig.
     #[error("controller.reference: expected a body of the rig ({names}), found `{found}`")]
     NoSuchBody {
-        /// The bodies there are.
+        /// Names of the rig's bodies.
         names: String,
-        /// The name that was given.
+        /// Name that was given.
         found: String,
     },
-    /// A setting of the controller.
+    /// An invalid setting of the controller.
     #[error("controller.{0}")]
     Controller(#[from] SettingError),
-    /// A value out of its range.
+    /// A value outside its range.
     #[error("{key}: expected {expected}, found {value}")]
     Value {
-        /// The key, dotted.
+        /// Name of the key, with dots.
         key: String,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         value: f64,
     },
 }
 
-/// Why an evaluation has no result.
+/// The error of an evaluation without a result.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EvaluateError {
-    /// Nothing to evaluate.
+    /// An empty list of clips.
     #[error("there is no clip to evaluate")]
     NoClips,
-    /// The setup cannot be.
+    /// An invalid setup.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// One run failed.
+    /// A run that failed.
     #[error("clip {clip}, scale {scale}, method {method}: {kind}")]
     Run {
-        /// The clip.
+        /// Name of the clip.
         clip: String,
         /// Factor on the figure's dimensions.
         scale: f64,
-        /// The method.
+        /// Method of the run.
         method: MethodName,
-        /// Why.
+        /// Reason for the failure.
         kind: RunError,
     },
 }
 
 impl EvaluateError {
-    /// Whether a rig was lost, which is a result; anything else is bad input.
+    /// Returns whether the rig was lost, which is a result. Every other error is bad input.
     pub fn is_loss(&self) -> bool {
         matches!(self, Self::Run { kind, .. } if kind.is_loss())
     }
 }
 
-/// Why a run failed.
+/// The error of a run.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RunError {
-    /// Forward differences of second order need three frames.
+    /// A clip that is too short: second-order forward differences need three frames.
     #[error("the clip has {frames} frames; at least 3 are needed")]
     TooShort {
-        /// Frames of the clip.
+        /// Number of frames in the clip.
         frames: usize,
     },
-    /// Ticks are counted in 31 bits.
+    /// A clip that is too long: ticks are counted in 31 bits.
     #[error("{frames} frames; at most 2147483647 can be tracked")]
     TooLong {
-        /// Frames of the clip.
+        /// Number of frames in the clip.
         frames: usize,
     },
-    /// The rig was lost.
+    /// A rig that was lost.
     #[error("diverged at frame {frame}: the {body} is {linear_m:.3} m from its goal")]
     Diverged {
-        /// Frame of the clip.
+        /// Index of the clip's frame.
         frame: usize,
-        /// The body farthest off, or the first whose pose is no number.
+        /// Name of the body that is farthest from its goal, or the first body whose pose is not a number.
         body: String,
-        /// How far, in metres.
+        /// Distance from its goal, in metres.
         linear_m: f64,
     },
-    /// The controller's arithmetic overflowed.
+    /// A torque that overflowed in the controller's arithmetic.
     #[error("frame {frame}: a torque is not finite")]
     TorqueNotFinite {
-        /// Frame of the clip.
+        /// Index of the clip's frame.
         frame: usize,
     },
-    /// A desired or measured state is not one.
+    /// A desired or measured state that is invalid.
     #[error("frame {frame}: {source}")]
     State {
-        /// Frame of the clip.
+        /// Index of the clip's frame.
         frame: usize,
-        /// Why.
+        /// Reason why the state is invalid.
         source: StepError,
     },
-    /// The setup does not go with the rig.
+    /// A setup that does not fit the rig.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// There is no such tracker.
+    /// A tracker that cannot be created.
     #[error("controller: {0}")]
     Tracker(#[from] TrackerError),
-    /// The clip's skeleton cannot be given a body.
+    /// A skeleton to which no body model fits.
     #[error(transparent)]
     Model(#[from] BodyModelError),
-    /// The figure cannot be built.
+    /// A figure that cannot be built.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// The limits of the drives cannot be.
+    /// Drive limits that are invalid.
     #[error(transparent)]
     Controller(#[from] ControllerError),
-    /// The figure's rest pose cannot be weighed.
+    /// A rest pose for which weights cannot be computed.
     #[error(transparent)]
     RestPose(#[from] RestPoseError),
-    /// The figure's joints have no importance.
+    /// A figure whose joints have no importance.
     #[error(transparent)]
     Importance(#[from] ImportanceError),
-    /// There is no such supply.
+    /// An invalid supply.
     #[error(transparent)]
     Supply(#[from] SupplyError),
-    /// The plant cannot be built.
+    /// A plant that cannot be built.
     #[error(transparent)]
     Plant(#[from] PlantError),
 }
 
 impl RunError {
-    /// Whether the rig was lost, which is a result; anything else is bad input.
+    /// Returns whether the rig was lost, which is a result. Every other error is bad input.
     pub fn is_loss(&self) -> bool {
         matches!(self, Self::Diverged { .. } | Self::TorqueNotFinite { .. })
     }

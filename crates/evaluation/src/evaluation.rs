@@ -1,4 +1,4 @@
-//! The evaluation itself: what is run, and what comes of it.
+//! The evaluation: its protocol, its runs, and its results.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -14,21 +14,21 @@ use super::motion::{EvaluatedMotion, count_steps};
 use super::run::Run;
 use super::setup::Setup;
 
-/// What to evaluate.
+/// The protocol of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Protocol {
-    /// What all runs have in common; the next two vary it.
+    /// Setup of all runs. The next two fields vary it.
     pub setup: Setup,
-    /// Factors on the figure's dimensions; the clip keeps its own.
+    /// Factors on the figure's dimensions. The clip keeps its own dimensions.
     pub scales: Vec<f64>,
     /// Methods to compare.
     pub methods: Vec<MethodName>,
-    /// Use only this much of the beginning of every clip, in seconds.
+    /// Duration of the part of every clip that is used, from its beginning, in seconds; `None` for whole clips.
     pub seconds: Option<f64>,
 }
 
 impl Default for Protocol {
-    /// The paper's: its three methods on a figure of equal and of 1.1 times the dimensions.
+    /// Returns the paper's protocol: its three methods on a figure of equal and of 1.1 times the dimensions.
     fn default() -> Self {
         Self {
             setup: Setup::default(),
@@ -39,71 +39,72 @@ impl Default for Protocol {
     }
 }
 
-/// The whole result.
+/// The result of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evaluation {
-    /// What people call the rig; `None` for the paper's figure.
+    /// Name of the rig; `None` for the paper's figure.
     pub rig: Option<String>,
-    /// Names of the bodies whose errors count, all but the base of a user's rig on a stand.
+    /// Names of the bodies whose errors count: all, except the base of a user's rig on a stand.
     pub bodies: Vec<String>,
-    /// Whether the base is free and driven from outside, rather than held by a stand.
+    /// Whether the base is free and driven externally, and not held by a stand.
     pub driven: bool,
-    /// What all runs had in common.
+    /// Setup that all runs had in common.
     pub setup: Setup,
-    /// The clips in their order.
+    /// Evaluated clips in their order.
     pub clips: Vec<ClipLength>,
-    /// One per scale, in the protocol's order.
+    /// Results of each scale, in the protocol's order.
     pub figures: Vec<FigureResult>,
 }
 
-/// How much of a clip was evaluated.
+/// The evaluated length of a clip.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct ClipLength {
-    /// The clip's name.
+    /// Name of the clip.
     pub name: String,
     /// Number of simulation steps.
     pub frames: usize,
 }
 
-/// Results of a figure of one scale.
+/// Results of the figure at one scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureResult {
     /// Factor on the dimensions.
     pub scale: f64,
-    /// One per method, in the protocol's order.
+    /// Results of each method, in the protocol's order.
     pub methods: Vec<MethodResult>,
 }
 
 /// Results of one method on one figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MethodResult {
-    /// The method.
+    /// Method of measuring the state error.
     pub method: MethodName,
-    /// Over all clips.
+    /// Errors over all clips.
     pub total: Errors,
-    /// By clip, in the clips' order.
+    /// Errors of each clip, in the clips' order.
     pub clips: Vec<Errors>,
-    /// More of each clip, in the same order.
+    /// Details of each clip, in the clips' order.
     pub details: Vec<Detail>,
-    /// The rig against the performer of each clip, in the same order.
+    /// Comparison of the rig with the performer of each clip, in the clips' order.
     pub likeness: Vec<Likeness>,
 }
 
 impl Evaluation {
-    /// How the base of a user's rig is held.
+    /// Returns a description of the support of a user's rig's base; `None` for the paper's figure.
     pub fn base(&self) -> Option<&'static str> {
         let how = if self.driven { "driven from outside" } else { "held by a stand" };
         self.rig.as_ref().map(|_| how)
     }
 
-    /// Number of simulation steps of one figure with one method.
+    /// Returns the number of simulation steps of one figure with one method.
     pub fn frames(&self) -> usize {
         self.clips.iter().map(|clip| clip.frames).sum()
     }
 }
 
 impl MethodResult {
-    /// The rig against the performers of all clips; `None` if the motions are no performers'.
+    /// Returns the comparison of the rig with the performers of all clips; `None` if the motions have no
+    /// performer.
     pub fn likeness(&self) -> Option<Likeness> {
         let mut all = Likeness::default();
         self.likeness.iter().for_each(|likeness| all.merge(likeness));
@@ -112,14 +113,14 @@ impl MethodResult {
 }
 
 impl FigureResult {
-    /// The result of one method, if it was evaluated.
+    /// Returns the result of one method, if it was evaluated.
     pub fn method(&self, name: MethodName) -> Option<&MethodResult> {
         self.methods.iter().find(|result| result.method == name)
     }
 }
 
 impl Protocol {
-    /// The setup of one figure and method.
+    /// Returns the setup of one figure and method.
     pub fn setup_of(&self, scale: f64, method: MethodName) -> Setup {
         let mut setup = self.setup.clone();
         setup.dimensions = Dimensions { scale, ..setup.dimensions };
@@ -128,18 +129,18 @@ impl Protocol {
     }
 }
 
-/// Steps that a whole evaluation motions, for a progress bar.
+/// Returns the number of steps of a whole evaluation, for a progress bar.
 pub fn count_all_steps(motions: &[impl EvaluatedMotion], protocol: &Protocol) -> usize {
     let frames: usize = motions.iter().map(|motion| count_steps(motion, protocol.seconds)).sum();
     frames * protocol.scales.len() * protocol.methods.len()
 }
 
-/// Tracks every motion with every method on a rig of every scale. Runs in parallel; the result does not
-/// depend on the number of threads. `progress` gets the number of steps done, now and then.
+/// Tracks every motion with every method on a rig of every scale. The runs are parallel; the result does not
+/// depend on the number of threads. `progress` receives the number of completed steps from time to time.
 ///
 /// # Errors
-/// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error,
-/// never part of a mean.
+/// The first [`EvaluateError`] in the order of scales, methods and clips. A run that diverges is an error, and is
+/// never included in a mean.
 pub fn evaluate<T: EvaluatedMotion>(
     motions: &[T],
     protocol: &Protocol,
@@ -161,7 +162,7 @@ pub fn evaluate<T: EvaluatedMotion>(
             }
         }
     }
-    // Each run keeps its own sums, and they are added in the order of the clips: same bits every time.
+    // Each run keeps its own sums, which are added in the order of the clips: identical bits every time.
     let results: Vec<Result<RunResult, EvaluateError>> = runs
         .par_iter()
         .map(|(scale, method, motion, stream)| {
@@ -220,7 +221,7 @@ pub fn evaluate<T: EvaluatedMotion>(
         figures.push(FigureResult { scale: *scale, methods });
     }
     let rig = motions.iter().find_map(|motion| motion.rig_name().map(str::to_owned));
-    // It has been made in every run.
+    // Every run has already made this rig successfully.
     let made = motions.first().and_then(|motion| motion.rig(&protocol.setup).ok());
     let links = made.as_ref().map_or(&[][..], |rig| &rig.links()[rig.first_judged()..]);
     let bodies = links.iter().map(|link| link.name.clone()).collect();
@@ -228,7 +229,7 @@ pub fn evaluate<T: EvaluatedMotion>(
     Ok(Evaluation { rig, bodies, driven, setup: protocol.setup.clone(), clips, figures })
 }
 
-/// The results of one run.
+/// Results of one run.
 #[derive(Debug, Default)]
 struct RunResult {
     errors: Errors,

@@ -1,4 +1,4 @@
-//! Friction that the drives know and feed forward.
+//! Feed-forward of the friction that the drives know.
 
 use glam::DVec3;
 use sinew_core::Wrench;
@@ -12,17 +12,17 @@ use super::reference::{Performance, rotation_vector};
 
 /// The drives of a rig whose joints have friction.
 pub(super) struct FrictionFeed {
-    /// The friction of each body's joint along every dof, and the most that its drive gives.
+    /// Friction along every dof of each body's joint, and the maximum effort of its drive.
     joints: Vec<(Friction, f32)>,
     now: Vec<Pose>,
     next: Vec<Pose>,
 }
 
 impl FrictionFeed {
-    /// Makes the drives of a rig; `None` if no joint has friction.
+    /// Creates the drives of a rig; `None` if no joint has friction.
     pub(super) fn new(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
         let joint = |link: &Link| {
-            // What is finite in f64 stays so.
+            // Clamped to stay finite in f32.
             let [coulomb, viscous] =
                 [link.friction, link.damping].map(|x| x.min(f64::from(f32::MAX)));
             let friction = Friction::new(narrow(coulomb), narrow(viscous));
@@ -37,8 +37,8 @@ impl FrictionFeed {
         rubs.then(|| Self { joints, now: Vec::new(), next: Vec::new() })
     }
 
-    /// Adds to the wrenches of the joints, body axes, what their friction takes at the mean speeds that they are to
-    /// have from a frame to the next, as far as the drives can. Returns how many drives could not.
+    /// Adds the friction of the joints to their wrenches (body axes), at the mean speeds that are desired from
+    /// this frame to the next, within the limits of the drives. Returns the number of drives at their limit.
     pub(super) fn add(
         &mut self,
         performance: &Performance<'_>,

@@ -1,4 +1,4 @@
-//! The weights of the importance-weighted error: how far a turn of each joint moves the skin.
+//! Weights of the importance-weighted error: the motion of the skin per rotation of each joint.
 
 use std::f64::consts::PI;
 
@@ -12,28 +12,31 @@ use super::controller::narrow;
 use super::error::RunError;
 use super::pose_error::angle_between_rad;
 
-/// Of a living body, in kg/m³. It cancels but for the thickness of limbs against their lengths.
+/// Density of a living body, in kg/m³. It cancels, except in the ratio of the thickness of limbs to their lengths.
 const DENSITY_KG_M3: f64 = 1000.0;
 
-/// The joints, and the far end of each body.
+/// Maximum number of points: the joints, and the far end of each body.
 const POINTS: usize = 2 * CAPACITY;
 
-/// The lever of each joint in metres: how far the mean point of the rig's skin is moved by a turn of 1 rad, at most.
+/// The lever of each joint in metres: the largest possible displacement of the mean point of the rig's skin per
+/// rotation of 1 rad.
 ///
-/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface below joint i in the rest pose, A the whole surface. It is Holden's
-/// importance ("Joint Error Propagation", 2025) of cylinders, without a base, per surface. A body is the cylinder
-/// that has its mass around the line from its joint through its centre of mass, which is in its middle: so every body
-/// has a surface, the leaves and those that several others hang on too, whatever its joints are like.
+/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface of joint i's descendants in the rest pose, with A the whole surface.
+/// This is Holden's importance ("Joint Error Propagation", 2025) of cylinders, without a base, per surface. A body
+/// is the cylinder that has the body's mass around the line from its joint through its centre of mass, which is
+/// the middle of the cylinder. Every body therefore has a surface, including leaves and bodies with several
+/// children, whatever its joints.
 ///
-/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ the angle between the desired and the measured rotation of joint i as
-/// its parent sees it (of the root, as the world does), Δp what the root is off. To first order no less than the mean
-/// distance of the skin's points from where they should be, were the figure of the clip's dimensions: turns that undo
-/// each other count as if they did not. Other dimensions of the figure are no error of its pose.
+/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ is the angle between the desired and the measured rotation of joint
+/// i relative to its parent (for the root: to the world), and Δp the error of the root's position. To first order
+/// it is at least the mean distance of the skin's points from their desired places, if the figure had the clip's
+/// dimensions: rotations that cancel each other count as if they did not. A difference in dimensions is not an
+/// error of the pose.
 ///
-/// A rig whose masses all lie in its joints has no surface, and levers of 0.
+/// A rig whose masses are all at its joints has no surface, and levers of 0.
 ///
-/// It is of whole poses only. That of the leaves alone would be their angles times constant levers, of some mm: little
-/// hangs on a leaf, which is what importance says.
+/// The error is defined only for whole poses. For the leaves alone it would be their angles times constant levers
+/// of some mm: little is attached to a leaf, and importance measures exactly that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportanceWeights {
     lever_m: Vec<f64>,
@@ -44,7 +47,7 @@ impl ImportanceWeights {
     /// Computes the weights of a mechanism.
     ///
     /// # Errors
-    /// [`RunError`] if there are more than [`CAPACITY`] bodies, or measures do not survive f32.
+    /// [`RunError`] if there are more than [`CAPACITY`] bodies, or values are not representable in f32.
     pub fn new(mechanism: &Mechanism) -> Result<Self, RunError> {
         let links = &mechanism.bodies;
         let count = links.len();
@@ -55,7 +58,7 @@ impl ImportanceWeights {
         let mut surface_m2 = 0.0;
         for (body, link) in links.iter().enumerate() {
             let world = link.parent.map_or(Pose::IDENTITY, |parent| rest[parent]);
-            // Where the root stands does not count.
+            // The position of the root does not count.
             let offset_m = link.parent.map_or(DVec3::ZERO, |_| link.position_m);
             let pose = world.child(offset_m, link.rotation);
             let end = count + body;
@@ -79,19 +82,19 @@ impl ImportanceWeights {
         Ok(Self { lever_m, parents })
     }
 
-    /// Makes the weights of a mechanism that has no surface.
+    /// Returns zero weights for a mechanism without a surface.
     #[cfg(test)]
     pub(crate) fn zero(mechanism: &Mechanism) -> Self {
         let parents = mechanism.bodies.iter().map(|link| link.parent).collect();
         Self { lever_m: vec![0.0; mechanism.bodies.len()], parents }
     }
 
-    /// By joint, in metres.
+    /// Returns the levers by joint, in metres.
     pub fn as_slice_m(&self) -> &[f64] {
         &self.lever_m
     }
 
-    /// The importance-weighted error of a pose in metres. World poses.
+    /// Returns the importance-weighted error of a pose in metres, from world poses.
     pub fn error_m(&self, desired: &[Pose], measured: &[Pose]) -> f64 {
         let turned: f64 = self
             .lever_m
@@ -121,7 +124,7 @@ impl Cylinder {
         let axis_m = 2.0 * link.center_of_mass_m;
         let volume_m3 = link.mass_kg / DENSITY_KG_M3;
         let length_m = axis_m.length();
-        // A body that has its mass at its joint has no length to be a cylinder of, and no surface.
+        // A body whose mass is at its joint has zero length, and therefore no surface.
         let radius_m = if length_m > 0.0 { (volume_m3 / (PI * length_m)).sqrt() } else { 0.0 };
         Self { axis_m, radius_m }
     }
@@ -139,7 +142,7 @@ mod tests {
     use sinew_figure::pipeline::{Settings, prepare};
     use sinew_figure::{BODY_COUNT, BodyModel, Root, is_leaf};
 
-    /// The built-in figure.
+    /// Returns the built-in figure.
     fn model() -> BodyModel {
         let clip = builtin::clips().swap_remove(0);
         let (motion, _) = prepare(clip, &Settings::default()).unwrap();
@@ -190,7 +193,7 @@ mod tests {
         let cylinders: Vec<_> = mechanism.bodies.iter().map(Cylinder::new).collect();
         let surface_m2: f64 = cylinders.iter().map(Cylinder::surface_m2).sum();
         for body in (0..BODY_COUNT).filter(|body| is_leaf(*body)) {
-            // The mean distance from one end of the axis, of rings at all places of it.
+            // The mean distance from one end of the axis, over rings at all places along it.
             let (r, l) = (cylinders[body].radius_m, cylinders[body].axis_m.length());
             let mean_m = 0.5 * (l.hypot(r) + r * r / l * (l / r).asinh());
             let expected_m = cylinders[body].surface_m2() / surface_m2 * mean_m;
@@ -205,13 +208,13 @@ mod tests {
         let lever_m = weights.as_slice_m();
         let still = [Pose::IDENTITY; BODY_COUNT];
         let mut off = still;
-        // The thorax turns, and carries all that hangs on it: one joint is off, however many bodies are.
+        // The thorax turns with all its descendants: one joint has an error, although many bodies do.
         let turn = DQuat::from_rotation_y(0.2);
         for (body, pose) in off.iter_mut().enumerate() {
             pose.rotation = if (2..12).contains(&body) { turn } else { DQuat::IDENTITY };
             pose.position_m = DVec3::new(0.0, 0.0, 0.03);
         }
-        // The other sign of a quaternion is the same orientation.
+        // A quaternion with the opposite sign is the same orientation.
         off[16].rotation = -off[16].rotation;
         let expected_m = 0.2 * lever_m[2] + 0.03;
         assert!((weights.error_m(&still, &off) - expected_m).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! The largest latency that methods tolerate, by rate of control.
+//! The maximum latency that methods tolerate, by control rate.
 
 use rayon::prelude::*;
 use sinew_core::tracker::MethodName;
@@ -13,31 +13,31 @@ use super::trial::{Lost, TRACKS_BELOW_DEG, run_trial};
 /// The protocol of a latency evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyProtocol {
-    /// The setup that all runs share; method, latency and looking ahead vary.
+    /// Setup that all runs share. Method, latency and prediction vary.
     pub setup: Setup,
     /// Methods to compare.
     pub methods: Vec<MethodName>,
-    /// Use only this much of the beginning of every motion, in seconds.
+    /// Duration of the part of every motion that is used, from its beginning, in seconds.
     pub seconds: f64,
 }
 
-/// The largest latencies of all methods.
+/// Maximum latencies of all methods.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyLimits {
-    /// Rates of control, Hz.
+    /// Control rates, Hz.
     pub rates_hz: Vec<f64>,
-    /// Two for each method: without looking ahead, and with it.
+    /// Two rows per method: without prediction, and with it.
     pub rows: Vec<LatencyRow>,
 }
 
-/// The largest latencies of a method.
+/// Maximum latencies of a method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyRow {
-    /// The method.
+    /// Method of measuring the state error.
     pub method: MethodName,
-    /// Whether the controller predicts the state that its command will meet.
+    /// Whether the controller predicts the state at which its command will act.
     pub looks_ahead: bool,
-    /// For each rate, in steps; `None` if the method fails without any latency.
+    /// Maximum latency at each rate, in steps; `None` if the method fails even without latency.
     pub largest_steps: Vec<Option<usize>>,
 }
 
@@ -54,7 +54,7 @@ impl LatencyProtocol {
     /// Checks the setups of all methods.
     ///
     /// # Errors
-    /// [`SetupError`], the first.
+    /// The first [`SetupError`].
     pub fn check(&self) -> Result<(), SetupError> {
         self.setups().iter().try_for_each(Setup::check)
     }
@@ -64,11 +64,11 @@ impl LatencyProtocol {
         2 * self.methods.len() * rates
     }
 
-    /// Finds the limits of all methods with the motions of each rate, Hz. Runs in parallel; the result does not depend
-    /// on the number of threads. `progress` gets the number of cells done, now and then.
+    /// Finds the limits of all methods with the motions of each rate, Hz. The runs are parallel; the result does
+    /// not depend on the number of threads. `progress` receives the number of completed cells from time to time.
     ///
     /// # Errors
-    /// [`Lost`] for what is no loss of the figure: a motion that is too short, an invalid setting.
+    /// [`Lost`] for an error that is not a loss of the figure: a motion that is too short, an invalid setting.
     pub fn run<M: EvaluatedMotion>(
         &self,
         motions: &[(f64, Vec<M>)],
@@ -103,11 +103,12 @@ impl LatencyProtocol {
     }
 }
 
-/// Finds the largest latency in steps that a figure tracks at, and at every smaller one; `None` if it does not
-/// track without any. The controller knows the latency and looks ahead, or does not.
+/// Finds the largest latency in steps at which a figure tracks, and also tracks at every smaller latency; `None`
+/// if it does not track even without latency. The controller knows the latency; `look_ahead` enables its
+/// prediction.
 ///
 /// # Errors
-/// [`Lost`] for what is no loss of the figure: a clip that is too short, a setting that cannot be.
+/// [`Lost`] for an error that is not a loss of the figure: a clip that is too short, an invalid setting.
 pub fn find_largest_latency(
     motions: &[impl EvaluatedMotion],
     setup: &Setup,

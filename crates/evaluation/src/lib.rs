@@ -1,19 +1,20 @@
-//! The paper's evaluation: every motion, tracked by a rig (the figure at every scale) with every method of measuring
-//! its state error, and how far off it was.
+//! The paper's evaluation: a rig (the figure at every scale) tracks every motion with every method of measuring
+//! its state error, and the tracking errors are measured.
 //!
-//! - `setup` holds all that a run can vary; `controller` holds the core's settings, with bodies by name.
-//! - `run` tracks one motion with the core's tracker, step by `step`; `evaluation` tracks all motions with all methods.
-//! - `importance_weights` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed order:
-//!   by body, by size and over time, in bounded memory.
-//! - `disturbance` holds what the controller does not know of a rig: `sensors`, `drives` (over `friction`) and `supply`
-//!   act accordingly.
-//! - `motion` is what can be tracked; [`exercise`] makes motions of a user's rig.
-//! - `trial` tracks all motions with one setup; [`robustness`] does so on many rigs as they are built, [`latency`] with
-//!   ever later torques.
-//! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`; [`mod@pareto`]
-//!   finds Pareto fronts.
-//! - [`paper`] holds the paper's numbers; [`mod@report`] writes tables, JSON and CSV.
-//! - [`mod@sweep`] runs grids of setups and resumes what was interrupted.
+//! - `setup` contains all settings of a run; `controller` contains the core's settings, with bodies by name.
+//! - `run` tracks one motion with the core's tracker, step by `step`; `evaluation` tracks all motions with all
+//!   methods.
+//! - `importance_weights` computes the importance-weighted error; `metrics` and [`detail`] sum errors in a fixed
+//!   order: by body, by size and over time, in bounded memory.
+//! - `disturbance` describes differences between a rig and the controller's model; `sensors`, `drives` (with
+//!   `friction`) and `supply` implement them.
+//! - `motion` defines a motion that can be tracked; [`exercise`] makes motions of a user's rig.
+//! - `trial` tracks all motions with one setup; [`robustness`] repeats that on many rigs with random errors,
+//!   [`latency`] with increasing latency of torques.
+//! - [`optimum`] finds the nearest poses by Newton's method in O(n), in f64 and without code of `core`;
+//!   [`mod@pareto`] finds Pareto fronts.
+//! - [`paper`] contains the paper's numbers; [`mod@report`] writes tables, JSON and CSV.
+//! - [`mod@sweep`] runs grids of setups and resumes interrupted sweeps.
 
 mod capacity;
 mod controller;

@@ -1,4 +1,4 @@
-//! How far the measured figure is from the desired one, in the world, as the paper reports it.
+//! Errors of the measured figure relative to the desired figure, in the world, as the paper reports them.
 
 use serde::{Deserialize, Serialize};
 use sinew_figure::plant::Pose;
@@ -7,18 +7,19 @@ use super::pose_error::PoseError;
 use super::rig::Rig;
 use super::step::Step;
 
-/// Errors over all bodies and over the leaves (of the figure: head, hands, feet) alone.
+/// Errors over all bodies, and over the leaves alone (for the figure: head, hands, feet).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Errors {
-    /// Over all bodies.
+    /// Errors over all bodies.
     pub all: ErrorTotals,
-    /// Over the leaves.
+    /// Errors over the leaves.
     pub leaf: ErrorTotals,
-    /// Errors of whole poses, every joint by what it moves: see [`ImportanceWeights`](super::ImportanceWeights).
+    /// Errors of whole poses, in which every joint has the weight of the skin that it moves: see
+    /// [`ImportanceWeights`](super::ImportanceWeights).
     pub weighted: WeightedTotals,
-    /// The widest gap at a joint, in metres: what the plant's constraints let through.
+    /// Widest gap at a joint, in metres: a defect of the plant's constraints.
     pub widest_gap_m: f64,
-    /// How often a joint was not given the torque that it wanted.
+    /// Number of times that a joint did not receive its desired torque.
     pub limited: u64,
 }
 
@@ -43,7 +44,7 @@ pub struct WeightedTotals {
 }
 
 impl Errors {
-    /// Adds one step: the poses of all bodies where they should be and where they are.
+    /// Adds one step: the desired and the measured poses of all bodies.
     pub fn add(&mut self, desired: &[Pose], measured: &[Pose], rig: &Rig) {
         let errors: Vec<PoseError> = PoseError::between(desired, measured).collect();
         self.add_errors(&errors, rig.importance_weights().error_m(desired, measured), rig);
@@ -96,27 +97,27 @@ impl ErrorTotals {
         self.linear_max_m = self.linear_max_m.max(other.linear_max_m);
     }
 
-    /// Mean angular error in degrees.
+    /// Returns the mean angular error in degrees.
     pub fn angular_mean_deg(&self) -> f64 {
         (self.angular_sum_rad / self.n as f64).to_degrees()
     }
 
-    /// Mean linear error in centimetres.
+    /// Returns the mean linear error in centimetres.
     pub fn linear_mean_cm(&self) -> f64 {
         self.linear_sum_m / self.n as f64 * 100.0
     }
 
-    /// Largest angular error in degrees.
+    /// Returns the largest angular error in degrees.
     pub fn angular_max_deg(&self) -> f64 {
         self.angular_max_rad.to_degrees()
     }
 
-    /// Largest linear error in centimetres.
+    /// Returns the largest linear error in centimetres.
     pub fn linear_max_cm(&self) -> f64 {
         self.linear_max_m * 100.0
     }
 
-    /// Means and maxima in the order of the paper's tables: mean angular (deg), mean linear (cm), maximum
+    /// Returns means and maxima in the order of the paper's tables: mean angular (deg), mean linear (cm), maximum
     /// angular (deg), maximum linear (cm).
     pub fn figures(&self) -> [f64; 4] {
         [
@@ -141,12 +142,12 @@ impl WeightedTotals {
         self.max_m = self.max_m.max(other.max_m);
     }
 
-    /// Mean in centimetres.
+    /// Returns the mean in centimetres.
     pub fn mean_cm(&self) -> f64 {
         self.sum_m / self.n as f64 * 100.0
     }
 
-    /// Maximum in centimetres.
+    /// Returns the maximum in centimetres.
     pub fn max_cm(&self) -> f64 {
         self.max_m * 100.0
     }
@@ -174,7 +175,7 @@ mod tests {
         // Body 3, the head, is a leaf; body 0, the pelvis, is not.
         off[3] = pose(DVec3::new(0.0, 0.18, 0.0), DVec3::new(0.0, 0.03, 0.04));
         off[0] = pose(DVec3::ZERO, DVec3::new(0.36, 0.0, 0.0));
-        // The other sign of a quaternion is the same orientation.
+        // A quaternion with the opposite sign is the same orientation.
         off[7].rotation = -off[7].rotation;
         let mut errors = Errors::default();
         errors.add(&still, &off, &rig);
@@ -187,7 +188,7 @@ mod tests {
             assert!((errors.leaf.linear_max_cm() - 5.0).abs() < 1e-12);
             assert!((errors.all.linear_max_cm() - 36.0).abs() < 1e-12);
             assert!((errors.all.angular_max_deg() - 0.18f64.to_degrees()).abs() < 1e-12);
-            // Without weights, what the root is off.
+            // With zero weights, only the error of the root's position counts.
             assert!((errors.weighted.mean_cm() - 36.0).abs() < 1e-12);
             assert!((errors.weighted.max_cm() - 36.0).abs() < 1e-12);
         }

@@ -1,4 +1,4 @@
-//! The motions that are evaluated, each with the rig that performs it.
+//! Evaluated motions, each with the rig that performs it.
 
 use sinew_figure::plant::Pose;
 use sinew_figure::{FigureMotion, Root};
@@ -10,50 +10,50 @@ use super::setup::Setup;
 
 /// A motion, evenly sampled, and the rig that performs it in a setup.
 ///
-/// Its dimensions may be others than the rig's: it is what the errors are measured against.
+/// The motion's dimensions may differ from the rig's. Errors are measured relative to the motion.
 pub trait EvaluatedMotion: Sync {
-    /// What people call it.
+    /// Returns the name of the motion.
     fn name(&self) -> &str;
 
-    /// What people call the rig; `None` for the paper's figure.
+    /// Returns the name of the rig; `None` for the paper's figure.
     fn rig_name(&self) -> Option<&str> {
         None
     }
 
-    /// Visits all numbers that the motion and its rig are made of, by which it is known again.
+    /// Visits all numbers of the motion and its rig, for a checksum that identifies them.
     fn visit_numbers(&self, see: &mut dyn FnMut(&[f64]));
 
-    /// Time from one frame to the next, s.
+    /// Returns the time from one frame to the next, s.
     fn dt_s(&self) -> f64;
 
-    /// Number of frames.
+    /// Returns the number of frames.
     fn frame_count(&self) -> usize;
 
-    /// The rig, as its controller knows it.
+    /// Returns the rig as its controller knows it.
     ///
     /// # Errors
-    /// [`RunError`] if there is none for this motion.
+    /// [`RunError`] if there is no rig for this motion.
     fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError>;
 
-    /// Makes the rig in a setup. Of a user's rig on a stand the base is not judged.
+    /// Makes the rig for a setup. If a user's rig is on a stand, its base is not judged.
     ///
     /// # Errors
-    /// [`RunError`] if there is none, its measures do not survive f32, or it has no surface.
+    /// [`RunError`] if there is no rig, its values are not representable in f32, or it has no surface.
     fn rig(&self, setup: &Setup) -> Result<Rig, RunError> {
         let rig = Rig::new(self.mechanism(setup)?)?;
         Ok(if self.rig_name().is_some() { rig.without_stand() } else { rig })
     }
 
-    /// Puts the poses of all joints in a frame (the last one, beyond the end) into `out`, each in its parent's frame,
-    /// the root's in the world; by body of the rig.
+    /// Writes the poses of all joints in a frame to `out`, each in its parent's frame, the root's in the world, in
+    /// the order of the rig's bodies. After the end the last frame is used.
     fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>);
 
-    /// Shows the angles in deg between the limbs of the rig, its bodies at these poses in the world, and the limbs of
-    /// the performer in a frame. None, if the motion is no performer's.
+    /// Calls `see` with the angles in deg between the limbs of the rig, whose bodies have these poses in the
+    /// world, and the limbs of the performer in a frame. Does nothing if the motion has no performer.
     fn limb_errors_deg(&self, _frame: usize, _poses: &[Pose], _see: &mut dyn FnMut(f64)) {}
 }
 
-/// Visits all numbers that a rig is made of.
+/// Visits all numbers of a rig.
 pub fn visit_numbers(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
     for link in &mechanism.bodies {
         see(&[link.parent.map_or(-1.0, |parent| parent as f64)]);
@@ -72,7 +72,8 @@ pub fn visit_numbers(mechanism: &Mechanism, see: &mut dyn FnMut(&[f64])) {
     }
 }
 
-/// A clip on the figure, which is made from it: the setup says with which body model, and how its pelvis is held.
+/// A clip on the figure, which is made from the clip. The setup selects the body model and the support of the
+/// pelvis.
 impl EvaluatedMotion for FigureMotion {
     fn name(&self) -> &str {
         &self.name
@@ -112,7 +113,7 @@ impl EvaluatedMotion for FigureMotion {
     }
 }
 
-/// Motions of different kinds, side by side.
+/// A boxed motion, for lists of motions of different kinds.
 impl<T: EvaluatedMotion + ?Sized> EvaluatedMotion for Box<T> {
     fn name(&self) -> &str {
         self.as_ref().name()
@@ -147,14 +148,14 @@ impl<T: EvaluatedMotion + ?Sized> EvaluatedMotion for Box<T> {
     }
 }
 
-/// Returns the number of steps of a run: from frame 0, where the rig starts without error, to the last frame but one. A
-/// step needs the desired motion of three frames (forward differences of second order), so it starts from the last but
-/// two at the latest.
+/// Returns the number of steps of a run. It starts at frame 0, where the rig has no error, and ends at the last
+/// but one frame. A step needs the desired motion of three frames (second-order forward differences): the last
+/// step starts at the last but two frames.
 pub fn count_steps(motion: &dyn EvaluatedMotion, seconds: Option<f64>) -> usize {
     count_frames(motion, seconds).saturating_sub(2)
 }
 
-/// Returns the number of frames of a run, at least those of one step if the motion has them.
+/// Returns the number of frames of a run, at least enough for one step if the motion has them.
 pub(super) fn count_frames(motion: &dyn EvaluatedMotion, seconds: Option<f64>) -> usize {
     let frames = motion.frame_count();
     match seconds {

@@ -1,14 +1,15 @@
-//! The pose of the figure nearest to the clip's. It depends on the figure's bones alone, not on a controller.
+//! The pose of the figure that is nearest to the clip's. It depends only on the figure's bones, not on a
+//! controller.
 //!
-//! Of a figure of other dimensions, either the bodies' rotations can be the clip's or their positions come nearer to
-//! it. Its pose nearest to the desired one, over the rotations `R_i` of all bodies in the world and the root's
-//! position, has the least
+//! If the figure's dimensions differ from the clip's, either the bodies' rotations can equal the clip's, or their
+//! positions can be nearer to the clip's. The nearest pose minimizes, over the rotations `R_i` of all bodies in
+//! the world and the root's position,
 //!
 //! `Σ |p_i - p_d,i|² + w² Σ |Log(R_i R_d,iᵀ)|²`
 //!
-//! with the rotation weight w, a length: at that distance from its joint a point of a body counts as much as the
-//! joint. Over all w it is a curve from World's rotations to the nearest positions. It is the least in squares:
-//! a mean of absolute errors may be a little below.
+//! with the rotation weight w, a length: a point of a body at that distance from its joint counts as much as the
+//! joint. Over all w the nearest poses are a curve from World's rotations to the nearest positions. The minimum is
+//! one of squares: a mean of absolute errors may be slightly below it.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -23,57 +24,57 @@ use super::reference::Performance;
 use super::rig::Rig;
 use super::setup::Setup;
 
-/// The rotation weights of a curve, in metres: from World's rotations to the nearest positions.
+/// Rotation weights of a curve, in metres: from World's rotations to the nearest positions.
 pub const WEIGHTS_M: [f64; 10] = [10.0, 1.0, 0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05];
 
-/// Frames of all clips together that a curve is made of, at most one per clip more.
+/// Approximate number of frames of all clips together for a curve; each clip may add one more.
 const FRAMES: usize = 2000;
 
-/// What of the root is held where the clip has it.
+/// The part of the root's pose that is fixed to the clip's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RootConstraint {
-    /// Nothing.
+    /// Nothing is fixed.
     Free,
-    /// Its position.
+    /// The position is fixed.
     Position,
-    /// Its position and rotation, as of a figure that is bolted to its stand.
+    /// Position and rotation are fixed, as for a figure that is bolted to its stand.
     Pose,
 }
 
-/// The nearest poses of figures of every scale.
+/// The nearest poses for figures of every scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optimum {
-    /// Every how many frames a pose was sought.
+    /// Interval of the frames for which a pose was computed.
     pub every: usize,
-    /// How often the search was given up: these poses are counted as they were then.
+    /// Number of poses whose search was abandoned. They are counted as they were then.
     pub unsolved: usize,
-    /// By scale, in the protocol's order; of each, by what may be held of the root.
+    /// Curves by scale, in the protocol's order, and for each scale by root constraint.
     pub scales: Vec<Vec<Curve>>,
 }
 
-/// The nearest poses of one figure, for every weight.
+/// The nearest poses for one figure, for every weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// What of the root is held.
+    /// Constraint of the root.
     pub held: RootConstraint,
-    /// In the order of [`WEIGHTS_M`].
+    /// Points in the order of [`WEIGHTS_M`].
     pub points: Vec<CurvePoint>,
 }
 
-/// The nearest poses of one figure with one weight.
+/// The nearest poses for one figure with one weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePoint {
-    /// The rotation weight in metres.
+    /// Rotation weight in metres.
     pub weight_m: f64,
     /// Errors of the poses over all clips.
     pub errors: Errors,
 }
 
-/// The curves of the figures of all scales. Runs in parallel; the result does not depend on the number of
-/// threads. Of long clips, only every so many frames are used.
+/// Computes the curves of the figures of all scales. The search is parallel; the result does not depend on the
+/// number of threads. Long clips are sampled at equal intervals of frames.
 ///
 /// # Errors
-/// [`EvaluateError::Run`] if a clip's skeleton cannot be given a body.
+/// [`EvaluateError::Run`] if no body model fits a clip's skeleton.
 pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum, EvaluateError> {
     let seconds = protocol.seconds;
     let frames: usize = motions.iter().map(|motion| count_steps(motion, seconds)).sum();
@@ -117,11 +118,11 @@ pub fn optimum(motions: &[FigureMotion], protocol: &Protocol) -> Result<Optimum,
     Ok(Optimum { every, unsolved, scales })
 }
 
-/// Errors of the poses nearest to every `every`-th frame of those that a run is measured in, and how often
-/// the search for one was given up.
+/// Returns the errors of the poses that are nearest to every `every`-th measured frame of a run, and the number of
+/// abandoned searches.
 ///
 /// # Errors
-/// [`RunError`] if the clip's skeleton cannot be given a body.
+/// [`RunError`] if no body model fits the clip's skeleton.
 pub fn nearest_poses(
     motion: &FigureMotion,
     setup: &Setup,
@@ -143,36 +144,37 @@ pub fn nearest_poses(
     Ok((errors, unsolved))
 }
 
-/// The search for the nearest pose: Newton's method, each step of which is halved until it brings the pose nearer.
+/// The search for the nearest pose: Newton's method, where each step is halved until it decreases the error.
 #[derive(Debug, Clone)]
 pub struct Search<'a> {
     /// Positions of the joints in their parents' frames, in metres.
     offset_m: &'a [DVec3],
     weight_m: f64,
     held: RootConstraint,
-    /// The nearest pose that was found, in the world.
+    /// Nearest pose found, in the world.
     pub poses: Vec<Pose>,
-    /// How it deviates from the desired one: where the next search begins.
+    /// Deviation of that pose from the desired pose, in rad. The next search begins there.
     deviation_rad: Vec<DVec3>,
     shift_m: DVec3,
 }
 
-/// A step of the search: the root's shift, and turns of all bodies, in the world.
+/// A step of the search: the root's shift and the rotations of all bodies, in the world.
 struct Change {
     shift_m: DVec3,
     turn_rad: Vec<DVec3>,
 }
 
 impl<'a> Search<'a> {
-    /// The search has ended when its step turns no body by more than this (in rad) and shifts the root by no
-    /// more (in m).
+    /// Convergence limit: the search ends if its step turns no body by more than this (in rad) and shifts the root
+    /// by no more (in m).
     pub const ENOUGH: f64 = 1e-9;
-    /// Steps after which it is given up.
+    /// Number of steps after which the search is abandoned.
     const STEPS: usize = 1000;
-    /// Share of the energy that its rounding may take.
+    /// Tolerated rounding error of the energy, as a share of it.
     const ROUNDING: f64 = 1e-12;
 
-    /// For a figure with these joints in their parents' frames and a rotation weight above 0, both in metres.
+    /// Creates a search for a figure with these joint positions in their parents' frames, in metres, and a
+    /// rotation weight above 0, in metres.
     pub fn new(offset_m: &'a [DVec3], weight_m: f64, held: RootConstraint) -> Self {
         Self {
             offset_m,
@@ -184,7 +186,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Seeks the pose nearest to a desired one, from where the last search ended. Says whether it was found.
+    /// Searches for the pose nearest to a desired pose, starting at the deviation of the last search. Returns
+    /// whether it was found.
     pub fn solve(&mut self, desired: &[Pose]) -> bool {
         let turned = self.deviation_rad.iter().zip(desired).map(|(deviation_rad, desired)| {
             DQuat::from_scaled_axis(*deviation_rad) * desired.rotation
@@ -207,7 +210,7 @@ impl<'a> Search<'a> {
         solved
     }
 
-    /// What is least at the nearest pose, in m².
+    /// Returns the objective of the search, in m².
     fn energy_m2(&self, poses: &[Pose], desired: &[Pose]) -> f64 {
         let of_body = |(pose, desired): (&Pose, &Pose)| {
             (pose.position_m - desired.position_m).length_squared()
@@ -216,7 +219,7 @@ impl<'a> Search<'a> {
         poses.iter().zip(desired).map(of_body).sum()
     }
 
-    /// The figure with its root at a place and its bodies turned in the world.
+    /// Returns the figure with its root at a place and these rotations of its bodies in the world.
     fn assembled(&self, root_m: DVec3, rotations: impl Iterator<Item = DQuat>) -> Vec<Pose> {
         let mut poses: Vec<_> =
             rotations.map(|rotation| Pose { rotation, position_m: root_m }).collect();
@@ -229,7 +232,7 @@ impl<'a> Search<'a> {
         poses
     }
 
-    /// Makes the longest part of a step, of the whole and its halves, that comes no farther; `false` if none does.
+    /// Takes the step, halved until it does not increase the energy. Returns `false` if no part of it qualifies.
     fn go(&mut self, step: &Change, desired: &[Pose]) -> bool {
         let limit = self.energy_m2(&self.poses, desired) * (1.0 + Self::ROUNDING);
         let mut part = 1.0;
@@ -248,24 +251,24 @@ impl<'a> Search<'a> {
         false
     }
 
-    /// Newton's step, or where the energy is not convex, that of Gauss and Newton, which always leads down.
+    /// Returns Newton's step, or, where the energy is not convex, the Gauss-Newton step, which always descends.
     fn step(&self, desired: &[Pose]) -> Change {
         let step = self.eliminated(desired, true).or_else(|| self.eliminated(desired, false));
         step.expect("without the curvature, the normal equations are positive definite")
     }
 
-    /// The exact solution of the normal equations, eliminated from the leaves to the root: O(n). `curved` is with
-    /// the second derivative of the positions, which is large where the figure cannot reach; the equations may
-    /// then have no minimum.
+    /// Solves the normal equations exactly by elimination from the leaves to the root: O(n). `curved` includes the
+    /// second derivative of the positions, which is large if the figure cannot reach them; the equations may then
+    /// have no minimum, and the result is `None`.
     ///
-    /// With x the shift of body b, its subtree costs `xᵀ A_b x - 2 b_bᵀ x` and a constant, its own turn being the
-    /// best one, `M d = q - B x`. A child is shifted by `x + d × l`, with l from b to it.
+    /// With x the shift of body b, its subtree costs `xᵀ A_b x - 2 b_bᵀ x` plus a constant if its own rotation d
+    /// is optimal, `M d = q - B x`. A child is shifted by `x + d × l`, with l from b to the child.
     fn eliminated(&self, desired: &[Pose], curved: bool) -> Option<Change> {
         let weight_m2 = self.weight_m * self.weight_m;
         let turns = |body: usize| body > 0 || self.held != RootConstraint::Pose;
         let arm_m =
             |child: usize, parent: usize| self.poses[parent].rotation * self.offset_m[child];
-        // A, b; M, or its inverse once all children are in; B, q.
+        // The vectors below are A and b; M, which becomes its inverse after all children are added; B and q.
         let count = self.poses.len();
         let pairs = || self.poses.iter().zip(desired);
         let mut cost = vec![DMat3::IDENTITY; count];
@@ -295,7 +298,7 @@ impl<'a> Search<'a> {
                 cost[parent] += cost_beyond;
                 pull_m[parent] += pull_beyond_m;
                 if curved {
-                    // A turn by d shifts by d × (d × l) / 2 too.
+                    // A rotation by d also shifts by d × (d × l) / 2.
                     let along = residual_m[body].dot(arm_m);
                     own[parent] += DMat3::from_diagonal(DVec3::splat(along))
                         - (outer(residual_m[body], arm_m) + outer(arm_m, residual_m[body])) * 0.5;
@@ -322,7 +325,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// The rotation from the desired orientation to a pose's, in the world, by the shorter way.
+/// Returns the rotation vector from the desired orientation to a pose's, in the world, of at most π.
 fn deviation_rad(pose: &Pose, desired: &Pose) -> DVec3 {
     let turn = pose.rotation * desired.rotation.conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -330,7 +333,7 @@ fn deviation_rad(pose: &Pose, desired: &Pose) -> DVec3 {
     if sin > 0.0 { turn.xyz() * (2.0 * libm::atan2(sin, turn.w) / sin) } else { DVec3::ZERO }
 }
 
-/// The matrix of the cross product with a vector from the left.
+/// Returns the matrix of the cross product with a vector on the left.
 fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(
         DVec3::new(0.0, v.z, -v.y),
@@ -339,12 +342,12 @@ fn skew(v: DVec3) -> DMat3 {
     )
 }
 
-/// The matrix `a bᵀ`.
+/// Returns the matrix `a bᵀ`.
 fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// The inverse of a symmetric matrix, if that is positive definite.
+/// Returns the inverse of a symmetric matrix, if the matrix is positive definite.
 fn inverse(m: DMat3) -> Option<DMat3> {
     let minor = m.x_axis.x * m.y_axis.y - m.x_axis.y * m.y_axis.x;
     (m.x_axis.x > 0.0 && minor > 0.0 && m.determinant() > 0.0).then(|| m.inverse())
@@ -364,7 +367,7 @@ mod tests {
     const ALL_HELD: [RootConstraint; 3] =
         [RootConstraint::Free, RootConstraint::Position, RootConstraint::Pose];
 
-    /// A frame of a clip, and the joints of a figure of other dimensions than the clip's.
+    /// Returns a frame of a clip, and the joint positions of a figure whose dimensions differ from the clip's.
     fn desired_and_offsets(scale: f64) -> (Vec<Pose>, Vec<DVec3>) {
         let motion = moving("clip", 40);
         let dimensions = Dimensions { random: 0.2, seed: 3, ..Dimensions::uniform(scale) };
@@ -383,7 +386,7 @@ mod tests {
         desired
     }
 
-    /// The figure with its root shifted and its bodies turned, all in the world, as far as nothing is held.
+    /// Returns the figure with its root shifted and its bodies turned, all in the world, except for what is fixed.
     fn altered(search: &Search<'_>, shift_m: DVec3, turn_rad: &[DVec3]) -> Vec<Pose> {
         let root = &search.poses[0];
         let shift_m = if search.held == RootConstraint::Free { shift_m } else { DVec3::ZERO };
@@ -417,7 +420,7 @@ mod tests {
                     let (more, less) = (energy(SMALL), energy(-SMALL));
                     let slope = (more - less) / (2.0 * SMALL);
                     let curvature = (more - 2.0 * least + less) / (SMALL * SMALL);
-                    // What this coordinate alone would still move: within the error of the differences.
+                    // The step that remains along this coordinate alone is within the error of the differences.
                     assert!(slope.abs() <= 1e-6 * curvature, "{place}: {slope} {curvature}");
                 }
             }
@@ -461,7 +464,7 @@ mod tests {
         }
     }
 
-    /// The core seeks it in f32 by another method of its own; after many sweeps both are at the same place.
+    /// Compares with the core's search in f32 by another method. After many sweeps both arrive at one pose.
     #[test]
     fn the_projection_of_the_core_ends_at_the_optimum() {
         let motion = moving("clip", 40);
@@ -498,7 +501,7 @@ mod tests {
                     }
                 }
                 let poses = search.assembled(root_m, rotation.into_iter());
-                // Some ten roundings of f32 along a limb, in metres and radians.
+                // About ten roundings of f32 along a limb, in metres and radians.
                 for (pose, optimum) in poses.iter().zip(&search.poses) {
                     assert!(pose.position_m.distance(optimum.position_m) < 2e-6);
                     assert!(deviation_rad(pose, optimum).length() < 1e-5);

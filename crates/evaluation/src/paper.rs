@@ -1,22 +1,22 @@
-//! The paper's own numbers, to stand beside ours: D. Notman, P. Carlisle & R. Manning, "Methods for
-//! Measuring State Error for Control of Animated Human Figures" (2011), tables 1 to 4.
+//! The paper's numbers, for comparison with ours: D. Notman, P. Carlisle & R. Manning, "Methods for Measuring
+//! State Error for Control of Animated Human Figures" (2011), tables 1 to 4.
 //!
-//! Its motion, some 80 punches and 40 kicks of one actor, is not available: only directions and rough
-//! sizes of the normalised numbers can be compared.
+//! The paper's motion, about 80 punches and 40 kicks of one actor, is not available: only directions and
+//! approximate sizes of the normalised numbers can be compared.
 
 use super::MethodName;
 
-/// What the paper reports of one method on one figure: mean angular error, mean linear error, maximum
-/// angular error, maximum linear error.
+/// The paper's numbers for one method on one figure: mean angular error, mean linear error, maximum angular error,
+/// maximum linear error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Over all joints.
+    /// Errors over all joints.
     pub all: [f64; 4],
-    /// Over the leaves.
+    /// Errors over the leaves.
     pub leaf: [f64; 4],
 }
 
-/// The paper's figures: their scales, with the numbers of their normalised and their numerical table.
+/// The paper's figures by scale, with the numbers of their normalised and their numerical tables.
 const FIGURES: [Figure; 2] = [
     Figure {
         scale: 1.0,
@@ -48,7 +48,7 @@ const FIGURES: [Figure; 2] = [
     },
 ];
 
-/// A figure of the paper. Rows go by method: local, world, linear compensation.
+/// A figure of the paper. Rows are in the order local, world, linear compensation.
 #[derive(Debug, Clone, Copy)]
 pub struct Figure {
     scale: f64,
@@ -57,17 +57,17 @@ pub struct Figure {
     numerical: [Row; 3],
 }
 
-/// The two kinds of table: each method divided by Local, or as it is (degrees and centimetres).
+/// The two kinds of table: normalised by the method Local, or in degrees and centimetres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Divided by Local.
+    /// Errors divided by those of the method Local.
     Normalised,
-    /// In degrees and centimetres.
+    /// Errors in degrees and centimetres.
     Numerical,
 }
 
 impl Kind {
-    /// Decimals to print: those of the paper, and two more of the smaller errors of a user's rig.
+    /// Returns the number of decimals to print: the paper's, or two more for the smaller errors of a user's rig.
     pub fn decimals(self, of_rig: bool) -> usize {
         match (self, of_rig) {
             (Self::Normalised, _) => 3,
@@ -78,12 +78,12 @@ impl Kind {
 }
 
 impl Figure {
-    /// The paper's figure of this scale, if it has one.
+    /// Returns the paper's figure of this scale, if it has one.
     pub fn of_scale(scale: f64) -> Option<&'static Self> {
         FIGURES.iter().find(|figure| (figure.scale - scale).abs() < 1e-9)
     }
 
-    /// The number of its table of this kind.
+    /// Returns the number of the figure's table of this kind.
     pub fn table(&self, kind: Kind) -> u8 {
         match kind {
             Kind::Normalised => self.tables[0],
@@ -91,7 +91,7 @@ impl Figure {
         }
     }
 
-    /// A row of its table of this kind, if the method is the paper's.
+    /// Returns a row of the figure's table of this kind, if the paper has the method.
     pub fn row(&self, kind: Kind, method: MethodName) -> Option<Row> {
         let rows = match kind {
             Kind::Normalised => &self.normalised,
@@ -114,7 +114,7 @@ const fn row(all: [f64; 4], leaf: [f64; 4]) -> Row {
 mod tests {
     use super::*;
 
-    /// A slip of the pen in one table would show as a contradiction with the other.
+    /// Checks the tables against each other: a typing error in one table contradicts the other.
     #[test]
     fn the_two_kinds_of_table_agree_within_their_rounding() {
         for figure in &FIGURES {
@@ -127,7 +127,7 @@ mod tests {
                     (numerical.leaf, normalised.leaf, local.leaf),
                 ] {
                     for column in 0..4 {
-                        // Half a unit of the last place of both numbers and of the ratio.
+                        // Half a unit of the last decimal of both numbers and of the ratio.
                         let slack = 0.005 / l[column] * (1.0 + r[column]) + 0.0005;
                         let difference = (n[column] / l[column] - r[column]).abs();
                         assert!(difference <= slack, "{method} {column}: {difference} {slack}");

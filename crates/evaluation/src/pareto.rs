@@ -1,7 +1,8 @@
-//! The Pareto front of two errors: the points where neither gets smaller without the other getting larger.
+//! The Pareto front of two errors: the points where neither error can decrease without an increase of the other.
 
-/// Which of the points are on the Pareto front of two errors, smaller being better: those to which no other
-/// point is equal or better in both and better in one. Equal points are on it together; a point with a NaN is not.
+/// Returns, for each point, whether it is on the Pareto front of two errors, smaller being better: no other point
+/// is equal or better in both errors and better in one. Equal points are on it together; a point with a NaN is
+/// not.
 ///
 /// ```
 /// use sinew_evaluation::pareto::on_front;
@@ -11,13 +12,13 @@
 pub fn on_front(points: &[[f64; 2]]) -> Vec<bool> {
     let is_number = |point: &[f64; 2]| !point.iter().any(|error| error.is_nan());
     let mut order: Vec<usize> = (0..points.len()).filter(|at| is_number(&points[*at])).collect();
-    // Zero has two signs, and is one value.
+    // +0 and -0 are one value.
     let compare = |a: usize, b: usize, error: usize| {
         (points[a][error] + 0.0).total_cmp(&(points[b][error] + 0.0))
     };
     order.sort_by(|a, b| compare(*a, *b, 0).then(compare(*a, *b, 1)));
     let mut on_front = vec![false; points.len()];
-    // Of those with the same first error, the best in the second comes first.
+    // Among points with an equal first error, the best in the second error is first.
     let mut best: Option<usize> = None;
     for at in order {
         let same = |best| compare(at, best, 0).is_eq() && compare(at, best, 1).is_eq();
@@ -38,7 +39,7 @@ mod tests {
     fn what_no_other_point_betters_is_on_the_front() {
         let mut random = Random::new(1, Subject::Noise);
         for count in 0..60 {
-            // Coarse values: many are equal in one error or in both.
+            // Coarse values: many points are equal in one error or in both.
             let coarse: Vec<[usize; 2]> =
                 (0..count).map(|_| [random.below(8), random.below(8)]).collect();
             let betters = |a: &[usize; 2], b: &[usize; 2]| a[0] <= b[0] && a[1] <= b[1] && a != b;

@@ -3,12 +3,12 @@
 use glam::DQuat;
 use sinew_figure::plant::Pose;
 
-/// The error of a body's pose: how far it is from where it should be, in the world.
+/// The error of a body's pose relative to its desired pose, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseError {
-    /// Angle of the turn between the two, in [0, π] rad.
+    /// Angle between the two orientations, in [0, π] rad.
     pub angular_rad: f64,
-    /// Distance of the two places of its joint, in metres.
+    /// Distance between the two positions of its joint, in metres.
     pub linear_m: f64,
 }
 
@@ -23,7 +23,7 @@ impl PoseError {
     }
 }
 
-/// Angle in [0, π] of the rotation that takes one orientation to the other.
+/// Returns the angle in [0, π] of the rotation from one orientation to the other.
 #[inline]
 pub(super) fn angle_between_rad(a: DQuat, b: DQuat) -> f64 {
     let turn = a * b.conjugate();

@@ -1,4 +1,4 @@
-//! The motion as the controller, the plant and the measurement of errors take it.
+//! Converts the motion for the controller, the plant and the measurement of errors.
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
@@ -18,12 +18,12 @@ pub(super) struct Performance<'a> {
 }
 
 impl Performance<'_> {
-    /// Puts the world poses of the bodies in one frame into `out`, in the motion's own dimensions.
+    /// Writes the world poses of the bodies in one frame to `out`, in the motion's own dimensions.
     pub(super) fn desired(&self, frame: usize, out: &mut Vec<Pose>) {
         self.world_poses(frame, |_, pose| pose.position_m, out);
     }
 
-    /// The same on the rig.
+    /// Returns the world poses of the bodies in one frame, in the rig's dimensions.
     fn on_rig(&self, frame: usize) -> Vec<Pose> {
         let mut poses = Vec::new();
         let position_m = |link: &Link, pose: &Pose| match link.joint {
@@ -49,7 +49,7 @@ impl Performance<'_> {
         }
     }
 
-    /// The rig at the first frame, with the velocity of its first step.
+    /// Returns the rig's state at the first frame, with the velocity of its first step.
     pub(super) fn start(&self) -> Vec<MovingPose> {
         let [now, next] = [0, 1].map(|frame| self.on_rig(frame));
         let steps = now.iter().zip(&next);
@@ -57,7 +57,7 @@ impl Performance<'_> {
     }
 }
 
-/// The frames of a performance, as the tracker asks for them.
+/// Frames of a performance, as the tracker requests them.
 pub(super) struct Frames<'a> {
     motion: &'a dyn EvaluatedMotion,
     setup: &'a Setup,
@@ -84,7 +84,7 @@ impl FrameSource for Frames<'_> {
         if let Ok(index) = usize::try_from(index) {
             self.read(index);
         } else {
-            // They move on as they do in the first step.
+            // Before the start the bodies move on as in the first step.
             self.read(1);
             let second = self.joints.clone();
             self.read(0);
@@ -96,7 +96,7 @@ impl FrameSource for Frames<'_> {
     }
 }
 
-/// A body at a pose with the velocity that leads from there to the next.
+/// Returns a body at a pose, with the velocity that leads from there to the next pose.
 fn moving(pose: &Pose, next: &Pose, dt_s: f64) -> MovingPose {
     MovingPose {
         pose: *pose,
@@ -105,7 +105,7 @@ fn moving(pose: &Pose, next: &Pose, dt_s: f64) -> MovingPose {
     }
 }
 
-/// Poses one step before the start, from which backward differences give the start's velocity.
+/// Returns the poses one step before the start, for which backward differences give the start's velocity.
 pub(super) fn one_step_before(start: &[MovingPose], dt_s: f64) -> Vec<Pose> {
     let before = |start: &MovingPose| Pose {
         rotation: DQuat::from_scaled_axis(start.angular_rad_s * -dt_s) * start.pose.rotation,
@@ -114,7 +114,7 @@ pub(super) fn one_step_before(start: &[MovingPose], dt_s: f64) -> Vec<Pose> {
     start.iter().map(before).collect()
 }
 
-/// Axis times angle, by the shorter way.
+/// Returns axis times angle of a rotation, with an angle of at most π.
 pub(super) fn rotation_vector(q: DQuat) -> DVec3 {
     if q.w < 0.0 { (-q).to_scaled_axis() } else { q.to_scaled_axis() }
 }

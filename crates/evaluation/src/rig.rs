@@ -1,4 +1,4 @@
-//! A rig that is evaluated.
+//! The rig that performs an evaluated motion.
 
 use glam::DVec3;
 use sinew_core::{Transform, Tree, TreeError};
@@ -9,7 +9,7 @@ use super::capacity::CAPACITY;
 use super::error::RunError;
 use super::importance_weights::ImportanceWeights;
 
-/// A mechanism, and what follows from it.
+/// A mechanism, with its importance weights and its leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     mechanism: Mechanism,
@@ -22,7 +22,7 @@ impl Rig {
     /// Makes the rig of a mechanism. The errors of all its bodies count.
     ///
     /// # Errors
-    /// [`RunError`] if its measures do not survive f32, or it has no surface.
+    /// [`RunError`] if its values are not representable in f32, or it has no surface.
     pub fn new(mechanism: Mechanism) -> Result<Self, RunError> {
         let weights = ImportanceWeights::new(&mechanism)?;
         Ok(Self::with_weights(mechanism, weights))
@@ -36,52 +36,53 @@ impl Rig {
         Self { mechanism, weights, leaves, first_judged: 0 }
     }
 
-    /// Leaves out the error of the base if a stand holds it: it is zero, and would only make means smaller.
+    /// Excludes the error of the base if a stand holds it: that error is zero and would only reduce the means.
     #[must_use]
     pub fn without_stand(self) -> Self {
         let stands = self.links().first().is_some_and(|base| base.joint == JointModel::Fixed);
         Self { first_judged: usize::from(stands), ..self }
     }
 
-    /// Its bodies and joints.
+    /// Returns the bodies and joints of the rig.
     pub fn mechanism(&self) -> &Mechanism {
         &self.mechanism
     }
 
-    /// The bodies and their joints, parents before children.
+    /// Returns the bodies and their joints, parents before children.
     #[inline]
     pub fn links(&self) -> &[Link] {
         &self.mechanism.bodies
     }
 
-    /// The weights of its joints in the error of a whole pose.
+    /// Returns the weights of the joints in the error of a whole pose.
     #[inline]
     pub fn importance_weights(&self) -> &ImportanceWeights {
         &self.weights
     }
 
-    /// The first body whose error counts. A figure whose pelvis is fixed counts whole, as it always has.
+    /// Returns the index of the first body whose error counts. For a figure with a fixed pelvis all bodies count,
+    /// as in earlier versions.
     #[inline]
     pub fn first_judged(&self) -> usize {
         self.first_judged
     }
 
-    /// Whether no joint hangs on a body.
+    /// Returns whether no joint is attached to a body.
     #[inline]
     pub fn is_leaf(&self, body: usize) -> bool {
         self.leaves.get(body).copied().unwrap_or_default()
     }
 
-    /// The rig as the controller knows it, in f32.
+    /// Returns the rig as the controller knows it, in f32.
     ///
     /// # Errors
-    /// [`TreeError`] if there are more than [`CAPACITY`] bodies, or a number does not survive f32.
+    /// [`TreeError`] if there are more than [`CAPACITY`] bodies, or a number is not representable in f32.
     pub fn tree(&self) -> Result<Tree<CAPACITY>, TreeError> {
         self.mechanism.tree()
     }
 
-    /// The gap between the two sides of a body's joint in m, from the bodies' poses in the world: what the plant's
-    /// constraints let through.
+    /// Returns the gap between the two sides of a body's joint in m, from the bodies' poses in the world. A gap is
+    /// a defect of the plant's constraints.
     pub fn gap_m(&self, body: usize, poses: &[Pose]) -> f64 {
         let link = &self.links()[body];
         let Some(parent) = link.parent.map(|parent| &poses[parent]) else { return 0.0 };
@@ -99,11 +100,11 @@ impl Rig {
         }
     }
 
-    /// What the joints' sensors tell of the bodies' poses in the world: of each joint its pose in the parent's frame,
-    /// of the root that in the world.
+    /// Writes the readings of the joints' sensors to `out`, from the bodies' poses in the world: for each joint
+    /// its pose in the parent's frame, for the root its pose in the world.
     ///
-    /// Positions are the model's but for slides. A plant's bodies may drift apart at the joints by millimetres; a
-    /// sensor in a joint does not see that, and a rig's bearings do not do it.
+    /// Positions are the model's, except along slides. A plant's bodies may drift apart at the joints by
+    /// millimetres. A sensor in a joint does not measure that, and a real rig's bearings do not allow it.
     pub fn joint_poses(&self, poses: &[Pose], out: &mut Vec<Transform>) {
         out.clear();
         out.extend(self.links().iter().zip(poses).map(|(link, pose)| {
@@ -116,7 +117,7 @@ impl Rig {
     }
 }
 
-/// Position of a joint's body in its parent's frame in m, as far as the joint lets it move.
+/// Returns the position of a joint's body in its parent's frame in m, restricted to the joint's dofs.
 #[inline]
 fn position_m(link: &Link, parent: &Pose, body: &Pose) -> DVec3 {
     match link.joint {

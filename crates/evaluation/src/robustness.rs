@@ -1,4 +1,4 @@
-//! Methods on rigs as they are built: masses that nobody knows, sensors in steps, drives that come late.
+//! Methods on rigs with random errors: unknown masses, quantized sensors, late drives.
 
 use sinew_core::tracker::MethodName;
 
@@ -11,35 +11,36 @@ use super::trial::{Lost, Trial, run_trial};
 /// The protocol of a robustness evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RobustnessProtocol {
-    /// The setup that all runs share; the method and the rig vary.
+    /// Setup that all runs share. The method and the rig vary.
     pub setup: Setup,
     /// Methods to compare.
     pub methods: Vec<MethodName>,
-    /// Rotation weights of the projection, in metres: `recommended` is tracked with each of them, too.
+    /// Rotation weights of the projection, in metres. `recommended` is additionally tracked with each of them.
     pub projection_weights: Vec<f32>,
-    /// Number of rigs. Their seeds are 1 and up.
+    /// Number of rigs. Their seeds start at 1.
     pub rigs: u64,
-    /// Use only this much of the beginning of every motion, in seconds.
+    /// Duration of the part of every motion that is used, from its beginning, in seconds; `None` for whole
+    /// motions.
     pub seconds: Option<f64>,
 }
 
-/// A method, or the recommended one with a weight of its own.
+/// A method, or the recommended method with another weight of the projection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
-    /// The name, for tables.
+    /// Name of the variant, for tables.
     pub name: String,
-    /// The setup of the first rig.
+    /// Setup for the first rig.
     setup: Setup,
 }
 
 /// The result of a robustness evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robustness {
-    /// The methods, which are the first variants.
+    /// Compared methods, which are the first variants.
     pub methods: Vec<MethodName>,
-    /// The methods, then `recommended` with each weight.
+    /// Variants: the methods, then `recommended` with each weight.
     pub variants: Vec<Variant>,
-    /// For each rig one trial of each variant.
+    /// Trials by rig, and for each rig by variant.
     pub trials: Vec<Vec<Trial>>,
 }
 
@@ -50,7 +51,7 @@ impl Variant {
         setup
     }
 
-    /// Whether its targets are poses of the rig itself, found for angle and distance together.
+    /// Returns whether the targets are poses of the rig itself, optimized for angle and distance together.
     pub fn projects(&self) -> bool {
         use MethodName::{ManifoldProjection, Recommended};
         matches!(self.setup.controller.method, ManifoldProjection | Recommended)
@@ -75,7 +76,7 @@ impl RobustnessProtocol {
     /// Checks the setups of all variants.
     ///
     /// # Errors
-    /// [`SetupError`], the first.
+    /// The first [`SetupError`].
     pub fn check(&self) -> Result<(), SetupError> {
         self.variants().iter().try_for_each(|variant| variant.setup.check())
     }
@@ -93,11 +94,11 @@ impl RobustnessProtocol {
         self.count_trial_steps(motions) * variants * rigs
     }
 
-    /// Tracks all motions with every variant on every rig, in parallel; the result does not depend on the number of
-    /// threads. `progress` gets the number of steps done, now and then.
+    /// Tracks all motions with every variant on every rig, in parallel; the result does not depend on the number
+    /// of threads. `progress` receives the number of completed steps from time to time.
     ///
     /// # Errors
-    /// [`Lost`] for what is no loss of the figure: a motion that is too short, an invalid setting.
+    /// [`Lost`] for an error that is not a loss of the figure: a motion that is too short, an invalid setting.
     pub fn run(
         &self,
         motions: &[impl EvaluatedMotion],
@@ -126,29 +127,29 @@ impl RobustnessProtocol {
 }
 
 impl Robustness {
-    /// The median over the rigs of an error of a variant.
+    /// Returns the median over the rigs of an error of a variant.
     pub fn median(&self, variant: usize, error: MeanError) -> f64 {
         let errors = self.trials.iter().map(|trials| error.of_trial(&trials[variant]));
         median(errors.collect()).unwrap_or(f64::NAN)
     }
 }
 
-/// An error of a trial, as a mean over all bodies and frames.
+/// A kind of error of a trial, as a mean over all bodies and frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeanError {
-    /// In degrees.
+    /// Angular error in degrees.
     Angular,
-    /// In centimetres.
+    /// Linear error in centimetres.
     Linear,
-    /// Weighted by importance, in centimetres.
+    /// Importance-weighted error in centimetres.
     Weighted,
 }
 
 impl MeanError {
-    /// All, in the order of tables.
+    /// All kinds of error, in the order of tables.
     pub const ALL: [Self; 3] = [Self::Angular, Self::Linear, Self::Weighted];
 
-    /// Returns this error of a trial's errors.
+    /// Returns this error from a trial's errors.
     pub fn of(self, errors: &Errors) -> f64 {
         match self {
             Self::Angular => errors.all.angular_mean_deg(),
@@ -157,14 +158,14 @@ impl MeanError {
         }
     }
 
-    /// Returns this error of a trial. A rig that is lost is worse than any that is not.
+    /// Returns this error of a trial; infinity for a lost rig, which makes it worse than any other.
     pub fn of_trial(self, trial: &Trial) -> f64 {
         trial.as_ref().map_or(f64::INFINITY, |errors| self.of(errors))
     }
 }
 
-/// Returns the setup of a rig as it is built: masses off by up to 15 %, joint sensors of 12 bits, one step of latency;
-/// `seed` tells rigs apart.
+/// Returns the setup of a rig with typical errors: masses wrong by up to 15 %, joint sensors of 12 bits, one step
+/// of latency. `seed` distinguishes the rigs.
 #[must_use]
 pub fn as_built(setup: &Setup, method: MethodName, seed: u64) -> Setup {
     let mut setup = setup.clone();
@@ -176,7 +177,7 @@ pub fn as_built(setup: &Setup, method: MethodName, seed: u64) -> Setup {
     setup
 }
 
-/// The middle one, or the mean of the two in the middle; `None` of nothing.
+/// Returns the middle value, or the mean of the two middle values; `None` for an empty list.
 pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let upper = *values.get(values.len() / 2)?;

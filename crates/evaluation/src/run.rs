@@ -1,4 +1,4 @@
-//! One run: one motion, tracked by one rig with one setup.
+//! A run: one motion, tracked by one rig with one setup.
 
 use sinew_core::control::LimitReason;
 use sinew_figure::plant::{Plant, Pose};
@@ -15,13 +15,13 @@ use super::sensors::Sensors;
 use super::setup::{RigTracker, Setup};
 use super::step::Step;
 
-/// A rig of short bones is not lost as long as it is nearer than this.
+/// Minimum distance from its goal at which a body counts as lost, in metres, for rigs with short bones.
 const LOST_LEAST_M: f64 = 0.1;
 
-/// A run, made and not begun: a motion, the rig that performs it, its controller, its sensors and drives, and the
-/// plant.
+/// A run that is ready to start: a motion, the rig that performs it, its controller, its sensors and drives, and
+/// the plant.
 ///
-/// The rig starts on the motion's pose and with its velocity, with its own dimensions.
+/// The rig starts in the motion's pose and with its velocity, with the rig's own dimensions.
 pub struct Run<'a> {
     motion: &'a dyn EvaluatedMotion,
     setup: &'a Setup,
@@ -31,18 +31,18 @@ pub struct Run<'a> {
     plant: Box<dyn Plant>,
     sensors: Sensors,
     drives: Drives,
-    /// Poses of the bodies one step before the start.
+    /// Poses of the bodies one step before the start, in the world.
     before_start: Vec<Pose>,
-    /// A rig is lost if a body is farther from its goal.
+    /// Distance of a body from its goal above which the rig counts as lost.
     lost_m: f64,
 }
 
 impl<'a> Run<'a> {
-    /// Makes a run of the first `seconds` of a motion, or of all of it. `stream` numbers the motions: their noise
-    /// differs.
+    /// Creates a run of the first `seconds` of a motion, or of the whole motion. `stream` is the number of the
+    /// motion, which selects its noise.
     ///
     /// # Errors
-    /// [`RunError`] if the motion is too short, or the setup does not go with it.
+    /// [`RunError`] if the motion is too short, or the setup does not fit it.
     pub fn new(
         motion: &'a dyn EvaluatedMotion,
         setup: &'a Setup,
@@ -72,16 +72,16 @@ impl<'a> Run<'a> {
         })
     }
 
-    /// Tracks the motion and shows every step to `observe`. Returns the number of steps.
+    /// Tracks the motion and passes every step to `observe`. Returns the number of steps.
     ///
-    /// From frame n the controller has the motion's frames n to n+2, and the plant's poses of now and one step before;
-    /// its torques take the plant to frame n+1, and there it is compared with the motion. The drives add what the
-    /// friction of their joints takes, which they know.
+    /// At frame n the controller receives the motion's frames n to n+2, and the plant's present poses and those of
+    /// the previous step. Its torques move the plant to frame n+1, where the plant is compared with the motion.
+    /// The drives add the friction of their joints, which they know.
     ///
-    /// Measured velocities are backward differences of what the joints' sensors tell, as firmware has them.
+    /// Measured velocities are backward differences of the joint sensors' readings, as in firmware.
     ///
     /// # Errors
-    /// [`RunError`]: above all, if the rig diverges.
+    /// [`RunError`], in particular if the rig diverges.
     pub fn track(self, mut observe: impl FnMut(Step<'_>)) -> Result<usize, RunError> {
         let Self { motion, setup, steps, rig, lost_m, .. } = self;
         let Self { mut tracker, mut plant, mut sensors, mut drives, before_start, .. } = self;
@@ -124,7 +124,7 @@ impl<'a> Run<'a> {
         Ok(steps)
     }
 
-    /// Tracks the motion. Returns the errors of all steps, and their number.
+    /// Tracks the motion. Returns the errors of all steps, and the number of steps.
     ///
     /// # Errors
     /// Those of [`track`](Self::track).
@@ -135,8 +135,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Computes how far a body may be from its goal, in metres: as far as the bones of the rig and of the motion reach
-/// together, and slides can go. No body of a rig that stands where it should can be farther off.
+/// Computes the maximum plausible distance of a body from its goal, in metres: the sum of all bone lengths of the
+/// rig and of the motion, and of the slides' ranges. Every body that follows its motion is nearer to its goal.
 fn compute_lost_m(performance: &Performance<'_>) -> f64 {
     let Performance { motion, setup, links } = *performance;
     let mut joints = Vec::new();
@@ -148,7 +148,7 @@ fn compute_lost_m(performance: &Performance<'_>) -> f64 {
     (own_m + of_motion_m + slides_m).max(LOST_LEAST_M)
 }
 
-/// Returns how far a slide goes from its zero at most; one without a range goes as far as rigs are large.
+/// Returns the maximum distance of a slide from its zero; 1 m if it has no range, the size of a rig.
 fn slide_m(link: &Link) -> Option<f64> {
     matches!(link.joint, JointModel::Prismatic(_)).then(|| {
         let ends = link.ranges.first().map_or([1.0; 2], |range| range.map(f64::abs));
@@ -156,7 +156,7 @@ fn slide_m(link: &Link) -> Option<f64> {
     })
 }
 
-/// Refuses a rig that is lost: nothing of it may get into a mean.
+/// Returns an error if the rig is lost, since its errors must not be included in a mean.
 fn check(
     frame: usize,
     rig: &Rig,

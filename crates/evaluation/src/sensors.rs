@@ -1,4 +1,4 @@
-//! The sensors of a run: noise, and steps of their resolution.
+//! The sensors of a run: noise and quantization.
 
 use std::f32::consts::TAU;
 
@@ -15,15 +15,15 @@ use super::disturbance::Disturbance;
 pub(super) struct Sensors {
     noise_rad: f64,
     noise_m: f64,
-    /// What the sensors' steps are multiples of; none if they have no steps.
+    /// Quantization step of the sensors; `None` if they do not quantize.
     step_rad: Option<f32>,
     random: Random,
 }
 
 impl Sensors {
-    /// `stream` tells the clips apart: every method meets the same noise on the same clip.
+    /// Creates the sensors. `stream` distinguishes the clips: every method receives the same noise for one clip.
     pub(super) fn new(disturbance: &Disturbance, stream: u64) -> Self {
-        // Powers of two: exact.
+        // The number of steps is a power of two, which is exact in f32.
         let steps = (1_u32 << disturbance.sensor_bits) as f32;
         Self {
             noise_rad: disturbance.sensor_noise_rad,
@@ -33,9 +33,9 @@ impl Sensors {
         }
     }
 
-    /// What the sensors tell, in place of the joints' true poses.
+    /// Replaces the joints' true poses with the readings of the sensors.
     ///
-    /// A ball joint and the root have sensors about three axes; an axis or a slide has one of its own.
+    /// A ball joint and the root have sensors about three axes; a hinge axis or a slide has one sensor.
     pub(super) fn read(&mut self, links: &[Link], joints: &mut [Transform]) {
         if self.noise_rad > 0.0 {
             for (link, joint) in links.iter().zip(&mut *joints) {
@@ -65,7 +65,7 @@ impl Sensors {
     }
 }
 
-/// What of a turn in body axes the sensors of a joint can tell.
+/// Returns the component of a rotation in body axes that the sensors of a joint can measure.
 fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
     let along = |axis: Vec3| axis * axis.dot(turn);
     match (link.parent, link.joint) {
@@ -79,7 +79,7 @@ fn turn_of_joint(link: &Link, joint: &Transform, turn: Vec3) -> Vec3 {
     }
 }
 
-/// A rotation of a joint in its parent's frame as sensors with steps tell it.
+/// Quantizes the rotation of a joint in its parent's frame.
 fn in_steps(link: &Link, rotation: Quat, step_rad: f32) -> Quat {
     match (link.parent, link.joint) {
         (None, _) | (_, JointModel::Spherical | JointModel::Free) => {

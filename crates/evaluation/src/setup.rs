@@ -1,4 +1,4 @@
-//! A setup: all that a run can be varied in, but its clip.
+//! A setup: all settings of a run, except its clip.
 
 use serde::{Deserialize, Serialize};
 use sinew_core::Workspace;
@@ -15,12 +15,13 @@ use super::error::{RunError, SetupError};
 use super::rig::Rig;
 use super::supply::make_supply;
 
-/// A rig's tracker: as many commands can be on their way as the latency has steps, and one has just arrived.
+/// Tracker of a rig, with room for the maximum latency: one command per step of latency, and one that has just
+/// arrived.
 pub type RigTracker = Tracker<CAPACITY, { MAX_LATENCY_STEPS + 1 }, CAPACITY>;
 
-/// All that a run can be varied in, but its clip. The default is the paper's, with Local Space Error.
+/// All settings of a run, except its clip. The default is the paper's setup with Local Space Error.
 ///
-/// In TOML, every key may be left out:
+/// In TOML, every key may be omitted:
 ///
 /// ```
 /// use sinew_core::tracker::MethodName;
@@ -33,24 +34,24 @@ pub type RigTracker = Tracker<CAPACITY, { MAX_LATENCY_STEPS + 1 }, CAPACITY>;
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Setup {
-    /// Where the figure's masses come from.
+    /// Source of the figure's masses.
     pub body: BodySource,
-    /// How large it is against the clip.
+    /// Dimensions of the figure relative to the clip.
     pub dimensions: Dimensions,
-    /// How the pelvis is held. Fixed, it stays where the clip begins, and the clip's too.
+    /// Support of the pelvis. A fixed pelvis stays where the clip begins, and the clip's pelvis stays there too.
     pub root: Root,
-    /// How it is controlled.
+    /// Settings of the controller.
     pub controller: ControllerSettings,
-    /// How it is simulated.
+    /// Settings of the simulation.
     pub plant: PlantSettings,
-    /// What the controller does not know of it.
+    /// Differences between the rig and the controller's model of it.
     pub disturbance: Disturbance,
-    /// The subject that `hanavan_kwon` takes the masses from; without one, the built-in.
+    /// Subject whose masses `hanavan_kwon` uses; `None` for the built-in subject.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub subject: Option<Subject>,
 }
 
-/// Where the masses of the figure come from.
+/// The source of the figure's masses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
@@ -58,7 +59,7 @@ pub enum BodySource {
     /// De Leva's segment regressions (1996), 73 kg.
     #[default]
     DeLeva,
-    /// Hanavan's solids as modified by Kwon, of a measured subject: the paper's.
+    /// Hanavan's solids as modified by Kwon, for a measured subject. The paper uses this model.
     HanavanKwon,
 }
 
@@ -92,8 +93,8 @@ impl Setup {
         Ok(setup)
     }
 
-    /// Puts the exact plant into the table of a setup that names none: rigs of the user have rotors, which the paper's
-    /// plant has no coordinate for.
+    /// Selects the exact plant in the table of a setup that names no plant: users' rigs have rotors, for which the
+    /// paper's plant has no coordinate.
     pub fn prefer_exact_plant(table: &mut toml::Table) {
         let plant = table.entry("plant").or_insert_with(|| toml::Table::new().into());
         if let Some(plant) = plant.as_table_mut() {
@@ -126,8 +127,8 @@ impl Setup {
         Ok(())
     }
 
-    /// Checks that the bodies which are named are the rig's, or without one the figure's; and of a rig, that nothing
-    /// is set which makes the figure.
+    /// Checks that named bodies exist in the rig, or without a rig in the figure. For a rig it also checks that no
+    /// setting of the figure's construction is present.
     ///
     /// # Errors
     /// [`SetupError::NoSuchBody`], [`SetupError::OfTheFigure`].
@@ -149,7 +150,8 @@ impl Setup {
         self.reference(rig.bodies.iter().map(|link| link.name.as_str())).map(|_| ())
     }
 
-    /// The controller's settings with bodies by index. Only the method `accumulated` needs one to be there.
+    /// Returns the controller's settings with bodies by index. Only the method `accumulated` requires an existing
+    /// reference body.
     pub(super) fn controller_of(&self, links: &[Link]) -> Result<Settings, SetupError> {
         let reference = self.reference(links.iter().map(|link| link.name.as_str()));
         let reference = match self.controller.method {
@@ -159,7 +161,8 @@ impl Setup {
         Ok(self.controller.clone().named(|_| reference))
     }
 
-    /// Index of the reference body among bodies of these names. The default is the root, whatever its name.
+    /// Returns the index of the reference body among bodies of these names. The default is the root, whatever its
+    /// name.
     fn reference<'a>(
         &self,
         names: impl Iterator<Item = &'a str> + Clone,
@@ -174,28 +177,28 @@ impl Setup {
         })
     }
 
-    /// The keys that differ from the default, with their values: `plant.substeps = 4`.
+    /// Lists the keys that differ from the default, with their values: `plant.substeps = 4`.
     pub fn differences(&self) -> Vec<String> {
         let mut lines = Vec::new();
         differences("", &self.to_table(), &Self::default().to_table(), &mut lines);
         lines
     }
 
-    /// Returns the setup as TOML, every key with its value: equal for equal setups. Journals of sweeps have its hash:
-    /// another order of keys, and no sweep that was begun before goes on.
+    /// Returns the setup as TOML with every key: equal setups give equal texts. Journals of sweeps contain a hash
+    /// of it; a change of the order of keys would prevent the resumption of existing sweeps.
     pub(super) fn to_toml(&self) -> String {
         toml::to_string(self).expect("every setup can be written in TOML")
     }
 
-    /// Returns the setup as a TOML table: every key with its value.
+    /// Returns the setup as a TOML table with every key and its value.
     pub(super) fn to_table(&self) -> toml::Table {
         toml::Table::try_from(self).expect("every setup can be written in TOML")
     }
 
-    /// The figure as the controller knows it, on the dimensions of a clip and this setup.
+    /// Builds the figure as the controller knows it, with the dimensions of a clip and of this setup.
     ///
     /// # Errors
-    /// [`BodyModelError`] if the clip's skeleton cannot be given a body.
+    /// [`BodyModelError`] if no body model fits the clip's skeleton.
     pub fn model(&self, motion: &FigureMotion) -> Result<BodyModel, BodyModelError> {
         let model = match self.body {
             BodySource::DeLeva => BodyModel::from_motion(motion)?,
@@ -207,15 +210,16 @@ impl Setup {
         Ok(model.scaled_by(&self.dimensions.factors()))
     }
 
-    /// Makes the tracker of a rig, which acts once in `dt_s` seconds.
+    /// Creates the tracker of a rig, which runs once every `dt_s` seconds.
     ///
     /// # Errors
-    /// [`RunError`] if the rig's numbers do not survive f32, or a setting does not go with it.
+    /// [`RunError`] if the rig's numbers are not representable in f32, or a setting does not fit the rig.
     pub(super) fn make_tracker(&self, rig: &Rig, dt_s: f64) -> Result<Box<RigTracker>, RunError> {
         let tree = rig.tree()?;
         let timing = Timing { dt_s: narrow(dt_s), latency_ticks: self.disturbance.latency_steps };
         self.controller.check().map_err(TrackerError::from)?;
-        // Spelled out, since it is an evaluation's business to try drives that come too late.
+        // `effective` replaces the recommended method by its settings. A tracker with explicit settings does not
+        // refuse a late drive, and an evaluation tests late drives too.
         let settings = self.controller_of(rig.links())?.effective(timing.dt_s);
         let supply = make_supply(
             self.controller.sharing,
@@ -244,8 +248,7 @@ fn differences(prefix: &str, table: &toml::Table, from: &toml::Table, lines: &mu
     }
 }
 
-/// A value as people write it: the core's numbers are f32, and in f64, which TOML has, they get digits that say
-/// nothing.
+/// Formats a value for people: an f32 of the core is not printed with the meaningless extra digits of TOML's f64.
 fn short(value: &toml::Value) -> String {
     match value {
         toml::Value::Float(number) if f64::from(narrow(*number)).to_bits() == number.to_bits() => {

@@ -1,4 +1,4 @@
-//! What the drives of the joints have together.
+//! The common torque supply of the joints' drives.
 
 use sinew_core::JointStates;
 use sinew_core::Tree;
@@ -11,8 +11,8 @@ use super::controller::narrow;
 use super::error::RunError;
 use super::importance_weights::ImportanceWeights;
 
-/// Makes the supply of a run; by importance, with weights `(lᵢ / Iᵢ)²` of the joints' levers and of the articulated
-/// inertias that their drives work against in the rest pose.
+/// Creates the supply of a run. With sharing by importance, the weights are `(lᵢ / Iᵢ)²`, from the joints' levers
+/// and the articulated inertias at their drives in the rest pose.
 pub(super) fn make_supply(
     sharing: Sharing,
     supply_nm: f64,
@@ -26,16 +26,16 @@ pub(super) fn make_supply(
     })
 }
 
-/// What a newton metre too few at a joint moves, squared: it accelerates what hangs there by `1 / I`, and the skin by
-/// the lever of that.
+/// Returns the squared displacement of the skin per missing newton metre at each joint: the joint's acceleration
+/// changes by `1 / I`, and the skin's by the lever times that.
 fn weights(tree: &Tree<CAPACITY>, levers_m: &[f64]) -> Vec<f32> {
     let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
     let weight = |(inertia, lever_m): (&ReflectedInertia, &f64)| {
         let mean_kg_m2 = mean_moment_kg_m2(inertia);
-        // A joint that cannot turn wants no torque, and its weight counts nothing.
+        // A joint that cannot turn needs no torque, and its weight has no effect.
         if mean_kg_m2 > 0.0 {
             let moved = lever_m / mean_kg_m2;
-            // Within what weights may be: a leaf whose mass is at its joint moves nothing.
+            // Clamped to the valid range of weights: a leaf whose mass is at its joint moves nothing.
             narrow(moved * moved).clamp(1e-12, 1e12)
         } else {
             1.0
@@ -44,7 +44,7 @@ fn weights(tree: &Tree<CAPACITY>, levers_m: &[f64]) -> Vec<f32> {
     inertias.iter().zip(levers_m).map(weight).collect()
 }
 
-/// Mean over the axes.
+/// Returns the mean moment over the axes.
 fn mean_moment_kg_m2(inertia: &ReflectedInertia) -> f64 {
     let m = inertia.angular_kg_m2;
     f64::from(m.xx + m.yy + m.zz) / 3.0

@@ -17,7 +17,7 @@ fn evaluation() -> Evaluation {
     evaluate(&motions(), &Protocol::default(), |_| ()).unwrap()
 }
 
-/// All poses of a run on a figure of 1.1 times the clip's dimensions.
+/// Returns all poses of a run on a figure of 1.1 times the clip's dimensions.
 fn trace(setup: Setup) -> Vec<Pose> {
     beginning(setup, None)
 }
@@ -35,7 +35,8 @@ fn with_method(method: MethodName) -> Setup {
     Protocol::default().setup_of(1.0, method)
 }
 
-/// The first steps only: not every figure stands what is done to it for long.
+/// Returns the poses of the first steps with an altered setup. Only the first steps: not every alteration allows
+/// the figure to track for long.
 fn altered(alter: impl FnOnce(&mut Setup)) -> Vec<Pose> {
     let mut setup = with_method(MethodName::World);
     alter(&mut setup);
@@ -138,7 +139,7 @@ fn a_setup_survives_toml() {
     let text = toml::to_string(&setup).unwrap();
     assert_eq!(Setup::parse(&text).unwrap(), setup);
     assert_eq!(setup.differences().len(), 3, "{:?}", setup.differences());
-    // Infinity too.
+    // The default contains an infinity, which must survive too.
     assert_eq!(
         Setup::parse(&toml::to_string(&Setup::default()).unwrap()).unwrap(),
         Setup::default()
@@ -149,12 +150,12 @@ fn a_setup_survives_toml() {
 fn a_figure_of_equal_dimensions_follows_a_slow_motion() {
     let evaluation = evaluation();
     for result in &evaluation.figures[0].methods {
-        // Below 1 Hz and 0.3 rad the method's lag is a small part of a degree.
+        // At less than 1 Hz and 0.3 rad, a method's lag is a small part of a degree.
         let [mean_deg, mean_cm, max_deg, max_cm] = result.total.all.figures();
         assert!(mean_deg < 0.5 && mean_cm < 0.5, "{}: {mean_deg} {mean_cm}", result.method);
         assert!(max_deg < 2.0 && max_cm < 2.0, "{}: {max_deg} {max_cm}", result.method);
     }
-    // A tenth of a leg is some 8 cm: the larger figure cannot be where the clip is.
+    // A tenth of a leg is about 8 cm: the larger figure cannot reach the clip's places.
     let larger = evaluation.figures[1].method(MethodName::Local).unwrap();
     assert!(larger.total.leaf.linear_mean_cm() > 3.0);
 }
@@ -215,7 +216,7 @@ fn the_json_has_the_promised_shape() {
 #[test]
 fn the_csv_has_a_row_for_everything() {
     let evaluation = evaluation();
-    // Header; two figures, three methods, two groups; and the same for each of two clips.
+    // Header; two figures, three methods, two groups. For clips, each of these rows exists for both clips.
     assert_eq!(report::result_csv(&evaluation).lines().count(), 1 + 12);
     assert_eq!(report::clips_csv(&evaluation).lines().count(), 1 + 24);
     assert!(
@@ -251,7 +252,7 @@ fn what_cannot_be_evaluated_is_refused_by_name() {
 
 #[test]
 fn a_figure_that_is_lost_is_an_error_not_a_mean() {
-    // The clip leaps 1 km away: no figure follows, and the run says where it was lost.
+    // The clip jumps 1 km away: no figure follows, and the run reports the frame of the loss.
     let mut motion = moving("leap", 60);
     for position in &mut motion.root_position_m[30..] {
         position.x += 1000.0;
@@ -262,7 +263,7 @@ fn a_figure_that_is_lost_is_an_error_not_a_mean() {
         panic!("{error}");
     };
     assert_eq!((clip.as_str(), method), ("leap", MethodName::Local));
-    // Forward differences see the leap coming: the figure may leave before it.
+    // Forward differences see the jump in advance: the figure may be lost before it.
     assert!((29..=31).contains(&frame), "{frame}");
 }
 

@@ -8,27 +8,27 @@ use super::motion::EvaluatedMotion;
 use super::run::Run;
 use super::setup::Setup;
 
-/// A figure tracks while none is lost and the mean angular error of all bodies is below this: beyond, it
-/// flails.
+/// Limit of the mean angular error of all bodies below which a figure counts as tracking, in degrees, provided
+/// that no run is lost. Above it, the figure flails.
 pub const TRACKS_BELOW_DEG: f64 = 10.0;
 
-/// The errors of one setup over all clips, or the clip that the figure was lost on.
+/// The errors of one setup over all clips, or the first clip on which the figure was lost.
 pub type Trial = Result<Errors, Lost>;
 
-/// A loss of a figure.
+/// The loss of a figure in a run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{clip}: {kind}")]
 pub struct Lost {
-    /// The clip.
+    /// Name of the clip.
     pub clip: String,
-    /// How.
+    /// Reason for the loss.
     pub kind: RunError,
 }
 
 /// Tracks all clips with one setup, in parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`Lost`]: the first clip, in their order, that the figure was lost on.
+/// [`Lost`] for the first clip, in their order, on which the figure was lost.
 pub fn run_trial(motions: &[impl EvaluatedMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
     let runs: Vec<Trial> = motions
         .par_iter()

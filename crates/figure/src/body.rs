@@ -14,14 +14,14 @@ pub struct Body {
     pub parent: Option<usize>,
 }
 
-/// How body 0 is held.
+/// The way body 0, the pelvis, is connected to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Root {
-    /// It moves freely, driven by a force and a torque from outside.
+    /// The pelvis moves freely, driven by an external force and torque.
     #[default]
     Driven,
-    /// It is bolted to the world where it starts.
+    /// The pelvis is bolted to the world at its initial position.
     Fixed,
 }
 
@@ -29,7 +29,8 @@ const fn body(name: &'static str, parent: usize) -> Body {
     Body { name, parent: Some(parent) }
 }
 
-/// The figure: pelvis on a 6-DOF joint, 17 spherical joints; head, hands and feet are its leaves.
+/// The figure: the pelvis on a free joint (6 dofs) and 17 bodies on spherical joints. Head, hands and feet are its
+/// leaves.
 pub const BODIES: [Body; BODY_COUNT] = [
     Body { name: "pelvis", parent: None },
     body("abdomen", 0),
@@ -51,7 +52,7 @@ pub const BODIES: [Body; BODY_COUNT] = [
     body("foot_r", 16),
 ];
 
-/// Whether no joint hangs on this body: head, hands and feet.
+/// Returns whether no joint is attached to this body. True for the head, the hands and the feet.
 pub fn is_leaf(body: usize) -> bool {
     BODIES.iter().all(|other| other.parent != Some(body))
 }

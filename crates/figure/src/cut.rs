@@ -1,25 +1,25 @@
 //! The elliptical column of the upper trunk cut in three: the thorax between two shoulder parts.
 //!
-//! The paper's figure needs clavicle bodies and does not say where it cuts. Here two sagittal planes
-//! half-way between the middle and the sides do. A shoulder part then has 19.6 % of the upper trunk's mass
-//! (2.3 kg of a man of 73 kg): shoulder blade, collar bone and the muscles about them. The three parts
+//! The paper's figure needs clavicle bodies, but the paper does not say where it cuts. This module cuts at two
+//! sagittal planes half-way between the middle and the sides. A shoulder part then has 19.6 % of the upper trunk's
+//! mass (2.3 kg of a man of 73 kg): shoulder blade, collar bone and the muscles about them. The three parts
 //! together have the mass, the centre of mass and the inertia of the whole.
 
 use libm::{acos, sin};
 
-/// Where the cut lies, as a fraction of the way from the middle of the trunk to its side.
+/// Position of the cut, as a fraction of the distance from the middle of the trunk to its side.
 const CUT: f64 = 0.5;
 
-/// The unit disc, which an ellipse is after scaling, cut at [`CUT`] and -[`CUT`].
+/// The unit disc cut at [`CUT`] and -[`CUT`]. An ellipse becomes this disc after scaling.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CutDisc {
-    /// Share of the area that one outer part has.
+    /// Share of the area in one outer part.
     pub share: f64,
-    /// Distance of an outer part's centre from the middle.
+    /// Distance of an outer part's centre of area from the middle.
     pub center: f64,
     /// Mean squares over an outer part of its two coordinates, across the cut and along it.
     pub outer: [f64; 2],
-    /// The same over the middle part.
+    /// Mean squares over the middle part of its two coordinates, across the cut and along it.
     pub middle: [f64; 2],
 }
 
@@ -42,7 +42,7 @@ impl CutDisc {
         Self { share, center, outer: [across, along], middle }
     }
 
-    /// Share of the area that the middle part has.
+    /// Returns the share of the area in the middle part.
     pub(super) fn middle_share(&self) -> f64 {
         1.0 - 2.0 * self.share
     }
@@ -52,7 +52,7 @@ impl CutDisc {
 mod tests {
     use super::*;
 
-    /// By numerical quadrature of the disc: area share 0.195501, centre 0.705020.
+    /// The expected values are from numerical quadrature of the disc: area share 0.195501, centre 0.705020.
     #[test]
     fn the_outer_part_is_that_of_quadrature() {
         let disc = CutDisc::new();

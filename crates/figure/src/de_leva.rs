@@ -1,8 +1,8 @@
 //! The mean man of a published segment table: P. de Leva, "Adjustments to Zatsiorsky-Seluyanov's segment
 //! inertia parameters", J. Biomech. 29 (1996) 1223-1230, table 4, males (73.0 kg, 1.741 m).
 //!
-//! A limb is as long as in the clip: its ends are joint centres in the table too. The lengths of the other
-//! segments are the table's share of the stature, and the stature is the one whose share the clip's legs are.
+//! A limb has its length in the clip, since its ends are joint centres in the table too. The lengths of the other
+//! segments are the table's shares of the stature. The stature is derived from the length of the clip's legs.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use super::error::BodyModelError;
 use super::placement::{self, BodyPart, Placement};
 use crate::plant::MassProperties;
 
-/// Mass properties of the table's man in the dimensions of a skeleton.
+/// Returns the mass properties of the table's man in the dimensions of a skeleton.
 pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, BodyModelError> {
     let stature_m = placement.leg_m / (THIGH.length + SHANK.length);
     let upper_trunk = UpperTrunkParts::new();
@@ -21,7 +21,7 @@ pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, B
         let length =
             if part.is_limb() { place.bone_m.length() } else { segment.length * stature_m };
         let center_of_mass_m = match part {
-            // The bone is the trunk's half breadth.
+            // The bone is half the breadth of the trunk.
             BodyPart::Shoulder => place.bone_m * segment.center,
             _ => place.along(segment.center * length),
         };
@@ -35,7 +35,7 @@ pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, B
     })
 }
 
-/// Share of the body's mass that the table gives a body of the figure.
+/// Returns the share of the body's mass that the table gives a body of the figure.
 ///
 /// # Panics
 /// If `body` is not below [`BODY_COUNT`](super::BODY_COUNT).
@@ -43,17 +43,17 @@ pub fn mass_fraction(body: usize) -> f64 {
     UpperTrunkParts::new().segment(BodyPart::new(body)).mass
 }
 
-/// Mass of the subject that the fractions are for by default, in kg: the mean of the sample.
+/// Mass to which the fractions apply, in kg: the mean of the sample.
 const MASS_KG: f64 = 73.0;
 
-/// One row of the table. Lengths, centre and radii are turned from percent to fractions.
+/// One row of the table. Lengths, centre and radii are converted from percent to fractions.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
-    /// Mass, as a fraction of the body's.
+    /// Mass, as a fraction of the whole body's mass.
     mass: f64,
     /// Length of the segment, as a fraction of stature.
     length: f64,
-    /// Centre of mass, as a fraction of the length from the end that the figure's joint is at.
+    /// Distance of the centre of mass from the end at the figure's joint, as a fraction of the length.
     center: f64,
     /// Radii of gyration about the centre of mass as fractions of the length: about the sagittal
     /// (front to back), the transverse (left to right) and the longitudinal axis.
@@ -72,39 +72,40 @@ const fn row(mass: f64, length_m: f64, center: f64, gyration: [f64; 3]) -> Segme
     }
 }
 
-// The table counts the trunk's parts and the head from the top, the figure's joints are at the bottom:
-// their centres are 100 minus the table's.
+// The table measures the centres of the head and the trunk's parts from the top, but the figure's joints are at
+// the bottom: these centres are 100 minus the table's.
 
-/// Vertex to cervicale, since the figure's head turns at the neck: the table's alternative end points.
+/// Row of the head, from vertex to cervicale: the table's alternative end points, since the figure's head turns at
+/// the neck.
 const HEAD: Segment = row(6.94, 0.2429, 100.0 - 50.02, [30.3, 31.5, 26.1]);
-/// Suprasternale to xyphion.
+/// Row of the upper trunk, from suprasternale to xyphion.
 const UPPER_TRUNK: Segment = row(15.96, 0.1707, 100.0 - 29.99, [71.6, 45.4, 65.9]);
-/// Xyphion to omphalion.
+/// Row of the middle trunk, from xyphion to omphalion.
 const MID_TRUNK: Segment = row(16.33, 0.2155, 100.0 - 45.02, [48.2, 38.3, 46.8]);
-/// Omphalion to the middle of the hips.
+/// Row of the lower trunk, from omphalion to the middle of the hips.
 const LOWER_TRUNK: Segment = row(11.17, 0.1457, 100.0 - 61.15, [61.5, 55.1, 58.7]);
-/// Shoulder to elbow.
+/// Row of the upper arm, from shoulder to elbow.
 const UPPER_ARM: Segment = row(2.71, 0.2817, 57.72, [28.5, 26.9, 15.8]);
-/// Elbow to wrist.
+/// Row of the forearm, from elbow to wrist.
 const FOREARM: Segment = row(1.62, 0.2689, 45.74, [27.6, 26.5, 12.1]);
-/// Wrist to third metacarpal.
+/// Row of the hand, from wrist to third metacarpal.
 const HAND: Segment = row(0.61, 0.0862, 79.00, [62.8, 51.3, 40.1]);
-/// Hip to knee.
+/// Row of the thigh, from hip to knee.
 const THIGH: Segment = row(14.16, 0.4222, 40.95, [32.9, 32.9, 14.9]);
-/// Knee to lateral malleolus.
+/// Row of the shank, from knee to lateral malleolus.
 const SHANK: Segment = row(4.33, 0.4340, 44.59, [25.5, 24.9, 10.3]);
-/// Heel to toe tip.
+/// Row of the foot, from heel to toe tip.
 const FOOT: Segment =
     row(1.37, 0.2581, 44.15 - 100.0 * placement::HEEL_TO_ANKLE, [25.7, 24.5, 12.4]);
 
-/// The upper trunk cut in three (see `cut.rs`), taken for a solid elliptical column with the published radii
-/// of gyration.
+/// The upper trunk cut in three (see `cut.rs`). It is modelled as a solid elliptical column with the published
+/// radii of gyration.
 #[derive(Debug, Clone, Copy)]
 struct UpperTrunkParts {
-    /// The middle part. Its centre of mass is that of the whole.
+    /// The middle part. Its centre of mass is that of the whole upper trunk.
     thorax: Segment,
-    /// The left or the right part; its `center` is measured from the middle of the trunk, as a fraction of
-    /// the way to its side.
+    /// The left or the right part. Its `center` is measured from the middle of the trunk, as a fraction of the
+    /// distance to its side.
     shoulder: Segment,
 }
 
@@ -151,14 +152,14 @@ impl UpperTrunkParts {
     }
 }
 
-/// Mean squares of the mass's distances along the sagittal, transverse and longitudinal axis, from the radii of
-/// gyration about them.
+/// Returns the mean squares of the mass's distances along the sagittal, transverse and longitudinal axes, from the
+/// radii of gyration about them.
 fn second_moments([s, t, l]: [f64; 3]) -> [f64; 3] {
     let half_trace = 0.5 * (s * s + t * t + l * l);
     [half_trace - s * s, half_trace - t * t, half_trace - l * l]
 }
 
-/// The inverse of [`second_moments`].
+/// Inverts [`second_moments`].
 fn gyration([s, t, l]: [f64; 3]) -> [f64; 3] {
     [libm::sqrt(t + l), libm::sqrt(s + l), libm::sqrt(s + t)]
 }

@@ -1,30 +1,30 @@
-//! Figures of other dimensions than the clip's.
+//! Scale factors for figures whose dimensions differ from the clip's.
 
 use serde::{Deserialize, Serialize};
 use sinew_host_util::random::{Random, Subject};
 
 use super::body::{BODIES, Body};
 
-/// Factors on the figure's dimensions; the clip keeps its own. They multiply: a left arm has
-/// `scale · left_arm` times its length, and a random factor more.
+/// Factors on the figure's dimensions. The clip keeps its own dimensions. Factors multiply: the length of a left
+/// arm is multiplied by `scale · left_arm` and by a random factor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dimensions {
-    /// All bodies.
+    /// Factor of all bodies.
     pub scale: f64,
-    /// Pelvis, abdomen, thorax and the shoulder parts.
+    /// Factor of pelvis, abdomen, thorax and the shoulder parts.
     pub trunk: f64,
-    /// The head.
+    /// Factor of the head.
     pub head: f64,
-    /// Upper arm, forearm and hand of the left side.
+    /// Factor of upper arm, forearm and hand of the left side.
     pub left_arm: f64,
-    /// The same of the right side.
+    /// Factor of upper arm, forearm and hand of the right side.
     pub right_arm: f64,
-    /// Thigh, shank and foot of the left side.
+    /// Factor of thigh, shank and foot of the left side.
     pub left_leg: f64,
-    /// The same of the right side.
+    /// Factor of thigh, shank and foot of the right side.
     pub right_leg: f64,
-    /// Each body by its own factor, uniform in `1 ± random`; below 1.
+    /// Half-width of each body's random factor, which is uniform in `1 ± random`. At least 0 and below 1.
     pub random: f64,
     /// Seed of the random factors.
     pub seed: u64,
@@ -47,15 +47,15 @@ impl Default for Dimensions {
 }
 
 impl Dimensions {
-    /// Smallest and largest factor that makes sense.
+    /// Smallest and largest sensible factor.
     pub const RANGE: core::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-    /// A figure of `scale` times the clip's dimensions.
+    /// Returns factors that scale all of the clip's dimensions by `scale`.
     pub fn uniform(scale: f64) -> Self {
         Self { scale, ..Self::default() }
     }
 
-    /// The factor on each body.
+    /// Returns the factor on each body.
     pub fn factors(&self) -> Vec<f64> {
         let mut random = Random::new(self.seed, Subject::Dimensions);
         let factor = |body: &Body| {
@@ -72,7 +72,7 @@ impl Dimensions {
         BODIES.iter().map(factor).collect()
     }
 
-    /// What cannot be, as (key, what is expected, value).
+    /// Returns the first invalid value, as (key, expected range, value).
     pub fn fault(&self) -> Option<(&'static str, &'static str, f64)> {
         let factors = [
             ("scale", self.scale),

@@ -5,8 +5,8 @@ use glam::{DQuat, DVec3};
 use super::{BODIES, BODY_COUNT, BodyModel, FigureMotion, Root};
 use crate::plant::Mechanism;
 
-/// A figure standing with its arms down, y up, facing z, whose pelvis and abdomen joints coincide and
-/// whose hands have no end, as in skeletons that occur.
+/// Returns a figure that stands with its arms down, y up, facing z. Its pelvis and abdomen joints coincide and its
+/// hands have no end, as in some real skeletons.
 pub fn standing() -> FigureMotion {
     let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
     let mut offset_m = vec![DVec3::ZERO; BODY_COUNT];
@@ -44,7 +44,7 @@ pub fn standing() -> FigureMotion {
     }
 }
 
-/// The same figure moving every joint smoothly, each at its own rate below 1 Hz.
+/// Returns the standing figure with every joint moving smoothly, each at its own rate below 1 Hz.
 pub fn moving(name: &str, frames: u32) -> FigureMotion {
     let still = standing();
     let turn = |frame: u32, body: usize| {
@@ -62,7 +62,7 @@ pub fn moving(name: &str, frames: u32) -> FigureMotion {
     }
 }
 
-/// The standing figure as a mechanism.
+/// Returns the standing figure as a mechanism.
 pub fn mechanism() -> Mechanism {
     BodyModel::from_motion(&standing()).expect("a figure").mechanism(Root::Driven)
 }

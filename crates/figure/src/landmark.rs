@@ -1,4 +1,4 @@
-//! The figure's limbs among the landmarks of retargeting.
+//! Maps the figure's limbs to the landmarks of retargeting.
 
 use sinew_retarget::{Landmark, Side};
 

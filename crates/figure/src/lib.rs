@@ -1,14 +1,14 @@
-//! The 18-body figure of the paper: its bodies, how they move and what they weigh.
+//! The 18-body figure of the paper: its bodies, their motion and their masses.
 //!
 //! - `body`, `motion` and `dimensions` describe the 18 bodies, how they move, and how they are scaled.
-//! - [`mapping`] maps recorded skeletons on the figure: known skeletons, or a proposal for an unknown one.
+//! - [`mapping`] maps recorded skeletons to the figure: known skeletons, or a proposal for an unknown skeleton.
 //! - `de_leva` and [`hanavan`] compute mass properties: by regressions, or from the solids of a measured subject
-//!   (`subjects/`). `placement` lays both on a skeleton by the same rules.
-//! - [`plant`] simulates a mechanism behind one trait: `articulated` is exact and judges `rapier`, whose settings are
-//!   data with a reason for each.
+//!   (`subjects/`). `placement` places both on a skeleton by the same rules.
+//! - [`plant`] simulates a mechanism through one trait: `articulated` is exact and is the reference for `rapier`,
+//!   whose settings are data with a reason for each.
 //! - [`builtin`] makes the built-in clips: a seeded fighter, recorded with noise and gaps.
-//! - [`measured`] decides how large a clip or a character is and which way is up. It is the only place that decides it.
-//! - [`pipeline`] prepares files: skip, fill gaps, find flips, low-pass at the recorded rate, resample, map on the
+//! - [`measured`] decides the size and the up axis of a clip or a character. No other module decides them.
+//! - [`pipeline`] prepares files: skip, fill gaps, find flips, low-pass at the recorded rate, resample, map to the
 //!   figure.
 
 pub mod body;

@@ -1,4 +1,4 @@
-//! The motion of the 18-body figure: what every clip becomes.
+//! The motion of the 18-body figure, into which every clip is converted.
 
 use glam::{DQuat, DVec3};
 use sinew_core::Transform;
@@ -6,19 +6,19 @@ use sinew_core::trajectory::interpolate_smoothly;
 
 use super::BODIES;
 
-/// A clip mapped on the figure, evenly sampled and filtered.
+/// A clip mapped to the figure, evenly sampled and filtered.
 ///
 /// World frame: right-handed, y up, metres. Body frame `i` has its origin at joint `i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureMotion {
-    /// The clip's name.
+    /// Name of the clip.
     pub name: String,
     /// Time from one frame to the next, in seconds.
     pub dt_s: f64,
     /// Position of joint `i` in the frame of body `i`'s parent; zero for the root.
     pub offset_m: Vec<DVec3>,
-    /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head,
-    /// hand or foot. It says to the body model how the segment lies. The pelvis ends up the trunk; in
+    /// End of the segment in the frame of body `i`: the next joint along it, or the end of the head, hand or foot.
+    /// It gives the body model the direction of the segment. The pelvis ends at the next joint of the trunk; in
     /// skeletons where the abdomen begins at the pelvis' own origin, both end at the thorax.
     pub segment_end_m: Vec<DVec3>,
     /// World position of the pelvis in each frame.
@@ -28,7 +28,7 @@ pub struct FigureMotion {
 }
 
 impl FigureMotion {
-    /// World position of every joint in frame `frame`, in metres.
+    /// Returns the world position of every joint in frame `frame`, in metres.
     pub fn world_positions_m(&self, frame: usize) -> Vec<DVec3> {
         let mut position_m = vec![self.root_position_m[frame]; BODIES.len()];
         let mut rotation = self.rotation[frame].clone();
@@ -41,8 +41,8 @@ impl FigureMotion {
         position_m
     }
 
-    /// The same motion with `factor` times the frames, by the core's smooth interpolation: what firmware
-    /// makes of a show whose frames are fewer than its ticks.
+    /// Returns the motion with `factor` times the frames, by the core's smooth interpolation. Firmware
+    /// interpolates in the same way if a show has fewer frames than ticks.
     #[must_use]
     pub fn interpolated(&self, factor: usize) -> Self {
         let last = self.rotation.len() - 1;
@@ -69,16 +69,16 @@ impl FigureMotion {
         }
     }
 
-    /// Poses of all joints in frame `frame` (the last one, beyond the end), each in its parent's frame, as
-    /// the core takes them.
+    /// Returns the poses of all joints in frame `frame`, each in its parent's frame, in the core's type. After the
+    /// end the last frame is used.
     pub fn joint_poses(&self, frame: usize) -> Vec<Transform> {
         self.joints(frame)
             .map(|(rotation, position_m)| Transform::new(rotation.as_quat(), position_m.as_vec3()))
             .collect()
     }
 
-    /// Rotations and positions of all joints in frame `frame` (the last one, beyond the end), each in its parent's
-    /// frame, the root's in the world; m.
+    /// Returns the rotations and positions (m) of all joints in frame `frame`, each in its parent's frame; the
+    /// root's are in the world. After the end the last frame is used.
     pub fn joints(&self, frame: usize) -> impl Iterator<Item = (DQuat, DVec3)> + '_ {
         let frame = frame.min(self.rotation.len() - 1);
         let root_m = self.root_position_m[frame];

@@ -1,11 +1,11 @@
-//! How the segments of a body model lie on a skeleton, whatever the model.
+//! Places the segments of a body model on a skeleton, by the same rules for all models.
 //!
-//! - The longitudinal axis of a segment points from its joint to its end. The sagittal axis is the
-//!   figure's forward direction made perpendicular to it; for a segment that points forward itself, as
-//!   the feet do, the transverse axis is the figure's left instead. Forward and left are those of the
-//!   zero pose, in which all body frames are parallel.
-//! - The ends of a limb (upper arm, forearm, thigh, shank) are joints, so that it is as long as its bone. All
-//!   other segments end at landmarks that a skeleton lacks, or has at no distance from each other.
+//! - The longitudinal axis of a segment points from its joint to its end. The sagittal axis is the figure's
+//!   forward direction made perpendicular to the longitudinal axis. For a segment that points forward itself, like
+//!   the feet, the transverse axis is the figure's left instead. Forward and left are those of the zero pose, in
+//!   which all body frames are parallel.
+//! - The ends of a limb (upper arm, forearm, thigh, shank) are joints: a limb is as long as its bone. All other
+//!   segments end at landmarks that a skeleton lacks, or whose distance in the skeleton is zero.
 //! - The lower trunk starts in the middle of the hips, not at the pelvis joint.
 
 use glam::{DMat3, DVec3};
@@ -14,13 +14,13 @@ use super::body::BODIES;
 use super::error::BodyModelError;
 use crate::FigureMotion;
 
-/// Our assumption: the ankle lies a quarter of the foot in front of the heel.
+/// Distance from heel to ankle, as a fraction of the foot's length. This is our assumption.
 pub(super) const HEEL_TO_ANKLE: f64 = 0.25;
 
-/// Shorter than this a bone has no direction, in metres.
+/// Length below which a bone has no direction, in metres.
 const SHORTEST_BONE_M: f64 = 1e-3;
 
-/// A part of the human body: one for left and right.
+/// A part of the human body. Left and right share one variant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BodyPart {
     LowerTrunk,
@@ -38,7 +38,7 @@ pub(super) enum BodyPart {
 }
 
 impl BodyPart {
-    /// In the order of declaration.
+    /// All parts in the order of their declaration.
     pub(super) const ALL: [Self; 11] = [
         Self::LowerTrunk,
         Self::MidTrunk,
@@ -53,7 +53,7 @@ impl BodyPart {
         Self::Foot,
     ];
 
-    /// The part that a body of the figure is.
+    /// Returns the part that a body of the figure is.
     pub(super) fn new(body: usize) -> Self {
         match BODIES[body].name.trim_end_matches("_l").trim_end_matches("_r") {
             "pelvis" => Self::LowerTrunk,
@@ -70,7 +70,7 @@ impl BodyPart {
         }
     }
 
-    /// Whether both ends are joints.
+    /// Returns whether both ends of the part are joints.
     pub(super) fn is_limb(self) -> bool {
         matches!(self, Self::UpperArm | Self::Forearm | Self::Thigh | Self::Shank)
     }
@@ -94,7 +94,7 @@ impl<'a> Skeleton<'a> {
 /// A skeleton, and its directions.
 pub(super) struct Placement<'a> {
     skeleton: Skeleton<'a>,
-    /// Thigh and shank, mean of left and right.
+    /// Length of thigh and shank together, mean of left and right.
     pub leg_m: f64,
     middle_of_hips_m: DVec3,
     left: DVec3,
@@ -102,11 +102,11 @@ pub(super) struct Placement<'a> {
     forward: DVec3,
 }
 
-/// A segment's placement, in its body's frame.
+/// Placement of a segment, in its body's frame.
 pub(super) struct SegmentPlacement {
-    /// The end at the joint.
+    /// Start of the segment, at its joint.
     start_m: DVec3,
-    /// From the body's joint to its end.
+    /// Vector from the body's joint to the end of its segment.
     pub bone_m: DVec3,
     /// Unit vector from the segment's start to its end.
     direction: DVec3,
@@ -115,20 +115,20 @@ pub(super) struct SegmentPlacement {
 }
 
 impl SegmentPlacement {
-    /// The point of the longitudinal axis that is `distance_m` from the segment's start.
+    /// Returns the point on the longitudinal axis at `distance_m` from the segment's start.
     pub(super) fn along(&self, distance_m: f64) -> DVec3 {
         self.start_m + self.direction * distance_m
     }
 
-    /// The transverse axis, a unit vector.
+    /// Returns the transverse axis, a unit vector.
     pub(super) fn left(&self) -> DVec3 {
         self.axes.y_axis
     }
 
-    /// The inertia whose moments about the sagittal, transverse and longitudinal axis are given, in body axes.
+    /// Returns the inertia in body axes, from its moments about the sagittal, transverse and longitudinal axes.
     pub(super) fn in_body_frame(&self, moments_kg_m2: DVec3) -> DMat3 {
         let rotated = self.axes * DMat3::from_diagonal(moments_kg_m2) * self.axes.transpose();
-        // Rounding must not leave it unsymmetric.
+        // Makes the matrix symmetric in spite of rounding.
         (rotated + rotated.transpose()) * 0.5
     }
 }
@@ -163,7 +163,7 @@ impl<'a> Placement<'a> {
         })
     }
 
-    /// Where the segment of `body` lies.
+    /// Computes the placement of the segment of `body`.
     pub(super) fn place(&self, body: usize) -> Result<SegmentPlacement, BodyModelError> {
         let part = BodyPart::new(body);
         let bone_m = self.skeleton.segment_end_m[body];
@@ -172,7 +172,7 @@ impl<'a> Placement<'a> {
         }
         let direction = self.direction(body);
         let axes = if part == BodyPart::Shoulder {
-            // The bone is its breadth.
+            // The bone of a shoulder part is its breadth.
             let forward = perpendicular(self.forward, direction);
             DMat3::from_cols(forward, direction, forward.cross(direction))
         } else if direction.dot(self.forward).abs() < core::f64::consts::FRAC_1_SQRT_2 {
@@ -187,13 +187,13 @@ impl<'a> Placement<'a> {
         Ok(SegmentPlacement { start_m, bone_m, direction, axes })
     }
 
-    /// Position of the joint of `body` in its parent's frame.
+    /// Returns the position of the joint of `body` in its parent's frame.
     pub(super) fn offset_m(&self, body: usize) -> DVec3 {
         self.skeleton.offset_m[body]
     }
 
-    /// Unit direction of a segment. One whose end is at its joint goes on in the direction of its
-    /// parent's, the trunk upwards.
+    /// Returns the unit direction of a segment. A segment whose end is at its joint has the direction of its
+    /// joint's offset, or else of its parent; the pelvis points up.
     fn direction(&self, body: usize) -> DVec3 {
         let along = |v: DVec3| (v.length() >= SHORTEST_BONE_M).then(|| v.normalize());
         match BODIES[body].parent {
@@ -205,13 +205,13 @@ impl<'a> Placement<'a> {
     }
 }
 
-/// What `make` says of every body, or the first error.
+/// Calls `make` for every body. Returns all results, or the first error.
 pub(super) fn each_body<T, E>(make: impl FnMut(usize) -> Result<T, E>) -> Result<Vec<T>, E> {
     (0..BODIES.len()).map(make).collect()
 }
 
-/// The unit vector of `v` made perpendicular to the unit vector `axis`; any perpendicular one if `v` is
-/// along it.
+/// Returns the unit vector of `v` made perpendicular to the unit vector `axis`; any perpendicular vector if `v` is
+/// parallel to `axis`.
 fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
     v.reject_from_normalized(axis).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector())
 }

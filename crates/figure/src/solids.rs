@@ -1,18 +1,18 @@
-//! Solids of uniform density that body segments are made of.
+//! Solids of uniform density for body segments.
 //!
-//! The longitudinal axis is z. Hanavan (AMRL-TR-64-102, 1964) and Kwon: elliptical solids and ellipsoids;
-//! Yeadon (J. Biomech. 23, 1990, 67-74): stadium solids.
+//! The longitudinal axis is z. Hanavan (AMRL-TR-64-102, 1964) and Kwon: elliptical solids and ellipsoids; Yeadon
+//! (J. Biomech. 23, 1990, 67-74): stadium solids.
 
 use core::f64::consts::PI;
 
 use glam::DVec3;
 
-/// Volume of a solid, and how it lies about its centre.
+/// Volume, centre of mass and inertia of a solid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Solid {
     /// Volume in m³.
     pub volume_m3: f64,
-    /// Centre of mass along z, from the "0" end (an ellipsoid: from its centre), in metres.
+    /// Centre of mass along z, from the "0" end (for an ellipsoid: from its centre), in metres.
     pub center_z_m: f64,
     /// Principal moments of inertia over mass about the centre of mass, about x, y and z, in m².
     pub inertia_over_mass_m2: DVec3,
@@ -25,8 +25,8 @@ struct Section {
     y2: f64,
 }
 
-/// Nodes and weights of Gauss's rule with 3 points on 0 to 1, exact to degree 5. The sections here are of
-/// degree 4 in s, and degree 2 times s²: nothing is approximated.
+/// Returns nodes and weights of Gauss's rule with 3 points on 0 to 1, exact to degree 5. The integrands are of
+/// degree 4 in s, or of degree 2 times s²: the result is exact.
 fn gauss() -> [(f64, f64); 3] {
     let d = libm::sqrt(0.15);
     [(0.5 - d, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.5 + d, 5.0 / 18.0)]
@@ -53,7 +53,8 @@ fn between([start, end]: [f64; 2], s: f64) -> f64 {
     start + (end - start) * s
 }
 
-/// Elliptical solid: semi-axes a along x and b along y, linear from the "0" end to the other, in metres.
+/// Returns an elliptical solid: semi-axes a along x and b along y, linear from the "0" end to the opposite end, in
+/// metres.
 pub fn elliptical_solid(a_m: [f64; 2], b_m: [f64; 2], length_m: f64) -> Solid {
     lofted(length_m, |s| {
         let (a, b) = (between(a_m, s), between(b_m, s));
@@ -62,17 +63,18 @@ pub fn elliptical_solid(a_m: [f64; 2], b_m: [f64; 2], length_m: f64) -> Solid {
     })
 }
 
-/// Truncated circular cone: radii of the "0" end and the other, in metres.
+/// Returns a truncated circular cone from the radii of the "0" end and the opposite end, in metres.
 pub fn truncated_cone(radius_m: [f64; 2], length_m: f64) -> Solid {
     elliptical_solid(radius_m, radius_m, length_m)
 }
 
-/// Elliptical column: semi-axes a along x and b along y, in metres.
+/// Returns an elliptical column with semi-axes a along x and b along y, in metres.
 pub fn elliptical_column(a_m: f64, b_m: f64, length_m: f64) -> Solid {
     elliptical_solid([a_m; 2], [b_m; 2], length_m)
 }
 
-/// Stadium solid: half thickness t along x between half discs of radius r, both linear, in metres.
+/// Returns a stadium solid: half thickness t along x between half discs of radius r, both linear along z, in
+/// metres.
 pub fn stadium_solid(t_m: [f64; 2], r_m: [f64; 2], length_m: f64) -> Solid {
     lofted(length_m, |s| {
         let (t, r) = (between(t_m, s), between(r_m, s));
@@ -88,7 +90,7 @@ pub fn stadium_solid(t_m: [f64; 2], r_m: [f64; 2], length_m: f64) -> Solid {
     })
 }
 
-/// Ellipsoid: semi-axes along x, y and z in metres.
+/// Returns an ellipsoid with these semi-axes along x, y and z, in metres.
 pub fn ellipsoid(a_m: f64, b_m: f64, c_m: f64) -> Solid {
     let (a2, b2, c2) = (a_m * a_m, b_m * b_m, c_m * c_m);
     Solid {
@@ -98,7 +100,8 @@ pub fn ellipsoid(a_m: f64, b_m: f64, c_m: f64) -> Solid {
     }
 }
 
-/// Half an ellipsoid of revolution: radius of its base, which is the "0" end, and height, in metres.
+/// Returns half an ellipsoid of revolution from the radius of its base, which is the "0" end, and its height, in
+/// metres.
 pub fn semi_ellipsoid(radius_m: f64, height_m: f64) -> Solid {
     let r2 = radius_m * radius_m;
     let across = r2 / 5.0 + 19.0 / 320.0 * height_m * height_m;
@@ -113,7 +116,7 @@ pub fn semi_ellipsoid(radius_m: f64, height_m: f64) -> Solid {
 mod tests {
     use super::*;
 
-    /// Two halves of a sphere are a sphere (parallel axes).
+    /// Checks that two halves of a sphere make a sphere (parallel axes).
     #[test]
     fn semi_ellipsoids_make_an_ellipsoid() {
         let (half, whole) = (semi_ellipsoid(0.1, 0.2), ellipsoid(0.1, 0.1, 0.2));

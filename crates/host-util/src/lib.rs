@@ -1,9 +1,9 @@
-//! What commands on a host share, whatever they are about.
+//! Functions that all commands on a host share.
 //!
-//! - [`output`] writes files: each as a whole, a folder of results as a whole and locked, never over an input.
-//! - [`command`] holds the options and the output to a terminal that `sinew` and `sinew-studies` share.
-//! - [`random`] makes seeded random numbers.
-//! - [`parse_message()`] turns messages of serde and toml into sentences.
+//! - [`output`] writes files completely or not at all, locks a folder of results, and never overwrites an input.
+//! - [`command`] contains the options and the terminal output that `sinew` and `sinew-studies` share.
+//! - [`random`] generates seeded random numbers.
+//! - [`parse_message()`] converts messages of serde and toml to sentences.
 
 pub mod command;
 pub mod output;

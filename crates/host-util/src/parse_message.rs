@@ -1,8 +1,8 @@
-//! Messages of serde and toml as sentences, for the one who wrote the file.
+//! Converts messages of serde and toml to sentences for the author of the file.
 
 use std::fmt::Display;
 
-/// serde's expectations are types of this program; a file has numbers, texts and tables.
+/// Names of types in serde's messages, and words for the author of a file.
 const PLAIN: [(&str, &str); 13] = [
     ("u8", "a whole number from 0 to 255"),
     ("u16", "a whole number from 0 to 65535"),
@@ -19,7 +19,7 @@ const PLAIN: [(&str, &str); 13] = [
     ("a map", "a table of keys"),
 ];
 
-/// The message of an error of serde or toml, without the names of types.
+/// Returns the message of an error of serde or toml, without names of types.
 pub fn parse_message(error: &impl Display) -> String {
     let message = error.to_string().replace("wanted string or table", "expected a name in quotes");
     let Some((told, expected)) = message.rsplit_once("expected ") else { return message };

@@ -1,4 +1,4 @@
-//! Seeded random numbers: the same on every machine and with every version of the libraries.
+//! Seeded random numbers that are equal on every machine and with every version of the libraries.
 
 use glam::DVec3;
 use rand_pcg::Pcg64;
@@ -6,12 +6,12 @@ use rand_pcg::rand_core::Rng;
 
 /// A stream of random numbers.
 ///
-/// PCG XSL RR 128/64 is a published algorithm, and the conversions below are spelt out rather than
-/// taken from a library of distributions, so that no upgrade can change a clip or a result.
+/// PCG XSL RR 128/64 is a published algorithm, and the conversions below are written out instead of taken from a
+/// library of distributions. An upgrade of a library can thus not change a clip or a result.
 #[derive(Debug, Clone)]
 pub struct Random(Pcg64);
 
-/// What a stream is for: more draws for one subject must not change another.
+/// The purpose of a stream. Each purpose has its own stream, so that more draws for one do not change another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subject {
     /// Order, timing and strength of the strikes.
@@ -32,44 +32,44 @@ pub enum Subject {
     Network = 8,
     /// Order of training samples.
     Batches = 9,
-    /// What is shown of many.
+    /// Examples that are shown.
     Examples = 10,
     /// Pairs of poses.
     Pairs = 11,
-    /// Which recordings are compared.
+    /// Choice of the recordings that are compared.
     Draws = 12,
-    /// What chance alone would do.
+    /// Results that chance alone would give.
     Chance = 13,
-    /// Where a rig's joints go.
+    /// Targets of a rig's joints in an exercise.
     Exercise = 14,
 }
 
 impl Random {
-    /// The stream of a seed for one subject.
+    /// Creates the stream of a seed for one subject.
     pub fn new(seed: u64, subject: Subject) -> Self {
         Self::numbered(seed, 0, subject)
     }
 
-    /// One of many streams of a seed for one subject.
+    /// Creates stream `number` of a seed for one subject.
     pub fn numbered(seed: u64, number: u64, subject: Subject) -> Self {
         let state = u128::from(number) << 64 | u128::from(seed);
         Self(Pcg64::new(state, subject as u128))
     }
 
-    /// Uniform in `[0, 1)`, on a grid of 2^-53.
+    /// Returns a number that is uniform in `[0, 1)`, on a grid of 2^-53.
     #[inline]
     pub fn unit(&mut self) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
         (self.0.next_u64() >> 11) as f64 * STEP
     }
 
-    /// Uniform in `[low, high)`.
+    /// Returns a number that is uniform in `[low, high)`.
     #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.unit()
     }
 
-    /// Uniform in `0..count`; the bias is below `count / 2^64`.
+    /// Returns a number that is uniform in `0..count`; the bias is below `count / 2^64`.
     pub fn below(&mut self, count: usize) -> usize {
         let wide = u128::from(self.0.next_u64()) * count as u128;
         #[expect(clippy::cast_possible_truncation, reason = "below `count`, which is a usize")]
@@ -77,7 +77,7 @@ impl Random {
         index
     }
 
-    /// Normally distributed components with mean 0 and standard deviation 1 (Box and Muller 1958).
+    /// Returns normally distributed components with mean 0 and standard deviation 1 (Box and Muller 1958).
     pub fn normal3(&mut self) -> DVec3 {
         DVec3::new(self.normal(), self.normal(), self.normal())
     }

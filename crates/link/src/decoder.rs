@@ -1,4 +1,4 @@
-//! From a stream of bytes, cut anywhere and with anything in it, to messages.
+//! Decodes messages from a stream of bytes, which may be cut anywhere and may contain garbage.
 
 use core::fmt;
 use core::marker::PhantomData;
@@ -7,10 +7,10 @@ use cobs::{DecodeResult, DecoderState};
 
 use crate::frame::{BODY_MAX, CRC_LEN, Message, crc32};
 
-/// Finds messages in a stream. It has room for one frame, and needs no time-out.
+/// A decoder that finds messages in a stream. It stores a single frame, and needs no time-out.
 ///
-/// A frame has a zero at both ends and none inside. So damage spoils the frame that it is in, and no other; after
-/// garbage the next frame is found.
+/// A frame starts and ends with a zero and contains no other zero. Damage therefore affects only the frame it is in,
+/// and after garbage the next frame is found.
 pub struct Decoder<M> {
     state: DecoderState,
     buffer: [u8; BODY_MAX + CRC_LEN],
@@ -31,26 +31,26 @@ impl<M> fmt::Debug for Decoder<M> {
     }
 }
 
-/// Frames that did not become a message, by what was wrong with them.
+/// Counts of frames that did not become a message, by the kind of damage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Damage {
-    /// A zero came where the frame had to go on.
+    /// Frames with a zero in the middle.
     pub cut: u32,
-    /// Longer than a frame can be.
+    /// Frames longer than the maximum.
     pub too_long: u32,
-    /// Too short to be anything.
+    /// Frames too short for a body and a CRC.
     pub too_short: u32,
-    /// The CRC is not that of the body.
+    /// Frames whose CRC does not match the body.
     pub crc: u32,
-    /// Whole, but of the other direction: an echo, or both ends are hosts.
+    /// Intact frames of the other direction: the line echoes, or both ends are hosts.
     pub direction: u32,
-    /// Whole, but no message of this version: an unknown kind, a number that is not finite, a list that is too long,
-    /// or bytes left over.
+    /// Intact frames that are not a message of this version: an unknown kind, a number that is not finite, a list
+    /// that is too long, or extra bytes.
     pub message: u32,
 }
 
 impl Damage {
-    /// All kinds together.
+    /// Returns the sum of all counts.
     pub fn total(&self) -> u32 {
         let Self { cut, too_long, too_short, crc, direction, message } = *self;
         [too_long, too_short, crc, direction, message].into_iter().fold(cut, u32::saturating_add)
@@ -64,7 +64,7 @@ impl<M: Message> Default for Decoder<M> {
 }
 
 impl<M: Message> Decoder<M> {
-    /// Waits for a frame.
+    /// Creates a decoder that waits for a frame.
     pub const fn new() -> Self {
         Self {
             state: DecoderState::Idle,
@@ -77,7 +77,7 @@ impl<M: Message> Decoder<M> {
         }
     }
 
-    /// Takes one byte, and returns the message that ends with it. O(1), and O(length) at the end of a frame.
+    /// Accepts a byte, and returns the message that ends with it, if any. O(1), and O(length) at the end of a frame.
     pub fn push(&mut self, byte: u8) -> Option<M> {
         match self.state.feed(byte) {
             Ok(DecodeResult::NoData) => None,
@@ -106,7 +106,7 @@ impl<M: Message> Decoder<M> {
         }
     }
 
-    /// Takes bytes, and gives each message that ends in them to `take`.
+    /// Accepts bytes, and passes each message that ends in them to `take`.
     pub fn feed(&mut self, bytes: &[u8], mut take: impl FnMut(M)) {
         for &byte in bytes {
             if let Some(message) = self.push(byte) {
@@ -115,12 +115,12 @@ impl<M: Message> Decoder<M> {
         }
     }
 
-    /// How many messages came.
+    /// Returns the number of decoded messages.
     pub fn messages(&self) -> u32 {
         self.messages
     }
 
-    /// What did not become a message.
+    /// Returns the counts of frames that did not become a message.
     pub fn damage(&self) -> Damage {
         self.damage
     }
@@ -130,7 +130,7 @@ impl<M: Message> Decoder<M> {
         self.too_long = false;
     }
 
-    /// The message of a whole frame in the buffer.
+    /// Decodes the frame in the buffer.
     fn finish(&mut self) -> Option<M> {
         let result = if self.too_long {
             Err(&mut self.damage.too_long)
@@ -154,7 +154,7 @@ impl<M: Message> Decoder<M> {
     }
 }
 
-/// The message of a body, or the count of what is wrong.
+/// Decodes a body, or returns the count that the damage belongs to.
 fn message<'a, M: Message>(
     body: &[u8],
     crc: [u8; CRC_LEN],

@@ -1,4 +1,4 @@
-//! Numbers on the wire are finite, both ways: `#[serde(with = "finite")]` on every `f32` of a message.
+//! Serializes and deserializes finite numbers only: `#[serde(with = "finite")]` on every `f32` of a message.
 
 use serde::de::Error as _;
 use serde::ser::Error as _;
@@ -20,11 +20,11 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<
     if value.is_finite() { Ok(value) } else { Err(D::Error::custom(NOT_FINITE)) }
 }
 
-/// One such number, for lists.
+/// A finite number, as an item of a list.
 #[derive(Serialize, Deserialize)]
 struct Finite(#[serde(with = "self")] f32);
 
-/// The same of a list: `#[serde(with = "finite::list")]`.
+/// Serializes and deserializes lists of finite numbers: `#[serde(with = "finite::list")]`.
 pub(crate) mod list {
     use core::fmt;
     use core::marker::PhantomData;

@@ -1,4 +1,4 @@
-//! One message as a frame: `00`, COBS of (direction, message, CRC-32), `00`.
+//! Encodes a message as a frame: `00`, COBS of (direction, message, CRC-32), `00`.
 
 use core::fmt;
 
@@ -8,21 +8,21 @@ use serde::de::DeserializeOwned;
 
 use crate::message::{ToController, ToHost};
 
-/// The longest body: direction and message, without the CRC, in bytes.
+/// Maximum length of a body, in bytes: direction and message, without the CRC.
 ///
-/// 256 bytes of content (64 numbers of a pose, or a page of flash) and 16 that say what it is. At 115,200 baud such a
-/// frame takes 24 ms, so what waits behind it, an e-stop or its answer, waits no longer than that. And up to this
-/// length CRC-32 finds any four wrong bits, wherever they are (a test tries all; Koopman's tables say the same to 371
-/// bytes).
+/// The body has room for 256 bytes of content (64 numbers of a pose, or a page of flash) and 16 bytes of description.
+/// At 115,200 baud this frame takes 24 ms, the longest delay of a frame after it, such as an e-stop or its answer. Up
+/// to this length, CRC-32 detects any four wrong bits at any positions (a test tries all; Koopman's tables confirm it
+/// up to 371 bytes).
 pub const BODY_MAX: usize = 272;
 
-/// Bytes of the CRC.
+/// Length of the CRC, in bytes.
 pub(crate) const CRC_LEN: usize = 4;
 
-/// The longest frame with its zeros, in bytes.
+/// Maximum length of a frame with its zeros, in bytes.
 pub const FRAME_MAX: usize = frame_len(BODY_MAX);
 
-/// Bytes of the frame of a body of this length, at most: CRC, COBS, and a zero at both ends.
+/// Returns the maximum length of a frame with a body of this length, in bytes: CRC, COBS, and a zero at both ends.
 ///
 /// ```
 /// # use sinew_link::rate::frame_len;
@@ -33,7 +33,8 @@ pub const fn frame_len(body_len: usize) -> usize {
     coded.saturating_add(coded.div_ceil(254)).saturating_add(2)
 }
 
-/// Of 32 bits, not 16: of random damage one frame in 65,536 passes a CRC-16, one in 4·10⁹ a CRC-32.
+/// A CRC of 32 bits, not 16: of frames with random damage, 1 in 65,536 passes a CRC-16, and 1 in 4·10⁹ passes a
+/// CRC-32.
 const CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 pub(crate) fn crc32(body: &[u8]) -> [u8; CRC_LEN] {
@@ -42,7 +43,7 @@ pub(crate) fn crc32(body: &[u8]) -> [u8; CRC_LEN] {
 
 /// A message of one direction: [`ToController`] or [`ToHost`].
 pub trait Message: Serialize + DeserializeOwned + sealed::Sealed {
-    /// The first byte of a body. A line that echoes brings back what was sent; no one takes it for the other's.
+    /// First byte of a body. On a line that echoes, an end recognizes its own messages by this byte.
     const DIRECTION: u8;
 }
 
@@ -62,10 +63,10 @@ mod sealed {
     impl Sealed for ToHost {}
 }
 
-/// Writes the frame of a message into `out`, and returns it; [`FRAME_MAX`] bytes are always enough. O(length).
+/// Writes the frame of a message into `out`, and returns the frame. [`FRAME_MAX`] bytes are always enough. O(length).
 ///
 /// # Errors
-/// [`EncodeError`]: nothing may be sent then.
+/// [`EncodeError`] if the message cannot be encoded. Nothing may be sent then.
 pub fn encode<'a, M: Message>(message: &M, out: &'a mut [u8]) -> Result<&'a [u8], EncodeError> {
     let mut body = [0; BODY_MAX + CRC_LEN];
     let (direction, rest) = body.split_first_mut().ok_or(EncodeError::Message)?;
@@ -86,18 +87,18 @@ pub fn encode<'a, M: Message>(message: &M, out: &'a mut [u8]) -> Result<&'a [u8]
     out.get(..=last).ok_or(room)
 }
 
-/// Why a message cannot be written.
+/// An error that prevents the encoding of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EncodeError {
     /// The buffer is too small.
     Room {
-        /// How many bytes it has.
+        /// Length of the buffer, in bytes.
         has: usize,
     },
     /// A number of the message is NaN or infinite.
     NotFinite,
-    /// The message is longer than a frame can be. No message of this crate is.
+    /// The message exceeds the maximum length of a frame, which no message of this crate does.
     Message,
 }
 

@@ -1,13 +1,13 @@
-//! The link between a host and a controller: bytes in, bytes out, and no I/O, no clock, no allocation, no panic.
+//! The link between a host and a controller: bytes in, bytes out, with no I/O, no clock, no allocation, no panic.
 //!
-//! - [`encode`] and [`Decoder`]: messages as frames (COBS, CRC-32), and back, whatever lies between them.
-//! - [`message`]: what is said, both ways. The page `docs/link.md` has it for whoever writes a program without this
-//!   crate.
-//! - [`Session`]: the controller's side of numbers. A command is executed once, and answered as often as it comes.
-//! - [`Sender`]: the host's side. It sends a command again until there is an answer.
-//! - [`LiveBuffer`]: live frames that come with jitter, in order, on time, within limits of speed.
-//! - [`Snapshot`](message::Snapshot): what a controller knows of a rig, cut into frames of telemetry; [`rate`]: how
-//!   often it fits on a line.
+//! - [`encode`] and [`Decoder`] convert messages to frames (COBS, CRC-32) and back, with anything between the frames.
+//! - [`message`] defines the messages of both directions. The page `docs/link.md` describes them for programs that do
+//!   not use this crate.
+//! - [`Session`] numbers messages on the controller's side. It executes a command once, and answers every copy of it.
+//! - [`Sender`] numbers messages on the host's side. It repeats a command until an answer arrives.
+//! - [`LiveBuffer`] turns live frames with jitter into ordered, timed targets within limits of speed.
+//! - [`Snapshot`](message::Snapshot) contains the state of a rig and is cut into frames of telemetry; [`rate`]
+//!   computes how many snapshots per second fit on a line.
 //!
 //! # A command and its answer
 //! ```
@@ -52,18 +52,18 @@
 //! ```
 //!
 //! # Conventions
-//! - SI units and radians; quaternions xyzw, unit. What is in other units says so in its name.
-//! - No number of a message is NaN or infinite: such a message is neither written nor read.
-//! - Kinds of messages, states and reasons are numbered in the order of their declaration. New ones come last;
-//!   none is ever removed or moved. Faults are plain numbers: those of `docs/faults.md`.
-//! - Nothing here decides what is safe. A supervisor does, and it does not trust the link.
+//! - SI units and radians; quaternions xyzw, unit. The name of a value in another unit ends in that unit.
+//! - No number in a message is NaN or infinite: such a message is neither written nor read.
+//! - Kinds of messages, states and reasons are numbered in the order of their declaration. New ones are added at the
+//!   end; none is ever removed or moved. Faults are plain numbers: those of `docs/faults.md`.
+//! - This crate makes no safety decision. A supervisor does, and it does not trust the link.
 //!
 //! # Files
-//! - `frame`, `decoder`, `finite`: one message as a frame; messages in a stream of anything; finite numbers only.
+//! - `frame`, `decoder`, `finite`: a message as a frame; messages in a stream of anything; finite numbers only.
 //! - `message/`: a file for each subject; `telemetry` cuts a snapshot into frames.
-//! - `window`, `session`, `sender`: which numbers arrived; the controller's side; the host's side.
+//! - `window`, `session`, `sender`: received numbers; the controller's side; the host's side.
 //! - `live/`: the sender's clock (`timeline`), a target for each tick (`buffer`), speeds by joint (`coordinate`).
-//! - `rate`: what a line carries.
+//! - `rate`: capacity of a line.
 
 #![no_std]
 #![forbid(unsafe_code)]

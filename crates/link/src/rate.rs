@@ -1,4 +1,4 @@
-//! What a line carries: sums at compile time, checked against what is written.
+//! Computes the capacity of a line at compile time; tests compare the results with encoded frames.
 //!
 //! ```
 //! use sinew_link::message::TelemetryParts;
@@ -13,44 +13,44 @@
 pub use crate::frame::frame_len;
 use crate::message::{DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, TelemetryParts};
 
-/// Bits of a byte on a serial line: start, eight, stop.
+/// Bits per byte on a serial line: start bit, eight data bits, stop bit.
 const BITS_A_BYTE: u32 = 10;
 
-/// Direction, kind of message, number and tick of a frame of telemetry, and the kind of its part, in bytes.
+/// Length of direction, kind of message, number and tick of a telemetry frame, and the kind of its part, in bytes.
 const HEAD: usize = 11;
-/// Place and count of a list.
+/// Length of first index and count of a list, in bytes.
 const LIST: usize = 2;
-/// The longest summary.
+/// Maximum length of a summary, in bytes.
 const SUMMARY: usize = 60;
 const NUMBER: usize = 4;
 const DOF: usize = 6;
 const SERVO: usize = 7;
 
-/// How large a rig is.
+/// Size of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RigSize {
-    /// Numbers of its pose.
+    /// Number of coordinates of its pose.
     pub coordinates: usize,
-    /// Degrees of freedom.
+    /// Number of dofs.
     pub dofs: usize,
-    /// Servos.
+    /// Number of servos.
     pub servos: usize,
 }
 
-/// How many frames with bodies of this length a serial line carries in a second.
+/// Returns how many frames per second with bodies of this length a serial line carries.
 pub const fn frames_per_second(bits_per_second: u32, body_len: usize) -> u32 {
     per_second(bits_per_second / BITS_A_BYTE, frame_len(body_len))
 }
 
-/// How many snapshots of these parts a serial line carries in a second, if telemetry gets three quarters of it. The
-/// rest is for answers, faults and the bytes of servos.
+/// Returns how many snapshots per second of these parts a serial line carries, if telemetry gets three quarters of
+/// the line. The rest is for answers, faults and servo bytes.
 pub const fn telemetry_hz(bits_per_second: u32, size: RigSize, parts: TelemetryParts) -> u32 {
     let bytes_per_second = bits_per_second / BITS_A_BYTE;
     let share = bytes_per_second.saturating_sub(bytes_per_second.div_ceil(4));
     per_second(share, snapshot_len(size, parts))
 }
 
-/// Bytes of a snapshot of these parts, at most: all its frames with their zeros.
+/// Returns the maximum length of a snapshot of these parts, in bytes: all its frames with their zeros.
 pub const fn snapshot_len(size: RigSize, parts: TelemetryParts) -> usize {
     let summary = if parts.has(TelemetryParts::SUMMARY) {
         frame_len(HEAD.saturating_add(SUMMARY))
@@ -88,7 +88,7 @@ const fn list_len(wanted: bool, items: usize, a_frame: usize, item_len: usize) -
     sum
 }
 
-/// How often so many bytes fit.
+/// Returns how often `len` bytes fit in a second.
 const fn per_second(bytes_per_second: u32, len: usize) -> u32 {
     let len = if len < 1 << 31 { len } else { 1 << 31 };
     #[expect(clippy::cast_possible_truncation, reason = "it is at most 2^31")]

@@ -1,21 +1,23 @@
-//! The host's side of numbers: one command at a time, again and again until there is an answer.
+//! The host's side of numbered messages: sends one command at a time, repeatedly until an answer arrives.
 
 use core::fmt;
 
 use crate::message::{Answer, Command, Numbered, Outcome};
 
-/// How long to wait for an answer before a command is sent again, ms: the longest frame each way at 115,200 baud, and
-/// as much for the controller.
+/// Time without an answer after which a command is repeated, ms: the longest frame each way at 115,200 baud, and the
+/// same time again for the controller.
 const RETRY_MS: u32 = 100;
 
-/// How often a command is sent. With one frame in ten lost each way, all are lost once in 10⁷ commands.
+/// Maximum number of transmissions of a command. If 1 frame in 10 is lost each way, all are lost for 1 in 10⁷
+/// commands.
 const TRIES: u8 = 10;
 
-/// How long a command may be under way in all, ms, also if it is being done. The longest work is to erase room for a
-/// show: an STM32F446 takes up to 4 s for a sector of 128 kB (data sheet, flash memory programming).
+/// Maximum time of a command until its final answer, ms, even while the controller works on it. The longest work is
+/// to erase room for a show: an STM32F446 takes up to 4 s for a sector of 128 kB (data sheet, flash memory
+/// programming).
 const LONGEST_MS: u32 = 60_000;
 
-/// Numbers the commands of a session. Time is the caller's, in ms; it may begin at 0 again after 2³².
+/// A sender that numbers the commands of a session. The caller supplies the time in ms, which may wrap to 0 after 2³².
 #[derive(Debug, Clone)]
 pub struct Sender {
     session: u16,
@@ -32,21 +34,21 @@ struct Waiting {
     tries: u8,
 }
 
-/// What to do next.
+/// The next action of the host.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Next {
     /// There is nothing to do.
     Idle,
-    /// The answer is not there yet.
+    /// The answer has not arrived yet.
     Wait,
-    /// Send this again.
+    /// Send this command again.
     Send(Numbered<Command>),
-    /// No answer came, or none but [`Outcome::Working`] for a minute. Whether the command was executed is not known:
-    /// say hello with a new nonce, and look at the telemetry.
+    /// No answer arrived, or only [`Outcome::Working`] for a minute. Whether the command was executed is unknown:
+    /// send a new greeting with a new nonce, and look at the telemetry.
     GaveUp(Numbered<Command>),
 }
 
-/// A command is still without its answer.
+/// An error: the command before is still without an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SenderBusy;
 
@@ -59,15 +61,15 @@ impl fmt::Display for SenderBusy {
 impl core::error::Error for SenderBusy {}
 
 impl Sender {
-    /// The session of a [`Welcome`](crate::message::Welcome).
+    /// Creates a sender for the session of a [`Welcome`](crate::message::Welcome).
     pub const fn new(session: u16) -> Self {
         Self { session, next_command: 0, next_stream: 0, waiting: None }
     }
 
-    /// Numbers a command, to be sent now.
+    /// Numbers a command. The caller sends it at once.
     ///
     /// # Errors
-    /// [`SenderBusy`] while another one has no answer. An e-stop and a stop take its place.
+    /// [`SenderBusy`] while another command has no answer. An e-stop and a stop replace that command.
     pub fn send(&mut self, command: Command, now_ms: u32) -> Result<Numbered<Command>, SenderBusy> {
         if self.waiting.is_some() && !matches!(command, Command::EStop | Command::Stop) {
             return Err(SenderBusy);
@@ -80,13 +82,13 @@ impl Sender {
         Ok(command)
     }
 
-    /// Numbers something of the stream, to be sent now, once.
+    /// Numbers an item of the stream. The caller sends it at once, and only once.
     pub fn stream<T>(&mut self, item: T) -> Numbered<T> {
         let seq = next(&mut self.next_stream);
         self.number(seq, item)
     }
 
-    /// What to do at this time. An e-stop is never given up.
+    /// Returns the action for this time. An e-stop is never given up.
     pub fn poll(&mut self, now_ms: u32) -> Next {
         let Some(waiting) = &mut self.waiting else { return Next::Idle };
         if now_ms.wrapping_sub(waiting.sent_ms) < RETRY_MS {
@@ -105,7 +107,7 @@ impl Sender {
         Next::Send(waiting.command.clone())
     }
 
-    /// Takes an answer: what came of the command that waits for it, if it is its answer and it is final.
+    /// Accepts an answer. Returns the outcome if it is the final answer to the waiting command.
     pub fn take(&mut self, answer: &Answer) -> Option<Outcome> {
         let waiting = self.waiting.as_mut()?;
         if answer.session != waiting.command.session || answer.seq != waiting.command.seq {
@@ -124,7 +126,7 @@ impl Sender {
     }
 }
 
-/// Counts on, and returns the number before.
+/// Increments a number, and returns its previous value.
 fn next(seq: &mut u16) -> u16 {
     let now = *seq;
     *seq = seq.wrapping_add(1);

@@ -1,4 +1,4 @@
-//! The controller's side of numbers: a command is executed once, in order, and answered as often as it comes.
+//! The controller's side of numbered messages: executes a command once, in order, and answers every copy of it.
 
 use heapless::Deque;
 
@@ -7,43 +7,46 @@ use crate::message::{
 };
 use crate::window::{Order, Window, WindowCounts};
 
-/// How many answers are kept to be given again.
+/// Number of answers that are kept for repeated commands.
 const KEPT: usize = 8;
 
-/// The number of a welcome without a session.
+/// Session number of a welcome without a session.
 const NO_SESSION: u16 = 0;
 
-/// What one host and this controller have said to each other. A new greeting begins anew.
+/// The session of one host with this controller. A new greeting starts a new session.
 ///
-/// Commands are executed in the order of their numbers. One that comes behind a higher one is refused: a `Play` that a
-/// line delayed must not undo the `Stop` that was sent after it. Whoever still wants it sends it with a new number.
+/// Commands are executed in the order of their numbers. A command that arrives after a higher number is refused: a
+/// delayed `Play` must not undo the `Stop` that was sent after it. A host that still wants the command sends it with
+/// a new number.
 ///
-/// An `EStop` and a `Stop` are executed whatever their session and number: whoever sees danger may end the motion. No
-/// other command of a stranger is executed. Not `Hold` either: it makes a rig stiff that somebody leads by hand.
+/// An `EStop` and a `Stop` are executed for any session and number: anyone who sees danger may end the motion. No
+/// other command of a foreign session is executed, not even `Hold`: it would stiffen a rig that somebody guides by
+/// hand.
 #[derive(Debug, Clone)]
 pub struct Session {
     id: u16,
-    /// The minor version that both speak.
+    /// Minor version that both ends support.
     minor: u8,
-    /// The greeting's number; none before the first.
+    /// Number of the greeting; `None` before the first.
     nonce: Option<u32>,
     commands: Window,
     stream: Window,
     answers: Deque<(u16, Outcome), KEPT>,
 }
 
-/// What to do with a command.
+/// The handling of a received command.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Intake {
-    /// Execute it, then say what came of it to [`Session::answer`].
+    /// Execute the command, then pass its outcome to [`Session::answer`].
     Execute,
-    /// Do not execute it; send this.
+    /// Do not execute the command; send this answer.
     Answer(Answer),
 }
 
 impl Session {
-    /// No host yet. `first`: the number of the first session, another one after each start of the board (a count of
-    /// starts, or a random number), so that a host of before is not taken for one of now.
+    /// Creates a session state without a host. `first`: the number of the first session. It must differ after each
+    /// start of the board (a count of starts, or a random number), so that a host from before the start is not
+    /// accepted.
     pub const fn new(first: u16) -> Self {
         Self {
             id: first,
@@ -55,8 +58,8 @@ impl Session {
         }
     }
 
-    /// Answers a greeting. A new one gets a new session, and ends the one before. `busy`: another host has the rig now,
-    /// and a new one is refused; it is not told the number of the session that is on.
+    /// Answers a greeting. A new greeting gets a new session, and ends the previous one. `busy`: another host has the
+    /// rig, and a new host is refused. The refused host does not learn the number of the current session.
     pub fn hello(&mut self, hello: Hello, about: About, busy: bool) -> Welcome {
         let again = self.nonce == Some(hello.nonce);
         let verdict = match about.protocol.fit(hello.protocol) {
@@ -71,7 +74,7 @@ impl Session {
         Welcome { nonce: hello.nonce, session, about, verdict }
     }
 
-    /// Whether to execute a command, or what to answer.
+    /// Decides whether to execute a command, or returns the answer.
     pub fn command(&mut self, command: &Numbered<Command>) -> Intake {
         let Numbered { session, seq, ref item } = *command;
         let refuse =
@@ -98,7 +101,7 @@ impl Session {
         }
     }
 
-    /// What came of the command of this session and number: the answer to send, which is kept for when it comes again.
+    /// Returns the answer with the outcome of a command. The answer is kept for repetitions of the command.
     pub fn answer(&mut self, session: u16, seq: u16, outcome: Outcome) -> Answer {
         if session == self.id && self.nonce.is_some() {
             self.keep(seq, outcome.clone());
@@ -106,9 +109,8 @@ impl Session {
         Answer { session, seq, item: outcome }
     }
 
-    /// How something of a stream stands to what came before; none if it is not of this session. Only
-    /// [`Order::Fresh`] shows that the host is alive, and only it counts for hold-to-run. A [`LiveBuffer`] takes late
-    /// frames, too.
+    /// Classifies an item of a stream by its number; `None` if it is of another session. Only [`Order::Fresh`] proves
+    /// that the host is alive, and only it counts for hold-to-run. A [`LiveBuffer`] accepts late frames, too.
     ///
     /// [`LiveBuffer`]: crate::LiveBuffer
     pub fn stream(&mut self, message: &Numbered<Stream>) -> Option<Order> {
@@ -116,17 +118,17 @@ impl Session {
         ours.then(|| self.stream.take(message.seq))
     }
 
-    /// Whether both know the messages of a minor version.
+    /// Returns `true` if both ends know the messages of a minor version.
     pub fn speaks(&self, minor: u8) -> bool {
         self.minor >= minor
     }
 
-    /// The number of the session; none before the first greeting.
+    /// Returns the number of the session; `None` before the first greeting.
     pub fn id(&self) -> Option<u16> {
         self.nonce.map(|_| self.id)
     }
 
-    /// What came of commands and of the stream, in this session.
+    /// Returns the counts of received commands and of received stream items in this session.
     pub fn counts(&self) -> (WindowCounts, WindowCounts) {
         (self.commands.counts(), self.stream.counts())
     }
@@ -143,7 +145,7 @@ impl Session {
         if self.answers.is_full() {
             self.answers.pop_front();
         }
-        // There is room: the oldest one went.
+        // There is room: the oldest answer was removed.
         let _ = self.answers.push_back((seq, outcome));
     }
 }

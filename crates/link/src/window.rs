@@ -1,45 +1,45 @@
-//! Which numbers came: loss, reordering, duplicates.
+//! Tracks received numbers: loss, reordering, duplicates.
 
-/// How many numbers below the newest are remembered.
+/// Number of tracked values below the newest.
 const REMEMBERED: u16 = 32;
 
-/// What came of a row of numbers that rises by one, 65535 to 0 again.
+/// A record of received numbers. The numbers rise by one and wrap from 65535 to 0.
 #[derive(Debug, Clone)]
 pub struct Window {
     newest: u16,
-    /// Bit i: number `newest - i` came.
+    /// Arrivals: bit i is set if number `newest - i` has arrived.
     came: u32,
     counts: WindowCounts,
 }
 
-/// How a number stands to those that came before.
+/// The position of a number relative to earlier arrivals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Order {
-    /// Newer than all.
+    /// A number newer than all others.
     Fresh {
-        /// How many between the newest before and this one did not come, so far.
+        /// Count of the numbers between the previous newest and this one that have not arrived yet.
         missing: u16,
     },
-    /// Not newer than all, and it comes for the first time.
+    /// A number older than the newest, which arrives for the first time.
     Late,
-    /// It came before.
+    /// A number that has arrived before.
     Duplicate,
-    /// So old that nobody knows.
+    /// A number so old that an earlier arrival is unknown.
     Old,
 }
 
-/// Counts of a [`Window`]. They stop at their largest value.
+/// Counts of a [`Window`]. They stop at their maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WindowCounts {
-    /// Numbers that came in order.
+    /// Numbers newer than all before.
     pub fresh: u32,
-    /// Numbers that did not come, so far.
+    /// Numbers that have not arrived yet.
     pub lost: u32,
-    /// Numbers that came behind newer ones.
+    /// Numbers that arrived after newer ones.
     pub late: u32,
-    /// Numbers that came again.
+    /// Numbers that arrived again.
     pub duplicates: u32,
-    /// Numbers too old to tell.
+    /// Numbers too old to classify.
     pub old: u32,
 }
 
@@ -50,14 +50,14 @@ impl Default for Window {
 }
 
 impl Window {
-    /// Nothing came; the first number is 0.
+    /// Creates a window without arrivals; the first number is 0.
     pub const fn new() -> Self {
-        // As if 65535 and all before it had come.
+        // Initialized as if 65535 and all numbers before it had arrived.
         let counts = WindowCounts { fresh: 0, lost: 0, late: 0, duplicates: 0, old: 0 };
         Self { newest: u16::MAX, came: u32::MAX, counts }
     }
 
-    /// Takes a number. O(1).
+    /// Records and classifies a number. O(1).
     pub fn take(&mut self, seq: u16) -> Order {
         let ahead = seq.wrapping_sub(self.newest);
         if ahead != 0 && ahead < 1 << 15 {
@@ -84,7 +84,7 @@ impl Window {
         Order::Late
     }
 
-    /// What came so far.
+    /// Returns the counts so far.
     pub fn counts(&self) -> WindowCounts {
         self.counts
     }

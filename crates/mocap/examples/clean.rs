@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (Some(from), Some(to)) = (arguments.next(), arguments.next()) else {
         return Err("expected a motion and the BVH file to write".into());
     };
-    // Files that do not tell their unit are taken to be in centimetres, and those without a rate to be at 120 Hz.
+    // Default unit: centimetres; default rate: 120 Hz.
     let recording = format::read(Path::new(&from))?.in_metres(0.01);
     let frame_time_s = recording.frame_time_s.unwrap_or(1.0 / 120.0);
 

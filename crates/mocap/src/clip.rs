@@ -5,30 +5,30 @@ use crate::skeleton::{JointSample, Skeleton, forward_kinematics};
 /// A motion of a skeleton, with a sample of every joint in every frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clip {
-    /// Short name for tables: the file's stem.
+    /// Short name for tables: the stem of the file.
     pub name: String,
-    /// The skeleton of all frames.
+    /// Skeleton of all frames.
     pub skeleton: Skeleton,
     /// Time from one frame to the next, in seconds.
     pub frame_time_s: f64,
-    /// `frames[f][j]`: joint `j` in frame `f`.
+    /// Samples: `frames[f][j]` is joint `j` in frame `f`.
     pub frames: Vec<Vec<JointSample>>,
 }
 
 impl Clip {
-    /// Frames per second.
+    /// Returns the frame rate, Hz.
     pub fn rate_hz(&self) -> f64 {
         self.frame_time_s.recip()
     }
 
-    /// Pose of every joint in frame `frame`, in the world frame.
+    /// Returns the pose of every joint in frame `frame`, in the world frame.
     pub fn world_poses(&self, frame: usize) -> Vec<JointSample> {
         forward_kinematics(&self.skeleton, &self.frames[frame])
     }
 }
 
-/// The joint that moves the body through space: the root or, where that has only one child and stays in all of `clips`,
-/// that child, and so on. Some recordings have a root that stays on the floor. The clips are of one skeleton.
+/// Returns the joint that moves the body through space: the root, or its only child if the root is at rest in all
+/// `clips`, and so on. In some recordings the root stays on the floor. All clips must have the same skeleton.
 pub fn moving_root(clips: &[&Clip]) -> usize {
     let mut joint = 0;
     loop {

@@ -1,12 +1,14 @@
-//! What no body has: bones longer than it, and jumps. A damaged digit makes them, and nothing later would notice.
+//! Finds data that no body can have: bones longer than the body, and jumps. Damaged digits cause them, and later
+//! steps would not detect them.
 
 use std::fmt::{self, Display, Formatter};
 
 use crate::text::counted;
 use crate::{JointSample, Recording};
 
-/// Four times as fast as the fastest sprinter, and faster than a fall from a hundred metres; of a joint in its parent's
-/// frame, as of the whole body in the world. Noise of single frames stays far below.
+/// Maximum plausible speed: four times that of the fastest sprinter, and faster than after a fall from 100 m. It
+/// applies to a joint in its parent's frame and to the whole body in the world. Noise of single frames is far below
+/// it.
 pub const SPEED_MAX_M_S: f64 = 50.0;
 
 /// A bone that is longer than the whole body.
@@ -16,19 +18,20 @@ pub const SPEED_MAX_M_S: f64 = 50.0;
      or the unit of length is wrong"
 )]
 pub struct LongBone {
-    /// Where it ends.
+    /// Description of the bone's end.
     pub end: String,
-    /// Its length.
+    /// Length of the bone.
     pub length_m: f64,
-    /// What the body allows.
+    /// Maximum length of a bone.
     pub longest_m: f64,
 }
 
-/// Refuses a bone that is longer than `longest_m`. Neither the root has one nor a joint whose place the frames say, as
-/// some files have a pelvis below a root on the floor. The recording is in metres.
+/// Refuses a bone that is longer than `longest_m`. The root has no bone, and neither has a joint whose position
+/// varies with the frames, such as the pelvis below a root on the floor in some files. The recording must be in
+/// metres.
 ///
 /// # Errors
-/// [`LongBone`] for the first, by joint.
+/// [`LongBone`] for the first such bone, in the order of joints.
 pub fn check_bones(recording: &Recording, longest_m: f64) -> Result<(), LongBone> {
     let long = |length_m: f64, end: String| {
         if length_m <= longest_m { Ok(()) } else { Err(LongBone { end, length_m, longest_m }) }
@@ -46,11 +49,11 @@ pub fn check_bones(recording: &Recording, longest_m: f64) -> Result<(), LongBone
     Ok(())
 }
 
-/// Samples that were taken out, since no body moves so.
+/// Samples that were removed, because no body can move so fast.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct RemovedJumps(Vec<Jump>);
 
-/// The samples of one joint.
+/// Removed samples of one joint.
 #[derive(Debug, Clone, PartialEq)]
 struct Jump {
     joint: String,
@@ -58,12 +61,12 @@ struct Jump {
 }
 
 impl RemovedJumps {
-    /// Whether there are none.
+    /// Returns whether no sample was removed.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Counts frames from `skipped` frames earlier.
+    /// Shifts the frame numbers, to count from `skipped` frames earlier.
     #[must_use]
     pub fn after(mut self, skipped: usize) -> Self {
         for frame in self.0.iter_mut().flat_map(|jump| &mut jump.frames) {
@@ -93,8 +96,8 @@ impl Display for RemovedJumps {
     }
 }
 
-/// Takes out samples that no body can reach from those beside them, so that they are a gap to be filled. The recording
-/// is in metres. What the motion is measured against is the first sample that agrees with the next one.
+/// Removes samples that no body can reach from the neighbouring samples, so that they become a gap to fill. The
+/// recording must be in metres. The reference is the first sample that is consistent with the next one.
 pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> RemovedJumps {
     let reach_m = SPEED_MAX_M_S * frame_time_s;
     let mut jumps = Vec::new();
@@ -110,7 +113,8 @@ pub fn take_out_jumps(recording: &mut Recording, frame_time_s: f64) -> RemovedJu
     RemovedJumps(jumps)
 }
 
-/// The frames whose sample of a joint is further from the last believed one than `reach_m` for each frame between.
+/// Returns the frames in which a joint is farther from its last accepted sample than `reach_m` times the number of
+/// frames between them.
 fn unreachable(frames: &[Vec<Option<JointSample>>], joint: usize, reach_m: f64) -> Vec<usize> {
     let samples = frames
         .iter()
@@ -119,13 +123,13 @@ fn unreachable(frames: &[Vec<Option<JointSample>>], joint: usize, reach_m: f64) 
     let near = |a: &(usize, glam::DVec3), b: &(usize, glam::DVec3)| {
         a.1.distance(b.1) <= reach_m * a.0.abs_diff(b.0) as f64
     };
-    // Nearly always there is nothing to do: without a list of all samples then.
+    // In nearly all recordings there is no jump; this check needs no list of all samples.
     if samples.clone().zip(samples.clone().skip(1)).all(|(a, b)| near(&a, &b)) {
         return Vec::new();
     }
     let samples: Vec<_> = samples.collect();
     let Some(start) = samples.windows(2).position(|pair| near(&pair[0], &pair[1])) else {
-        // No two agree: none of them is to be believed.
+        // No two consecutive samples are consistent, therefore all are removed.
         return samples.iter().map(|(frame, _)| *frame).collect();
     };
     let mut out = Vec::new();
@@ -195,11 +199,11 @@ mod tests {
 
     #[test]
     fn what_a_body_can_do_is_left_alone() {
-        // 0.5 m in a frame of 0.01 s is the most; a cut in an edited clip is bridged, not refused.
+        // 0.5 m in a frame of 0.01 s is the maximum; a cut in an edited clip is bridged, not refused.
         assert!(take_out_jumps(&mut recording(&[0.0, 0.5, 1.0, 0.5]), 0.01).is_empty());
         let mut cut = recording(&[0.0, 0.0, 0.9, 0.9, 0.9]);
         assert_eq!(take_out_jumps(&mut cut, 0.01).0[0].frames, [2]);
-        // Without two that agree nothing is known.
+        // If no two samples are consistent, all are removed.
         assert_eq!(take_out_jumps(&mut recording(&[0.0, 9.0, 0.0]), 0.01).0[0].frames, [0, 1, 2]);
     }
 

@@ -1,15 +1,15 @@
-//! From a file's bytes to its text: UTF-8, or UTF-16 in either order of bytes, as some Windows programs write it.
+//! Converts a file's bytes to text: UTF-8, or UTF-16 in either byte order, which some Windows programs write.
 
 use std::borrow::Cow;
 
-/// How characters are bytes.
+/// Encoding of characters as bytes.
 #[derive(Clone, Copy)]
 enum Encoding {
     Utf8,
     Utf16(fn([u8; 2]) -> u16),
 }
 
-/// Bytes that are no text.
+/// Bytes that are not valid text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected text in {encoding}, found other bytes from byte {at} on: save the file as UTF-8")]
 pub struct EncodingError {
@@ -18,16 +18,16 @@ pub struct EncodingError {
 }
 
 impl EncodingError {
-    /// The first byte that is none.
+    /// Returns the offset of the first invalid byte.
     pub const fn at(self) -> usize {
         self.at
     }
 }
 
-/// The text of a file, without the mark of its encoding.
+/// Returns the text of a file, without its byte order mark.
 ///
 /// # Errors
-/// [`EncodingError`] where a character is no character.
+/// [`EncodingError`] at the first invalid character.
 pub fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, EncodingError> {
     match of(bytes) {
         (Encoding::Utf8, mark) => core::str::from_utf8(&bytes[mark..])
@@ -46,7 +46,7 @@ pub fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, EncodingError> {
     }
 }
 
-/// The text of a file whose names may be in an encoding of long ago: what is no character is replaced.
+/// Returns the text of a file whose names may be in an old encoding: invalid characters are replaced.
 pub fn lossy(bytes: &[u8]) -> Cow<'_, str> {
     match of(bytes) {
         (Encoding::Utf8, mark) => String::from_utf8_lossy(&bytes[mark..]),
@@ -56,8 +56,8 @@ pub fn lossy(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// The encoding of a text, and the length of the mark that tells it. Where there is none: a text begins with a letter
-/// or a sign of ASCII, of which UTF-16 makes a zero and another byte.
+/// Returns the encoding of a text, and the length of its byte order mark. Without a mark, the first character
+/// decides: it is ASCII, which in UTF-16 is a zero byte and another byte.
 fn of(bytes: &[u8]) -> (Encoding, usize) {
     match bytes {
         [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),
@@ -69,7 +69,7 @@ fn of(bytes: &[u8]) -> (Encoding, usize) {
     }
 }
 
-/// Characters, and `None` for half of one.
+/// Returns the characters, and `None` for an incomplete one.
 fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> impl Iterator<Item = Option<char>> {
     let pairs = bytes.chunks_exact(2);
     let half = (!pairs.remainder().is_empty()).then_some(None);
@@ -80,7 +80,7 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> impl Iterator<Item = Option<
 mod tests {
     use super::*;
 
-    /// A text in UTF-16, both ways, with the mark and without.
+    /// Returns a text in UTF-16, in both byte orders, with and without a mark.
     fn in_utf16(text: &str) -> [Vec<u8>; 4] {
         let bytes = |mark: &str, of: fn(u16) -> [u8; 2]| -> Vec<u8> {
             mark.encode_utf16().chain(text.encode_utf16()).flat_map(of).collect()
@@ -118,7 +118,7 @@ mod tests {
             "{error}"
         );
         assert_eq!(lossy(&cut), "a\u{fffd}");
-        // The second half of a character alone.
+        // The second half of a character without the first.
         let half = [0xff, 0xfe, b'a', 0, 0, 0xdc, b'b', 0];
         assert_eq!(decoded(&half).unwrap_err().at, 4);
         assert_eq!(lossy(&half), "a\u{fffd}b");

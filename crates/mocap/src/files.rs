@@ -1,4 +1,4 @@
-//! Which clips a list of files and folders names.
+//! Finds the clips in a list of files and folders.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -6,63 +6,64 @@ use std::path::{Path, PathBuf};
 
 use crate::{format, recording};
 
-/// Paths that do not name clips.
+/// The reason why paths do not name clips.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A folder cannot be listed.
     #[error("{}: cannot be listed: {source}", folder.display())]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A folder holds no clip.
+    /// A folder contains no clip.
     #[error(
         "{}: expected {} files in the folder, found none (its subfolders are not searched)",
         folder.display(), format::NAMES
     )]
     NoClips {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// A file would count twice.
+    /// A file is named twice.
     #[error("{}: is given twice, also as {}", file.display(), first.display())]
     GivenTwice {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The same one before.
+        /// Earlier path of the same file.
         first: PathBuf,
     },
 }
 
-/// A file that holds a clip, and what the clip is called.
+/// A file with a clip, and the name of the clip.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ClipFile {
-    /// The file.
+    /// Path of the file.
     pub path: PathBuf,
-    /// The file's stem, and as much of its folders as distinguishes it from others of that stem.
+    /// Stem of the file, preceded by the folders that distinguish it from other files of that stem.
     pub name: String,
-    /// Whether it was not named itself, but its folder.
+    /// Whether the file was found in a named folder, instead of being named itself.
     pub from_folder: bool,
 }
 
-/// What a list of paths names.
+/// The clips that a list of paths names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpandedPaths {
-    /// The clips.
+    /// Files with clips.
     pub clips: Vec<ClipFile>,
-    /// What else is in the folders, a line for each: which file, and why it is no clip.
+    /// Other files in the folders, one line for each with the reason why it is not a clip.
     pub left_out: Vec<String>,
 }
 
 impl ExpandedPaths {
-    /// What was made of the clips, `made` in their order, and a line for each file that is left out: what is no clip,
-    /// and what cannot be used of a folder.
+    /// Separates results from errors. `made` contains a result for each clip, in their order. Returns the results,
+    /// and a line for each file that is left out: files that are not clips, and files of folders whose result is an
+    /// error.
     ///
     /// # Errors
-    /// The first of `made` that is of a file which was named itself, or of any file if `is_strict`; the first of all if
-    /// nothing could be used.
+    /// The first error of a file that was named itself, or of any file if `is_strict`; if there are no results, the
+    /// first error of all.
     pub fn take<T, E: Display>(
         &self,
         made: impl IntoIterator<Item = Result<T, E>>,
@@ -73,7 +74,7 @@ impl ExpandedPaths {
             match made {
                 Ok(made) => taken.push(made),
                 Err(error) if file.from_folder && !is_strict => {
-                    // With the causes, where an error prints them apart.
+                    // With its causes, if the error prints them separately.
                     let why = format!("{error:#}");
                     let path = file.path.display().to_string();
                     let is_named = why.contains(&path);
@@ -88,25 +89,25 @@ impl ExpandedPaths {
 }
 
 impl ClipFile {
-    /// The clip in `path`, by itself: called after the file's stem.
+    /// Refers to the clip in `path`; its name is the stem of the file.
     pub fn new(path: &Path) -> Self {
         Self { path: path.to_path_buf(), name: recording::stem(path), from_folder: false }
     }
 }
 
-/// The clips that `paths` name, see [`expand_all`].
+/// Returns the clips that `paths` name, see [`expand_all`].
 ///
 /// # Errors
-/// As there.
+/// Those of [`expand_all`].
 pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
     expand_all(paths).map(|expanded| expanded.clips)
 }
 
-/// The clips that `paths` name: files as given, folders as the files in them whose names tell a format, or texts whose
-/// content does (not those in their subfolders), in order of name.
+/// Returns the clips that `paths` name, in the order of names. A file is used as given. A folder stands for its
+/// files whose name or, for texts, content is that of a motion; subfolders are not searched.
 ///
 /// # Errors
-/// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two of the paths name.
+/// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two paths name.
 pub fn expand_all(paths: &[PathBuf]) -> Result<ExpandedPaths, Error> {
     let (mut files, mut left_out) = (Vec::new(), Vec::new());
     let mut from_folder = Vec::new();
@@ -122,7 +123,7 @@ pub fn expand_all(paths: &[PathBuf]) -> Result<ExpandedPaths, Error> {
     }
     let mut seen = BTreeMap::new();
     for file in &files {
-        // A file that is not there is the reader's to refuse.
+        // A missing file is reported later, by its reader.
         let place = file.canonicalize().unwrap_or_else(|_| file.clone());
         if let Some(first) = seen.insert(place, file) {
             return Err(Error::GivenTwice { file: file.clone(), first: first.clone() });
@@ -152,21 +153,21 @@ fn in_folder(folder: &Path) -> Result<InFolder, Error> {
     Ok((clips, others.into_iter().map(told).collect()))
 }
 
-/// Why a file in a folder is no clip.
+/// Returns why a file in a folder is not a clip.
 fn why_not(file: &Path) -> &'static str {
     if file.is_dir() {
         "a folder in the folder is not searched"
     } else if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("asf")) {
-        "a skeleton, which its motions find themselves"
+        "a skeleton, which is read together with its motions"
     } else {
         "neither its name nor its content is that of a motion"
     }
 }
 
-/// A name for each file, unlike all others.
+/// Returns a unique name for each file.
 fn names(files: &[PathBuf]) -> Vec<String> {
     let mut names: Vec<String> = files.iter().map(|file| recording::stem(file)).collect();
-    // Deeper than any path: then only extensions differ.
+    // This depth exceeds that of any path: at it, only extensions differ.
     let depth_max = files.iter().map(|file| file.components().count()).max().unwrap_or(0) + 1;
     for depth in 1..=depth_max {
         let mut count = BTreeMap::new();
@@ -186,7 +187,7 @@ fn names(files: &[PathBuf]) -> Vec<String> {
     names
 }
 
-/// The stem behind the last `depth` folders.
+/// Returns the stem after the last `depth` folders.
 fn with_folders(file: &Path, depth: usize) -> String {
     let file = std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf());
     let mut parts = vec![recording::stem(&file)];

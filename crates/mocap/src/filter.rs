@@ -1,13 +1,13 @@
-//! The zero-phase low-pass that takes sensor noise out of a recording.
+//! The zero-phase low-pass that removes sensor noise from a recording.
 //!
-//! A second-order Butterworth filter runs over the signal forward and then backward, so that its
-//! delays cancel (D. A. Winter, Biomechanics and Motor Control of Human Movement, 4th ed., section
-//! 3.4.4). The cutoff is that of both passes together: the gain there is `1/sqrt(2)`.
+//! A second-order Butterworth filter is applied forwards and then backwards, so that the delays cancel (D. A.
+//! Winter, Biomechanics and Motor Control of Human Movement, 4th ed., section 3.4.4). The cutoff is that of both
+//! passes together: the gain there is `1/sqrt(2)`.
 //!
-//! Rotations are filtered as quaternions, component by component, and made unit again. Where a
-//! rotation turns by a few tenths of a radian within the filter's memory (about 30 ms at 6 Hz), the
-//! weighted sum of its quaternions points along their mean rotation up to terms of third order in
-//! that angle; what is lost in length, a term of second order, is restored.
+//! Rotations are filtered as quaternions, component by component, and normalized. If a rotation changes by a few
+//! tenths of a radian within the filter's memory (about 30 ms at 6 Hz), the weighted sum of its quaternions has the
+//! direction of their mean rotation up to terms of third order in that angle; normalization restores the length,
+//! which is reduced by a term of second order.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -15,7 +15,7 @@ use glam::{DQuat, DVec3};
 
 use crate::{Clip, JointSample};
 
-/// A joint that turns so fast that its low-passed rotation is not defined.
+/// A joint that rotates too fast for its low-passed rotation to be defined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "joint `{joint}` turns too fast near frame {frame} to be low-passed: its rotations cancel out"
@@ -23,7 +23,7 @@ use crate::{Clip, JointSample};
 pub struct FilterError {
     /// Name of the joint.
     pub joint: String,
-    /// The frame, in the clip as filtered.
+    /// Index of the frame in the filtered clip.
     pub frame: usize,
 }
 
@@ -31,11 +31,11 @@ pub struct FilterError {
 #[derive(Debug, Clone, Copy)]
 pub struct LowPass {
     pass: Biquad,
-    /// Samples to go on for at both ends.
+    /// Number of samples by which the signal is extended at both ends.
     padding: usize,
 }
 
-/// `y(k) = b (x(k) + 2 x(k-1) + x(k-2)) - a1 y(k-1) - a2 y(k-2)`: a low-pass of second order.
+/// A low-pass of second order: `y(k) = b (x(k) + 2 x(k-1) + x(k-2)) - a1 y(k-1) - a2 y(k-2)`.
 #[derive(Debug, Clone, Copy)]
 struct Biquad {
     b: f64,
@@ -44,25 +44,25 @@ struct Biquad {
 }
 
 impl LowPass {
-    /// A low-pass with gain `1/sqrt(2)` at `cutoff_hz`; `None` where the rate cannot hold it, at or
-    /// above half of `rate_hz`.
+    /// Creates a low-pass with gain `1/sqrt(2)` at `cutoff_hz`; `None` if the cutoff is not below half of
+    /// `rate_hz`.
     pub fn new(rate_hz: f64, cutoff_hz: f64) -> Option<Self> {
         if !(cutoff_hz > 0.0 && cutoff_hz < 0.5 * rate_hz && rate_hz.is_finite()) {
             return None;
         }
-        // Two passes of corner c have the gain 1/(1 + (f/c)^4), so that c must lie above the cutoff
-        // by the factor (sqrt(2) - 1)^(-1/4), 1/0.8022. The factor holds for the analog filter's
-        // frequencies, tan(pi f / rate), to which the bilinear transform bends the real ones.
+        // Two passes with corner c have the gain 1/(1 + (f/c)^4), therefore c must exceed the cutoff by the factor
+        // (sqrt(2) - 1)^(-1/4) = 1/0.8022. The factor applies to the analog filter's frequencies, tan(pi f / rate),
+        // to which the bilinear transform maps the real ones.
         let per_pass = (SQRT_2 - 1.0).sqrt().sqrt();
         let k = libm::tan(PI * cutoff_hz / rate_hz) / per_pass;
-        // The bilinear transform of 1/(s^2 + sqrt(2) s + 1), s in units of the corner.
+        // The bilinear transform of 1/(s^2 + sqrt(2) s + 1), with s in units of the corner.
         let scale = (1.0 + SQRT_2 * k + k * k).recip();
         let pass = Biquad {
             b: k * k * scale,
             a1: 2.0 * (k * k - 1.0) * scale,
             a2: (1.0 - SQRT_2 * k + k * k) * scale,
         };
-        // Three periods of the cutoff: the start of a pass has faded to below 1e-5 by then.
+        // Three periods of the cutoff: by then, the transient of a pass is below 1e-5.
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -72,15 +72,16 @@ impl LowPass {
         Some(Self { pass, padding })
     }
 
-    /// Low-passes a signal, in place. A constant stays as it is, to the bit.
+    /// Low-passes a signal in place. A constant is unchanged, bit by bit.
     ///
-    /// At both ends the signal goes on as its own odd reflection, which keeps value and slope.
+    /// At both ends the signal is extended by its odd reflection, which keeps value and slope.
     pub fn apply(&self, signal: &mut [f64]) {
         let (lone, _) = signal.as_chunks_mut::<1>();
         self.apply_to_all(lone);
     }
 
-    /// Low-passes `K` signals side by side: a sample of one waits for the sample before, not for the other signals.
+    /// Low-passes `K` signals side by side: each sample depends on the previous one of its signal only, which keeps
+    /// the processor busy.
     fn apply_to_all<const K: usize>(&self, signals: &mut [[f64; K]]) {
         let n = signals.len();
         let (Some(&first), Some(&last)) = (signals.first(), signals.last()) else { return };
@@ -99,11 +100,11 @@ impl LowPass {
         signals.copy_from_slice(&padded[padding..padding + n]);
     }
 
-    /// One pass, as if the signals had always been at their first values before.
+    /// Performs one pass, as if the signals had always been at their first values before.
     fn run<const K: usize>(&self, signals: &mut [[f64; K]]) {
         let start = signals[0];
         let Biquad { b, a1, a2 } = self.pass;
-        // Transposed direct form II of the difference to the start, so that it starts at rest.
+        // Transposed direct form II of the difference from the start, so that it starts at rest.
         let (mut s1, mut s2) = ([0.0; K], [0.0; K]);
         for values in signals {
             let states = s1.iter_mut().zip(&mut s2);
@@ -120,13 +121,13 @@ impl LowPass {
     /// Low-passes the position and the rotation of every joint.
     ///
     /// # Errors
-    /// [`FilterError`] if a joint turns by about half a turn or more within the filter's memory.
+    /// [`FilterError`] if a joint rotates by about 180 deg or more within the filter's memory.
     pub fn apply_to_clip(&self, clip: &mut Clip) -> Result<(), FilterError> {
         for (j, joint) in clip.skeleton.joints.iter().enumerate() {
             let mut previous = DQuat::IDENTITY;
             let components = |frame: &Vec<JointSample>| {
                 let JointSample { rotation, position_m: DVec3 { x, y, z } } = frame[j];
-                // Of the two quaternions of a rotation, the one near the last frame's.
+                // Both signs of a quaternion are the same rotation; the one nearer to the last frame's is used.
                 previous = if rotation.dot(previous) < 0.0 { -rotation } else { rotation };
                 let [qx, qy, qz, qw] = previous.to_array();
                 [qx, qy, qz, qw, x, y, z]
@@ -154,7 +155,7 @@ mod tests {
     use super::*;
     use crate::{Skeleton, SkeletonJoint};
 
-    /// Amplitudes of the cosine and the sine part of `signal` at `hz`, over its middle.
+    /// Returns the amplitudes of the cosine and the sine part of `signal` at `hz`, over its middle.
     fn spectrum(signal: &[f64], rate_hz: f64, hz: f64) -> (f64, f64) {
         let n = signal.len();
         let (mut re, mut im) = (0.0, 0.0);
@@ -172,8 +173,8 @@ mod tests {
 
     #[test]
     fn halves_the_power_at_the_cutoff_without_delay() {
-        // The middle of 40 s holds whole periods of 6 Hz and lies 10 s from the ends, where the
-        // filter's transient is far below rounding: what is left is rounding over 2400 sums.
+        // The middle of 40 s contains whole periods of 6 Hz and is 10 s from the ends, where the filter's transient
+        // is far below rounding: only rounding over 2400 sums remains.
         for rate in [30_u16, 60, 120, 240] {
             let rate_hz = f64::from(rate);
             let filter = LowPass::new(rate_hz, 6.0).unwrap();
@@ -204,7 +205,7 @@ mod tests {
         let mut constant = vec![0.1; 50];
         filter.apply(&mut constant);
         assert_eq!(constant, vec![0.1; 50]);
-        // Only the lag of the pass's start, 1e-5 of a step of padding, is seen.
+        // Only the transient of the pass's start remains, 1e-5 of a step of the padding.
         let mut ramp: Vec<f64> = (0..200).map(|k| 0.01 * f64::from(k)).collect();
         let before = ramp.clone();
         filter.apply(&mut ramp);
@@ -268,7 +269,7 @@ mod tests {
 
     #[test]
     fn filters_a_swing_as_its_angle() {
-        // A swing of 0.3 rad at 3 Hz turns by 0.17 rad in 30 ms; a third of its cube is 1.6e-3.
+        // A swing of 0.3 rad at 3 Hz rotates by 0.17 rad in 30 ms; a third of its cube is 1.6e-3.
         let angles: Vec<f64> = cosine(120.0, 3.0, 600).iter().map(|cosine| 0.3 * cosine).collect();
         let filter = LowPass::new(120.0, 6.0).unwrap();
         let mut swing = clip(angles.iter().map(|&angle| DQuat::from_rotation_x(angle)));

@@ -1,40 +1,41 @@
-//! Finds joint flips: rotations that jump as no human joint does.
+//! Finds joint flips: rotations that jump in a way that no human joint can.
 //!
-//! Near gimbal lock, or where markers were swapped, a recording turns a joint by tens of degrees within a
-//! frame. The low-pass smears such a jump over 0.1 s, and the figure is asked to follow it. Flips are
-//! reported; the motion stays as it is.
+//! Near gimbal lock, or after markers were swapped, a recording rotates a joint by tens of degrees within a frame.
+//! The low-pass spreads such a jump over 0.1 s, and the figure would have to follow it. Flips are only reported;
+//! the motion is unchanged.
 
 use std::fmt::{self, Display, Formatter};
 
 use crate::Clip;
 
-/// Faster than a joint in a fight: in CMU's and Bandai's clips, knees, elbows and shoulders reach 1500 to
-/// 2300 deg/s in kicks and punches, and only jumps are above. (The fastest human joint known, the
-/// shoulder of a pitcher, turns inwards at about 7000 deg/s; such a recording is reported too.)
+/// Minimum rate of a flip, faster than a joint in a fight: in CMU's and Bandai's clips, knees, elbows and shoulders
+/// reach 1500 to 2300 deg/s in kicks and punches, and only jumps are faster. (The fastest known human joint motion,
+/// the inward rotation of a pitcher's shoulder, has about 7000 deg/s; such a recording is reported too.)
 const RATE_MIN_RAD_S: f64 = 2500.0 * (std::f64::consts::PI / 180.0);
-/// A flip stands out from the rate around it, within [`AROUND_S`] on both sides, by this factor; a fast
-/// spin does not.
+/// Minimum ratio of a flip to the rates around it, within [`AROUND_S`] on both sides; a fast spin does not reach
+/// it.
 const SPIKE_MIN: f64 = 2.0;
 const AROUND_S: f64 = 0.1;
-/// As many values are looked at on each side, every one up to 1 kHz: what a median costs does not grow with the rate.
+/// Maximum number of evaluated values on each side: all of them up to 1 kHz, so that the cost of a median does not
+/// grow with the rate.
 const AROUND_MOST: usize = 100;
 
-/// The flips of one joint.
+/// Flips of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flip {
     /// Name of the joint.
     pub joint: String,
-    /// The frame that the fastest one leads to.
+    /// Frame after the fastest flip.
     pub frame: usize,
-    /// That frame's time from the first frame, in seconds.
+    /// Time of that frame from the first frame, in seconds.
     pub time_s: f64,
-    /// Its rate between frames, in radians per second.
+    /// Rate of the fastest flip, in radians per second.
     pub peak_rad_s: f64,
-    /// How many flips: runs of frames above the limit.
+    /// Number of flips: runs of frames above the limit.
     pub count: usize,
 }
 
-/// The flips of a clip's joints, the fastest first.
+/// Flips of a clip's joints, the fastest first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Flips(pub Vec<Flip>);
 
@@ -87,8 +88,8 @@ fn of_joint(clip: &Clip, joint: usize, name: &str) -> Option<Flip> {
     flip
 }
 
-/// The median of the values up to `around` on both sides of value `k`, without itself: a jump is not its own
-/// surroundings, however few they are. Zero, if there are none.
+/// Returns the median of up to `around` values on each side of value `k`. Value `k` itself is left out, so that a
+/// jump does not hide itself in few values. Zero without values.
 fn median(values: &[f64], k: usize, around: usize) -> f64 {
     let step = around.div_ceil(AROUND_MOST).max(1);
     let after = values[k + 1..].iter().take(around).step_by(step);
@@ -102,7 +103,7 @@ fn median(values: &[f64], k: usize, around: usize) -> f64 {
 }
 
 impl Flips {
-    /// Counts frames and times from `skipped` frames earlier.
+    /// Shifts frames and times, to count from `skipped` frames earlier.
     #[must_use]
     pub fn after(mut self, skipped: usize, frame_time_s: f64) -> Self {
         for flip in &mut self.0 {
@@ -113,7 +114,7 @@ impl Flips {
     }
 }
 
-/// The fastest joints with rate, frame and time, and how many there are besides.
+/// Shows the fastest joints with rate, frame and time, and the number of other joints.
 impl Display for Flips {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         const SHOWN_MAX: usize = 4;
@@ -144,7 +145,7 @@ mod tests {
     use super::*;
     use crate::{JointSample, Skeleton, SkeletonJoint};
 
-    /// One joint at 100 Hz that turns by these steps, in degrees.
+    /// Creates a clip with one joint at 100 Hz that rotates by these steps, in degrees.
     fn clip(steps_deg: &[f64]) -> Clip {
         let joint = SkeletonJoint {
             name: "knee".to_owned(),
@@ -207,7 +208,8 @@ mod tests {
 
     #[test]
     fn a_high_rate_is_looked_at_in_the_time_of_a_low_one() {
-        // 0.2 s at 1 MHz, every seventh step a jump by noise: with all values around each, 6e9 would be sorted.
+        // 0.2 s at 1 MHz, with noise that jumps at every seventh step: using all values around each jump, 6e9
+        // values would be sorted.
         let steps: Vec<f64> =
             (0..200_000u32).map(|k| if k % 7 == 0 { 100.0 } else { 5.0 }).collect();
         let fast = Clip { frame_time_s: 1e-6, ..clip(&steps) };

@@ -1,8 +1,8 @@
-//! Which reader a file is for.
+//! Selects the reader of a file.
 //!
-//! C3D is not read: it holds markers, and the joints that a figure needs come out of them only with a
-//! marker set's model and the performer's measures, which is what the capture software's solver has. (Nor
-//! did we find a reader to build on: c3dio 0.8.0, of 2024-04, panics on damaged files.)
+//! C3D is not supported: it contains markers, and joints can be computed from them only with a model of the marker
+//! set and the performer's measures, which the capture software's solver has. (There was also no suitable reader to
+//! use: c3dio 0.8.0, of 2024-04, panics on damaged files.)
 
 use std::path::{Path, PathBuf};
 
@@ -15,66 +15,66 @@ use super::{asf_amc, bvh, deepmimic};
 pub enum Format {
     /// Biovision Hierarchy: skeleton and motion in one file.
     Bvh,
-    /// Acclaim: a motion (AMC) and, in another file, its skeleton (ASF).
+    /// Acclaim: a motion (AMC), and its skeleton (ASF) in another file.
     AsfAmc,
     /// A text motion of `DeepMimic`.
     DeepMimic,
 }
 
-/// The names that [`Format::of_name`] knows, for messages.
+/// The names that [`Format::of_name`] recognizes, for messages.
 pub const NAMES: &str = "*.bvh, *.amc or humanoid3d_*.txt";
 
-/// A file that no reader can read.
+/// The reason why no reader can read a file.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// Not a BVH motion.
+    /// The file is not a BVH motion.
     #[error(transparent)]
     Bvh(#[from] bvh::Error),
-    /// Not an AMC motion with its ASF skeleton.
+    /// The file is not an AMC motion with its ASF skeleton.
     #[error(transparent)]
     AsfAmc(#[from] asf_amc::Error),
-    /// Not a motion of `DeepMimic`.
+    /// The file is not a motion of `DeepMimic`.
     #[error(transparent)]
     DeepMimic(#[from] deepmimic::Error),
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A skeleton without its motion.
+    /// The file is a skeleton without its motion.
     #[error(
-        "{}: an ASF file holds the skeleton only: expected the AMC file of a motion, which finds it",
+        "{}: an ASF file holds the skeleton only: expected the AMC file of a motion, with which it is read",
         file.display()
     )]
     SkeletonOnly {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
-    /// Markers, which hold no joints.
+    /// The file contains markers instead of joints.
     #[error(
         "{}: a C3D file holds markers, not joints: expected the motion of a skeleton, as the capture \
          software exports it after solving (BVH, or ASF and AMC)",
         file.display()
     )]
     Markers {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
     },
-    /// Neither name nor content says.
+    /// Neither name nor content is that of a known format.
     #[error("{}: expected a motion in {NAMES}, found {}", file.display(), Kind::found(*found))]
     Unknown {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What it is, if that is known.
+        /// Kind of the file, if known.
         found: Option<Kind>,
     },
 }
 
 impl Format {
-    /// The format that the file's name says; `None` if only its content can say it.
+    /// Returns the format that the file's name indicates; `None` if only its content can show it.
     pub fn of_name(file: &Path) -> Option<Self> {
         let extension = file.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -91,7 +91,7 @@ impl Format {
     }
 }
 
-/// Whether a file in a folder is a motion: by its name, or a text by its content.
+/// Returns whether a file in a folder is a motion: by its name or, for a text, by its content.
 pub(crate) fn is_motion(file: &Path) -> bool {
     if Format::of_name(file).is_some() {
         return true;
@@ -103,10 +103,10 @@ pub(crate) fn is_motion(file: &Path) -> bool {
     matches!(Kind::of(file, &text), Some(Kind::Bvh | Kind::Amc | Kind::DeepMimic))
 }
 
-/// Reads the motion in `file`, in the format that its name says, or else its content.
+/// Reads the motion in `file`, in the format that its name indicates, otherwise its content.
 ///
 /// # Errors
-/// That of the format's reader; [`Error::Unknown`] or the one that says what to give instead.
+/// Those of the format's reader; otherwise [`Error::Unknown`], or a variant that suggests another file.
 pub fn read(file: &Path) -> Result<Recording, Error> {
     Ok(match Format::of_name(file).map_or_else(|| of_other(file), Ok)? {
         Format::Bvh => bvh::read(file)?,
@@ -115,9 +115,10 @@ pub fn read(file: &Path) -> Result<Recording, Error> {
     })
 }
 
-/// What the format of the file that a recording was read from is called.
+/// Returns the name of the format of the file that a recording was read from.
 pub fn name(file: &Path, recording: &Recording) -> &'static str {
-    // What was told by content alone: only DeepMimic's files have metres, and only motions of ASF files no rate.
+    // For files recognized by content: only DeepMimic's files are in metres, and only motions with ASF files have
+    // no rate.
     match Format::of_name(file) {
         Some(Format::Bvh) => "BVH",
         Some(Format::AsfAmc) => "ASF/AMC",
@@ -130,7 +131,7 @@ pub fn name(file: &Path, recording: &Recording) -> &'static str {
     }
 }
 
-/// The format of a file whose name says none.
+/// Finds the format of a file whose name does not indicate it.
 fn of_other(file: &Path) -> Result<Format, Error> {
     let path = || file.to_path_buf();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();

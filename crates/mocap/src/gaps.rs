@@ -1,11 +1,11 @@
 //! Fills gaps in a recording.
 //!
-//! Between the samples on both sides of a gap, rotations follow the great arc (slerp) and positions
-//! the line; a gap at an end of the clip holds the nearest sample.
+//! Between the samples on both sides of a gap, rotations follow the great arc (slerp) and positions the line; a gap
+//! at an end of the clip is filled with the nearest sample.
 //!
-//! Why no spline: over gaps cut into CMU's and Bandai's fights, cubics that keep the velocity at both sides
-//! had a quarter less error (root mean square) up to 0.2 s, none less at 0.4 s, and their worst errors
-//! were as large. The velocity at the edge of a gap is where a recording is least to be trusted.
+//! Splines are not used. For gaps cut into CMU's and Bandai's fights, cubics that keep the velocity at both sides
+//! had a quarter less error (root mean square) up to 0.2 s, no less at 0.4 s, and their worst errors were as large.
+//! The velocity at the edge of a gap is the least reliable part of a recording.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -13,37 +13,37 @@ use std::fmt::{self, Display, Formatter};
 use crate::text::counted;
 use crate::{Clip, JointSample, Recording, Skeleton};
 
-/// Samples that are missing in a row, of one or more joints.
+/// Consecutive missing samples of one or more joints.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gap {
-    /// First missing frame.
+    /// Index of the first missing frame.
     pub first_frame: usize,
-    /// Missing frames.
+    /// Number of missing frames.
     pub frames: usize,
     /// Indices of the joints.
     pub joints: Vec<usize>,
-    /// Whether it is at an end of the clip, so that the nearest sample was held.
+    /// Whether the gap is at an end of the clip, so that the nearest sample was used.
     pub held: bool,
-    /// The joints as a message names them.
+    /// Names of the joints, for messages.
     names: String,
 }
 
-/// What [`fill`] made up.
+/// Gaps that [`fill`] has filled.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FilledGaps {
-    /// The gaps in order of their first frame. Joints that miss the same frames share one.
+    /// Gaps in the order of their first frame. Joints that miss the same frames share one gap.
     pub gaps: Vec<Gap>,
     /// Time between frames, in seconds.
     frame_time_s: f64,
 }
 
 impl FilledGaps {
-    /// Missing samples, over all joints.
+    /// Returns the number of missing samples, over all joints.
     pub fn samples(&self) -> usize {
         self.gaps.iter().map(|gap| gap.frames * gap.joints.len()).sum()
     }
 
-    /// Counts frames from `skipped` frames earlier.
+    /// Shifts the frame numbers, to count from `skipped` frames earlier.
     #[must_use]
     pub fn after(mut self, skipped: usize) -> Self {
         for gap in &mut self.gaps {
@@ -53,7 +53,7 @@ impl FilledGaps {
     }
 }
 
-/// The longest gaps with joints, frames and seconds, and how many there are besides.
+/// Shows the longest gaps with joints, frames and seconds, and the number of other gaps.
 impl Display for FilledGaps {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         const SHOWN_MAX: usize = 3;
@@ -61,7 +61,7 @@ impl Display for FilledGaps {
         let samples = counted(self.samples(), "sample");
         write!(f, "filled {gaps} ({samples}; slerp, positions linear): ")?;
         let mut longest: Vec<&Gap> = self.gaps.iter().collect();
-        // Stable: of the same length in the order of frames.
+        // The sort is stable: gaps of equal length remain in the order of frames.
         longest.sort_by_key(|gap| std::cmp::Reverse(gap.frames));
         for (k, gap) in longest.iter().take(SHOWN_MAX).enumerate() {
             let comma = if k == 0 { "" } else { ", " };
@@ -79,7 +79,7 @@ impl Display for FilledGaps {
     }
 }
 
-/// "frame 3", "frames 3-5".
+/// Formats a range of frames: "frame 3", "frames 3-5".
 fn span(first: usize, frames: usize) -> String {
     if frames == 1 {
         format!("frame {first}")
@@ -88,40 +88,40 @@ fn span(first: usize, frames: usize) -> String {
     }
 }
 
-/// A gap that cannot be filled.
+/// The reason why a gap cannot be filled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GapError {
-    /// It is too long.
+    /// The gap is too long.
     #[error(
         "{joints}: no sample in {} ({:.2} s); expected gaps of at most {limit_s} s ({})",
         span(*first_frame, *frames), *frames as f64 * frame_time_s, counted(*limit_frames, "frame")
     )]
     TooLong {
-        /// The joint, or that all are missing.
+        /// Name of the joint, or the statement that all are missing.
         joints: String,
-        /// First missing frame.
+        /// Index of the first missing frame.
         first_frame: usize,
-        /// Missing frames in a row.
+        /// Number of missing frames.
         frames: usize,
         /// Time between frames, in seconds.
         frame_time_s: f64,
         /// Longest gap that may be filled, in seconds.
         limit_s: f64,
-        /// Most frames that may be missing in a row.
+        /// Maximum number of consecutive missing frames.
         limit_frames: usize,
     },
-    /// There is nothing to fill it from.
+    /// A joint has no sample in any frame.
     #[error("{joints}: no sample in any of the {}", counted(*frames, "frame"))]
     NeverSeen {
-        /// The joint, or that all are missing.
+        /// Name of the joint, or the statement that all are missing.
         joints: String,
-        /// Frames of the clip.
+        /// Number of frames of the clip.
         frames: usize,
     },
 }
 
 impl GapError {
-    /// Counts frames from `skipped` frames earlier.
+    /// Shifts the frame number, to count from `skipped` frames earlier.
     #[must_use]
     pub fn after(mut self, skipped: usize) -> Self {
         if let Self::TooLong { first_frame, .. } = &mut self {
@@ -131,22 +131,21 @@ impl GapError {
     }
 }
 
-/// Fills the gaps of `recording` that last `limit_s` seconds or less. Its lengths are kept: see
-/// [`Recording::in_metres`]. `frame_time_s` is the time between its frames, which not every recording tells.
+/// Fills the gaps of `recording` that are at most `limit_s` seconds long. Lengths keep their unit: see
+/// [`Recording::in_metres`]. `frame_time_s` is the time between its frames, which not every recording contains.
 ///
 /// # Errors
-/// [`GapError`] for the first gap (by joint, then frame) above the limit, or for a joint without
-/// any sample.
+/// [`GapError`] for the first gap (by joint, then frame) above the limit, or for a joint without any sample.
 pub fn fill(
     recording: Recording,
     frame_time_s: f64,
     limit_s: f64,
 ) -> Result<(Clip, FilledGaps), GapError> {
-    // In place: of a long recording there is no room for two.
+    // In place, because a long recording may not fit in memory twice.
     let Recording { name, skeleton, mut frames, .. } = recording;
     let limit_frames = whole(limit_s * frame_time_s.recip());
     let count = frames.len();
-    // By first frame and length.
+    // Gaps by first frame and length.
     let mut gaps: BTreeMap<(usize, usize), Gap> = BTreeMap::new();
     for j in 0..skeleton.joints.len() {
         let mut previous: Option<JointSample> = None;
@@ -196,7 +195,7 @@ pub fn fill(
         gap.names = names(&gap.joints, &skeleton);
     }
     let filled = FilledGaps { gaps, frame_time_s };
-    // Every sample is there by now.
+    // All samples are present now.
     let frames = frames.into_iter().map(|frame| frame.into_iter().flatten().collect()).collect();
     Ok((Clip { name, skeleton, frame_time_s, frames }, filled))
 }
@@ -214,7 +213,7 @@ fn names(joints: &[usize], skeleton: &Skeleton) -> String {
     }
 }
 
-/// Whole frames in a positive number of frames; the small term keeps 0.1 s * 120 Hz at 12.
+/// Returns the number of whole frames; the small term keeps 0.1 s * 120 Hz at 12.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

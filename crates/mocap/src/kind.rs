@@ -1,29 +1,29 @@
-//! What a file is, for who took it for something else: in words, with the commands that take it.
+//! Kinds of files in words, with the commands that accept them, for messages about a wrong file.
 
 use std::fmt;
 use std::path::Path;
 
 use crate::encoding;
 
-/// A kind of file that people have in their hands.
+/// A kind of file that users may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kind {
     /// Biovision Hierarchy: a skeleton and its motion.
     Bvh,
-    /// Acclaim's skeleton.
+    /// An Acclaim skeleton.
     Asf,
-    /// Acclaim's motion.
+    /// An Acclaim motion.
     Amc,
-    /// `DeepMimic`'s motion.
+    /// A `DeepMimic` motion.
     DeepMimic,
-    /// glTF, GLB or VRM: a character.
+    /// A character in glTF, GLB or VRM.
     Gltf,
     /// The character of the Geno files.
     Geno,
     /// Autodesk's interchange format.
     Fbx,
-    /// Markers.
+    /// A C3D file with markers.
     C3d,
     /// A robot of ROS, also as `xacro`.
     Urdf,
@@ -31,19 +31,19 @@ pub enum Kind {
     Mjcf,
     /// Another XML file.
     Xml,
-    /// A rig.toml.
+    /// A `rig.toml` file.
     Rig,
-    /// A mapping on a rig.
+    /// A mapping onto a rig.
     RigMapping,
-    /// A mapping on the figure.
+    /// A mapping onto the figure.
     FigureMapping,
-    /// A grid of setups.
+    /// A sweep: a grid of setups to evaluate.
     Sweep,
     /// Another TOML file.
     Toml,
     /// A baked show.
     Show,
-    /// A table in Parquet: recordings, and sweeps' results.
+    /// A table in Parquet: recordings, or results of sweeps.
     Parquet,
     /// A picture.
     Picture,
@@ -53,11 +53,11 @@ pub enum Kind {
     Json,
 }
 
-/// The longest beginning of a text that is looked at, bytes: comments come first.
+/// Maximum number of bytes of a text that are examined; they include comments at its beginning.
 const LOOKED_AT: usize = 1 << 16;
 
 impl Kind {
-    /// What a file is: by its content where that tells, else by its name. `None` if neither does.
+    /// Returns the kind of a file: from its content, otherwise from its name; `None` if neither shows it.
     pub fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
         Self::of_magic(bytes).or_else(|| {
             let text = encoding::lossy(&bytes[..bytes.len().min(LOOKED_AT)]);
@@ -66,7 +66,7 @@ impl Kind {
         })
     }
 
-    /// What was found, for messages.
+    /// Returns a description of the kind, for messages.
     pub fn found(kind: Option<Self>) -> String {
         kind.map_or_else(|| "another kind of file".to_owned(), |kind| kind.to_string())
     }
@@ -84,7 +84,7 @@ impl Kind {
         MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, kind)| *kind)
     }
 
-    /// By how a text begins.
+    /// Recognizes a text by its beginning.
     fn of_text(text: &str) -> Option<Self> {
         let start: String = text.chars().take(64).collect::<String>().to_ascii_lowercase();
         let has = |word: &str| text.contains(word);
@@ -96,7 +96,7 @@ impl Kind {
         }
         if start.starts_with('<') {
             let kinds = [("<mujoco", Self::Mjcf), ("<robot", Self::Urdf), ("<svg", Self::Picture)];
-            // The first of them: a URDF may have words for MuJoCo in it.
+            // The first element decides, because a URDF may contain elements for MuJoCo.
             let known = kinds
                 .into_iter()
                 .filter_map(|(element, kind)| Some((text.find(element)?, kind)))
@@ -115,7 +115,7 @@ impl Kind {
         None
     }
 
-    /// By the name, and of TOML by the tables that only one kind has.
+    /// Recognizes a file by its name and, for TOML, by tables that only one kind has.
     fn of_name(path: &Path, text: &str) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Some(match extension.as_str() {
@@ -152,44 +152,44 @@ impl Kind {
     }
 }
 
-/// With the article, and what takes it.
+/// Shows the kind with its article, and the commands that accept it.
 impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Bvh => {
-                "a BVH motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "a BVH motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::Asf => {
-                "an ASF skeleton: `sinew clip`, `bake` and `evaluate --clips` take the AMC motion beside it"
+                "an ASF skeleton: `sinew clip`, `bake` and `evaluate --clips` accept the AMC motion beside it"
             }
             Self::Amc => {
-                "an AMC motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "an AMC motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::DeepMimic => {
-                "a DeepMimic motion, which `sinew clip`, `bake` and `evaluate --clips` take"
+                "a DeepMimic motion, for `sinew clip`, `bake` and `evaluate --clips`"
             }
             Self::Gltf => {
-                "a glTF character, which `sinew clip inspect` and `weights` take; its animations are not read: \
-                 export them as BVH (Blender does)"
+                "a glTF character, for `sinew clip inspect` and `weights`; its animations are not read: export them as \
+                 BVH (Blender does)"
             }
-            Self::Geno => "a binary character, which `sinew clip inspect` and `weights` take",
+            Self::Geno => "a binary character, for `sinew clip inspect` and `weights`",
             Self::Fbx => "FBX, which is not read: export it as BVH (Blender does)",
             Self::C3d => {
                 "C3D, which holds markers and is not read: export the solved skeleton as BVH"
             }
             Self::Urdf => {
-                "a URDF rig, which `sinew rig`, `inspect`, `weights` and each `--rig` take"
+                "a URDF rig, for `sinew rig`, `inspect`, `weights` and each `--rig`"
             }
-            Self::Mjcf => "an MJCF rig, which `sinew rig`, `inspect` and each `--rig` take",
+            Self::Mjcf => "an MJCF rig, for `sinew rig`, `inspect` and each `--rig`",
             Self::Xml => "XML of another kind",
-            Self::Rig => "a rig.toml, which `sinew rig`, `inspect` and each `--rig` take",
-            Self::RigMapping => "a mapping on a rig, which `--mapping` takes beside `--rig`",
+            Self::Rig => "a rig.toml, for `sinew rig`, `inspect` and each `--rig`",
+            Self::RigMapping => "a mapping on a rig, for `--mapping` together with `--rig`",
             Self::FigureMapping => {
-                "a mapping on the human figure, which `--mapping` takes where no `--rig` is given"
+                "a mapping on the human figure, for `--mapping` without `--rig`"
             }
-            Self::Sweep => "a sweep, which `sinew evaluate sweep` takes",
+            Self::Sweep => "a sweep, for `sinew evaluate sweep`",
             Self::Toml => "TOML of another kind",
-            Self::Show => "a show, which `sinew play` and `sinew board upload show` take",
+            Self::Show => "a show, for `sinew play` and `sinew board upload show`",
             Self::Parquet => "a Parquet table: recordings of `sinew play` are for `sinew report`",
             Self::Picture => "a picture, which no command reads",
             Self::Csv => {

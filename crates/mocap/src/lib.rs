@@ -1,10 +1,10 @@
-//! Motion capture: files in, clean motions of their own skeletons out.
+//! Motion capture: reads files, and returns clean motions of their own skeletons.
 //!
 //! There are two kinds of motion:
-//! - A [`Recording`] is what a reader makes of a file: lengths in the file's unit, samples that may be missing, a rate
-//!   that not every format tells.
-//! - A [`Clip`] is in metres and seconds, with a sample of every joint in every frame. [`gaps::fill`] makes it of a
-//!   recording; [`filter`], [`flips`], [`resample`](mod@resample) and [`bvh::write`] work on it.
+//! - A [`Recording`] is the result of a reader: lengths are in the file's unit, samples may be missing, and the
+//!   rate is unknown in some formats.
+//! - A [`Clip`] is in metres and seconds, with a sample of every joint in every frame. [`gaps::fill`] creates it
+//!   from a recording; [`filter`], [`flips`], [`resample`](mod@resample) and [`bvh::write`] process it.
 //!
 //! World and joint frames are those of the file. Positions have the suffix `_m` for metres; in a recording they are in
 //! the file's unit until [`Recording::in_metres`].
@@ -15,7 +15,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! // BVH has no unit of length. These files are in centimetres.
 //! let recording = format::read("walk.bvh".as_ref())?.in_metres(0.01);
-//! let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+//! let frame_time_s = recording.frame_time_s.ok_or("the file does not state its rate")?;
 //! // Gaps of up to half a second are filled.
 //! let (mut clip, filled) = gaps::fill(recording, frame_time_s, 0.5)?;
 //! println!("{filled}");
@@ -27,15 +27,15 @@
 //! # }
 //! ```
 //!
-//! A [`SkeletonMap`] says how bodies of another figure are made of a skeleton's joints.
+//! A [`SkeletonMap`] defines the bodies of another figure by a skeleton's joints.
 //!
 //! # Files
-//! - `bvh/`, `asf_amc/`, `deepmimic/`, `format`: a reader for each format, and which one reads a file.
+//! - `bvh/`, `asf_amc/`, `deepmimic/`, `format`: a reader for each format, and the choice of the reader.
 //! - `recording`, `clip`, `skeleton`: the two kinds of motion; skeletons and their forward kinematics.
-//! - `read`, `encoding`, `text`, `damage`, `kind`: files read whole, their text, what no body has, what a file is.
+//! - `read`, `encoding`, `text`, `damage`, `kind`: whole files, their text, implausible data, kinds of files.
 //! - `up`, `gaps`, `flips`, `filter`, `resample`: the steps of cleaning.
 //! - `files`: the clips in a list of files and folders.
-//! - `skeleton_map`: how bodies of a figure hang on joints, as data.
+//! - `skeleton_map`: definition of a figure's bodies by joints, as data.
 
 pub mod asf_amc;
 pub mod bvh;

@@ -1,4 +1,4 @@
-//! Files as they are read: whole, and never without end.
+//! Reads whole files, with a size limit.
 
 use std::borrow::Cow;
 use std::fs::{self, File};
@@ -7,13 +7,13 @@ use std::path::Path;
 
 use crate::{Kind, encoding};
 
-/// Far above any recording: what bounds the memory that a wrong name can ask for.
+/// Maximum size of a file. It exceeds any recording, and limits the memory that a wrong path can use.
 const FILE_BYTES_MAX: u64 = 1 << 30;
 
-/// The bytes of a file of at most 1 GiB.
+/// Returns the bytes of a file of at most 1 GiB.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for pipes and devices, which may never end,
+/// Errors of the system; [`io::ErrorKind::InvalidInput`] for pipes and devices, which may never end;
 /// [`io::ErrorKind::FileTooLarge`] for larger files.
 pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     let refused = |kind, what: &str| Err(io::Error::new(kind, what));
@@ -31,7 +31,7 @@ pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a file.
+/// Returns the text of a file.
 ///
 /// # Errors
 /// Those of [`bytes`]; [`io::ErrorKind::InvalidData`] if it is neither UTF-8 nor UTF-16.
@@ -39,10 +39,11 @@ pub fn text(path: &Path) -> io::Result<String> {
     decoded(&bytes(path)?)
 }
 
-/// The text of a file of one of these kinds, or of none that is known. `expected`: what they are, for the message.
+/// Returns the text of a file whose kind is in `kinds` or unknown. `expected` describes these kinds, for the
+/// message.
 ///
 /// # Errors
-/// Those of [`text`]; [`io::ErrorKind::InvalidData`] for files of another kind, with what takes them.
+/// Those of [`text`]; [`io::ErrorKind::InvalidData`] for a file of another kind, with the commands that accept it.
 pub fn text_of(path: &Path, expected: &str, kinds: &[Kind]) -> io::Result<String> {
     let bytes = bytes(path)?;
     if let Some(found) = Kind::of(path, &bytes).filter(|kind| !kinds.contains(kind)) {
@@ -92,7 +93,7 @@ mod tests {
         assert!(text(&at("a")).unwrap_err().to_string().contains("from byte 1 on"));
         assert_eq!(bytes(&at("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
         assert!(bytes(folder.path()).is_err());
-        // Sparse: it takes no room on the disk.
+        // A sparse file, which uses no space on the disk.
         File::create(at("large")).unwrap().set_len(FILE_BYTES_MAX + 1).unwrap();
         assert_eq!(bytes(&at("large")).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
     }

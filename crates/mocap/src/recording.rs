@@ -1,50 +1,52 @@
-//! What every reader makes of a file: a motion in the file's own units.
+//! A motion in the units of its file, which is the result of every reader.
 
 use std::ops::RangeInclusive;
 use std::path::Path;
 
 use crate::skeleton::{JointSample, Skeleton};
 
-/// Far above any mocap skeleton: what bounds the memory a small file can ask for.
+/// Maximum number of joints. It exceeds any motion capture skeleton, and limits the memory that a small file can
+/// request.
 pub(crate) const JOINT_COUNT_MAX: usize = 1024;
-/// Joints times frames, 6 GiB: an hour of 100 joints at 240 Hz.
+/// Maximum of joints times frames, 6 GiB: an hour of 100 joints at 240 Hz.
 pub(crate) const SAMPLE_COUNT_MAX: usize = 100_000_000;
-/// Samples, of 64 bytes, that a file of so many bytes may ask for: with all else that readers hold less than 200 bytes
-/// of memory for each of its own, and 8 MB. A joint whose channels are all there takes some 10 bytes of text a frame.
+/// Returns the maximum number of samples (64 bytes each) for a file of `bytes` bytes. Together with all other data,
+/// a reader needs less than 200 bytes of memory per byte of the file, plus 8 MB. A joint with all channels takes
+/// about 10 bytes of text per frame.
 pub(crate) fn sample_count_max(bytes: usize) -> usize {
     bytes.saturating_mul(2).clamp(100_000, SAMPLE_COUNT_MAX)
 }
 
-/// Larger offsets and angles are damage, and would overflow further on.
+/// Larger offsets and angles are regarded as damage, and would overflow later.
 pub(crate) const MAGNITUDE_MAX: f64 = 1e9;
-/// Any camera's: what bounds the number of frames after resampling.
+/// Accepted frame times, those of any camera; they limit the number of frames after resampling.
 pub(crate) const FRAME_TIME_S: RangeInclusive<f64> = 1e-5..=1.0;
-/// Writers round the frame time (0.0083333, 0.016667, 0.033333): rates this near a whole number
-/// are taken for it. 29.97 and 59.94 Hz, one part in 1001 off, keep their own.
+/// Writers round the frame time (0.0083333, 0.016667, 0.033333): a rate within this relative distance of a whole
+/// number is replaced by it. 29.97 and 59.94 Hz, which differ by 1/1001, are kept.
 const RATE_SNAP: f64 = 5e-4;
 
-/// All frames: `frames[f][j]` is joint `j` in frame `f`, `None` where the recording has a gap.
+/// All frames: `frames[f][j]` is joint `j` in frame `f`, `None` in a gap.
 pub(crate) type Frames = Vec<Vec<Option<JointSample>>>;
 
-/// A motion as its file holds it. Lengths are in the file's own unit, which only some formats tell.
+/// A motion in the form of its file. Lengths are in the file's unit, which is known only for some formats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
     /// Stem of the file.
     pub name: String,
-    /// The skeleton; its "metres" are the file's unit.
+    /// Skeleton; its lengths are in the file's unit, although their names end in `_m`.
     pub skeleton: Skeleton,
-    /// `frames[f][j]`: joint `j` in frame `f`; positions in the file's unit.
+    /// Samples: `frames[f][j]` is joint `j` in frame `f`; positions are in the file's unit.
     pub frames: Vec<Vec<Option<JointSample>>>,
-    /// Time between frames in seconds, if the file says.
+    /// Time between frames in seconds, if the file contains it.
     pub frame_time_s: Option<f64>,
-    /// Length of the file's unit in metres, if the file says.
+    /// Length of the file's unit in metres, if the file contains it.
     pub metres_per_unit: Option<f64>,
-    /// What the reader overlooked, for whoever made the file.
+    /// Errors that the reader tolerated, for the author of the file.
     pub notes: Vec<String>,
 }
 
 impl Recording {
-    /// Lengths in metres. A file that tells no unit of length is taken to be in units of `metres_per_unit`.
+    /// Converts lengths to metres. A file without a unit of length is assumed to be in units of `metres_per_unit`.
     #[must_use]
     pub fn in_metres(mut self, metres_per_unit: f64) -> Self {
         let metres_per_unit = self.metres_per_unit.unwrap_or(metres_per_unit);
@@ -62,12 +64,12 @@ impl Recording {
     }
 }
 
-/// The name of the clip in the file at `path`.
+/// Returns the name of the clip in the file at `path`.
 pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// A frame time as a file writes it, at the whole rate where it is near to one.
+/// Returns the frame time of the nearest whole rate, if it is near; otherwise the frame time of the file.
 pub(crate) fn snapped_s(frame_time_s: f64) -> f64 {
     let rate_hz = frame_time_s.recip();
     let whole_hz = rate_hz.round();

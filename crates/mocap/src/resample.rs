@@ -1,16 +1,16 @@
-//! Brings a clip to an even rate.
+//! Resamples a clip at an even rate.
 
 use crate::Clip;
 
-/// `clip` at `rate_hz`: frame `k` is at `k / rate_hz` seconds from the clip's first frame, and none
-/// is later than its last. Rotations follow the great arc between frames, positions the line.
+/// Returns `clip` at `rate_hz`: frame `k` is at `k / rate_hz` seconds from the clip's first frame, and no frame is
+/// later than its last. Between frames, rotations follow the great arc and positions the line.
 ///
-/// The clip should hold nothing above half of `rate_hz`: see [`super::filter`].
+/// The clip should not contain frequencies above half of `rate_hz`: see [`super::filter`].
 pub fn resample(clip: &Clip, rate_hz: f64) -> Clip {
     let frame_time_s = rate_hz.recip();
     let step = frame_time_s / clip.frame_time_s;
     let last = clip.frames.len().saturating_sub(1);
-    // A millionth of a frame takes up the rounding of the division.
+    // A millionth of a frame is the tolerance for rounding of the division.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
     use crate::{JointSample, Skeleton, SkeletonJoint};
 
-    /// Turns and travels evenly: the angle and the position are the time.
+    /// Creates a clip with constant rotation and speed: angle and position equal the time.
     fn even(rate_hz: f64, frame_count: usize) -> Clip {
         let joint = SkeletonJoint {
             name: "root".to_owned(),

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-/// The skeleton a clip was recorded on; parents come before children.
+/// The skeleton of a recorded clip; parents precede children.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skeleton {
     /// Joints in regular numbering: joint 0 is the only root.
@@ -12,24 +12,24 @@ pub struct Skeleton {
 /// One joint of a recorded skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkeletonJoint {
-    /// The name in the file.
+    /// Name in the file.
     pub name: String,
     /// Index of the parent joint; `None` for the root.
     pub parent: Option<usize>,
     /// Rest position in the parent's frame, in metres.
     pub offset_m: DVec3,
-    /// Ends of the bones that begin here and carry no further joint (BVH's `End Site`), in this
-    /// joint's frame, in metres.
+    /// Ends of the bones that begin at this joint and have no further joint (BVH's `End Site`), in this joint's
+    /// frame, in metres.
     pub end_sites_m: Vec<DVec3>,
 }
 
 impl Skeleton {
-    /// Index of the joint called `name`.
+    /// Returns the index of the joint with this name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
     }
 
-    /// Position of every joint with all rotations at identity, in metres from the root joint.
+    /// Returns the position of every joint with all rotations at identity, in metres from the root joint.
     pub fn rest_positions_m(&self) -> Vec<DVec3> {
         let mut positions: Vec<DVec3> = Vec::with_capacity(self.joints.len());
         for joint in &self.joints {
@@ -38,7 +38,7 @@ impl Skeleton {
         positions
     }
 
-    /// A joint and all that hang on it, as a skeleton of their own; and which joints these are.
+    /// Returns a joint and all its descendants as a separate skeleton, and their indices in this skeleton.
     pub fn subtree(&self, root: usize) -> (Self, Vec<usize>) {
         let mut place = vec![None; self.joints.len()];
         let (mut joints, mut indices) = (Vec::new(), Vec::new());
@@ -53,7 +53,7 @@ impl Skeleton {
         (Self { joints }, indices)
     }
 
-    /// Whether `joint` is `ancestor` or moves with it.
+    /// Returns whether `joint` is `ancestor`, or a descendant of it.
     pub fn moves_with(&self, ancestor: usize, joint: usize) -> bool {
         let mut joint = Some(joint);
         while let Some(j) = joint {
@@ -65,7 +65,7 @@ impl Skeleton {
         false
     }
 
-    /// The child of a joint that has one alone.
+    /// Returns the child of a joint with exactly one child.
     pub(crate) fn only_child(&self, parent: usize) -> Option<usize> {
         let mut children =
             (0..self.joints.len()).filter(|joint| self.joints[*joint].parent == Some(parent));
@@ -76,14 +76,14 @@ impl Skeleton {
 /// Pose of one joint in one frame, relative to its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointSample {
-    /// Rotation from the joint's frame to its parent's, unit.
+    /// Rotation from the joint's frame to its parent's frame, unit quaternion.
     pub rotation: DQuat,
     /// Position in the parent's frame, in metres.
     pub position_m: DVec3,
 }
 
 impl JointSample {
-    /// The pose at `t` between this one (0) and `other` (1): along the great arc and the line.
+    /// Returns the pose at `t` between this pose (0) and `other` (1), along the great arc and the line.
     #[must_use]
     pub fn towards(&self, other: &Self, t: f64) -> Self {
         Self {
@@ -93,7 +93,7 @@ impl JointSample {
     }
 }
 
-/// Pose of every joint in the world frame, from the poses relative to the parents.
+/// Returns the pose of every joint in the world frame, from the poses relative to the parents.
 pub fn forward_kinematics(skeleton: &Skeleton, local: &[JointSample]) -> Vec<JointSample> {
     let mut world: Vec<JointSample> = Vec::with_capacity(local.len());
     for (joint, sample) in skeleton.joints.iter().zip(local) {

@@ -1,7 +1,7 @@
-//! How the bodies of another figure are made of a skeleton's joints.
+//! Defines the bodies of another figure by a skeleton's joints.
 //!
-//! A map is data, usually a file: for each body, by its name, the joint it hangs on, the joint whose frame it has, and
-//! where its segment ends. Which bodies there must be is for the figure to say.
+//! A map is data, usually a file: for each body, by name, the joint at its origin, the joint whose frame it has,
+//! and the end of its segment. The figure determines which bodies are needed.
 
 use std::collections::BTreeMap;
 
@@ -10,49 +10,49 @@ use serde::Deserialize;
 
 use crate::{Skeleton, Up};
 
-/// How a recorded skeleton makes a figure.
+/// A map from a recorded skeleton to a figure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "File")]
 pub struct SkeletonMap {
     /// Name for messages.
     pub name: String,
-    /// Length of the file's unit, in metres, for files that do not tell it.
+    /// Length of the file's unit, in metres, for files that do not contain it.
     pub metres_per_unit: f64,
-    /// Frames per second, for files that do not tell them.
+    /// Frame rate, Hz, for files that do not contain it.
     pub rate_hz: Option<f64>,
-    /// The axis of the files that points up; `None` to see it in the motion.
+    /// Axis of the files that points up; `None` to derive it from the motion.
     pub up: Option<Up>,
-    /// How the skeleton is known.
+    /// Properties by which the skeleton is recognized.
     pub signature: Signature,
-    /// What makes each body, by the body's name.
+    /// Joints of each body, by the body's name.
     pub bodies: BTreeMap<String, BodyJoints>,
 }
 
-/// What a skeleton must have and lack to be known.
+/// Properties that a skeleton must have, and must not have, to be recognized.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signature {
-    /// Joints that must be there.
+    /// Joints that must exist.
     pub joints: Vec<String>,
-    /// Joints that must not.
+    /// Joints that must not exist.
     #[serde(default)]
     pub no_joints: Vec<String>,
-    /// Joints that must be there and sit on their parent.
+    /// Joints that must exist at the position of their parent.
     #[serde(default)]
     pub zero_offsets: Vec<String>,
-    /// Joints that must be there and not sit on their parent.
+    /// Joints that must exist at a distance from their parent.
     #[serde(default)]
     pub nonzero_offsets: Vec<String>,
 }
 
 impl Signature {
-    /// Whether `skeleton` bears this signature, in any unit of length and behind any [`prefix`](Self::prefix).
+    /// Returns whether `skeleton` has this signature, in any unit of length and with any [`prefix`](Self::prefix).
     pub fn matches(&self, skeleton: &Skeleton) -> bool {
         self.prefix(skeleton).is_some()
     }
 
-    /// What stands before all names of the signature in `skeleton`, which bears it: mostly nothing, else the name of a
-    /// character or a file (`mixamorig7:`). `None` if it does not bear it.
+    /// Returns the common prefix of the signature's names in `skeleton`: usually empty, otherwise the name of a
+    /// character or a file (`mixamorig7:`). `None` if the skeleton does not have the signature.
     pub fn prefix<'s>(&self, skeleton: &'s Skeleton) -> Option<&'s str> {
         let Some(first) = self.joints.first() else {
             return self.is_borne(skeleton, "").then_some("");
@@ -77,19 +77,19 @@ impl Signature {
     }
 }
 
-/// What makes one body.
+/// The joints that define one body.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyJoints {
-    /// The joint that the body hangs on.
+    /// Joint at the origin of the body.
     pub origin: String,
-    /// The joint whose frame the body has.
+    /// Joint whose frame the body has.
     pub rotation: String,
-    /// Where its segment ends.
+    /// End of the body's segment.
     pub end: End,
 }
 
-/// Where a segment ends, in the skeleton's rest pose.
+/// End of a segment, in the skeleton's rest pose.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(
     untagged,
@@ -97,27 +97,27 @@ pub struct BodyJoints {
     expecting = "expected a joint's name, { site = \"joint\" } or { beyond = \"joint\", ratio = 0.74 }"
 )]
 pub enum End {
-    /// At a joint.
+    /// At the position of a joint.
     Joint(String),
     /// At the first end site of a joint.
     Site {
-        /// The joint.
+        /// Name of the joint.
         site: String,
     },
-    /// On the bone from a joint's parent to the joint, gone on beyond the joint.
+    /// Beyond a joint, on the extension of the bone from its parent.
     Beyond {
-        /// The joint.
+        /// Name of the joint.
         beyond: String,
-        /// By how many times the bone's length.
+        /// Distance beyond the joint, in multiples of the bone's length.
         ratio: f64,
     },
 }
 
 impl End {
-    /// The end in the rest pose of `skeleton`, whose joints are at `rest_m`, in metres.
+    /// Returns the position of the end in the rest pose of `skeleton`, whose joints are at `rest_m`, in metres.
     ///
     /// # Errors
-    /// [`MissingEnd`] if the skeleton lacks what it names.
+    /// [`MissingEnd`] if the skeleton does not have the named joint or end site.
     pub fn rest_position_m(
         &self,
         skeleton: &Skeleton,
@@ -126,10 +126,10 @@ impl End {
         self.behind("", skeleton, rest_m)
     }
 
-    /// The same, with `prefix` before the name of its joint.
+    /// Returns the position like [`Self::rest_position_m`], with `prefix` before the joint's name.
     ///
     /// # Errors
-    /// [`MissingEnd`] if the skeleton lacks what it names.
+    /// [`MissingEnd`] if the skeleton does not have the named joint or end site.
     pub fn behind(
         &self,
         prefix: &str,
@@ -155,10 +155,10 @@ impl End {
     }
 }
 
-/// A skeleton lacks what the end of a segment names.
+/// The reason why the end of a segment does not exist in a skeleton.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MissingEnd {
-    /// The joint is not there.
+    /// The joint does not exist.
     #[error("expected a joint `{0}`")]
     Joint(String),
     /// The joint has no end site.
@@ -166,7 +166,7 @@ pub enum MissingEnd {
     Site(String),
 }
 
-/// The file's own shape.
+/// The structure of the file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -182,7 +182,7 @@ impl TryFrom<File> for SkeletonMap {
     type Error = String;
 
     fn try_from(file: File) -> Result<Self, String> {
-        // The parser would show line 1 for a key that is missing here.
+        // Checked here, because the parser would report line 1 for a missing key.
         fn needed<T>(key: &str, value: Option<T>) -> Result<T, String> {
             value.ok_or_else(|| format!("expected {key}, which is missing"))
         }
@@ -248,7 +248,7 @@ mod tests {
         assert_eq!(map.bodies["lower"].end.behind("rig7:", &skeleton, &rest_m), Ok(1.5 * DVec3::Y));
         skeleton.joints[0].offset_m = DVec3::X;
         assert!(!map.signature.matches(&skeleton));
-        // Two prefixes are none.
+        // Different prefixes are not a common prefix.
         "b".clone_into(&mut skeleton.joints[1].name);
         skeleton.joints[0].offset_m = DVec3::ZERO;
         assert_eq!(map.signature.prefix(&skeleton), None);

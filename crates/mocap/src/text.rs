@@ -1,15 +1,15 @@
-//! Places and words of a text file, as errors show them.
+//! Positions and words of a text file, for error messages.
 
-/// A place in a text; both numbers count from 1, columns in characters.
+/// A position in a text; both numbers count from 1, columns in characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Position {
-    /// Line; ends are LF, CR LF or CR.
+    /// Line; line ends are LF, CR LF or CR.
     pub line: usize,
-    /// Character in the line.
+    /// Column, in characters.
     pub column: usize,
 }
 
-/// A word of the file for a message, cut short and without control characters.
+/// Returns a word of the file for a message, shortened and without control characters.
 pub(crate) fn shown(word: &str) -> String {
     const LENGTH_MAX: usize = 40;
     let mut shown: String = word.chars().take(LENGTH_MAX).flat_map(char::escape_debug).collect();
@@ -19,15 +19,15 @@ pub(crate) fn shown(word: &str) -> String {
     shown
 }
 
-/// What stands where something else was expected: a word of the file, or in words that it is none.
+/// Describes the word that was found instead of the expected one, or bytes that are not text.
 pub(crate) fn found(word: &str) -> String {
     if word.contains(|c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER) {
-        return "bytes that are no text".to_owned();
+        return "bytes that are not text".to_owned();
     }
     format!("`{}`", shown(word))
 }
 
-/// `count` things: "1 frame", "2 frames".
+/// Returns a count with its noun: "1 frame", "2 frames".
 pub fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }

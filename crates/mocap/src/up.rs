@@ -1,4 +1,4 @@
-//! Which axis of a file points up, and recordings turned so that y does.
+//! The axis of a file that points up, and rotation of recordings so that y points up.
 
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
@@ -21,7 +21,7 @@ pub enum Up {
 }
 
 impl Up {
-    /// The axis, unit.
+    /// Returns the axis as a unit vector.
     pub const fn axis(self) -> DVec3 {
         match self {
             Self::X => DVec3::X,
@@ -50,7 +50,7 @@ impl Display for Up {
     }
 }
 
-/// What an axis with its sign is called: `y`, `-z`; `?` of a vector along none.
+/// Returns the name of an axis with its sign: `y`, `-z`; `?` for a vector along no axis.
 pub fn axis_name(axis: DVec3) -> &'static str {
     let names = [(DVec3::X, ["x", "-x"]), (DVec3::Y, ["y", "-y"]), (DVec3::Z, ["z", "-z"])];
     let axis = axis.normalize_or_zero();
@@ -65,14 +65,14 @@ pub fn axis_name(axis: DVec3) -> &'static str {
     "?"
 }
 
-/// The turn that brings an axis to y, by the right angles of a cube: identity if it is y.
+/// Returns the rotation that turns an axis to y; for a coordinate axis, by a multiple of 90 deg.
 pub fn to_y(axis: DVec3) -> DQuat {
     DQuat::from_rotation_arc(axis, DVec3::Y)
 }
 
 impl Recording {
-    /// The same motion with y up. `up`: the unit axis that points up in its world; `rest_up`: in the pose in which no
-    /// joint is turned, where that is another one.
+    /// Returns the motion with y up. `up` is the unit axis that points up in its world; `rest_up` is that of the
+    /// pose without rotations, if it differs.
     #[must_use]
     pub fn upright(mut self, up: DVec3, rest_up: DVec3) -> Self {
         let (world, rest) = (to_y(up), to_y(rest_up));
@@ -88,7 +88,8 @@ impl Recording {
         for frame in &mut self.frames {
             for (joint, sample) in self.skeleton.joints.iter().zip(frame) {
                 let Some(sample) = sample else { continue };
-                // The root moves in the world, all others in their parent's frame, which has the axes of rest.
+                // The root moves in the world, and all other joints in their parent's frame, which has the axes of
+                // the rest pose.
                 let parent = if joint.parent.is_none() { world } else { rest };
                 sample.rotation = (parent * sample.rotation * rest.inverse()).normalize();
                 sample.position_m = parent * sample.position_m;

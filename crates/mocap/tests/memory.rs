@@ -1,4 +1,4 @@
-//! What readers take of memory for files that ask for much: the limit that `recording.rs` states, measured.
+//! Measures the memory that readers use for files that request much, against the limit stated in `recording.rs`.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -6,11 +6,12 @@ use std::path::Path;
 
 use sinew_mocap::{asf_amc, bvh};
 
-/// Bytes of memory for each byte of a file, and beside that.
+/// Maximum memory per byte of a file, and constant part, bytes.
 const BYTES_PER_BYTE: usize = 200;
 const BESIDE: usize = 8 << 20;
 
-/// How far this process grows at most while `read` runs. The kernel keeps the largest size; writing 5 makes it forget.
+/// Returns the maximum growth of this process while `read` runs. The kernel records the largest size; writing 5
+/// resets it.
 fn grown_by<T>(read: impl FnOnce() -> T) -> (usize, T) {
     let status = |key: &str| -> usize {
         let text = fs::read_to_string("/proc/self/status").expect("Linux tells it");
@@ -24,7 +25,7 @@ fn grown_by<T>(read: impl FnOnce() -> T) -> (usize, T) {
     (status("VmHWM:").saturating_sub(before), read)
 }
 
-/// A chain of joints, of which the first has channels.
+/// Returns a chain of joints, of which the first has channels.
 fn chain(joints: usize, channels: &str) -> String {
     let rest = "JOINT j { OFFSET 0 1 0 CHANNELS 0\n";
     let rest: String = (1..joints).map(|j| rest.replacen('j', &format!("j{j}"), 1)).collect();
@@ -32,13 +33,13 @@ fn chain(joints: usize, channels: &str) -> String {
     format!("HIERARCHY\nROOT r\n{{\nOFFSET 0 0 0\nCHANNELS {channels}\n{rest}{ends}\nMOTION\n")
 }
 
-/// A BVH of so many rows.
+/// Returns a BVH file with this number of rows.
 fn rows(joints: usize, rows: usize) -> String {
     let head = chain(joints, "1 Xrotation");
     format!("{head}Frames: {rows}\nFrame Time: 0.01\n{}", "0\n".repeat(rows))
 }
 
-/// Bones on the root, and a motion that names two of many frames.
+/// Returns bones on the root, and a motion that contains two of many frames.
 fn bones(count: usize) -> (String, String) {
     let name = |bone: usize| format!("b{bone}");
     let bone = |bone: usize| {
@@ -57,14 +58,14 @@ fn bones(count: usize) -> (String, String) {
     (asf, ":FULLY-SPECIFIED\n:DEGREES\n1\n9000\n".to_owned())
 }
 
-/// One test: what others do at once would count.
+/// A single test, because memory of other tests at the same time would count.
 #[test]
 fn a_byte_asks_for_at_most_200() {
     let check = |what: &str, bytes: usize, grown: usize| {
         let most = BYTES_PER_BYTE * bytes + BESIDE;
         assert!(grown <= most, "{what}: {grown} bytes for {bytes}, at most {most}");
     };
-    // Refused with much in hand, read as it is, and as small as frames can be.
+    // Refused after reading much, read completely, and with the smallest possible frames.
     for (joints, count, is_read) in [
         (1024, 90_000, false),
         (1024, 100, false),

@@ -1,12 +1,12 @@
-//! The emulated NUCLEO-F446RE as a host sees it.
+//! The emulated NUCLEO-F446RE, controlled by a host.
 //!
-//! The chip is emulated by a tool of its own, `dev/nucleo/emulator/`, in a process of its own. Here is its other end:
-//! [`Machine`] runs it in lock-step, and [`BoardOnServos`] has simulated servos at its bus, each byte at its time.
+//! A separate tool, `dev/nucleo/emulator/`, emulates the chip in its own process. This crate controls it: [`Machine`]
+//! runs it in lockstep, and [`BoardOnServos`] connects simulated servos to its bus, with the time of each byte.
 //!
 //! # Files
-//! - `machine`: the emulator's process, one line of text each way.
+//! - `machine`: the emulator's process, with a text protocol of lines.
 //! - `link`: an emulated board as a line of `sinew-board-client`.
-//! - `on_servos`: simulated servos at the board's bus, in lock-step.
+//! - `on_servos`: simulated servos on the board's bus, in lockstep.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -1,4 +1,4 @@
-//! An emulated board as a client of the link has it: bytes out and in, and a clock, which is the board's own.
+//! An emulated board as a line for a client of the host link: bytes in both directions, and the board's own clock.
 
 use std::collections::VecDeque;
 use std::io;
@@ -10,22 +10,22 @@ use sinew_servo_sim::line::LineDevice;
 use crate::machine::{MachineEvent, Port};
 use crate::on_servos::{BoardOnServos, Burst};
 
-/// How far it runs at a time while the host waits: a byte of the link is heard so late at most, ns.
+/// Step of the emulation while the host waits, ns. A byte of the host link is noticed at most this late.
 const STEP_NS: u64 = 500_000;
 
-/// A board, its servos, and its host.
+/// An emulated board with its servos, as seen by its host.
 pub struct EmulatedBoard<W> {
     /// Board and servos.
     pub servos: BoardOnServos<W>,
-    /// What went over the bus since somebody took it.
+    /// Bytes on the bus since the list was last taken.
     pub bus: Vec<Burst>,
-    /// What else happened since then.
+    /// Other events since the list was last taken.
     pub other: Vec<MachineEvent>,
     said: VecDeque<u8>,
 }
 
 impl<W: LineDevice> EmulatedBoard<W> {
-    /// A board that a host has said nothing to.
+    /// Creates a board that has received nothing from a host.
     pub fn new(servos: BoardOnServos<W>) -> Self {
         Self { servos, bus: Vec::new(), other: Vec::new(), said: VecDeque::new() }
     }
@@ -33,7 +33,7 @@ impl<W: LineDevice> EmulatedBoard<W> {
     /// Runs until a time of the board, ns.
     ///
     /// # Errors
-    /// The emulator has ended.
+    /// An error if the emulator has ended.
     pub fn run_until(&mut self, to_ns: u64) -> io::Result<()> {
         let happened = self.servos.run_until(to_ns).map_err(io::Error::other)?;
         self.bus.extend(happened.bus);

@@ -1,4 +1,4 @@
-//! The tool as a process: what it is told and what it tells, a line of text each.
+//! The emulator as a process. Commands and events are lines of text.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead as _, BufReader, BufWriter, Write as _};
@@ -7,71 +7,69 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use thiserror::Error;
 
-/// Why there is no emulated board any more.
+/// The reason why the emulated board is not available.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum MachineError {
-    /// The tool cannot be started.
+    /// The emulator could not be started.
     #[error("{0}: the emulator cannot be started ({1}); `cargo xtask emulate` builds it")]
     NoEmulator(String, #[source] io::Error),
-    /// It has ended.
-    #[error("the emulator has ended: what it said stands above")]
+    /// The emulator has ended.
+    #[error("the emulator has ended: its output is above")]
     Ended(#[source] io::Error),
-    /// It says what is not in its protocol.
-    #[error(
-        "the emulator says `{0}`: it is of another version; `cargo xtask emulate` builds it anew"
-    )]
+    /// The emulator sent a line that is not in its protocol.
+    #[error("the emulator says `{0}`: it is of another version; `cargo xtask emulate` rebuilds it")]
     Version(String),
 }
 
 /// A serial port of the board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Port {
-    /// USART1: the servos.
+    /// USART1: the bus of the servos.
     Bus,
-    /// USART2: the link.
+    /// USART2: the host link.
     Link,
 }
 
-/// What the machine did. Times are since power-on, ns.
+/// An event of the emulated board. Times are in ns since power-on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MachineEvent {
-    /// Bytes one behind the other on the bus: when the last of them had left, at how many bits per second.
+    /// Consecutive bytes that the board sent on the bus.
     Bus {
-        /// When.
+        /// Time at which the last byte had left.
         end_ns: u64,
-        /// Bits per second.
+        /// Baud rate, bits per second.
         baud: u32,
-        /// Which.
+        /// Bytes that were sent.
         bytes: Vec<u8>,
     },
-    /// Bytes of the link, and when the last of them had left.
+    /// Bytes on the host link, with the time at which the last of them had left.
     Link(u64, Vec<u8>),
-    /// So many bytes were said to a port that did not listen.
+    /// Number of bytes that were sent to a port that did not listen.
     Unheard(Port, u64),
-    /// It has begun anew: when, and by what (`pin`: the button, `iwdg`: the watchdog, `core`: itself).
+    /// The board restarted: time and cause (`pin`: the button, `iwdg`: the watchdog, `core`: the program itself).
     Reset(u64, String),
-    /// An erase of a flash sector begins. The core stands still.
+    /// An erase of a flash sector begins; the core stops meanwhile.
     Erase(u64, usize),
-    /// It is over.
+    /// An erase of a flash sector has ended.
     Erased(u64, usize),
-    /// The core reaches for memory that is not there, as behind the end of its stack: when, where, and from which
-    /// instruction. Told once. The chip would fault; here it reads 0.
+    /// The core accesses memory that does not exist, for example beyond the end of its stack: time, address, and
+    /// address of the instruction. Reported only once. The real chip would fault; the emulator reads 0.
     Stray(u64, u32, u32),
-    /// The light is on, or off.
+    /// The light was switched on or off.
     Light(u64, bool),
 }
 
-/// Where it stands, and what it did on its way.
+/// The state after a run: time and events.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stopped {
-    /// Where: at most where it was to run to.
+    /// Time of the stop: at most the requested time, ns.
     pub at_ns: u64,
-    /// What it did.
+    /// Events during the run.
     pub heard: Vec<MachineEvent>,
 }
 
-/// An emulated board that stands still.
+/// An emulated board, which runs only during calls.
 #[derive(Debug)]
 pub struct Machine {
     tool: Child,
@@ -80,11 +78,11 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Power-on with an image (ELF). `flash`: a file of what its flash held when power was lost; else it is empty but
-    /// for the image. The tool ends with this value.
+    /// Starts the emulator and powers the board on with an image (ELF). `flash` is a file with the flash contents at an
+    /// earlier loss of power; without it, the flash contains only the image. The emulator ends with this value.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool or the image is not there.
+    /// [`MachineError`] if the emulator or the image does not exist.
     pub fn start(
         tool: impl AsRef<OsStr>,
         image: &Path,
@@ -92,7 +90,7 @@ impl Machine {
     ) -> Result<Self, MachineError> {
         let mut command = Command::new(&tool);
         command.arg(image).args(flash).stdin(Stdio::piped()).stdout(Stdio::piped());
-        // Ctrl-C on a terminal is for this program, which stops the rig by it.
+        // Ctrl-C on a terminal must reach only this program, which uses it to stop the rig.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let name = || tool.as_ref().to_string_lossy().into_owned();
@@ -104,20 +102,20 @@ impl Machine {
         Ok(machine)
     }
 
-    /// Runs until a time, or until something has been said on the bus, or it has begun anew.
+    /// Runs until a time, or until the board has sent on the bus, or has restarted.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn run(&mut self, to_ns: u64) -> Result<Stopped, MachineError> {
         self.tell(&format!("run {to_ns}"))?;
         self.to.flush().map_err(MachineError::Ended)?;
         self.stopped()
     }
 
-    /// Says bytes to a port, the first from a time on.
+    /// Sends bytes to a port, the first at `from_ns`.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn say(&mut self, port: Port, from_ns: u64, bytes: &[u8]) -> Result<(), MachineError> {
         let port = match port {
             Port::Bus => "bus",
@@ -126,10 +124,10 @@ impl Machine {
         self.tell(&format!("{port} {from_ns} {}", hex(bytes)))
     }
 
-    /// Puts a level on a pin, as `PC8`.
+    /// Sets the level of a pin, such as `PC8`.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn pin(&mut self, pin: &str, is_high: bool) -> Result<(), MachineError> {
         self.tell(&format!("pin {pin} {}", u8::from(is_high)))
     }
@@ -137,23 +135,23 @@ impl Machine {
     /// Presses the reset button.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn reset(&mut self) -> Result<(), MachineError> {
         self.tell("reset")
     }
 
-    /// Hangs its core until a reset; timers, DMA and the watchdog go on.
+    /// Stops the core until a reset; timers, DMA and the watchdog continue.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn hang(&mut self) -> Result<(), MachineError> {
         self.tell("hang")
     }
 
-    /// What flash holds: what it would if power were lost now.
+    /// Returns the flash contents, as they would remain if power were lost now.
     ///
     /// # Errors
-    /// [`MachineError`] if the tool has ended.
+    /// [`MachineError`] if the emulator has ended.
     pub fn flash(&mut self) -> Result<Vec<u8>, MachineError> {
         self.tell("flash")?;
         self.to.flush().map_err(MachineError::Ended)?;
@@ -191,7 +189,7 @@ impl Machine {
 
 impl Drop for Machine {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The emulator may have ended by itself.
         let _ = self.tool.kill();
         let _ = self.tool.wait();
     }

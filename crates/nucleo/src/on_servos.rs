@@ -1,68 +1,69 @@
-//! Simulated servos at the bus of an emulated board, in lock-step: each byte at its time, there and back.
+//! Connects simulated servos to the bus of an emulated board, in lockstep, with the time of each byte.
 //!
-//! The machine stops as soon as what it says has left; then the servos hear it, at the time at which it left. What they
-//! say is told to the machine from the time on at which it begins. So neither is ahead of what it hears.
+//! The machine stops as soon as its bytes have left; then the servos receive them, at that time. The servos' answers
+//! are passed to the machine with the time of their first byte. Neither side thus runs ahead of the bytes that it
+//! receives.
 
 use sinew_servo_sim::line::{Line, LineDevice};
 
 use crate::machine::{Machine, MachineError, MachineEvent, Port};
 
-/// So far off its rate a port still talks with one of that rate, parts per thousand.
+/// Tolerance of baud rates, in parts per thousand: a port and a device within it understand each other.
 const RATE_PERMILLE: u32 = 20;
-/// The longest burst of a board takes less, ns.
+/// Maximum time of a burst of the board, ns.
 const BURST_NS: u64 = 50_000_000;
-/// Room for what servos say at once.
+/// Maximum number of bytes that servos send at once.
 const IN_LEN: usize = 1024;
 
-/// Bytes on the bus, one behind the other.
+/// Consecutive bytes on the bus.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Burst {
-    /// Whether the board said them, or servos did.
+    /// Whether the board sent the bytes; otherwise servos did.
     pub is_own: bool,
-    /// When the last of them had left, ns.
+    /// Time at which the last byte had left, ns.
     pub end_ns: u64,
-    /// Which.
+    /// Bytes that were sent.
     pub bytes: Vec<u8>,
 }
 
-/// What happened while it ran.
+/// The events of a run.
 #[derive(Debug, Default)]
 pub struct RunLog {
-    /// What went over the bus.
+    /// Bytes on the bus.
     pub bus: Vec<Burst>,
-    /// What the board said on its link.
+    /// Bytes that the board sent on its host link.
     pub link: Vec<u8>,
-    /// All else.
+    /// Other events.
     pub other: Vec<MachineEvent>,
 }
 
-/// A board, and servos on its bus.
+/// An emulated board with servos on its bus.
 pub struct BoardOnServos<W> {
-    /// The board.
+    /// Emulated board.
     pub machine: Machine,
-    /// The bus of the servos; their time is the board's, but for `began_ns`.
+    /// Bus of the servos. Their time is the board's time minus `began_ns`.
     pub line: Line<W>,
-    /// When the servos' time began.
+    /// Time of the board at which the servos' time began, ns.
     began_ns: u64,
     baud: u32,
     at_ns: u64,
 }
 
 impl<W: LineDevice> BoardOnServos<W> {
-    /// Servos at a board that stands at `at_ns`, whose time begins now. `baud`: at which they listen.
+    /// Connects servos, whose time begins now, to a board at time `at_ns`. `baud` is the servos' baud rate.
     pub fn new(machine: Machine, line: Line<W>, baud: u32, at_ns: u64) -> Self {
         Self { machine, line, began_ns: at_ns, baud, at_ns }
     }
 
-    /// Where it stands, ns since the board's power-on.
+    /// Returns the present time, ns since the board's power-on.
     pub fn at_ns(&self) -> u64 {
         self.at_ns
     }
 
-    /// Both run until a time of the board.
+    /// Runs both until a time of the board, ns.
     ///
     /// # Errors
-    /// [`MachineError`].
+    /// [`MachineError`] if the emulator has ended.
     pub fn run_until(&mut self, to_ns: u64) -> Result<RunLog, MachineError> {
         let mut happened = RunLog::default();
         while self.at_ns < to_ns {
@@ -85,7 +86,7 @@ impl<W: LineDevice> BoardOnServos<W> {
         Ok(happened)
     }
 
-    /// The servos hear what has left.
+    /// Passes the board's bytes to the servos.
     fn hear(&mut self, end_ns: u64, baud: u32, bytes: &[u8]) {
         let is_near = baud.abs_diff(self.baud) * 1000 <= RATE_PERMILLE * self.baud;
         self.line.servos.set_rate(if is_near { self.baud } else { baud });
@@ -96,16 +97,17 @@ impl<W: LineDevice> BoardOnServos<W> {
         self.line.run_until(end_ns.saturating_sub(self.began_ns));
     }
 
-    /// Servos say what is due: the machine hears it from now on.
+    /// Passes the servos' answers that are due to the machine.
     fn answer(&mut self, happened: &mut RunLog) -> Result<(), MachineError> {
         let now_ns = self.at_ns - self.began_ns;
-        // What the board says now is heard when all of it has left, and begins before: until then servos stay behind.
+        // A burst of the board arrives as a whole at its end, but begins earlier: the servos' time must not pass its
+        // start.
         self.line.run_until(now_ns.saturating_sub(BURST_NS));
         while let Some(next_ns) = self.line.next_ns().filter(|next_ns| *next_ns <= now_ns) {
             self.line.run_until(next_ns);
         }
-        // What a servo begins to say is heard to its end here, and told to the machine with its beginning; so is what
-        // the next one says right behind it.
+        // An answer of a servo is simulated to its end, and passed to the machine with the time of its first byte; so
+        // is the answer of the next servo directly after it.
         while let Some(end_ns) = self.line.speaks_until_ns() {
             let mut said = [0; IN_LEN];
             self.line.run_until(end_ns);

@@ -1,4 +1,4 @@
-//! A rig's motion as a show.
+//! Makes a show of a rig's motion.
 
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -14,51 +14,52 @@ use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
 use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
 use thiserror::Error;
 
-/// As many channels as the largest rig has.
+/// Channels of the largest rig.
 const CHANNELS: usize = 256;
-/// As much as any board holds: the CRC does not depend on it.
+/// Capacity of the largest board. The CRC does not depend on it.
 const BODIES: usize = 64;
 const DOFS: usize = 128;
 const SERVOS: usize = 64;
-/// How often a second a show is looked at.
+/// Rate at which a show is checked against limits, Hz.
 pub const CHECK_HZ: f64 = 250.0;
-/// The same of a show that shall exceed nothing: between two looks it may swing out for a few milliseconds.
+/// Rate of the check of a show that must exceed no limit, Hz: between two checks it may exceed one for a few
+/// milliseconds.
 const FITTED_HZ: f64 = 1000.0;
-/// How often at least it is looked at before that: at its samples, where its accelerations are largest.
+/// Lowest rate of the rough check before that, Hz. It checks at least the samples, where accelerations are largest.
 const ROUGH_HZ: f64 = 100.0;
-/// How often a motion is fitted for one show.
+/// Largest number of fits for one show.
 const FITS: usize = 12;
-/// How much nearer to its motion a show is brought each time, and at most, in shares of its largest error: a curve of
-/// short spans in whole steps has accelerations in proportion to its step.
+/// Factor on a show's error each time that it is brought nearer to its motion, and the smallest share of its largest
+/// error. A curve with short spans and quantized steps has accelerations in proportion to its step.
 const NEARER: f64 = 0.25;
 const NEAREST: f64 = 1.0 / 256.0;
-/// How long before and after an excess it is as near, and how long it takes to be as far off as before, s: an error of
-/// 0.25 degrees that comes and goes in 0.4 s asks for 0.1 rad/s².
+/// Time before and after an excess in which the error is reduced, and time in which the error grows to its old size,
+/// s. An error of 0.25 degrees that appears and disappears in 0.4 s needs 0.1 rad/s².
 const AROUND_S: f64 = 0.03;
 const BESIDE_S: f64 = 0.4;
 
-/// Why a motion is no show.
+/// Error of a motion that cannot become a show.
 #[derive(Debug, Error)]
 pub enum BakeError {
-    /// The show's own bounds.
+    /// The motion exceeds the bounds of the format.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// What was written is no show that plays.
+    /// The written show does not play.
     #[error("the show does not play: {0}")]
     Show(#[from] ShowError),
-    /// A rate that a show cannot state.
+    /// The format cannot express the rate.
     #[error("rate: expected a whole number of samples a second, or one over 1.001, found {0}")]
     Rate(f64),
     /// The motion cannot be brought within the rig's limits.
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// The fitted motion cannot be led to its beginning.
+    /// The fitted motion cannot be blended into its start.
     #[error(transparent)]
     Loop(#[from] LoopError),
-    /// The show cannot be looked at.
+    /// The show cannot be checked.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// What a show rounds leads beyond a limit, however often the motion is fitted.
+    /// Rounding in the show exceeds a limit, however often the motion is fitted.
     #[error(
         "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --tolerance-deg, or more room in \
          rig.toml, helps, and a longer --loop-blend-s of a loop",
@@ -67,15 +68,15 @@ pub enum BakeError {
         kind.shown(*slides, *limit)
     )]
     Rounded {
-        /// The dof.
+        /// Name of the dof.
         joint: String,
-        /// Whether it slides.
+        /// Whether the dof slides.
         slides: bool,
-        /// Of what.
+        /// Quantity that exceeds its limit.
         kind: Kind,
-        /// The value that was found.
+        /// Value in the show.
         value: f64,
-        /// The limit.
+        /// Limit of the rig.
         limit: f64,
     },
 }
@@ -85,45 +86,46 @@ pub enum BakeError {
 pub struct Baked {
     /// The show, and its errors at the samples.
     pub written: Written,
-    /// How long it lasts, s.
+    /// Duration, s.
     pub duration_s: f64,
-    /// Its degrees of freedom that move.
+    /// Number of moving dofs.
     pub dofs: usize,
 }
 
 impl Baked {
-    /// Minutes of such a motion that so many bytes hold.
+    /// Returns the minutes of a show like this that fit into a number of bytes.
     pub fn minutes_in(&self, bytes: usize) -> f64 {
         let per_s = self.written.bytes.len() as f64 / self.duration_s;
         bytes as f64 / per_s / 60.0
     }
 }
 
-/// What a show tells beside the motion.
+/// Content of a show besides the motion.
 #[derive(Debug, Clone, Default)]
 pub struct ShowMarks {
     /// Rows of the motion, with names.
     pub cues: Vec<(u32, String)>,
-    /// Of the first row.
+    /// Time code of the first row.
     pub time_code: Option<TimeCode>,
-    /// Rows of the motion and of the one that it was slowed down from: see [`course`].
+    /// Pairs of a row of the motion and a row of the motion before it was slowed down: see [`course`].
     pub course: Vec<(u32, u32)>,
-    /// Whether the show goes round: the last row of its motion is the first again.
+    /// Whether the show is a loop: the last row of its motion equals the first.
     pub is_loop: bool,
 }
 
 impl ShowMarks {
-    /// A fit's motion, with nothing beside it.
+    /// Returns the motion of a fit without marks, for [`Baker::bake_within`].
     ///
     /// # Errors
-    /// None: as [`Baker::bake_within`] asks for it.
+    /// None. The type is that of [`Baker::bake_within`].
     pub fn of_none(fit: &Fit) -> Result<(Cow<'_, RigMotion>, Self), BakeError> {
         Ok((Cow::Borrowed(&fit.motion), Self::default()))
     }
 }
 
-/// How a fit goes through the given motion, for the time code to follow: pairs of their rows, between which the error
-/// is at most half a frame and what rounding to rows adds. Empty if it was not slowed down.
+/// Returns pairs of rows, of the fit and of the given motion, so that the time code can follow a slowed-down show.
+/// Between pairs the error is at most half a frame plus the rounding to rows. Empty if the motion was not slowed
+/// down.
 pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
     let dt_s = fit.motion.dt_s;
     let most = 0.5 / f64::from(time_code.frames_per_second) / dt_s;
@@ -134,7 +136,7 @@ pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();
     let (mut first, mut slopes) = (0, [f64::NEG_INFINITY, f64::INFINITY]);
     for row in 1..given.len() {
-        // The slopes that come near enough to each row since the last pair.
+        // Slopes that are near enough to each row since the last pair.
         let far = (row - first) as f64;
         let way = given[row] - given[first];
         let to = [f64::max(slopes[0], (way - most) / far), f64::min(slopes[1], (way + most) / far)];
@@ -153,14 +155,14 @@ pub fn course(fit: &Fit, time_code: TimeCode) -> Vec<(u32, u32)> {
     pairs.into_iter().map(|row| (row as u32, given[row].round() as u32)).collect()
 }
 
-/// What shows of one rig have in common.
+/// Data that all shows of a rig share.
 #[derive(Debug, Clone, Copy)]
 pub struct Baker<'a> {
-    /// The rig.
+    /// The rig for which shows are baked.
     pub mechanism: &'a Mechanism,
-    /// The CRC of its compact form, or 0.
+    /// CRC of the rig's compact form, or 0.
     pub rig: u32,
-    /// How near a show is to its motion.
+    /// Error bounds of a show.
     pub settings: Settings,
 }
 
@@ -168,15 +170,15 @@ impl Baker<'_> {
     /// Writes a show of a rig's motion.
     ///
     /// # Errors
-    /// [`BakeError`] if the motion is beyond what a show holds.
+    /// [`BakeError`] if the motion exceeds the bounds of the format.
     pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
         content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
     }
 
-    /// Makes a show of a fitted motion that itself keeps to all limits. Where it does not, by what it rounds, it is
-    /// brought nearer to the motion; if that does not help, the motion is fitted once more, tighter. `given`: the
-    /// motion before the fit; `of_fit`: what is shown of a fit.
+    /// Makes a show of a fitted motion that keeps all limits in spite of rounding. If the show exceeds a limit, it is
+    /// brought nearer to the motion; if that does not help, the motion is fitted again with tighter limits. `given`:
+    /// the motion before the fit; `of_fit`: returns the motion and the marks of a fit.
     ///
     /// # Errors
     /// [`BakeError`] if there is no such show.
@@ -202,10 +204,10 @@ impl Baker<'_> {
                 fits += 1;
                 tight = tight.tightened(&report);
                 let before = fitted.motion.fingerprint();
-                // The motion, which may be long, is not held while the next one is made.
+                // Frees the motion, which may be long, before the next one is made.
                 let progress = fitted.into_progress();
                 fitted = refit(self.mechanism, &tight, given, &progress, FitSettings::default())?;
-                // Of the same motion the show would be the same.
+                // An equal motion would give an equal show.
                 if fitted.motion.fingerprint() != before {
                     break;
                 }
@@ -213,8 +215,7 @@ impl Baker<'_> {
         }
     }
 
-    /// Makes a show that is as near to its motion as it must be to keep to the limits; if none does, one that is as
-    /// near as can be.
+    /// Makes a show that is near enough to its motion to keep the limits; if no such show exists, the nearest one.
     fn bake_near(
         &self,
         limits: &Limits,
@@ -252,20 +253,20 @@ impl Baker<'_> {
         }
     }
 
-    /// The joints whose curves can be why one of them is beyond a limit.
+    /// Returns the joints whose curves can cause an excess of a joint.
     fn causes(&self, joint: usize, kind: Kind) -> impl Iterator<Item = usize> {
         let supports = |a, b| self.mechanism.supports(a, b);
         let is_cause = move |other: &usize| match kind {
             Kind::Effort => supports(joint, *other) || supports(*other, joint),
             Kind::Speed | Kind::Acceleration => joint == *other,
-            // A fit leaves room for errors of positions, and those of an instant do not heat.
+            // A fit leaves a margin for errors of positions, and a short error does not heat a servo.
             Kind::Range | Kind::LinkedRange | Kind::Heat => false,
         };
         (0..self.mechanism.bodies.len()).filter(is_cause)
     }
 }
 
-/// What a show has of a motion, and beside it.
+/// Content of a show: data from the motion, and the marks.
 struct Content<'a> {
     joints: Vec<Joint>,
     q: Vec<f64>,
@@ -282,7 +283,7 @@ impl<'a> Content<'a> {
         motion: &RigMotion,
         marks: &'a ShowMarks,
     ) -> Result<Self, BakeError> {
-        // Behind the last sample of a loop comes the first.
+        // In a loop the first sample follows the last.
         let rows = &motion.rows[..motion.rows.len() - usize::from(marks.is_loop)];
         let last = u32::try_from(rows.len() - 1).unwrap_or(u32::MAX);
         let cue = |(row, name): &'a (u32, String)| ((*row).min(last), name.as_str());
@@ -315,7 +316,7 @@ impl<'a> Content<'a> {
 
     fn baked(&self, writer: &mut Writer<'_>) -> Result<Baked, BakeError> {
         let written = writer.write()?;
-        // What was written is opened as a board opens it.
+        // The show is opened in the same way as on a board.
         Show::open(&written.bytes)?.check_blocks()?;
         Ok(Baked { written, duration_s: self.duration_s, dofs: self.dofs })
     }
@@ -328,7 +329,7 @@ fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
     BakeError::Rounded { joint, slides, kind, value, limit }
 }
 
-/// A rate as a show has it: whole samples in whole seconds.
+/// Returns a rate in the form of a show: an integer number of samples in an integer number of seconds.
 fn rate(dt_s: f64) -> Result<Rate, BakeError> {
     let hz = dt_s.recip();
     // 1001: the rates of television.
@@ -346,14 +347,13 @@ fn rate(dt_s: f64) -> Result<Rate, BakeError> {
     Err(BakeError::Rate(hz))
 }
 
-/// A show as it is played, with the derivatives of its curve: what [`check`](sinew_retarget::feasibility::check) looks
-/// at.
+/// A show as it plays, with the derivatives of its curve, as input for [`check`](sinew_retarget::feasibility::check).
 #[derive(Debug)]
 pub struct ShowPlayback<'a> {
     player: RefCell<(Player<'a, CHANNELS>, State)>,
 }
 
-/// Coordinates with their derivatives, as a board has them.
+/// Coordinates with their derivatives, in the board's precision.
 #[derive(Debug)]
 struct State {
     q: Vec<f32>,
@@ -365,7 +365,7 @@ impl<'a> ShowPlayback<'a> {
     /// Opens a show.
     ///
     /// # Errors
-    /// [`ShowError`] if it is none, or larger than any rig.
+    /// [`ShowError`] if the bytes are not a show, or the show is larger than any rig.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ShowError> {
         let show = Show::open(bytes)?;
         show.check_blocks()?;
@@ -374,7 +374,7 @@ impl<'a> ShowPlayback<'a> {
         Ok(Self { player: RefCell::new((Player::new(show)?, state)) })
     }
 
-    /// The motion that the show has, a row every `dt_s`.
+    /// Returns the motion of the show, a row every `dt_s`.
     pub fn motion(&self, dt_s: f64) -> RigMotion {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (self.duration_s() / dt_s).round() as usize;
@@ -396,7 +396,7 @@ impl Performance for ShowPlayback<'_> {
         let (player, State { q, qd, qdd }) = &mut *self.player.borrow_mut();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let position = player.show().position_at_us((time_s.max(0.0) * 1e6).round() as u64);
-        // Its blocks were checked.
+        // The blocks are checked in `new`.
         let _ = player.state_at(position, q, qd, qdd);
         let wide = |numbers: &[f32], out: &mut Vec<f64>| {
             out.clear();
@@ -408,10 +408,12 @@ impl Performance for ShowPlayback<'_> {
     }
 }
 
-/// The CRC of a rig's compact form, by which a board knows that a show is its own; 0 with the reason, if no board holds
-/// the rig.
+/// Returns the CRC of a rig's compact form, by which a board recognizes its own shows. Returns 0 and a reason if the
+/// rig does not fit on any board.
 pub fn rig_hash(rig: &Description, mechanism: &Mechanism) -> (u32, Option<String>) {
-    let none = |why: String| (0, Some(format!("the show names no rig: no board holds it: {why}")));
+    let none = |why: String| {
+        (0, Some(format!("the show names no rig, because no board can hold this rig: {why}")))
+    };
     let board = match BoardRig::<BODIES, DOFS, SERVOS>::bake(rig, mechanism) {
         Ok(board) => board,
         Err(error) => return none(error.to_string()),

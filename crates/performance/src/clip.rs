@@ -16,15 +16,15 @@ use thiserror::Error;
 /// The longest gap that is filled, s.
 const GAP_MAX_S: f64 = 0.5;
 
-/// The longest bone that is believed, m: as long as the tallest figure.
+/// The longest plausible bone, m: as long as the tallest figure.
 const BONE_MAX_M: f64 = 3.0;
 
-/// How a clip is prepared.
+/// Settings for the preparation of a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClipSettings {
-    /// Cutoff of the low-pass, Hz; `None`: the frames as they are.
+    /// Cutoff of the low-pass filter, Hz; `None`: no filter.
     pub cutoff_hz: Option<f64>,
-    /// What the user says of the file.
+    /// Unit and axis that the user gives for the file.
     pub units: UnitOverrides,
 }
 
@@ -37,94 +37,94 @@ impl Default for ClipSettings {
 /// A clip in metres, y up, without an inserted T-pose.
 #[derive(Debug, Clone)]
 pub struct PreparedClip {
-    /// The motion.
+    /// The motion of the clip.
     pub clip: Clip,
-    /// Time of its first frame, from the first row of the file, s.
+    /// Time from the first row of the file to the first frame of `clip`, s.
     pub start_s: f64,
-    /// Which joint is which landmark.
+    /// The clip's joint for each landmark.
     pub matched: SkeletonMatch,
-    /// How it was measured.
+    /// Measured size, unit and axis of the clip.
     pub measured: Measured,
-    /// What a person should know.
+    /// Notes for the user.
     pub notes: Vec<String>,
 }
 
-/// Why a clip was not prepared.
+/// Error of a clip that cannot be prepared.
 #[derive(Debug, Error)]
 pub enum ClipError {
-    /// The file is no motion.
+    /// The file is not a motion.
     #[error(transparent)]
     Read(#[from] format::Error),
     /// There is no such file.
     #[error("{clip}: no such file, and no built-in clip: these are {}", built_in.join(", "))]
     Missing {
-        /// What was asked for.
+        /// Name that the user gave.
         clip: String,
-        /// The built-in clips.
+        /// Names of the built-in clips.
         built_in: Vec<String>,
     },
-    /// Nothing tells the rate.
+    /// The rate is unknown.
     #[error(
-        "{clip}: the file does not tell its frame rate; expected a format that does, such as BVH"
+        "{clip}: the file does not state its frame rate; expected a format that does, such as BVH"
     )]
     NoRate {
-        /// The file.
+        /// Path of the file.
         clip: String,
     },
-    /// Nothing tells the unit of length.
+    /// The unit of length is unknown.
     #[error("{clip}: {reason}")]
     NoUnit {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// Why not.
+        /// Reason why the unit cannot be determined.
         reason: String,
     },
-    /// Too little is left.
+    /// Fewer than 2 frames remain.
     #[error("{clip}: expected at least 2 frames, found {frames}")]
     TooShort {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// Frames.
+        /// Number of frames.
         frames: usize,
     },
-    /// A bone is longer than any body.
+    /// A bone is longer than any body's.
     #[error("{clip}: {source}")]
     Bone {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// Which.
+        /// The bone, and its length.
         source: LongBone,
     },
     /// A gap is too long.
     #[error("{clip}: {source}")]
     Gap {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// Where.
+        /// Place and length of the gap.
         source: gaps::GapError,
     },
-    /// A joint cannot be low-passed.
+    /// A joint cannot be low-pass filtered.
     #[error("{clip}: {source}")]
     Filter {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// Where.
+        /// The joint, and the reason.
         source: sinew_mocap::filter::FilterError,
     },
 }
 
 impl PreparedClip {
     /// Reads a clip, finds its landmarks and its unit, turns it upright, skips an inserted T-pose, fills gaps and
-    /// low-passes.
+    /// applies the low-pass filter.
     ///
     /// # Errors
-    /// [`ClipError`] names the file and what would be right.
+    /// [`ClipError`] names the file and the expected content.
     pub fn read(file: &ClipFile, settings: ClipSettings) -> Result<Self, ClipError> {
         let name = file.path.display().to_string();
         let built_in = || builtin::clips().into_iter().find(|clip| clip.name == name);
         let recording = match format::read(&file.path) {
             Ok(recording) => Recording { name: file.name.clone(), ..recording },
-            // Only where there is no such file.
+            // A built-in clip is used only if there is no such file.
             Err(error) => match built_in().filter(|_| !file.path.exists()) {
                 Some(clip) => clip,
                 None if file.path.exists() => return Err(error.into()),
@@ -143,7 +143,7 @@ impl PreparedClip {
         settings: ClipSettings,
     ) -> Result<Self, ClipError> {
         let name = || name.to_owned();
-        // A known skeleton's files may have a rate that they do not tell.
+        // Files of a known skeleton may have a rate that is not in the file.
         let known = mapping::choose(&recording.skeleton).ok();
         let known_s = known.and_then(|known| known.rate_hz).map(f64::recip);
         let matched = SkeletonMatch::of_recording(&recording);
@@ -155,7 +155,7 @@ impl PreparedClip {
         if let (None, Some(frame_time_s)) = (recording.frame_time_s, known_s) {
             let rate_hz = frame_time_s.recip();
             notes.push(format!(
-                "taken as {rate_hz} Hz, as its skeleton's files: the file does not tell its rate"
+                "taken as {rate_hz} Hz, like other files of its skeleton: the file does not state its rate"
             ));
         }
         let frame_time_s = recording.frame_time_s.or(known_s);
@@ -195,7 +195,7 @@ impl PreparedClip {
                 .map_err(|source| ClipError::Filter { clip: name(), source })?;
         }
         let rate_hz = clip.rate_hz();
-        // Television's rates are 1000 / 1001 of a whole one; others that are not whole are roundings of a writer.
+        // Television's rates are 1000 / 1001 of an integer; other fractions are rounding errors of the writer.
         let is_whole = |hz: f64| (hz - hz.round()).abs() < 1e-6 * hz;
         if !is_whole(rate_hz) && !is_whole(1.001 * rate_hz) {
             let whole_hz = rate_hz.round().max(1.0);
@@ -205,14 +205,14 @@ impl PreparedClip {
         Ok(Self { clip, start_s: t_pose as f64 * frame_time_s, matched, measured, notes })
     }
 
-    /// Keeps the first `seconds` of it.
+    /// Keeps the first `seconds` of the clip.
     pub fn cut(&mut self, seconds: f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let frames = (seconds / self.clip.frame_time_s).ceil().max(0.0) as usize;
         self.clip.frames.truncate(frames.saturating_add(1).max(2));
     }
 
-    /// The joints of the landmarks.
+    /// Returns the joints of the landmarks.
     pub fn joints(&self) -> PerformerJoints {
         let joints = LandmarkMap::of(|landmark| self.matched.joint(landmark));
         PerformerJoints::of(&self.clip.skeleton, joints)

@@ -1,15 +1,17 @@
-//! Performances: clips of any skeleton, taken over by a rig, within its limits, and stored as shows.
+//! Performances: clips of any skeleton, put on a rig, within its limits, and stored as shows.
 //!
 //! [`PreparedClip`] reads and cleans a clip; [`retarget_clip`] puts it on a rig; [`RigClip`] is evaluated; [`Baker`]
-//! stores it; [`RigPerformance`] does all of it for a clip.
+//! stores it; [`RigPerformance`] does all these steps for a clip.
 //!
-//! - [`rig`] loads rigs of the user, reviews them, and computes torques for rows of a table.
-//! - `clip` reads and cleans a clip, `retargeted_clip` puts it on a rig, `own_motion` reads a motion of the rig's own;
+//! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
+//! - `clip` reads and cleans a clip, `retargeted_clip` puts it on a rig, `own_motion` reads a motion of the rig's own
+//!   joints;
 //!   `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it.
-//! - [`play`] plays a show on simulated servos: `parts` and `line` hold what controller and lines are made of,
-//!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with flash in a file.
-//! - [`teach`] lets a hand lead a rig: `guide_trajectory` is the hand's way, `session` the simulated rig, `result` the
-//!   motion that is left.
+//! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
+//!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
+//! - [`teach`] lets a hand lead a rig: `guide_trajectory` is the hand's path, `session` the simulated rig, `result`
+//!   the
+//!   recorded motion.
 
 mod bake;
 mod clip;

@@ -1,4 +1,4 @@
-//! Motions of a rig's own in files.
+//! Reads motions of a rig's own joints from files.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use sinew_retarget::feasibility::RigMotion;
 
 use super::rig::LoadedRig;
 
-/// A kind of file with a motion of a rig's own: no clip that has to be retargeted.
+/// A kind of file with a motion of a rig's own joints. Such a motion needs no retargeting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OwnMotion {
-    /// Positions of servos, as the Blender servo animation add-on writes them.
+    /// Positions of servos, in the format of the Blender servo animation add-on.
     ServoPositions,
-    /// Joint coordinates, as `sinew record` and `sinew clip export` write them.
+    /// Joint coordinates, in the format of `sinew record` and `sinew clip export`.
     Coordinates,
 }
 
 impl OwnMotion {
-    /// Returns the kind of a file by its name; none for a clip.
+    /// Returns the kind of a file by its extension; `None` for a clip.
     pub fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()? {
             "json" => Some(Self::ServoPositions),
@@ -28,7 +28,7 @@ impl OwnMotion {
         }
     }
 
-    /// Returns the kind in words.
+    /// Returns the name of the kind.
     pub fn name(self) -> &'static str {
         match self {
             Self::ServoPositions => "positions of servos",
@@ -36,7 +36,7 @@ impl OwnMotion {
         }
     }
 
-    /// Reads the motion, and when it begins, s.
+    /// Reads the motion and its start time, s.
     ///
     /// # Errors
     /// The file is not a motion of this rig.

@@ -1,4 +1,4 @@
-//! A clip on a rig.
+//! Puts a clip on a rig.
 
 use glam::DVec3;
 use sinew_retarget::feasibility::RigMotion;
@@ -12,39 +12,39 @@ use thiserror::Error;
 
 use super::clip::PreparedClip;
 
-/// A clip on a rig, and how near it is to the performance.
+/// A clip on a rig, with its difference from the performer.
 #[derive(Debug, Clone)]
 pub struct RetargetedClip {
     /// The rig's coordinates, frame by frame.
     pub motion: RigMotion,
-    /// Angle between the performer's limbs and the rig's, mean over all limbs and frames, deg.
+    /// Mean angle between the performer's limbs and the rig's, over all limbs and frames, deg.
     pub limbs_mean_deg: f64,
-    /// The largest of them.
+    /// Largest angle between a performer's limb and the rig's, deg.
     pub limbs_max_deg: f64,
-    /// How many limbs are compared.
+    /// Number of limbs that are compared.
     pub limbs: usize,
-    /// How many joints follow by a curve.
+    /// Number of joints that follow by a curve.
     pub curves: usize,
     /// Share of frames in which a joint is at an end of its range.
     pub at_range: f64,
     /// The joint that is most often at an end, and its share of the frames.
     pub most_held: Option<(String, f64)>,
-    /// The rig's limbs, if it has any.
+    /// Limbs of the rig, if it has any.
     pub rig: Option<RigMatch>,
-    /// By frame of the clip: the performer's limbs in the rig's world, by the landmark at their ends.
+    /// For each frame of the clip: the performer's limbs in the rig's world, by the landmark at their ends.
     pub limb_targets: Vec<Vec<BakedLimb>>,
 }
 
-/// Why a clip was not taken over.
+/// Error of a clip that cannot be put on a rig.
 #[derive(Debug, Error)]
 pub enum RetargetError {
-    /// The rig has nothing that a performer has.
+    /// The rig has no landmark of a body.
     #[error("{0}; curves from single joints, in a mapping, can drive it: see docs/shows.md")]
     Rig(#[from] RigMatchError),
     /// The mapping does not fit.
     #[error(transparent)]
     Mapping(#[from] MappingError),
-    /// Nothing would move.
+    /// No joint would move.
     #[error(
         "the mapping has neither a [[landmark]] nor a [[curve]]: no joint would follow anything"
     )]
@@ -54,12 +54,12 @@ pub enum RetargetError {
     Performer {
         /// Name of the clip.
         clip: String,
-        /// Why.
+        /// Reason for the error.
         source: PerformerError,
     },
 }
 
-/// What follows what.
+/// The joints of rig and clip that correspond.
 struct Roles {
     rig: Option<RigMatch>,
     joints: PerformerJoints,
@@ -67,7 +67,7 @@ struct Roles {
 }
 
 impl Roles {
-    /// By names and geometry, or as a mapping says.
+    /// Finds the correspondence by names and geometry, or reads it from a mapping.
     fn of(
         mechanism: &Mechanism,
         clip: &PreparedClip,
@@ -82,17 +82,17 @@ impl Roles {
         }
         mapping.check(mechanism, &clip.clip.skeleton)?;
         let joints = mapping.performer_joints(&clip.clip.skeleton)?;
-        // A face follows by curves alone.
+        // A face follows by curves only.
         let rig =
             (!mapping.landmarks.is_empty()).then(|| mapping.rig_match(mechanism)).transpose()?;
         Ok(Self { rig, joints, settings: mapping.settings() })
     }
 }
 
-/// Puts a clip on a rig: by names and geometry, or as a mapping says. `mirror`: left and right changed.
+/// Puts a clip on a rig: by names and geometry, or by a mapping. `mirror`: swaps left and right.
 ///
 /// # Errors
-/// [`RetargetError`] if rig or clip have nothing in common with a body, or the mapping does not fit them.
+/// [`RetargetError`] if rig or clip have no landmark of a body, or the mapping does not fit them.
 pub fn retarget_clip(
     mechanism: &Mechanism,
     clip: &PreparedClip,
@@ -127,7 +127,7 @@ pub fn retarget_clip(
     })
 }
 
-/// The rig at home, as long as the clip.
+/// Returns the rig at home, for the duration of the clip.
 fn still(mechanism: &Mechanism, clip: &PreparedClip) -> Baked {
     let frames = clip.clip.frames.len();
     Baked {
@@ -166,7 +166,7 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> RetargetedCl
 }
 
 impl RetargetedClip {
-    /// A motion that is the rig's own already.
+    /// Wraps a motion of the rig's own joints, which needs no retargeting.
     pub fn own(motion: RigMotion) -> Self {
         let frames = motion.rows.len();
         Self {
@@ -182,8 +182,8 @@ impl RetargetedClip {
         }
     }
 
-    /// Angles in deg between the limbs of a rig, its bodies at these poses in the world, and the performer's at a time
-    /// of the clip.
+    /// Returns the angles between the rig's limbs, with its bodies at `poses` in the world, and the performer's limbs
+    /// at a time of the clip, deg.
     pub fn limb_errors_deg<'a>(
         &'a self,
         clip_time_s: f64,

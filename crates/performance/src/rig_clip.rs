@@ -1,4 +1,4 @@
-//! A rig's own motion, evaluated.
+//! A clip on a rig, for the evaluation.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use sinew_rig::Mechanism;
 
 use super::retargeted_clip::RetargetedClip;
 
-/// A clip that a rig has taken over, at the rate of control.
+/// A clip on a rig, at the control rate.
 #[derive(Debug, Clone)]
 pub struct RigClip {
     name: String,
@@ -22,10 +22,10 @@ pub struct RigClip {
 }
 
 impl RigClip {
-    /// What a rig has taken over, or the fit of it, resampled to `rate_hz`.
+    /// Resamples a clip on a rig, or its fit, to `rate_hz`.
     ///
     /// # Errors
-    /// [`MotionError`] if it is no motion of the rig.
+    /// [`MotionError`] if it is not a motion of the rig.
     pub fn new(
         [name, rig]: [&str; 2],
         mechanism: &Arc<Mechanism>,

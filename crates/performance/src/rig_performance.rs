@@ -19,47 +19,47 @@ use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
 use super::table::fitted;
 
-/// Choices of what is done to a motion before it is used.
+/// Choices for the changes of a motion before its use.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MotionChoices {
-    /// Whether the nearest motion within all limits of the rig is made.
+    /// Whether the motion is fitted within all limits of the rig.
     pub fit: bool,
-    /// The time before a loop's end in which the motion is led to its beginning, s.
+    /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
 }
 
-/// Choices of a show.
+/// Choices for a show.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ShowChoices<'a> {
     /// The CRC of the rig's compact form, or 0.
     pub rig_crc: u32,
-    /// How near the show is to its motion.
+    /// Error bounds of the show.
     pub settings: Settings,
-    /// Names, and when they are in the clip, s.
+    /// Cues: names, and times in the clip, s.
     pub cues: &'a [(String, f64)],
     /// The time code of the first row.
     pub time_code: Option<TimeCode>,
 }
 
-/// A motion on a rig, and what was done to it.
+/// A motion on a rig, and the changes that were made to it.
 pub struct RigPerformance {
     /// Name of the clip.
     pub name: String,
     /// Time of its first frame in the clip's file, s.
     pub start_s: f64,
-    /// The clip on the rig; of a loop with the looped motion.
+    /// The clip on the rig; for a loop, with the looped motion.
     pub clip: RetargetedClip,
     /// The limits of the rig.
     pub limits: Limits,
     /// The changes made for a loop; its motion is in `clip`.
     pub looped: Option<LoopedMotion>,
-    /// The motion within the limits, if it was to be fitted.
+    /// The fitted motion, if a fit was chosen.
     pub fit: Option<Fit>,
     loop_blend_s: Option<f64>,
 }
 
 impl RigPerformance {
-    /// Makes a loop of the motion if that is chosen, and brings it within the rig's limits if that is.
+    /// Makes a loop of the motion and fits it within the rig's limits, if that is chosen.
     ///
     /// # Errors
     /// The motion cannot be looped or fitted.
@@ -75,7 +75,7 @@ impl RigPerformance {
         let on_rig = || format!("{name} on {}", rig.description.name);
         let led = |blend_s| -> Result<LoopedMotion, LoopError> {
             let looped = looped(mechanism, &clip.motion, blend_s)?;
-            // A fit brings all of it within the limits.
+            // A fit would bring all of the motion within the limits.
             if !choices.fit {
                 looped.check(mechanism, &limits, &clip.motion)?;
             }
@@ -94,8 +94,8 @@ impl RigPerformance {
         Ok(Self { name: name.to_owned(), start_s, clip, limits, looped, fit, loop_blend_s })
     }
 
-    /// Bakes the motion as a show, and checks the show against the rig's limits. A fitted motion is fitted once more
-    /// where the show would exceed a limit.
+    /// Bakes the motion as a show, and checks the show against the rig's limits. A fitted motion is fitted again if
+    /// the show would exceed a limit.
     ///
     /// # Errors
     /// There is no such show, or a cue is not within the clip.
@@ -108,7 +108,7 @@ impl RigPerformance {
         let baker = Baker { mechanism, rig: rig_crc, settings };
         let is_loop = self.loop_blend_s.is_some();
         let marks = |cues, course| ShowMarks { cues, time_code, course, is_loop };
-        // Cues out of the clip are refused before the work.
+        // Cues outside the clip are refused before the work.
         let cues = self.cues(None, choices.cues)?;
         let Some(fit) = self.fit.take() else {
             let baked = baker.bake(&self.clip.motion, &marks(cues, Vec::new()))?;
@@ -120,7 +120,8 @@ impl RigPerformance {
             baker.bake_within(&self.limits, &self.clip.motion, fit, |fit| {
                 let course = time_code.map(|code| course(fit, code)).unwrap_or_default();
                 let cues = self.cues(Some(fit), choices.cues).unwrap_or_default();
-                // A fit knows nothing of loops: what it did to one end and not to the other is little, and is mended.
+                // A fit does not know of loops. It may change one end more than the other by a little; closing the
+                // loop again corrects that.
                 let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
                 let closed = self.loop_blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
                 let motion =
@@ -131,7 +132,7 @@ impl RigPerformance {
         Ok((baked, report))
     }
 
-    /// Returns the rows of cues, whose times are the clip's, in its motion or in that of a fit.
+    /// Returns the rows of cues, whose times are those of the clip, in the motion or in a fit's motion.
     fn cues(
         &self,
         fit: Option<&Fit>,
@@ -148,7 +149,7 @@ impl RigPerformance {
         cues.iter().map(cue).collect()
     }
 
-    /// Returns the row of the motion, or of a fit's, at a time of the clip.
+    /// Returns the row of the motion, or of a fit's motion, at a time of the clip.
     fn row_at(&self, fit: Option<&Fit>, given_s: f64) -> usize {
         let motion = &self.clip.motion;
         let (row, rows) = match fit {
@@ -163,19 +164,19 @@ impl RigPerformance {
         row.min(rows.saturating_sub(1))
     }
 
-    /// Returns what a fit has done, in words.
+    /// Describes the changes by a fit.
     pub fn fit_summary(&self) -> Option<String> {
         let given_s = self.clip.motion.duration_s();
         self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s))
     }
 
-    /// Returns when a time of the clip is in the motion that is used, s.
+    /// Converts a time of the clip to a time of the used motion, s.
     pub fn time_s(&self, given_s: f64) -> f64 {
         self.row_at(self.fit.as_ref(), given_s) as f64 * self.motion().dt_s
     }
 
-    /// Returns the angles between the limbs of the motion that is used and the performer's, deg: mean and largest; none
-    /// if no limb is followed.
+    /// Returns the mean and largest angle between the limbs of the used motion and the performer's, deg; `None` if no
+    /// limb is followed.
     pub fn limb_errors_deg(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
         let motion = self.motion();
         let (mut sum, mut most, mut count) = (0.0, 0.0, 0_u32);
@@ -192,13 +193,13 @@ impl RigPerformance {
         (count > 0).then(|| [sum / f64::from(count), most])
     }
 
-    /// Returns the motion that is used: the fitted one, if there is one.
+    /// Returns the used motion: the fitted one, if there is one.
     pub fn motion(&self) -> &RigMotion {
         self.fit.as_ref().map_or(&self.clip.motion, |fit| &fit.motion)
     }
 }
 
-/// Reads a mapping of a clip's joints on a rig.
+/// Reads a mapping of a clip's joints to a rig.
 ///
 /// # Errors
 /// The file is not a mapping.

@@ -1,4 +1,4 @@
-//! Feasibility reports in words.
+//! Formats feasibility reports as text.
 
 use std::fmt::Write as _;
 
@@ -9,8 +9,8 @@ use sinew_rig::mechanism::JointModel;
 
 use super::text;
 
-/// What a motion asks of each joint, beside its limits, and where it exceeds them. Joints that do not move, and have no
-/// load, are left out.
+/// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do
+/// not move and carry no load are left out.
 pub fn feasibility(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -61,7 +61,7 @@ pub fn feasibility(
     let mut told = 0;
     for (index, excess) in report.excesses.iter().enumerate() {
         let same = |other: &&Excess| (other.dof, other.kind) == (excess.dof, excess.kind);
-        // Of each joint and limit one line: the worst, and how often.
+        // One line for each joint and limit: the worst excess, and the number of excesses.
         if report.excesses[..index].iter().any(|other| same(&other)) {
             continue;
         }
@@ -93,7 +93,7 @@ pub fn feasibility(
     out
 }
 
-/// What a fit has done.
+/// Describes the changes by a fit.
 pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     let mut out = String::new();
     let mut line =
@@ -114,7 +114,8 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     }
     for lowered in &fit.lowered {
         line(format_args!(
-            "drawn towards home: {}, down to {:.0} % of its way at {:.2} s: gravity or heat ask for more than the drive gives",
+            "drawn towards home: {}, down to {:.0} % of its way at {:.2} s: gravity or heat would exceed what the \
+             drive gives",
             lowered.joint,
             100.0 * lowered.share,
             lowered.at_s
@@ -145,7 +146,7 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
     out
 }
 
-/// What was done for a loop.
+/// Describes the changes that made a loop.
 pub fn led(mechanism: &Mechanism, looped: &LoopedMotion) -> String {
     let (body, change) = looped.most;
     let link = &mechanism.bodies[body];

@@ -1,21 +1,21 @@
-//! Numbers and units as people read them: angles in deg, ways in mm.
+//! Formats numbers and units: angles in deg, lengths in mm.
 
 use sinew_retarget::feasibility::{Excess, Kind, Limits, Report};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link};
 
-/// A position with one decimal.
+/// Formats a position with one decimal.
 pub fn position(slides: bool, position: f64) -> String {
     plain(&format!("{:.1}", in_unit(slides, position)))
 }
 
-/// A change of a joint, with its unit.
+/// Formats a change of a joint, with its unit.
 pub fn change(slides: bool, change: f64) -> String {
     let unit = Kind::Range.unit(slides);
     format!("{}{unit}", number(in_unit(slides, change)))
 }
 
-/// The same of a change that is large enough to be shown.
+/// Formats a change; `None` if it rounds to 0.
 pub fn visible_change(slides: bool, size: f64) -> Option<String> {
     (number(in_unit(slides, size)) != "0").then(|| change(slides, size))
 }
@@ -24,7 +24,8 @@ fn in_unit(slides: bool, position: f64) -> f64 {
     if slides { 1000.0 * position } else { position.to_degrees() }
 }
 
-/// How many degrees of freedom have no limit, of what is looked at, as a sentence; `None` if all have.
+/// Returns a sentence with the numbers of dofs whose limits are unknown, for the limits that are checked; `None` if
+/// all are known.
 pub fn unknown(mechanism: &Mechanism, limits: &Limits, report: &Report) -> Option<String> {
     let moved = |link: &&Link| !matches!(link.joint, JointModel::Fixed | JointModel::Free);
     let count = |is_free: &dyn Fn(&Link) -> bool| -> usize {
@@ -47,7 +48,7 @@ pub fn unknown(mechanism: &Mechanism, limits: &Limits, report: &Report) -> Optio
     (!told.is_empty()).then(|| format!("Without a limit, of {all} degrees of freedom: {told}."))
 }
 
-/// A number with three digits or so.
+/// Formats a number with about three digits.
 pub fn number(x: f64) -> String {
     let digits = match x.abs() {
         size if size >= 99.95 => 0,
@@ -58,7 +59,7 @@ pub fn number(x: f64) -> String {
     plain(&format!("{x:.digits$}"))
 }
 
-/// A true minus; no zero below zero, and none with decimals.
+/// Uses a true minus sign, and writes zero without sign and decimals.
 fn plain(text: &str) -> String {
     if text.trim_start_matches(['-', '0', '.']).is_empty() {
         return "0".into();
@@ -66,8 +67,8 @@ fn plain(text: &str) -> String {
     text.replace('-', "−")
 }
 
-/// By how much a limit is exceeded: "5.31 of 4.00 rad/s, 133 %", or "42.1° of 40.0°, 2.10° beyond". `rounding`: the
-/// largest error of what was looked at, rad and m.
+/// Describes an excess of a limit: "5.31 of 4.00 rad/s, 133 %", or "42.1° of 40.0°, 2.10° beyond". `rounding`: the
+/// largest error of the checked motion, rad and m.
 pub fn excess(slides: bool, excess: &Excess, rounding: [f64; 2]) -> String {
     let unit = excess.kind.unit(slides);
     if matches!(excess.kind, Kind::Range | Kind::LinkedRange) {

@@ -1,4 +1,4 @@
-//! A loop of the playback as one picture that moves: an SVG, for places where no script may run.
+//! A loop of the playback as a single animated SVG, for places where no script may run.
 
 use glam::DVec3;
 use maud::{Markup, PreEscaped, html};
@@ -8,14 +8,14 @@ use super::playback::{Playback, Run};
 use super::scene::{Camera, Points, STAGE_HEIGHT, STAGE_WIDTH, Stage, gradients};
 use super::text::Words;
 
-/// How long a loop may be, in seconds.
+/// Minimum duration of a loop, in seconds. The next constant is the maximum.
 const SHORTEST_S: f64 = 1.2;
 const LONGEST_S: f64 = 2.4;
 
 /// Time between two frames, in seconds.
 const FRAME_S: f64 = 0.04;
 
-/// The last run around the playback's best frame.
+/// Returns the animation of the last run, around the playback's best frame.
 pub(super) fn animation(playback: &Playback, words: Words<'_>) -> Option<Markup> {
     let run = playback.runs.last()?;
     let every = frames(FRAME_S, playback.dt_s).max(1);
@@ -59,7 +59,7 @@ pub(super) fn animation(playback: &Playback, words: Words<'_>) -> Option<Markup>
     })
 }
 
-/// What is seen, in words.
+/// Describes the picture in words.
 fn caption(playback: &Playback, run: &Run, words: Words<'_>) -> String {
     let (clip, name, method) = (words.clip(), &playback.clip, run.method.label());
     let by = words.follower(run.scale);
@@ -70,7 +70,8 @@ fn caption(playback: &Playback, run: &Run, words: Words<'_>) -> String {
     )
 }
 
-/// Every moment is seen for its share of the loop. Who asked for no motion, or has a program that knows none, sees one.
+/// Returns the style that shows each frame for its share of the loop. A still frame is shown if the reader prefers
+/// reduced motion, or if the program does not support animations.
 fn style(seconds: f64, moments: usize) -> String {
     format!(
         ".moment{{visibility:hidden;animation:moment {seconds:.2}s step-end infinite}}.still{{visibility:visible}}\
@@ -80,8 +81,8 @@ fn style(seconds: f64, moments: usize) -> String {
     )
 }
 
-/// First frame of the loop and the one after its last: around the best frame, and so that the end is most like the
-/// beginning.
+/// Returns the first frame of the loop and the frame after its last: around the best frame, with the end as
+/// similar as possible to the beginning.
 fn ends(playback: &Playback, every: usize) -> Option<(usize, usize)> {
     let best = playback.view.frame;
     let [shortest, longest] = [SHORTEST_S, LONGEST_S].map(|s| frames(s, playback.dt_s));

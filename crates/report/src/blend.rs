@@ -1,5 +1,5 @@
-//! What `sinew clip blend` made: figures through the transition, where the clips are near each other, and how fast
-//! their joints are.
+//! Draws the result of `sinew clip blend`: figures through the transition, the distance map of the clips, and the
+//! speed of their joints.
 
 use std::io;
 use std::path::Path;
@@ -21,44 +21,45 @@ use super::scene::{
     side_view_rad,
 };
 
-/// Figures in the row.
+/// Number of figures in the row.
 const FIGURES: usize = 9;
-/// A figure's cell, and the middle of the stage that it shows.
+/// Width of a figure's cell. The next constants are its height, and the width of the part of the stage that it
+/// shows.
 const CELL: f64 = 116.0;
 const CELL_HEIGHT: f64 = CELL * STAGE_HEIGHT / VIEW_WIDTH;
 const VIEW_WIDTH: f64 = 340.0;
-/// Between two cells.
+/// Space between two cells.
 const GAP: f64 = 4.0;
 const WIDTH: f64 = FIGURES as f64 * (CELL + GAP) - GAP;
 /// Height of the title and the line below it.
 const TOP: f64 = 46.0;
-/// Where the charts begin, how high they are with their titles, and what is below them.
+/// Top of the charts. The next constants are the height of their titles, their own height, and the total height.
 const CHARTS: f64 = TOP + CELL_HEIGHT + 30.0;
 const CHART_TOP: f64 = 24.0;
 const CHART: f64 = 280.0;
 const HEIGHT: f64 = CHARTS + CHART_TOP + CHART + 78.0;
-/// Width of the map, and most cells along a side.
+/// Width of the map. The next constant is the maximum number of cells along a side.
 const MAP: f64 = 420.0;
 const CELLS: usize = 60;
-/// Steps of the colours.
+/// Number of colour steps.
 const LEVELS: f64 = 9.0;
 
-/// What is drawn.
+/// The content of the drawing.
 #[derive(Debug, Clone, Copy)]
 pub struct Drawing<'a> {
-    /// Both clips.
+    /// The two clips.
     pub pair: &'a Pair,
-    /// How their skeleton maps on the figure; `None` if it is no human's.
+    /// Mapping of their skeleton to the figure; `None` if the skeleton is not human.
     pub mapping: Option<&'a Mapping>,
-    /// How their frames are numbered in their files.
+    /// Names and frame times of the clips in their files.
     pub sides: [Side<'a>; 2],
-    /// Where they meet.
+    /// Nearest pair of frames.
     pub nearest: &'a Nearest,
-    /// The motion.
+    /// The blended motion.
     pub blend: &'a Blend,
 }
 
-/// Whether a picture can be written under that name.
+/// Checks that a picture can be written with this name.
 ///
 /// # Errors
 /// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`.
@@ -66,15 +67,17 @@ pub fn check(path: &Path) -> io::Result<()> {
     file::check(path)
 }
 
-/// Draws a blend, as SVG, or as PNG if the file is named so.
+/// Draws a blend as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
-/// cannot be drawn.
+/// The error of the operating system; [`io::ErrorKind::InvalidInput`] for a file with another extension, or a
+/// skeleton that cannot be drawn.
 pub fn write(path: &Path, drawing: &Drawing<'_>) -> io::Result<()> {
     let invalid = |error: String| io::Error::new(io::ErrorKind::InvalidInput, error);
     let mapping = drawing.mapping.ok_or_else(|| {
-        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+        invalid(
+            "expected a human (other skeletons are not drawn), found another skeleton".to_owned(),
+        )
     })?;
     let binding = Binding::new(mapping, &drawing.blend.clip.skeleton)
         .map_err(|error| invalid(error.to_string()))?;
@@ -105,7 +108,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// A row of figures: one of each clip alone at the ends.
+    /// Draws a row of figures, with one of each clip alone at the ends.
     fn figures(&self, motion: &FigureMotion) -> Markup {
         let Blend { first, last, clip, .. } = self.blend;
         let margin = (last - first) / (FIGURES - 3);
@@ -155,14 +158,14 @@ impl Drawing<'_> {
         }
     }
 
-    /// How much of a frame is the second clip's.
+    /// Returns the second clip's share in the pose of a frame.
     fn share(&self, frame: usize) -> f64 {
         let Blend { first, last, .. } = *self.blend;
         let t = (frame as f64 - first as f64) / (last - first) as f64;
         sinew_pose_metrics::blend::least_jerk(t.clamp(0.0, 1.0))
     }
 
-    /// How near all frames of both are: the way straight through space.
+    /// Draws the distances of all pairs of frames: the straight-line distance of the joints.
     fn map(&self, rig: &SpatialRig<BODY_COUNT_MAX>) -> Markup {
         let measuring = RigMeasure::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;
@@ -187,7 +190,7 @@ impl Drawing<'_> {
             let share = if high > low { (high - distance) / (high - low) } else { 0.0 };
             (share * LEVELS).min(LEVELS - 1.0) as usize
         };
-        // Neighbours of one colour are one rectangle.
+        // Neighbouring cells of one colour become one rectangle.
         let rows: Vec<Vec<(usize, usize, usize)>> = (0..of_b.len())
             .map(|j| {
                 let mut runs: Vec<(usize, usize, usize)> = Vec::new();
@@ -243,7 +246,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// The fastest joint around the blend: of the motion, and of both clips alone.
+    /// Draws the speed of the fastest joint around the blend: in the joined motion, and in both clips alone.
     fn speeds(&self) -> Markup {
         let Blend { first, last, speeds: [all, of_a, of_b], clip, .. } = self.blend;
         let dt_s = clip.frame_time_s;
@@ -288,7 +291,7 @@ impl Drawing<'_> {
     }
 }
 
-/// A colour between the first clip's and the second's, from the lit side to the dark one.
+/// Returns three shades, light to dark, of a colour between the first clip's and the second's.
 fn shades(share: f64) -> [String; 3] {
     const FIRST: [[f64; 3]; 3] = [[168.0, 208.0, 255.0], [60.0, 132.0, 214.0], [20.0, 62.0, 118.0]];
     const SECOND: [[f64; 3]; 3] = [[255.0, 214.0, 150.0], [236.0, 142.0, 34.0], [130.0, 66.0, 4.0]];

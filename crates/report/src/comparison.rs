@@ -12,22 +12,22 @@ use super::scene::{
     side_view_rad,
 };
 
-/// Time that the posture is held, in seconds: some 40 time constants of the controller.
+/// Time for which the posture is held, in seconds: about 40 time constants of the controller.
 const HELD_S: f64 = 3.0;
 
 /// The methods of the paper's Figure 4.
 const METHODS: [MethodName; 2] = [MethodName::World, MethodName::LinearCompensation];
 
-/// Hands and feet, as one calls them.
+/// Indices and names of hands and feet.
 const MISSES: [(usize, &str); 4] =
     [(7, "left hand"), (11, "right hand"), (14, "left foot"), (17, "right foot")];
 
 /// One posture of a clip, held by a figure with every method until it rests.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// The clip that the posture is from.
+    /// Name of the posture's clip.
     pub clip: String,
-    /// The frame of it.
+    /// Frame of the posture in the clip.
     pub frame: usize,
     /// Factor on the figure's dimensions.
     pub scale: f64,
@@ -36,26 +36,26 @@ pub struct Comparison {
     results: Vec<PostureResult>,
 }
 
-/// How one method holds the posture.
+/// The result of holding the posture with one method.
 #[derive(Debug, Clone, PartialEq)]
 struct PostureResult {
     method: MethodName,
     mannequin: Mannequin,
     points: Points,
-    /// Means of the last step, over all bodies and over the leaves.
+    /// Mean errors of the last step, over all bodies and over the leaves.
     errors: Errors,
-    /// Distances of hands and feet from where they should be, as in [`MISSES`].
+    /// Distances of hands and feet from their desired positions, in the order of [`MISSES`].
     misses_cm: [f64; 4],
-    /// The fastest of hands and feet during the last step.
+    /// Highest speed of hands and feet during the last step.
     fastest_mm_s: f64,
 }
 
 impl Comparison {
-    /// Lets a figure of `scale` times the clip's dimensions hold the clip's farthest reach, in the
-    /// protocol's setup.
+    /// Makes a figure of `scale` times the clip's dimensions hold the clip's farthest reach, in the protocol's
+    /// setup.
     ///
     /// # Errors
-    /// [`RunError`], as of any run.
+    /// [`RunError`] of the runs.
     pub fn new(motion: &FigureMotion, protocol: &Protocol, scale: f64) -> Result<Self, RunError> {
         let frame = most_outstretched(motion);
         let held = held(motion, frame);
@@ -97,7 +97,7 @@ impl Comparison {
         Ok(Self { clip: motion.name.clone(), frame, scale, mannequin, desired, results })
     }
 
-    /// What is seen, in words.
+    /// Describes the picture in words.
     pub(super) fn caption(&self) -> String {
         let rests = self.results.iter().map(|held| held.fastest_mm_s).fold(0.0, f64::max);
         let state = if rests < 1.0 {
@@ -112,7 +112,7 @@ impl Comparison {
         )
     }
 
-    /// One panel per method, each an SVG.
+    /// Returns one panel per method, each an SVG.
     pub(super) fn panels(&self) -> Vec<Markup> {
         self.results
             .iter()
@@ -127,7 +127,7 @@ impl Comparison {
             .collect()
     }
 
-    /// All panels side by side as one SVG.
+    /// Returns all panels side by side as one SVG.
     pub(super) fn picture(&self) -> Markup {
         let gap = 12.0;
         let step = STAGE_WIDTH + gap;
@@ -161,7 +161,7 @@ impl Comparison {
         }
     }
 
-    /// Yellow lines from where hands and feet should be to where they are, with labels beside.
+    /// Draws yellow lines from the desired to the actual positions of hands and feet, with labels.
     fn misses(&self, held: &PostureResult, stage: &Stage<'_>) -> Markup {
         let ends = |body: usize| [self.desired[body], held.points[body]].map(|at| stage.place(at));
         let texts = MISSES.iter().zip(held.misses_cm).map(|((body, name), miss_cm)| {
@@ -181,13 +181,13 @@ impl Comparison {
         }
     }
 
-    /// From in front and a little aside, on all of the figure.
+    /// Returns a camera in front and slightly aside, with the whole figure in view.
     fn camera(&self) -> Camera {
         let (low, high) =
             self.desired.iter().fold((self.desired[0], self.desired[0]), |(low, high), point| {
                 (low.min(*point), high.max(*point))
             });
-        // Hands and feet of the larger figure reach a little farther, and labels stand at the sides.
+        // Hands and feet of the larger figure extend farther, and labels need room at the sides.
         let wide_m = 1.5 * (high - low).with_y(0.0).length() * self.scale;
         let size_m = ((high.y - low.y) * 1.25 * self.scale).max(wide_m).max(1.0);
         Camera {
@@ -214,18 +214,18 @@ fn miss_cm(desired: &[Pose], measured: &[Pose], body: usize) -> f64 {
     (desired[body].position_m - measured[body].position_m).length() * 100.0
 }
 
-/// The frame of the farthest reach.
+/// Returns the frame of the farthest reach.
 fn most_outstretched(motion: &FigureMotion) -> usize {
     let reaches = (0..motion.rotation.len()).map(|frame| reach_m(&motion.world_positions_m(frame)));
     farthest(reaches)
 }
 
-/// Index of the largest value, the first of equal ones.
+/// Returns the index of the largest value, the first of equal values.
 pub(super) fn farthest(reaches: impl Iterator<Item = f64>) -> usize {
     reaches.enumerate().fold((0, 0.0), |best, one| if one.1 > best.1 { one } else { best }).0
 }
 
-/// A clip that stands still in one frame of another.
+/// Returns a clip that holds one frame of another clip.
 fn held(motion: &FigureMotion, frame: usize) -> FigureMotion {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some hundreds")]
     let frames = (HELD_S / motion.dt_s).ceil() as usize + 3;
@@ -252,7 +252,7 @@ mod tests {
         for held in [world, compensated] {
             assert!(held.fastest_mm_s < 1.0, "{}: {} mm/s", held.method, held.fastest_mm_s);
         }
-        // World keeps the angles, Linear Compensation gives them up for the places.
+        // World keeps the angles; Linear Compensation sacrifices them for the positions.
         assert!(world.errors.all.angular_max_deg() < 0.1);
         assert!(compensated.errors.all.angular_max_deg() > 1.0);
         let mean = |held: &PostureResult| held.misses_cm.iter().sum::<f64>() / 4.0;

@@ -1,4 +1,4 @@
-//! Pictures as files.
+//! Writes pictures to files.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,11 +9,11 @@ use sinew_host_util::output::Pending;
 
 use super::{palette, png};
 
-/// Whether a picture can be written under that name, before any work is done for it.
+/// Checks that a picture can be written with this name, before it is made.
 ///
 /// # Errors
 /// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`, [`io::ErrorKind::NotFound`] if its
-/// folder is not there.
+/// folder does not exist.
 pub(super) fn check(path: &Path) -> io::Result<()> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     if extension != "svg" && extension != "png" {
@@ -22,15 +22,15 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
-        return Err(io::Error::new(io::ErrorKind::NotFound, "expected a folder that is there"));
+        return Err(io::Error::new(io::ErrorKind::NotFound, "expected an existing folder"));
     }
     Ok(())
 }
 
-/// Writes a picture as SVG, or as PNG if the file is named so.
+/// Writes a picture as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
-/// What the system says, and those of [`check`].
+/// The error of the operating system, and those of [`check`].
 pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
     check(path)?;
     let svg = alone(&picture.0);
@@ -41,10 +41,10 @@ pub(super) fn write(path: &Path, picture: &Markup) -> io::Result<()> {
     file.finish()
 }
 
-/// Writes pictures as SVG and PNG into a folder, and gives their paths.
+/// Writes pictures as SVG and PNG to a folder. Returns their paths.
 ///
 /// # Errors
-/// What the system says.
+/// The error of the operating system.
 pub fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec<PathBuf>> {
     fs::create_dir_all(folder)?;
     let mut written = Vec::new();
@@ -59,7 +59,8 @@ pub fn write_all(pictures: &[(String, Markup)], folder: &Path) -> io::Result<Vec
     Ok(written)
 }
 
-/// A picture as a file of its own: with its colours, and charts on a ground. A stage is one.
+/// Returns a picture as a file of its own: with its colours, and with a background for charts. A stage has its own
+/// background.
 pub(super) fn alone(svg: &str) -> String {
     let (head, content) = svg.split_at(svg.find('>').expect("a picture is an element") + 1);
     let style = palette::picture();
@@ -69,7 +70,7 @@ pub(super) fn alone(svg: &str) -> String {
         "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>"
     };
     let svg = format!("{head}<style>{style}</style>{ground}{content}\n");
-    // Names out of files may hold what no XML can, not even escaped.
+    // Names from files may contain characters that XML cannot represent, even escaped.
     let no_xml = |c: char| {
         c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}')
     };

@@ -1,8 +1,8 @@
-//! The table of joints that pages of a rig have.
+//! The table of joints on pages of a rig.
 
 use maud::{Markup, html};
 
-/// The table, with a column for each name in `head`.
+/// Returns the table, with a column for each name in `head`.
 pub(super) fn joint_table(head: &[&str], rows: &Markup) -> Markup {
     html! {
         div class="scroll" tabindex="0" role="region" aria-labelledby="joints-title" {

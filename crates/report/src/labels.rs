@@ -1,31 +1,31 @@
-//! Places for labels: beside what they name, on nothing else.
+//! Places labels near the points that they name, without overlaps.
 
 use core::f64::consts::PI;
 
 /// A label in the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Label {
-    /// What it says, in one or more lines.
+    /// Text of one or more lines.
     pub(super) text: String,
-    /// What it names.
+    /// Point that the label names.
     pub(super) named: (f64, f64),
-    /// Left end and base line of the first line.
+    /// Left end of the first line's base line.
     pub(super) place: (f64, f64),
-    /// End of the line that leads from what is named to the text.
+    /// End, at the text, of the line from the named point.
     pub(super) lead: (f64, f64),
 }
 
-/// Where labels may be, and how large they are.
+/// The region for labels, and their dimensions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ground {
-    /// The rectangle that they stay in.
+    /// Rectangle that contains all labels.
     pub(super) bounds: Rectangle,
     /// Width of a letter.
     pub(super) letter: f64,
-    /// Height of a line with its margins, and how much of it is below the base line.
+    /// Height of a line with its margins. The next field is the part below the base line.
     pub(super) line: f64,
     pub(super) below: f64,
-    /// Free width around what is drawn.
+    /// Free width around drawn objects.
     pub(super) gap: f64,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Circle {
     pub(super) r: f64,
 }
 
-/// A rectangle in the plane of the picture; y is down.
+/// A rectangle in the plane of the picture. y points down.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rectangle {
     pub(super) left: f64,
@@ -56,7 +56,7 @@ impl Rectangle {
         libm::hypot(x - circle.x, y - circle.y) < circle.r + gap
     }
 
-    /// Whether a line crosses it: as seen at so many points of the line.
+    /// Returns whether a line crosses the rectangle, tested at `POINTS` points of the line.
     fn is_crossed(&self, from: (f64, f64), to: (f64, f64)) -> bool {
         const POINTS: u32 = 16;
         (1..POINTS).any(|index| {
@@ -74,8 +74,8 @@ impl Rectangle {
     }
 }
 
-/// Places every text near what it names: of the places around, the nearest that covers least of `drawn` and no
-/// other label, and whose line to what it names crosses none.
+/// Places every text near the point that it names: at the nearest place that covers the least of `drawn`, covers
+/// no other label, and whose line to the point crosses no label.
 pub(super) fn place(
     texts: Vec<(String, (f64, f64))>,
     drawn: &[Circle],
@@ -115,7 +115,7 @@ pub(super) fn place(
     labels
 }
 
-/// Rectangles for a label around a point, within the ground, with their distances.
+/// Returns rectangles for a label around a point, within the ground, with their distances.
 fn around(
     (x, y): (f64, f64),
     (width, height): (f64, f64),
@@ -129,7 +129,7 @@ fn around(
             let (sin, cos) = libm::sincos(f64::from(index) * 2.0 * PI / f64::from(DIRECTIONS));
             let center_x = x + cos * (distance + 0.5 * width);
             let center_y = y + sin * (distance + 0.5 * height);
-            // A text that is too wide begins at the left.
+            // A text that is too wide is aligned at the left.
             let left = (center_x - 0.5 * width).min(bounds.right - width).max(bounds.left);
             let top = (center_y - 0.5 * height).min(bounds.bottom - height).max(bounds.top);
             let rectangle = Rectangle { left, top, right: left + width, bottom: top + height };

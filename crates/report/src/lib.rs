@@ -1,11 +1,12 @@
-//! An evaluation as one page that needs nothing but a browser, and its pictures as files.
+//! Reports: an evaluation as one HTML page that needs only a browser, and its pictures as files.
 //!
 //! - `page` and `tables` write the page of an evaluation; [`chart`] and [`scene`] draw; script and style are in
 //!   `assets/`.
-//! - [`rig`], [`feasibility`] and [`recording`] are pages of a rig to move, of what a show asks of it, and of how it
-//!   was played. `traces` packs what they draw over time.
-//! - [`weights`], [`moments`] and [`blend`] draw joints' weights, poses in a row, and the map of two clips.
-//! - `comparison` is the paper's Figure 4; `words` holds what a page says of the figure and of other rigs.
+//! - [`rig`], [`feasibility`] and [`recording`] are pages of a rig that the reader can move, of the demands of a
+//!   show on it, and of how the show was played. `traces` packs the data over time.
+//! - [`weights`], [`moments`] and [`blend`] draw joints' weights, found poses, and the transition between two
+//!   clips.
+//! - `comparison` is the paper's Figure 4; `text` contains the wording for the figure and for other rigs.
 
 mod animation;
 pub mod blend;

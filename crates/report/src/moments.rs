@@ -1,4 +1,4 @@
-//! What `sinew clip find` found: every moment's pose inside the query's, pelvis on pelvis.
+//! Draws the result of `sinew clip find`: the pose of every moment together with the query's, pelvis on pelvis.
 
 use std::io;
 use std::path::Path;
@@ -17,21 +17,23 @@ use super::scene::{
     side_view_rad,
 };
 
-/// A figure's cell, and the middle of the stage that it shows.
+/// Width of a figure's cell. The next constants are its height, and the width of the part of the stage that it
+/// shows.
 const CELL: f64 = 150.0;
 const CELL_HEIGHT: f64 = CELL * STAGE_HEIGHT / VIEW_WIDTH;
 const VIEW_WIDTH: f64 = 380.0;
-/// Between two cells.
+/// Space between two cells.
 const GAP: f64 = 4.0;
 /// Height of the title and the line below it.
 const TOP: f64 = 46.0;
-/// Cells in a row of moments that are poses, and poses that are shown of a clip.
+/// Number of cells in a row if moments are poses. The next constant is the number of poses that are shown of a
+/// clip.
 const COLUMNS: usize = 6;
 const OF_CLIP: usize = 6;
-/// Letters that there is room for in a cell.
+/// Maximum number of letters in a cell.
 const LETTERS: usize = 17;
 
-/// Whether a picture can be written under that name.
+/// Checks that a picture can be written with this name.
 ///
 /// # Errors
 /// [`io::ErrorKind::InvalidInput`] if the name is not `*.svg` or `*.png`.
@@ -39,12 +41,12 @@ pub fn check(path: &Path) -> io::Result<()> {
     file::check(path)
 }
 
-/// Draws the query and what was found, as SVG, or as PNG if the file is named so. Of a pose: the query, then the
-/// moments; of a clip: a row of poses for the query and for each moment.
+/// Draws the query and the found moments as SVG or PNG, selected by the file's extension. For a pose: the query,
+/// then the moments. For a clip: a row of poses for the query and for each moment.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name, or a skeleton that
-/// cannot be drawn.
+/// The error of the operating system; [`io::ErrorKind::InvalidInput`] for a file with another extension, or a
+/// skeleton that cannot be drawn.
 pub fn write(
     path: &Path,
     query: &Query,
@@ -54,7 +56,9 @@ pub fn write(
 ) -> io::Result<()> {
     let invalid = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
     let mapping = query.mapping.as_ref().ok_or_else(|| {
-        invalid("expected a human, which alone is drawn, found another skeleton".to_owned())
+        invalid(
+            "expected a human (other skeletons are not drawn), found another skeleton".to_owned(),
+        )
     })?;
     let binding =
         Binding::new(mapping, &query.skeleton).map_err(|error| invalid(error.to_string()))?;
@@ -69,7 +73,7 @@ struct Drawing<'a> {
     binding: Binding,
 }
 
-/// A cell: the query's figure, the one found, and words above and below.
+/// A cell: the query's figure, the found figure, and texts above and below.
 struct Cell {
     query: (Mannequin, Points),
     found: Option<(Mannequin, Points)>,
@@ -93,7 +97,7 @@ fn picture(drawing: &Drawing<'_>) -> Markup {
             rect width=(px(width)) height=(px(height)) fill="#ffffff" {}
             text class="chart-title" x="4" y="18" { (title) }
             text class="tick" x="4" y="36" {
-                "white: what is looked for; red: what was found, pelvis on pelvis"
+                "white: the query; red: the moment found, with its pelvis at the same place"
             }
             @for (index, cell) in cells.iter().enumerate() {
                 @let x = (index % columns) as f64 * (CELL + GAP);
@@ -141,7 +145,7 @@ impl Drawing<'_> {
                 });
             }
         }
-        // Without its distance, a cell begins with its time.
+        // A cell without a distance begins with its time.
         for cell in &mut cells {
             if cell.above[0].is_empty() {
                 cell.above.swap(0, 1);
@@ -150,14 +154,14 @@ impl Drawing<'_> {
         cells
     }
 
-    /// The query's frames that are drawn.
+    /// Returns the query's frames that are drawn.
     fn shown(&self) -> Vec<usize> {
         let last = self.query.poses.len() - 1;
         let count = OF_CLIP.min(last + 1);
         (0..count).map(|k| k * last / (count - 1).max(1)).collect()
     }
 
-    /// A pose, turned as the query is in that frame: how a body is turned as a whole does not count.
+    /// Returns a pose with the query's orientation in that frame, since a body's orientation does not count.
     fn figure(&self, pose: &[DQuat], frame: usize) -> (Mannequin, Points) {
         let Query { skeleton, poses, .. } = self.query;
         let mut samples: Vec<JointSample> = skeleton
@@ -180,7 +184,7 @@ impl Drawing<'_> {
     }
 }
 
-/// One camera for all cells, from the side of the first: all are seen alike.
+/// Returns one camera for all cells, at the side of the first figure: all cells have one view.
 fn camera(cells: &[Cell]) -> Camera {
     let figures =
         || cells.iter().flat_map(|cell| [Some(&cell.query), cell.found.as_ref()]).flatten();
@@ -190,7 +194,7 @@ fn camera(cells: &[Cell]) -> Camera {
     let reach = figures().map(|(_, points)| reach_m(points)).fold(0.0, f64::max);
     let (mannequin, points) = &cells[0].query;
     let girth = mannequin.girth();
-    // Hands and head are round, and there are words above and below.
+    // Hands and head are round, and texts need room above and below.
     let (upright_m, beside_m) = (high - low + 0.95 * girth, 2.0 * reach + 0.3 * girth);
     Camera {
         target_m: DVec3::new(points[0].x, 0.5 * (low + high) + 0.04 * girth, points[0].z),
@@ -220,7 +224,7 @@ impl Cell {
     }
 }
 
-/// The end of a name, if there is no room for all.
+/// Shortens a name to its end if it is too long.
 fn cut(name: &str) -> String {
     let count = name.chars().count();
     if count <= LETTERS {

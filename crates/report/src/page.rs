@@ -1,4 +1,4 @@
-//! The page.
+//! Writes the page of an evaluation.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sinew_evaluation::paper::Kind;
@@ -14,10 +14,10 @@ use super::{Comparison, Playback, Sweep, palette, pareto};
 
 const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("assets/player.js"));
 
-/// Clips whose errors over time a page holds: beyond, it would grow too large to open.
+/// Maximum number of clips whose errors over time are on the page. With more, the page would be too large to open.
 const CLIPS: usize = 60;
 
-/// Maps and fronts of a sweep that a page holds.
+/// Maximum number of a sweep's maps on a page. The next constant is that of its fronts.
 pub(super) const GRIDS: usize = 24;
 pub(super) const FRONTS: usize = 12;
 
@@ -109,7 +109,7 @@ fn clip_names(evaluation: &Evaluation) -> String {
     }
 }
 
-/// A number with its thousands apart.
+/// Formats a number with commas between thousands.
 fn thousands(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -133,7 +133,7 @@ fn motion(playback: &Playback, evaluation: &Evaluation) -> Markup {
         .filter(|run| run.scale.to_bits() == chosen.to_bits())
         .map(|r| r.method)
         .collect();
-    // The two that differ most stand side by side: the last ones.
+    // The last two methods, which differ most, are shown side by side.
     let views = if methods.len() > 1 { &methods[methods.len() - 2..] } else { &methods[..] };
     html! {
         section id="playback" {
@@ -206,7 +206,7 @@ fn motion(playback: &Playback, evaluation: &Evaluation) -> Markup {
     }
 }
 
-/// A length as one says it.
+/// Formats a length for readers.
 fn length(length_m: f64) -> String {
     match length_m {
         1.0.. => format!("{length_m:.0} m"),
@@ -272,7 +272,8 @@ fn methods(evaluation: &Evaluation) -> impl Iterator<Item = MethodName> {
     first.into_iter().flat_map(|figure| figure.methods.iter().map(|result| result.method))
 }
 
-/// A choice among the charts of a section, where there is one. The page's script reads it in any case.
+/// Returns a selection among the charts of a section. It is hidden if there is only one option, but the page's
+/// script reads it in any case.
 fn choice(name: &str, label: &str, options: &[(String, String)], chosen: usize) -> Markup {
     html! {
         label hidden[options.len() < 2] { (label) " "
@@ -291,7 +292,7 @@ fn scales(evaluation: &Evaluation) -> Vec<(String, String)> {
     evaluation.figures.iter().enumerate().map(name).collect()
 }
 
-/// The figure that is shown first: the one that tells the methods apart.
+/// Returns the index of the figure that is shown first: the one on which the methods differ.
 fn last(evaluation: &Evaluation) -> usize {
     evaluation.figures.len().saturating_sub(1)
 }
@@ -352,7 +353,7 @@ fn fronts(report: &Report<'_>) -> Markup {
     }
 }
 
-/// A pair of charts for each figure, one of which is shown.
+/// Returns a pair of charts for each figure, of which one pair is shown.
 fn by_figure(
     evaluation: &Evaluation,
     charts: impl Fn(&FigureResult, Quantity) -> Markup,

@@ -1,8 +1,8 @@
-//! The colours of the report: told apart by those who see colours differently, on light and on dark.
+//! The colours of the report, distinguishable for readers with colour blindness, on light and on dark backgrounds.
 
 use std::fmt::Write as _;
 
-/// Name, on light, on dark.
+/// Name of each colour, its value on light, and its value on dark.
 const COLORS: [(&str, &str, &str); 15] = [
     ("text", "#1b2530", "#e4e9ee"),
     ("muted", "#5a6673", "#9ba8b5"),
@@ -24,7 +24,8 @@ const COLORS: [(&str, &str, &str); 15] = [
 /// Colours of charts, for the page and for files of their own.
 const CHART: &str = include_str!("assets/chart.css");
 
-/// The page's styles: the colours as variables, as the reader's system has it; on paper always the light ones.
+/// Returns the page's styles: the colours as variables, light or dark by the reader's system setting. On paper
+/// they are always light.
 pub(super) fn page() -> String {
     let variables = |of: fn(&(&str, &str, &str)) -> String| -> String {
         COLORS.iter().map(of).collect::<Vec<_>>().join(" ")
@@ -41,7 +42,7 @@ pub(super) fn page() -> String {
     css + CHART + include_str!("assets/page.css")
 }
 
-/// The styles of a picture that stands alone: the light colours.
+/// Returns the styles of a picture that is a file of its own: the light colours.
 pub(super) fn picture() -> String {
     COLORS.iter().fold(CHART.to_owned(), |css, (name, light, _)| {
         css.replace(&format!("var(--{name})"), light)
@@ -57,7 +58,7 @@ mod tests {
         assert!(!picture().contains("var("));
     }
 
-    /// Contrast of text and of lines against the page, as WCAG 2.2 counts it.
+    /// Checks the contrast of text and of lines against the page, as defined in WCAG 2.2.
     #[test]
     fn everything_can_be_read_on_light_and_on_dark() {
         let luminance = |color: &str| {

@@ -1,4 +1,5 @@
-//! The front of an evaluation: every method's mean linear over its mean angular error, beside the nearest poses.
+//! The front of an evaluation: every method's mean linear error over its mean angular error, with the nearest
+//! poses.
 
 use maud::{Markup, html};
 use sinew_evaluation::optimum::{Curve, Optimum, RootConstraint, WEIGHTS_M};
@@ -11,15 +12,15 @@ use super::text::Words;
 
 type Group = (&'static str, fn(&Errors) -> &ErrorTotals);
 
-/// Whose distances are shown. The angles are always those of all joints: a leaf can turn as it likes, what its
-/// place costs is paid by the others.
+/// Groups of joints whose distances are shown. The angles are always those of all joints: a leaf can turn freely,
+/// but the other joints pay for its position.
 const GROUPS: [Group; 2] =
     [("all joints", |errors| &errors.all), ("leaf joints", |errors| &errors.leaf)];
 
-/// The weights that are written beside a curve.
+/// Weights that are written beside a curve.
 const NAMED_M: [f64; 4] = [10.0, 0.5, 0.2, 0.05];
 
-/// The charts of the figure at a place of the evaluation.
+/// Returns the charts of the figure at index `place` of the evaluation.
 pub(super) fn charts(figure: &FigureResult, place: usize, report: &Report<'_>) -> [Markup; 2] {
     let words = Words::of(report.evaluation);
     let curves = report.optimum.map_or(&[][..], |optimum| &optimum.scales[place]);
@@ -56,7 +57,7 @@ fn reference(curve: &Curve, means: impl Fn(&Errors) -> [f64; 2]) -> Reference {
     let same = points.iter().flatten().all(|error| *error < 1e-9);
     let labels = match curve.held {
         RootConstraint::Position => Vec::new(),
-        // All weights are one point: the clip's own pose.
+        // All weights give one point: the clip's own pose.
         _ if same => vec![("nearest pose".to_owned(), points[0])],
         _ => {
             let named = curve.points.iter().zip(&points);
@@ -67,7 +68,7 @@ fn reference(curve: &Curve, means: impl Fn(&Errors) -> [f64; 2]) -> Reference {
     Reference { name, dashed, means: points, labels }
 }
 
-/// What the charts show, in words.
+/// Explains the charts in words.
 pub(super) fn explanation(optimum: Option<&Optimum>) -> Markup {
     let [most_m, .., least_m] = WEIGHTS_M;
     html! {

@@ -1,4 +1,4 @@
-//! The report as files: the page, and every picture by itself.
+//! Writes the report to files: the page, and every picture.
 
 use std::path::Path;
 use std::{fs, io};
@@ -14,15 +14,15 @@ use super::text::Words;
 use super::{animation, page, pareto, png, tables};
 
 impl Report<'_> {
-    /// The page: one HTML text with everything in it.
+    /// Returns the page as one HTML text that includes all pictures, scripts and styles.
     pub fn html(&self) -> String {
         page::page(self).into_string()
     }
 
-    /// Writes `index.html`, every picture as SVG and PNG, and `playback.svg`, which moves, into a folder.
+    /// Writes `index.html`, every picture as SVG and PNG, and the animated `playback.svg` to a folder.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error of the operating system.
     pub fn write(&self, folder: &Path) -> io::Result<()> {
         fs::write(folder.join("index.html"), self.html())?;
         for (name, picture) in self.pictures() {
@@ -39,7 +39,8 @@ impl Report<'_> {
         Ok(())
     }
 
-    /// The pictures with the names of their files: what the page shows first of its choices.
+    /// Returns the pictures with their file names. If the page offers a selection, the picture is its initial
+    /// option.
     pub(super) fn pictures(&self) -> Vec<(String, Markup)> {
         let words = Words::of(self.evaluation);
         let mut pictures = Vec::new();
@@ -81,7 +82,7 @@ impl Report<'_> {
     }
 }
 
-/// Charts side by side under the legend of their methods, as one picture.
+/// Returns charts side by side under the legend of their methods, as one picture.
 fn row(methods: impl IntoIterator<Item = MethodName>, charts: &[Markup]) -> Markup {
     let width = chart::WIDTH * charts.len() as f64;
     let (legend, top) = chart::legend_lines(methods, width);
@@ -99,7 +100,7 @@ fn row(methods: impl IntoIterator<Item = MethodName>, charts: &[Markup]) -> Mark
     }
 }
 
-/// Height of a chart's box of view.
+/// Returns the height of a chart's `viewBox`.
 fn height(svg: &str) -> f64 {
     let view = svg.split_once("viewBox=\"").and_then(|(_, rest)| rest.split_once('"'));
     let height = view.and_then(|(view, _)| view.rsplit(' ').next()?.parse().ok());

@@ -1,4 +1,4 @@
-//! A motion's playback: where the bodies should be and where they are, packed for the page's script.
+//! The playback of a motion: desired and actual positions of the bodies, packed for the page's script.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -9,20 +9,20 @@ use sinew_evaluation::{Errors, EvaluatedMotion, MethodName, Protocol, RunError};
 use super::scene::{Ground, MEASURED_GIRTH, Mannequin, Part, Points};
 use super::view::View;
 
-/// The longest playback, in seconds.
+/// Maximum duration of a playback, in seconds.
 const LONGEST_S: f64 = 30.0;
 
-/// Shortest time between two frames that are kept, in seconds: the script makes those between.
+/// Minimum time between two stored frames, in seconds. The script interpolates between them.
 const FRAME_S: f64 = 0.02;
 
-/// One motion, as every rig moved with every method.
+/// One motion, performed by every rig with every method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Playback {
-    /// The motion's name.
+    /// Name of the motion.
     pub clip: String,
-    /// Whether the motion is longer than what is kept.
+    /// Whether the motion is longer than the stored part.
     pub cut: bool,
-    /// Time between frames that are kept, in seconds.
+    /// Time between stored frames, in seconds.
     pub dt_s: f64,
     pub(super) view: View,
     pub(super) mannequin: Mannequin,
@@ -30,7 +30,7 @@ pub struct Playback {
     pub(super) runs: Vec<Run>,
 }
 
-/// One rig with one method.
+/// The run of one rig with one method.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Run {
     pub(super) scale: f64,
@@ -42,11 +42,12 @@ pub(super) struct Run {
 }
 
 impl Playback {
-    /// Tracks a motion again with every method on its rig of every scale, and keeps what is seen. `mannequin` is the
-    /// rig's in the motion's dimensions, `stream` the motion's place among the evaluated ones.
+    /// Tracks a motion again with every method on its rig of every scale, and stores the visible points.
+    /// `mannequin` is the rig's in the motion's dimensions, `stream` the index of the motion among the evaluated
+    /// ones.
     ///
     /// # Errors
-    /// [`RunError`], as of any run.
+    /// [`RunError`] of the runs.
     pub fn record<T: EvaluatedMotion>(
         take: &T,
         mannequin: Mannequin,
@@ -54,7 +55,7 @@ impl Playback {
         stream: u64,
     ) -> Result<Self, RunError> {
         let limit_s = protocol.seconds.map_or(LONGEST_S, |seconds| seconds.min(LONGEST_S));
-        // The setup's dimensions are those of the figure.
+        // The setup's dimensions apply only to the figure.
         let is_figure = take.rig_name().is_none();
         #[expect(
             clippy::cast_possible_truncation,
@@ -102,7 +103,7 @@ impl Playback {
         Ok(Self { clip: take.name().to_owned(), cut, dt_s, view, mannequin, desired, runs })
     }
 
-    /// The script's data as JSON that may stand in HTML.
+    /// Returns the script's data as JSON that is safe in HTML.
     pub(super) fn json(&self) -> String {
         let tracks = || std::iter::once(&self.desired).chain(self.runs.iter().map(|r| &r.measured));
         let extent_m =
@@ -135,7 +136,7 @@ impl Playback {
                 .collect(),
         };
         let text = serde_json::to_string(&document).expect("plain data turns into JSON");
-        // No text in it can end the element that it stands in.
+        // Escaped, to keep a text in it from ending the HTML element.
         text.replace('<', "\\u003c")
     }
 }
@@ -147,7 +148,7 @@ struct Document<'a> {
     points: usize,
     start: usize,
     yaw_rad: f64,
-    /// `null`: the camera goes with the first point.
+    /// Target of the camera; `null` if the camera follows the first point.
     target_m: Option<[f64; 3]>,
     size_m: f64,
     unit_m: f64,
@@ -155,7 +156,7 @@ struct Document<'a> {
     parts: &'a [Part],
     trunk: usize,
     girth: f64,
-    /// Frames of points of x, y, z in `unit_m`, i16, little-endian, base64.
+    /// Points x, y, z of all frames in `unit_m`: i16, little-endian, base64.
     desired: String,
     runs: Vec<PackedRun>,
 }
@@ -167,7 +168,7 @@ struct PackedRun {
     /// Factor on the thickness of the measured mannequin.
     girth: f64,
     measured: String,
-    /// Frames of the four mean errors in hundredths, u16, little-endian, base64.
+    /// The four mean errors of all frames in hundredths: u16, little-endian, base64.
     errors: String,
 }
 
@@ -218,7 +219,7 @@ mod tests {
         let playback =
             Playback::record(&motion, Mannequin::of_figure(&motion), &protocol, 0).unwrap();
         assert_eq!(playback.runs.len(), 2);
-        // 200 frames are 198 steps, of which every other is kept.
+        // 200 frames are 198 steps, of which every second is stored.
         assert_eq!(playback.desired.len(), 99);
         let unit_m: f64 =
             serde_json::from_str::<serde_json::Value>(&playback.json()).unwrap()["unit_m"]

@@ -1,4 +1,4 @@
-//! SVG to PNG, with a font of our own: the same bytes on every machine.
+//! Converts SVG to PNG with an embedded font, which gives the same bytes on every machine.
 
 use std::sync::{Arc, LazyLock};
 
@@ -16,7 +16,7 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The picture as PNG.
+/// Renders the picture as PNG.
 pub(super) fn png(svg: &str) -> Vec<u8> {
     let options = Options {
         fontdb: Arc::clone(&FONTS),

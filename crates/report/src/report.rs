@@ -1,4 +1,4 @@
-//! The parts that a page of an evaluation is made of.
+//! The parts of a page of an evaluation.
 
 use sinew_evaluation::Evaluation;
 use sinew_evaluation::optimum::Optimum;
@@ -7,25 +7,25 @@ use super::comparison::Comparison;
 use super::playback::Playback;
 use super::sweep::Sweep;
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Debug, Clone, Copy)]
 pub struct Report<'a> {
-    /// The command that made it.
+    /// Command that made the page.
     pub command: &'a str,
-    /// What was set, such as the plant: name and value.
+    /// Settings such as the plant: name and value.
     pub settings: &'a [(&'a str, String)],
-    /// What was done to the clips or the rig before: skipped, filled, found.
+    /// Notices about the preparation of the clips or the rig: skipped, filled, found.
     pub notices: &'a [String],
-    /// The result.
+    /// Result of the evaluation.
     pub evaluation: &'a Evaluation,
     /// Time from one frame to the next, in seconds.
     pub dt_s: f64,
-    /// The paper's Figure 4; none of other rigs.
+    /// The paper's Figure 4; `None` for other rigs.
     pub comparison: Option<&'a Comparison>,
-    /// The nearest poses of every figure, of the same scales; none of other rigs.
+    /// Nearest poses of every figure, for the evaluation's scales; `None` for other rigs.
     pub optimum: Option<&'a Optimum>,
-    /// One clip, or motion of a rig, as it was followed.
+    /// Playback of one clip, or of one motion of a rig.
     pub playback: Option<&'a Playback>,
-    /// A sweep beside the evaluation.
+    /// A sweep to show with the evaluation.
     pub sweep: Option<&'a Sweep>,
 }

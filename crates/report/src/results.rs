@@ -1,4 +1,4 @@
-//! The values of an evaluation's result that charts show, with every method.
+//! Extracts values of an evaluation's result for charts, with every method.
 
 use maud::Markup;
 use sinew_evaluation::detail::{Detail, Spread};
@@ -7,7 +7,7 @@ use sinew_evaluation::{Evaluation, FigureResult, MethodName};
 use super::chart::{self, Quantity};
 use super::text::Words;
 
-/// Errors over time of one clip with every method.
+/// Returns the errors over time of one clip with every method.
 pub(super) fn courses(
     figure: &FigureResult,
     clip: usize,
@@ -15,14 +15,14 @@ pub(super) fn courses(
     figure.methods.iter().map(|result| (result.method, &result.details[clip].trace)).collect()
 }
 
-/// The mean errors of every body of a figure.
+/// Draws the mean errors of every body of a figure.
 pub(super) fn joints(evaluation: &Evaluation, figure: &FigureResult, quantity: Quantity) -> Markup {
     let spreads = spreads(figure);
     let row = Words::of(evaluation).either(chart::ROW, chart::room(spreads.len()));
     chart::joints(&evaluation.bodies, &spreads, quantity, row)
 }
 
-/// How the errors of all clips spread, with every method.
+/// Returns the distributions of the errors over all clips, with every method.
 pub(super) fn spreads(figure: &FigureResult) -> Vec<(MethodName, Spread)> {
     let merged = |details: &[Detail]| {
         let mut spread = Spread::default();

@@ -1,4 +1,4 @@
-//! What stands in for the playback on paper, and where scripts do not run.
+//! A still picture in place of the playback, for paper and for readers without scripts.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -7,7 +7,7 @@ use super::chart::px;
 use super::playback::Playback;
 use super::scene::{Camera, STAGE_HEIGHT, STAGE_WIDTH, Stage};
 
-/// The playback's first frame with the given methods on the rig of one scale.
+/// Draws the playback's first frame with the given methods on the rig of one scale.
 pub(super) fn still(playback: &Playback, scale: f64, methods: &[MethodName]) -> Markup {
     let view = &playback.view;
     let frame = view.frame;

@@ -1,4 +1,4 @@
-//! Tables of errors. Those of the paper's figure are its tables 1 to 4, the paper's numbers beneath ours.
+//! Tables of errors. For the paper's figure they are its tables 1 to 4, with the paper's numbers below ours.
 
 use maud::{Markup, html};
 use sinew_evaluation::paper::{self, Kind};
@@ -15,7 +15,7 @@ type Group = (&'static str, fn(&Errors) -> &ErrorTotals);
 const GROUPS: [Group; 2] =
     [("All joints", |errors| &errors.all), ("Leaf joints", |errors| &errors.leaf)];
 
-/// One table; `None` if there is no Local to divide by.
+/// Returns a table; `None` if it should be normalised, but Local was not evaluated.
 pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Option<Markup> {
     let local = figure.method(MethodName::Local);
     if kind == Kind::Normalised {
@@ -71,7 +71,7 @@ pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Opti
                                     @for column in 0..4 {
                                         (cell(ours[column], theirs.map(|row| row[column]), kind, decimals))
                                     }
-                                    // Of whole poses, and none of the paper's.
+                                    // The weighted error exists only for whole poses, and not in the paper.
                                     @if group_name == GROUPS[0].0 {
                                         (cell(weighted(result, local, kind), None, kind, decimals))
                                     } @else {
@@ -87,7 +87,7 @@ pub(super) fn table(figure: &FigureResult, kind: Kind, words: Words<'_>) -> Opti
     })
 }
 
-/// The mean importance-weighted error, or its ratio to Local's.
+/// Returns the mean importance-weighted error, or its ratio to Local's.
 fn weighted(result: &MethodResult, local: Option<&MethodResult>, kind: Kind) -> f64 {
     let of = |result: &MethodResult| result.total.weighted.mean_cm();
     match (kind, local) {
@@ -96,7 +96,7 @@ fn weighted(result: &MethodResult, local: Option<&MethodResult>, kind: Kind) -> 
     }
 }
 
-/// Our number, and beneath it the paper's and how far ours is from it.
+/// Returns a cell with our number, the paper's number below it, and their difference.
 fn cell(ours: f64, paper: Option<f64>, kind: Kind, decimals: usize) -> Markup {
     let number = |value: f64| format!("{value:.decimals$}");
     html! {
@@ -120,7 +120,7 @@ fn cell(ours: f64, paper: Option<f64>, kind: Kind, decimals: usize) -> Markup {
     }
 }
 
-/// `None` where both are the same by definition.
+/// Returns the difference in percent; `None` if both are equal by definition.
 fn difference_percent(ours: f64, paper: f64) -> Option<String> {
     let percent = (ours / paper - 1.0) * 100.0;
     if !percent.is_finite() || ours.to_bits() == paper.to_bits() {
@@ -134,7 +134,7 @@ fn difference_percent(ours: f64, paper: f64) -> Option<String> {
     Some(format!("{sign}{:.decimals$} %", percent.abs()))
 }
 
-/// Whether one says better than Local and the other worse, both beyond what is printed.
+/// Returns whether one ratio is better than Local and the other worse, both by more than the printed precision.
 fn opposite(ours: f64, paper: f64) -> bool {
     const PRINTED: f64 = 5e-4;
     (ours - 1.0) * (paper - 1.0) < 0.0
@@ -153,7 +153,7 @@ fn caption(subject: &str, published: Option<&paper::Figure>, kind: Kind) -> Mark
     }
 }
 
-/// The means of tables 1 and 2 for a chart; empty if there is no Local to divide by.
+/// Returns the means of tables 1 and 2 for a chart; empty if Local was not evaluated.
 pub(super) fn ratios(figure: &FigureResult, words: Words<'_>) -> Vec<Ratio> {
     let Some(local) = figure.method(MethodName::Local) else {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The report of a rig.
+//! Tests of the report of a rig.
 
 use sinew_evaluation::exercise::{ExerciseSettings, make_exercises};
 use sinew_evaluation::{MethodName, Protocol, evaluate};
@@ -9,7 +9,7 @@ use super::scene::fixture::arm;
 use super::text::Words;
 use super::*;
 
-/// Shows `read` a report of 2 s of the arm's motions, by every method of a rig.
+/// Calls `read` with a report of 2 s of the arm's motions, with every method for rigs.
 fn with_report(read: impl FnOnce(&Report<'_>)) {
     let arm = arm();
     let settings =
@@ -38,7 +38,7 @@ fn with_report(read: impl FnOnce(&Report<'_>)) {
     });
 }
 
-/// What a reader sees: without scripts and their data.
+/// Returns the visible text of a page, without scripts and their data.
 fn text(page: &str) -> String {
     let body = &page[page.find("<body>").unwrap()..];
     let parts = body.split("<script");
@@ -78,7 +78,7 @@ fn pictures_of_a_rig_show_all_its_parts() {
         let playback = report.playback.unwrap();
         let moving = animation::animation(playback, Words::of(report.evaluation)).unwrap().0;
         assert!(moving.contains("followed with Recommended by rig six&lt;."), "{}", &moving[..400]);
-        // A base, six joints and no trunk; desired and actual ones.
+        // A base, six joints and no trunk; desired and actual parts.
         let moments = moving.matches("class=\"moment").count();
         assert_eq!(moving.matches("class=\"part\"").count(), 2 * 7 * moments);
         for part in moving.split("translate(").skip(1) {

@@ -1,11 +1,11 @@
-//! What the report calls things. The paper's figure follows clips and is compared with the paper's; a rig follows
-//! motions of its own joints.
+//! The wording of the report. The paper's figure follows clips and is compared with the paper's results; a rig
+//! follows motions of its own joints.
 
 use maud::{Markup, html};
 use sinew_evaluation::paper;
 use sinew_evaluation::{Evaluation, FigureResult, MethodName};
 
-/// The words for what was evaluated.
+/// The wording for an evaluation of the figure or of a rig.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Words<'a> {
     rig: Option<&'a str>,
@@ -16,27 +16,27 @@ impl<'a> Words<'a> {
         Self { rig: evaluation.rig.as_deref() }
     }
 
-    /// One of two words: for the figure, or for a rig.
+    /// Returns the first value for the figure, the second for a rig.
     pub(super) fn either<T>(self, of_figure: T, of_rig: T) -> T {
         if self.rig.is_none() { of_figure } else { of_rig }
     }
 
-    /// What is followed.
+    /// Returns the word for the followed motion.
     pub(super) fn clip(self) -> &'static str {
         self.either("clip", "motion")
     }
 
-    /// The same at the beginning of a line.
+    /// Returns the word for the followed motion, capitalized.
     pub(super) fn clip_title(self) -> &'static str {
         self.either("Clip", "Motion")
     }
 
-    /// What follows it.
+    /// Returns the word for the figure or rig.
     pub(super) fn figure(self) -> &'static str {
         self.either("figure", "rig")
     }
 
-    /// Name of the page in a browser.
+    /// Returns the title of the page in a browser.
     pub(super) fn title(self, summary: &str) -> String {
         match self.rig {
             None => format!("Sinew evaluation: {summary}"),
@@ -44,12 +44,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Styles of the page beside those of every report.
+    /// Returns additional styles of the page.
     pub(super) fn style(self) -> &'static str {
         self.either("", include_str!("assets/rig.css"))
     }
 
-    /// The first heading.
+    /// Returns the first heading.
     pub(super) fn heading(self) -> Markup {
         html! {
             @match self.rig {
@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// What was done, in a sentence.
+    /// Returns the introductory sentence about the evaluation.
     pub(super) fn lede(self, summary: &str, methods: usize) -> Markup {
         html! {
             (summary) ", tracked by a simulated " (self.figure()) " with "
@@ -73,12 +73,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Heading of the tables, and their name among the sections.
+    /// Returns the heading of the tables, and their name in the navigation.
     pub(super) fn tables(self) -> [&'static str; 2] {
         self.either(["Tables 1 to 4", "Tables 1–4"], ["Results", "Results"])
     }
 
-    /// The figure of a scale, in words.
+    /// Returns a description of the figure of a scale.
     pub(super) fn subject(self, scale: f64) -> String {
         match self.rig {
             Some(rig) => format!("Rig {rig}"),
@@ -87,7 +87,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The same, as what follows a clip or a motion.
+    /// Returns a description of the figure of a scale, for use after a clip or a motion.
     pub(super) fn follower(self, scale: f64) -> String {
         match self.rig {
             Some(rig) => format!("rig {rig}"),
@@ -95,12 +95,13 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The paper's numbers of a figure, if it is the paper's and has some.
+    /// Returns the paper's numbers for a figure, if the evaluation uses the paper's figure and the paper has this
+    /// scale.
     pub(super) fn published(self, figure: &FigureResult) -> Option<&'static paper::Figure> {
         self.rig.map_or_else(|| paper::Figure::of_scale(figure.scale), |_| None)
     }
 
-    /// What the errors are.
+    /// Returns an explanation of the errors.
     pub(super) fn errors(self) -> &'static str {
         self.either(
             "Every step, every body, in the world, against the clip in its own dimensions: the angle between desired and \
@@ -110,17 +111,18 @@ impl<'a> Words<'a> {
         )
     }
 
-    /// What a method does.
+    /// Returns an explanation of a method.
     pub(super) fn explanation(self, method: MethodName) -> &'static str {
         match method {
             MethodName::Local => "Every body is compared with its goal in its parent's frame.",
             MethodName::World => "Every body is compared with its goal in the world.",
             MethodName::Egocentric => self.either(
-                "Every body is compared with its goal as the pelvis sees it.",
-                "Every body is compared with its goal as the first body sees it.",
+                "Every body is compared with its goal in the pelvis’s frame.",
+                "Every body is compared with its goal in the first body’s frame.",
             ),
             MethodName::Accumulated => {
-                "Bodies beyond a chosen one are compared with their goals as that one sees them, all others in the world."
+                "Bodies beyond a chosen body are compared with their goals in that body’s frame, all others in the \
+                 world."
             }
             MethodName::LinearCompensation => self.either(
                 "As World, but a body’s goal is turned so that its child comes nearest to where the clip has it. That costs angle \
@@ -129,17 +131,18 @@ impl<'a> Words<'a> {
                  angle and gains distance.",
             ),
             MethodName::ManifoldProjection => self.either(
-                "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the bending. \
-                 With equal dimensions it is World.",
-                "As World, but the goal is the rig’s own pose that is nearest to the motion’s. The motions of this page are such \
-                 poses: then it is World.",
+                "As World, but the goal is the figure’s own pose that is nearest to the clip’s: all joints share the \
+                 bending. With equal dimensions it equals World.",
+                "As World, but the goal is the rig’s own pose that is nearest to the motion’s. The motions of this \
+                 page consist of such poses, so this method equals World.",
             ),
             MethodName::ResolvedAcceleration => {
-                "Every body’s error in the world obeys one law: the joints together get the accelerations that do that."
+                "All joints together get the accelerations by which the errors of all bodies in the world follow one \
+                 law."
             }
             MethodName::Recommended => {
-                "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, looks ahead over a \
-                 known delay, and cancels what the model has wrong."
+                "Manifold Projection on targets aligned with the motion, with an observer that filters the sensors, \
+                 predicts over a known delay, and cancels errors of the model."
             }
         }
     }

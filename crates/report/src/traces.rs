@@ -4,24 +4,25 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
-/// Samples of a page a second, least and most.
+/// Minimum and maximum number of samples per second on a page.
 pub(super) const SAMPLES_HZ: [f64; 2] = [10.0, 50.0];
-/// The most numbers of a page: 4 MB of it.
+/// Maximum number of values on a page, which take 4 MB.
 pub(super) const MOST: usize = 1_500_000;
-/// What is not known, in steps.
+/// Code of an unknown value.
 const UNKNOWN: i16 = i16::MIN;
 
-/// A trace over time, quantised to 16 bits. Its value is `middle + unit · n`.
+/// A trace over time, quantised to 16 bits. A sample n represents the value `middle + unit · n`.
 #[derive(Debug, Serialize)]
 pub(super) struct Channel {
     middle: f64,
     unit: f64,
-    /// Little-endian, base64; empty if the trace stays at its middle.
+    /// Samples as i16, little-endian, base64; empty if the trace is constant.
     data: String,
 }
 
-/// How many looks after the first a page takes of so many, and how many of them from sample to sample, so that samples
-/// of `width` numbers are at most `most` numbers: first thinner, then cut.
+/// Returns the number of readings that a page uses after the first, and the number of readings per sample. There
+/// are `looks` readings at `look_hz`. A sample has `width` numbers, and all samples at most `most` numbers in
+/// total: readings are thinned first, then the end is cut.
 pub(super) fn spacing(looks: usize, look_hz: f64, width: usize, most: usize) -> (usize, usize) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let [thin, fine] = SAMPLES_HZ.map(|hz| ((look_hz / hz).round() as usize).max(1));
@@ -30,7 +31,7 @@ pub(super) fn spacing(looks: usize, look_hz: f64, width: usize, most: usize) -> 
     (looks.min((rows - 1) * every), every)
 }
 
-/// Packs a trace; a number that is not finite is not known.
+/// Packs a trace. A number that is not finite becomes an unknown value.
 pub(super) fn pack(course: &[f64]) -> Channel {
     let known = || course.iter().copied().filter(|x| x.is_finite());
     let least = known().fold(f64::INFINITY, f64::min);
@@ -66,7 +67,7 @@ mod tests {
             assert!((taken / every + 1) * 100 <= MOST);
             assert_eq!(taken == looks, is_whole, "{looks}");
         }
-        // Slower than a page: each look is a sample.
+        // Below the page's minimum rate: each reading is a sample.
         assert_eq!(spacing(90, 9.0, 100, MOST), (90, 1));
     }
 

@@ -1,29 +1,29 @@
-//! From where a playback is seen, and what it stands on.
+//! The camera and the ground of a playback.
 
 use glam::DVec3;
 
 use super::comparison::farthest;
 use super::scene::{Ground, Mannequin, Points, feet_m, reach_m, side_view_rad};
 
-/// What a playback shows first.
+/// The initial view of a playback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct View {
-    /// The frame to begin with.
+    /// First frame.
     pub(super) frame: usize,
     /// Angle of the camera about the vertical from the z axis to the x axis.
     pub(super) yaw_rad: f64,
-    /// What it looks at; `None`: it goes with the first point.
+    /// Target of the camera; `None` if the camera follows the first point.
     pub(super) target_m: Option<DVec3>,
-    /// How large what is seen is: 1 m for a human with legs of 0.86 m.
+    /// Size of the scene: 1 m for a human with legs of 0.86 m.
     pub(super) size_m: f64,
-    /// Its distance in pictures that stand.
+    /// Distance of the camera in still pictures.
     pub(super) distance_m: f64,
-    /// What all stands on.
+    /// Ground of the scene.
     pub(super) ground: Ground,
 }
 
 impl View {
-    /// Of a human figure: in its farthest reach, and the camera goes with it.
+    /// Returns the view of a human figure: in its farthest reach, with a camera that follows it.
     pub(super) fn of_figure(mannequin: &Mannequin, frames: &[Points]) -> Self {
         let frame = farthest(frames.iter().map(|points| reach_m(points)));
         let lowest_m = frames.iter().map(|points| feet_m(points)).fold(f64::INFINITY, f64::min);
@@ -33,15 +33,16 @@ impl View {
             target_m: None,
             size_m: mannequin.girth(),
             distance_m: 6.0,
-            // The soles are a little below.
+            // The soles are a little lower than the points.
             ground: Ground::at(lowest_m - 0.03),
         }
     }
 
-    /// Of any rig: where it is farthest from its first pose, and from where all that it does is in the picture, however
-    /// the camera is turned.
+    /// Returns the view of any rig: in its pose farthest from the first pose, with the whole motion visible from
+    /// every angle of the camera.
     pub(super) fn of_rig(mannequin: &Mannequin, frames: &[Points]) -> Self {
-        /// Of a sphere around everything: as large as fits in every picture of the page.
+        /// Ratio of the size to the radius of a sphere around everything, which fits into every picture of the
+        /// page.
         const SIZE: f64 = 0.84;
         let all = || frames.iter().flatten();
         let (low_m, high_m) = all()
@@ -55,7 +56,7 @@ impl View {
         let off_m2 = |points: &Points| -> f64 {
             points.iter().zip(&frames[0]).map(|(now, first)| now.distance_squared(*first)).sum()
         };
-        // Not at the end: from there on there is something to play.
+        // Not near the end, to leave a part to play.
         let frame = farthest(frames.iter().take(frames.len() * 3 / 4).map(off_m2));
         Self {
             frame,
@@ -68,10 +69,10 @@ impl View {
     }
 }
 
-/// From where points are seen across their greatest breadth, and turned a little: angle about the vertical from the
-/// z axis to the x axis, on the side of the x axis.
+/// Returns the direction from which points are seen with their greatest breadth, and a little turned: the angle
+/// about the vertical from the z axis to the x axis, on the side of the x axis.
 fn three_quarter_rad(points: &[DVec3]) -> f64 {
-    /// Straight across, what is seen is flat.
+    /// Turn from the exact direction, in which the scene looks flat.
     const TURN_RAD: f64 = 0.5;
     let middle_m = points.iter().sum::<DVec3>() / points.len() as f64;
     let [mut xx, mut xz, mut zz] = [0.0; 3];
@@ -80,7 +81,7 @@ fn three_quarter_rad(points: &[DVec3]) -> f64 {
         xz += off.x * off.z;
         zz += off.z * off.z;
     }
-    // The greatest breadth, from the x axis to the z axis.
+    // Direction of the greatest breadth, from the x axis to the z axis.
     let breadth_rad = 0.5 * libm::atan2(2.0 * xz, xx - zz);
     let across = DVec3::new(-libm::sin(breadth_rad), 0.0, libm::cos(breadth_rad));
     let across = if across.x < 0.0 { -across } else { across };
@@ -92,7 +93,7 @@ mod tests {
     use super::*;
     use crate::scene::fixture::arm;
 
-    /// Frames of an arm that bows, of so many times its size.
+    /// Returns frames of a bowing arm, scaled by `scale`.
     fn bows(scale: f64) -> (Mannequin, Vec<Points>) {
         let mut arm = arm();
         for link in &mut arm.bodies {
@@ -112,7 +113,7 @@ mod tests {
         assert_eq!(view.frame, 3);
         assert!((-0.05..0.0).contains(&view.ground.height_m), "{:?}", view.ground);
         assert!((0.2..0.6).contains(&view.size_m), "an arm of 0.68 m: {}", view.size_m);
-        // It bows in the plane of y and z: seen along x, and a little turned.
+        // It bows in the plane of y and z: the view is along x, and a little turned.
         assert!((0.8..1.3).contains(&view.yaw_rad), "{}", view.yaw_rad);
     }
 

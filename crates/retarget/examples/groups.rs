@@ -1,4 +1,4 @@
-//! Prints how a rig is matched: `cargo run --example groups -- RIG.urdf|.xml`.
+//! Prints how the joints of a rig are matched: `cargo run --example groups -- RIG.urdf|.xml`.
 
 use sinew_retarget::rig::{RigMatch, mirror_faults};
 use sinew_rig::import::{self, Options};

@@ -1,6 +1,6 @@
-//! Prints which joint of each file's skeleton is which landmark.
+//! Prints the landmark that each joint of each file's skeleton is matched to.
 //!
-//! `cargo run -p sinew-retarget --example skeleton -- [--map] FILE..`, with `--map` as a map on the figure.
+//! `cargo run -p sinew-retarget --example skeleton -- [--map] FILE..`; `--map` prints a map onto the figure.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
 fn print(file: &Path, recording: Recording, as_map: bool) {
     let skeleton = recording.skeleton.clone();
     let told = recording.metres_per_unit;
-    // Any rate will do: poses are looked at, not speeds.
+    // The rate does not matter, because only poses are used, not speeds.
     let matched = match gaps::fill(recording, 0.01, 1e9) {
         Ok((clip, _)) => SkeletonMatch::of_clip(&clip),
         Err(_) => SkeletonMatch::new(&skeleton, &[]),
@@ -58,7 +58,7 @@ fn print(file: &Path, recording: Recording, as_map: bool) {
         );
     }
     if let Some(unit) = &matched.unit {
-        let told = told.map_or(String::new(), |metres| format!(" (the file tells {metres} m)"));
+        let told = told.map_or(String::new(), |metres| format!(" (the file states {metres} m)"));
         println!("  unit        {}{told}", unit.reason);
     }
     if let Some(up) = &matched.up {

@@ -1,19 +1,19 @@
-//! The places of a body that a performer and a rig have in common.
+//! Places of a body that performer and rig have in common.
 
-/// A side of the body, its own.
+/// A side of the body, from the body's own view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Side {
-    /// Left.
+    /// Left side.
     Left,
-    /// Right.
+    /// Right side.
     Right,
 }
 
 impl Side {
-    /// Both.
+    /// Both sides, left first.
     pub const ALL: [Self; 2] = [Self::Left, Self::Right];
 
-    /// The other side.
+    /// Returns the other side.
     #[must_use]
     pub fn other(self) -> Self {
         match self {
@@ -26,32 +26,32 @@ impl Side {
 /// A place of a body: a joint between two parts of a limb, or a part of the trunk.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Landmark {
-    /// The body that carries the hips.
+    /// The body that the hips are attached to.
     Pelvis,
-    /// The body that carries the shoulders.
+    /// The body that the shoulders are attached to.
     Chest,
-    /// Where the neck begins.
+    /// The base of the neck.
     Neck,
     /// The head.
     Head,
-    /// The ball between chest and upper arm; the clavicle is none.
+    /// The ball joint between chest and upper arm; the clavicle does not count.
     Shoulder(Side),
-    /// Between upper arm and forearm.
+    /// The joint between upper arm and forearm.
     Elbow(Side),
-    /// Between forearm and hand.
+    /// The joint between forearm and hand.
     Wrist(Side),
-    /// The ball between pelvis and thigh.
+    /// The ball joint between pelvis and thigh.
     Hip(Side),
-    /// Between thigh and shank.
+    /// The joint between thigh and shank.
     Knee(Side),
-    /// Between shank and foot.
+    /// The joint between shank and foot.
     Ankle(Side),
-    /// The ball of the foot.
+    /// The joint at the ball of the foot.
     Toe(Side),
 }
 
 impl Landmark {
-    /// All, from the trunk outwards, left before right.
+    /// All landmarks, from the trunk outwards, left before right.
     pub const ALL: [Self; 18] = {
         use Side::{Left, Right};
         [
@@ -76,7 +76,7 @@ impl Landmark {
         ]
     };
 
-    /// Its side; `None` of the trunk.
+    /// Returns the side of the landmark; `None` for the trunk.
     pub fn side(self) -> Option<Side> {
         match self {
             Self::Pelvis | Self::Chest | Self::Neck | Self::Head => None,
@@ -90,7 +90,7 @@ impl Landmark {
         }
     }
 
-    /// The same place on the other side; `None` of the trunk.
+    /// Returns the same place on the other side; `None` for the trunk.
     #[must_use]
     pub fn mirrored(self) -> Option<Self> {
         let other = self.side()?.other();
@@ -106,7 +106,7 @@ impl Landmark {
         })
     }
 
-    /// Its name in files: `pelvis`, `l_shoulder`.
+    /// Returns the name in files: `pelvis`, `l_shoulder`.
     pub fn name(self) -> &'static str {
         use Side::{Left, Right};
         match self {
@@ -131,7 +131,7 @@ impl Landmark {
         }
     }
 
-    /// The landmark of that name.
+    /// Returns the landmark with this name, if there is one.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|landmark| landmark.name() == name)
     }

@@ -1,4 +1,4 @@
-//! A value for every landmark.
+//! A map with a value for every landmark.
 
 use std::ops::{Index, IndexMut};
 
@@ -9,17 +9,17 @@ use crate::Landmark;
 pub struct LandmarkMap<T>([T; Landmark::ALL.len()]);
 
 impl<T> LandmarkMap<T> {
-    /// The value of each, in turn.
+    /// Creates the map by calling `value` for each landmark in turn.
     pub fn of(value: impl FnMut(Landmark) -> T) -> Self {
         Self(Landmark::ALL.map(value))
     }
 
-    /// Landmarks with their values.
+    /// Returns all landmarks with their values.
     pub fn iter(&self) -> impl Iterator<Item = (Landmark, &T)> {
         Landmark::ALL.into_iter().zip(&self.0)
     }
 
-    /// The values in turn.
+    /// Returns all values, in the order of the landmarks.
     pub(crate) fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.iter_mut()
     }

@@ -1,20 +1,22 @@
-//! Retargeting: which joint of a rig follows which of a performer, and the rig's pose nearest to the performance.
+//! Retargeting: matches the joints of a rig with those of a performer, and finds the rig's pose that is nearest to
+//! the performance.
 //!
-//! Performer and rig are compared by [`Landmark`]s, which both have whatever their rest poses are.
+//! Performer and rig are compared by [`Landmark`]s, which do not depend on their rest poses.
 //!
-//! - [`rig::RigMatch`]: the joints of a rig, dealt out to landmarks by words and geometry.
-//! - [`performer::Performer`]: what of a clip means the same on any rig.
-//! - [`solve::bake`] and [`solve::Live`]: the rig's poses, for a whole clip or as it comes.
-//! - [`mapping::Mapping`]: both sides' joints by names, as a text to edit.
+//! - [`rig::RigMatch`]: assigns the joints of a rig to landmarks, by words and geometry.
+//! - [`performer::Performer`]: measures those properties of a clip that any rig can follow.
+//! - [`solve::bake`] and [`solve::Live`]: compute the rig's poses, for a whole clip or frame by frame.
+//! - [`mapping::Mapping`]: the joints of both sides by name, as a text to edit.
 //!
 //! # Files
-//! Along the way of a clip:
+//! In the order in which a clip is processed:
 //! - `landmark`, `landmark_map`: the 18 places that performer and rig have in common.
-//! - `skeleton/`: which joint of a recorded skeleton is which landmark, how sure, and why; its unit and its up.
-//! - `rig/`: the landmarks of a rig, by words (`text`, `chains`) and by geometry (`groups`, `points`, `hinge`,
-//!   `mirror`).
+//! - `skeleton/`: matches the joints of a recorded skeleton with landmarks, with confidence and reason; finds its
+//!   unit and up axis.
+//! - `rig/`: finds the landmarks of a rig, by words (`text`, `chains`) and by geometry (`groups`, `points`,
+//!   `hinge`, `mirror`).
 //! - `performer/`: directions, twists and postures of a clip.
-//! - `mapping/`: both sides by names: proposed, written, read, resolved; curves from joint to joint.
+//! - `mapping/`: the names of both sides: proposed, written, read, resolved; also curves from joint to joint.
 //! - `solve/`: `terms` and their `aim`, one bounded step (`solver`, `normal`), the first pose (`first`, `branch`),
 //!   contacts and paths over a clip (`contact`, `path`); a whole clip (`bake`) or frame by frame (`live`).
 //! - `feasibility/`: limits, where a motion exceeds them (`check`), the nearest motion within them (`fit`), loops.

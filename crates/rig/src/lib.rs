@@ -1,25 +1,30 @@
-//! What a rig *is*: bodies, joints, ranges, drives, servos, its home pose and where it stands.
+//! Description of a rig: bodies, joints, ranges, drives, servos, home pose and mount.
 //!
-//! - [`Description`] is what a person writes (`rig.toml`), with names; it is read from TOML, URDF or MJCF.
-//! - [`Mechanism`] is its bodies and joints by index, f64, fixed joints merged: what simulators and checks take.
-//! - [`drive`] and [`servo`] are the same maths on a board and at the desk; [`board`] is the rig's compact form there.
+//! - [`Description`] is the rig in the form that a person writes (`rig.toml`), with names. It is read from TOML,
+//!   URDF or MJCF.
+//! - [`Mechanism`] has bodies and joints by index, in f64, with fixed joints merged. Simulators and checks use it.
+//! - [`drive`] and [`servo`] run the same code on a board and on a desktop; [`board`] is the compact form of a rig
+//!   on a board.
 //!
-//! Simulates nothing, and opens no files: readers take text.
+//! This crate simulates nothing and opens no files: readers take text.
 //!
 //! # Files
 //! - `description/`: a rig with names; `check/` refuses what is invalid, `mechanism` numbers bodies and merges fixed
 //!   joints.
-//! - `toml_file/`: rig.toml. Reader, writer and the page of keys share one `schema`.
-//! - `import/`: URDF and MJCF to a description, in metres and upright, with notes of what was changed or filled in.
-//! - `mechanism/`: `kinematics`, and `inverse_dynamics`: the core's, for one instant or for four side by side.
-//! - `drive/`, `servo`, `limited`: joints to servos and back, with equal power on both sides (`no_std`).
-//! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and what joints get from
-//!   them.
-//! - `review/`: what `sinew rig check` reports; `flexible_joint/` is the linear model of a loop through a soft gear.
-//! - `tracking`: bandwidth and rest zone of each joint, by its servos' gears; `stiffness`: how stiffly servos may hold
-//!   by loops of their own.
+//! - `toml_file/`: rig.toml. Reader, writer and the reference of keys share one `schema`.
+//! - `import/`: reads URDF and MJCF as a description in metres and upright, with notes on changed and filled-in
+//!   values.
+//! - `mechanism/`: `kinematics` and `inverse_dynamics`, which computes as the core does, for one instant or for
+//!   four side by side.
+//! - `drive/`, `servo`, `limited`: convert joints to servos and back, and conserve power (`no_std`).
+//! - `servo_model`, `actuation/`: kinds of servo (`models/`, each value with its source), and the values that
+//!   joints get from them.
+//! - `review/`: the report of `sinew rig check`; `flexible_joint/` is the linear model of a control loop through an
+//!   elastic gear.
+//! - `tracking`: bandwidth and rest zone of each joint, limited by its servos' gears; `stiffness`: permitted
+//!   stiffness of the servos' own position loops.
 //! - `board/`: the compact form that boards read.
-//! - `new/`: an arm and a face to start from.
+//! - `new/`: an arm and a face as starting points for a new rig.
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

@@ -1,17 +1,17 @@
-//! Values within their limits, and what limited them.
+//! Values limited to a range, with the reason.
 
 use core::fmt;
 
-/// A value within its limits, and what limited it.
+/// A value after limiting, with the reason if it was limited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limited<T> {
-    /// The value to use.
+    /// Value to use.
     pub value: T,
-    /// What limited it, if anything did.
+    /// Limit that applied; `None` if the value is unchanged.
     pub reason: Option<LimitReason>,
 }
 
-/// What limited a value.
+/// Limit that applied to a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitReason {
     /// The position was beyond the end of its range.
@@ -24,12 +24,13 @@ pub enum LimitReason {
     Torque,
 }
 
-/// A value is NaN or infinite. It is refused before any clamp, which would make an end stop of it.
+/// A NaN or infinite value. It is refused before it is limited, because limiting would move infinity to an end
+/// stop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NotFinite {
-    /// What the value is.
+    /// Name of the value.
     pub what: &'static str,
-    /// The value.
+    /// Value that was found.
     pub found: f32,
 }
 
@@ -41,10 +42,10 @@ impl fmt::Display for NotFinite {
 
 impl core::error::Error for NotFinite {}
 
-/// Holds a value between two ends, `least <= most`, of which either may be infinite.
+/// Limits a value to `least <= most`; either end may be infinite.
 ///
 /// # Errors
-/// [`NotFinite`] if the value is none.
+/// [`NotFinite`] if the value is NaN or infinite.
 pub(crate) fn hold(
     what: &'static str,
     value: f32,
@@ -58,7 +59,7 @@ pub(crate) fn hold(
     }
 }
 
-/// The same of a value that is known to be finite.
+/// Limits a value that is known to be finite.
 pub(crate) fn within(value: f32, [least, most]: [f32; 2], reason: LimitReason) -> Limited<f32> {
     if value < least {
         Limited { value: least, reason: Some(reason) }

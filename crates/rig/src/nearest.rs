@@ -1,6 +1,6 @@
-//! What somebody may have meant by a name that is not there.
+//! Suggestion of a known name for an unknown one.
 
-/// The name that takes the fewest letters to be typed anew, if it is near enough to be meant.
+/// Returns the name with the fewest edits from `wrong`, if it is close enough to be the intended name.
 pub(crate) fn nearest<'a>(
     wrong: &str,
     names: impl IntoIterator<Item = &'a str>,
@@ -9,11 +9,11 @@ pub(crate) fn nearest<'a>(
         .into_iter()
         .map(|name| (distance(wrong, name), name))
         .min_by_key(|(distance, _)| *distance)?;
-    // A third of the letters: more is another word.
+    // At most a third of the letters may differ; beyond that it is another word.
     (distance * 3 <= wrong.chars().count().max(name.chars().count())).then_some(name)
 }
 
-/// Letters to insert, remove or replace (Levenshtein).
+/// Returns the number of letters to insert, remove or replace (Levenshtein).
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

@@ -1,27 +1,27 @@
-//! Numbers as people read them, and as boards have them.
+//! Rounding and formatting of numbers, and their conversion to f32.
 
-/// Digits that are kept. Rounding errors of a conversion stand in the last four of the 16 that an f64 has; f32, which
-/// takes the numbers in the end, has 7.
+/// Significant digits that are kept. Rounding errors of conversions affect the last four of an f64's 16 digits;
+/// f32, which finally stores the numbers, has 7.
 const DIGITS: u8 = 12;
 
-/// A number of a description as a board has it. What is too large becomes infinite, and is refused where it counts.
+/// Converts a number to f32. A number that is too large becomes infinite, which later checks refuse.
 #[expect(clippy::cast_possible_truncation, reason = "to f32 is what it is for")]
 pub(crate) fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// The number of [`DIGITS`] significant digits that is nearest.
+/// Rounds a number to [`DIGITS`] significant digits.
 pub(crate) fn rounded(number: f64) -> f64 {
     if number.is_finite() {
-        // What is printed from a finite number is one.
+        // The text of a finite number is always a number.
         format!("{number:.*e}", usize::from(DIGITS - 1)).parse().unwrap_or(number)
     } else {
         number
     }
 }
 
-/// The same of numbers that belong together: what is below that many digits of the largest is noise as well, such as
-/// the cosine of a right angle.
+/// Rounds numbers that belong together, such as elements of a vector. Also removes values that are below the last
+/// digit of the largest number, because they are noise: for example the cosine of a right angle.
 pub(crate) fn rounded_together(numbers: &[f64]) -> Vec<f64> {
     let largest = numbers.iter().fold(0.0_f64, |largest, number| largest.max(number.abs()));
     // Half a step of the largest number's last digit.
@@ -32,7 +32,7 @@ pub(crate) fn rounded_together(numbers: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// The shortest text that is read as the same number, as TOML takes it.
+/// Returns the shortest text that TOML reads as the same number.
 pub(crate) fn text(number: f64) -> String {
     let size = number.abs();
     if size <= 0.0 {
@@ -46,7 +46,7 @@ pub(crate) fn text(number: f64) -> String {
     }
 }
 
-/// Numbers in square brackets.
+/// Returns numbers as text in square brackets.
 pub(crate) fn list_text(numbers: &[f64]) -> String {
     let texts: Vec<_> = numbers.iter().map(|number| text(*number)).collect();
     format!("[{}]", texts.join(", "))

@@ -1,4 +1,4 @@
-//! Servos as a board has them: from the shaft that a drive sees to the servo's own position, and its limits.
+//! Servos in the form of a board: conversion between a drive's shaft and the servo's own position, with limits.
 
 #![warn(
     clippy::unwrap_used,
@@ -15,40 +15,40 @@ use sinew_core::math;
 
 use crate::limited::{LimitReason, Limited, NotFinite, hold};
 
-/// Below this speed, Coulomb friction is fed forward in proportion: a full step would shake a joint that stands still.
-/// An encoder of 4096 steps takes 30 ms for a step at this speed.
+/// Speed below which Coulomb friction is fed forward in proportion to speed, rad/s: a full step would shake a joint
+/// at rest. At this speed an encoder of 4096 steps takes 30 ms per step.
 const CREEP_RAD_S: f32 = 0.05;
 
-/// What a board knows of a servo. Values are at the servo's own shaft unless they say otherwise.
+/// Settings of a servo on a board. Values are at the servo's own shaft unless stated otherwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoSettings {
-    /// Turns of the servo for a turn of the shaft that the drive sees; negative if it is mirrored.
+    /// Turns of the servo for one turn of the drive's shaft; negative if they turn in opposite directions.
     pub gear: f32,
-    /// Its own position where the drive has zero, rad.
+    /// Servo's own position when the drive is at zero, rad.
     pub offset_rad: f32,
-    /// Least and most own position, rad.
+    /// Minimum and maximum own position, rad.
     pub range_rad: [f32; 2],
-    /// The largest torque, N m.
+    /// Maximum torque, N m.
     pub torque_nm: f32,
-    /// The largest speed, rad/s.
+    /// Maximum speed, rad/s.
     pub speed_rad_s: f32,
-    /// The largest acceleration, rad/s²; infinite for no limit.
+    /// Maximum acceleration, rad/s²; infinite without limit.
     pub acceleration_rad_s2: f32,
     /// Torque per current, N m/A.
     pub torque_constant_nm_a: f32,
-    /// Torque per position error of its own controller, N m/rad; zero if it has none.
+    /// Torque per position error of its own controller, N m/rad; zero without such a controller.
     pub position_gain_nm_rad: f32,
     /// Coulomb friction, N m.
     pub friction_nm: f32,
     /// Viscous friction, N m s.
     pub damping_nm_s: f32,
-    /// Inertia of the rotor as its own gear shows it, kg m².
+    /// Inertia of the rotor, seen through the servo's own gear, kg m².
     pub rotor_inertia_kg_m2: f32,
-    /// What it does when commands stop.
+    /// Action of the servo when commands stop.
     pub on_signal_loss: SignalLoss,
 }
 
-/// Where a servo is on its bus.
+/// Address of a servo on its bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Address {
     /// Id of a bus servo, 0 to 252.
@@ -57,20 +57,19 @@ pub enum Address {
     Channel(u8),
 }
 
-/// What a servo does when commands stop.
+/// Action of a servo when commands stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SignalLoss {
     /// Torque off.
     #[default]
     Limp,
-    /// Stays where it is.
+    /// The servo holds its position.
     Hold,
-    /// Goes home, slowly.
+    /// The servo moves home slowly.
     Home,
 }
 
-/// A servo whose settings were checked. Angles and torques of its shaft, on the drive's side of its gear, to its own,
-/// and back.
+/// A servo with checked settings. Converts angles and torques between the drive's shaft and the servo's own shaft.
 ///
 /// ```
 /// use sinew_rig::limited::LimitReason;
@@ -99,15 +98,15 @@ pub enum SignalLoss {
 pub struct Servo(ServoSettings);
 
 impl Servo {
-    /// A servo of these settings.
+    /// Creates a servo from settings.
     ///
     /// # Errors
-    /// [`ServoError`] names the setting, what it is and what it must be.
+    /// [`ServoError`] names the setting, its value and the accepted range.
     pub fn new(settings: ServoSettings) -> Result<Self, ServoError> {
         let s = &settings;
         let [least, most] = s.range_rad;
         for (what, found, [least, most]) in [
-            // 1:1000 either way is beyond any gear next to a servo's own.
+            // Ratios beyond 1:1000 do not occur in addition to a servo's own gear.
             ("gear", s.gear.abs(), [1e-3, 1e3]),
             ("offset_rad", s.offset_rad, [-1e3, 1e3]),
             ("least of range_rad", least, [-1e3, 1e3]),
@@ -121,7 +120,7 @@ impl Servo {
             ("damping_nm_s", s.damping_nm_s, [0.0, 1e4]),
             ("rotor_inertia_kg_m2", s.rotor_inertia_kg_m2, [0.0, 1e3]),
         ] {
-            // Written so that NaN is refused.
+            // The comparison also refuses NaN.
             if !(found >= least && found <= most) {
                 return Err(ServoError { what, found, least, most });
             }
@@ -129,42 +128,42 @@ impl Servo {
         Ok(Self(settings))
     }
 
-    /// Its settings.
+    /// Returns the settings.
     pub fn settings(&self) -> &ServoSettings {
         &self.0
     }
 
-    /// Its own position, within its range, where the shaft is at an angle; rad.
+    /// Converts an angle of the drive's shaft to the servo's own position, limited to its range, rad.
     ///
     /// # Errors
-    /// [`NotFinite`] if the angle is none.
+    /// [`NotFinite`] if the angle is NaN or infinite.
     pub fn own_position(&self, shaft_rad: f32) -> Result<Limited<f32>, NotFinite> {
         let own = self.0.gear * shaft_rad + self.0.offset_rad;
         hold("the servo's position", own, self.0.range_rad, LimitReason::Range)
     }
 
-    /// Angle of the shaft at its own position; rad.
+    /// Converts the servo's own position to the angle of the drive's shaft, rad.
     pub fn shaft_position(&self, own_rad: f32) -> f32 {
         (own_rad - self.0.offset_rad) / self.0.gear
     }
 
-    /// Its own speed, within its limit, where the shaft has a speed; rad/s.
+    /// Converts a speed of the drive's shaft to the servo's own speed, limited, rad/s.
     ///
     /// # Errors
-    /// [`NotFinite`] if the speed is none.
+    /// [`NotFinite`] if the speed is NaN or infinite.
     pub fn own_velocity(&self, shaft_rad_s: f32) -> Result<Limited<f32>, NotFinite> {
         self.own_rate("the servo's speed", shaft_rad_s, self.0.speed_rad_s, LimitReason::Speed)
     }
 
-    /// Speed of the shaft at its own speed; rad/s.
+    /// Converts the servo's own speed to the speed of the drive's shaft, rad/s.
     pub fn shaft_velocity(&self, own_rad_s: f32) -> f32 {
         own_rad_s / self.0.gear
     }
 
-    /// Its own acceleration, within its limit, where the shaft has an acceleration; rad/s².
+    /// Converts an acceleration of the drive's shaft to the servo's own acceleration, limited, rad/s².
     ///
     /// # Errors
-    /// [`NotFinite`] if the acceleration is none.
+    /// [`NotFinite`] if the acceleration is NaN or infinite.
     pub fn own_acceleration(&self, shaft_rad_s2: f32) -> Result<Limited<f32>, NotFinite> {
         let (what, most) = ("the servo's acceleration", self.0.acceleration_rad_s2);
         self.own_rate(what, shaft_rad_s2, most, LimitReason::Acceleration)
@@ -180,33 +179,34 @@ impl Servo {
         hold(what, self.0.gear * of_shaft, [-most, most], reason)
     }
 
-    /// Its own torque, within its limit, that gives a torque at the shaft; N m. Friction is to be added before:
-    /// [`Self::shaft_friction`].
+    /// Converts a torque at the drive's shaft to the servo's own torque, limited, N m. The caller adds friction
+    /// first, see [`Self::shaft_friction`].
     ///
     /// # Errors
-    /// [`NotFinite`] if the torque is none.
+    /// [`NotFinite`] if the torque is NaN or infinite.
     pub fn own_torque(&self, shaft_nm: f32) -> Result<Limited<f32>, NotFinite> {
         let most = self.0.torque_nm;
         hold("the servo's torque", shaft_nm / self.0.gear, [-most, most], LimitReason::Torque)
     }
 
-    /// Torque at the shaft of its own torque; N m.
+    /// Converts the servo's own torque to the torque at the drive's shaft, N m.
     pub fn shaft_torque(&self, own_nm: f32) -> f32 {
         own_nm * self.0.gear
     }
 
-    /// Torque at the shaft, N m, that its friction takes at a wanted speed of the shaft, rad/s: Coulomb, which grows
-    /// smoothly from zero speed, and viscous. To be fed forward; of the *wanted* speed, which is without noise.
+    /// Returns the torque at the drive's shaft that overcomes the servo's friction at a shaft speed (rad/s), N m:
+    /// Coulomb friction, which grows smoothly from zero speed, and viscous friction. For feed-forward; pass the
+    /// commanded speed, which has no noise.
     ///
     /// # Errors
-    /// [`NotFinite`] if the speed is none.
+    /// [`NotFinite`] if the speed is NaN or infinite.
     pub fn shaft_friction(&self, shaft_rad_s: f32) -> Result<f32, NotFinite> {
         let own = self.0.gear * shaft_rad_s;
         if !own.is_finite() {
             return Err(NotFinite { what: "the servo's speed", found: own });
         }
         let ratio = own / CREEP_RAD_S;
-        // Beyond this, ratio / sqrt(1 + ratio²) is 1 in f32.
+        // For larger ratios, ratio / sqrt(1 + ratio²) is 1 in f32.
         let coulomb = if ratio.abs() < 1e4 {
             ratio / math::sqrt(1.0 + ratio * ratio)
         } else {
@@ -215,28 +215,28 @@ impl Servo {
         Ok(self.shaft_torque(self.0.friction_nm * coulomb + self.0.damping_nm_s * own))
     }
 
-    /// Inertia of the rotor at the shaft, kg m².
+    /// Returns the inertia of the rotor at the drive's shaft, kg m².
     pub fn shaft_inertia(&self) -> f32 {
         self.0.rotor_inertia_kg_m2 * self.0.gear * self.0.gear
     }
 
-    /// Least and most angle of the shaft, rad.
+    /// Returns the minimum and maximum angle of the drive's shaft, rad.
     pub fn shaft_range(&self) -> [f32; 2] {
         let [a, b] = self.0.range_rad.map(|own| self.shaft_position(own));
         [a.min(b), a.max(b)]
     }
 }
 
-/// Why a servo was refused.
+/// The reason why a servo's settings are invalid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoError {
-    /// The setting; of the gear its size.
+    /// Name of the setting. For the gear, the absolute value is checked.
     pub what: &'static str,
-    /// The value that was found.
+    /// Value that was found.
     pub found: f32,
-    /// The least that it may be.
+    /// Minimum accepted value.
     pub least: f32,
-    /// The most that it may be.
+    /// Maximum accepted value.
     pub most: f32,
 }
 
@@ -280,7 +280,7 @@ mod tests {
             assert!((servo.shaft_position(own.value) - shaft).abs() < 1e-6);
         }
         let (speed, torque) = (servo.own_velocity(1.6).unwrap(), servo.own_torque(-0.4).unwrap());
-        // Two roundings each.
+        // Tolerance for two roundings each.
         assert!((speed.value * torque.value + 1.6 * 0.4).abs() < 1e-6);
         assert!((servo.shaft_velocity(speed.value) - 1.6).abs() < 1e-6);
         assert!((servo.shaft_torque(torque.value) + 0.4).abs() < 1e-6);
@@ -316,12 +316,12 @@ mod tests {
         for step in -99..=100_i8 {
             let speed = 0.02 * f32::from(step);
             let now = friction(speed);
-            // It rises, and by at most its slope at rest: (Coulomb / creep + viscous) times the gear's square.
+            // It rises, at most by its slope at rest: (Coulomb / creep + viscous) times the gear squared.
             assert!(now > before && now - before < 0.02 * 6.25 * (0.013 / 0.05 + 0.004) + 1e-6);
             assert!((now + friction(-speed)).abs() < 1e-7);
             before = now;
         }
-        // Well above creeping: 2.5 times 0.013, and 6.25 times 0.004 times 4.
+        // Far above the creep speed: 2.5 times 0.013, plus 6.25 times 0.004 times 4.
         assert!((friction(4.0) - 0.1325).abs() < 1e-5);
         assert!(friction(1e30).is_finite());
     }

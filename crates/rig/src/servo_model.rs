@@ -1,9 +1,9 @@
-//! The built-in kinds of servo: data files of `crates/rig/models`, where every value names its source or is marked as a
-//! guess.
+//! Built-in kinds of servo, from the data files of `crates/rig/models`. Each value names its source or is marked as
+//! a guess.
 
 use crate::description::ServoModel;
 
-/// Name and file of each, in the order of the documentation.
+/// Name and file of each kind, in the order of the documentation.
 const FILES: [(&str, &str); 9] = [
     ("XL330-M288-T", include_str!("../models/xl330-m288-t.toml")),
     ("XL430-W250-T", include_str!("../models/xl430-w250-t.toml")),
@@ -17,7 +17,7 @@ const FILES: [(&str, &str); 9] = [
 ];
 
 impl ServoModel {
-    /// A built-in kind by its name; `None` if there is none of that name.
+    /// Returns a built-in kind by name, or `None` if the name is unknown.
     ///
     /// ```
     /// use sinew_rig::description::ServoModel;
@@ -28,7 +28,7 @@ impl ServoModel {
     /// ```
     pub fn built_in(name: &str) -> Option<Self> {
         let (_, file) = FILES.iter().find(|(known, _)| *known == name)?;
-        // A test reads every file.
+        // A test ensures that every file is valid.
         toml::from_str(file).ok()
     }
 
@@ -36,14 +36,14 @@ impl ServoModel {
     pub fn with_article(name: &str) -> String {
         let mut letters = name.chars();
         let (first, second) = (letters.next().unwrap_or_default(), letters.next());
-        // Of an abbreviation each letter is spoken by its own name.
+        // In an abbreviation, each letter is pronounced by its name.
         let is_spelt = second.is_none_or(|letter| !letter.is_lowercase());
         let vowels = if is_spelt { "AEFHILMNORSX8" } else { "AEIO" };
         let article = if vowels.contains(first.to_ascii_uppercase()) { "an" } else { "a" };
         format!("{article} {name}")
     }
 
-    /// Names of the built-in kinds.
+    /// Returns the names of the built-in kinds.
     pub fn built_in_names() -> impl ExactSizeIterator<Item = &'static str> {
         FILES.iter().map(|(name, _)| *name)
     }

@@ -1,49 +1,50 @@
-//! How stiffly a servo may hold its joint by the loop of its own: what its P gain is chosen by.
+//! Maximum stiffness of a servo's own position loop, from which its P gain is chosen.
 
 use crate::description::ServoModel;
 use crate::review::{FlexibleJoint, with_worst_gear};
 
-/// How late a servo's own loop is: a tick of 1 ms, and half of one for which its torque is held, s. Guess: no maker
-/// states the rate of the loop.
+/// Delay of a servo's own loop: a tick of 1 ms, and half a tick for which the torque is held, s. It is a guess,
+/// because makers do not state the rate of the loop.
 pub const DELAY_S: f64 = 1.5e-3;
 
-/// The least damping of a push that swings out, as a part of the critical one: it swings back by less than half.
+/// Minimum damping of the oscillation after a disturbance, as a share of the critical damping. It then overshoots
+/// by less than half.
 pub const DAMPING_RATIO: f64 = 0.25;
 
-/// The part of the stiffness at which swings through the worst gear grow that a servo may have, unless its dry friction
-/// holds the rotor within the play: the largest with which Poppy's MX-64 stand still with half the stiffness, twice the
-/// play and a third of the damping.
+/// Share of the limit stiffness (at which oscillations through the worst gear grow) that a servo may have, unless
+/// its dry friction holds the rotor within the play. It is the largest share at which Poppy's MX-64 servos remain
+/// at rest with half the gear stiffness, twice the play and a third of the damping.
 pub const GEAR_SHARE: f64 = 0.75;
 
-/// The part of its damping that the worst gear has left.
+/// Share of the damping that remains in the worst gear.
 const DAMPING_LEFT: f64 = 1.0 / 3.0;
 
-/// How stiffly a servo may hold, and the reason that it is no stiffer.
+/// Permitted stiffness of a servo, with the limit that determined it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stiffness {
     /// Torque per position error at the servo's own shaft, N m/rad.
     pub nm_rad: f64,
-    /// The limit that it has reached.
+    /// Limit that determined the stiffness.
     pub reason: StiffnessReason,
 }
 
-/// The limit of a stiffness.
+/// Limit of a stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StiffnessReason {
-    /// Beyond it a swing may grow through the worst gear that is judged: half as stiff, with twice the play and a third
-    /// of the damping. See [`GEAR_SHARE`].
+    /// Above it, an oscillation may grow through the worst gear that is judged: half the stiffness, twice the play
+    /// and a third of the damping. See [`GEAR_SHARE`].
     Gear,
-    /// Beyond it a push swings out with less than [`DAMPING_RATIO`].
+    /// Above it, the oscillation after a disturbance has less damping than [`DAMPING_RATIO`].
     Damping,
-    /// The limit by damping is below what the factory sets, with which no swing grows: it is made no stiffer, and no
-    /// softer.
+    /// The limit by damping is below the factory setting, at which no oscillation grows: the factory setting is
+    /// kept.
     Factory,
 }
 
 impl Stiffness {
-    /// Returns how stiffly a kind of servo may hold a load, kg m² at its shaft; none of a kind without a loop or a
-    /// rotor of its own. The greatest load that it has in any pose is the one to give; a lighter one than its rotor
-    /// counts as the rotor. O(1).
+    /// Returns the permitted stiffness of a kind of servo with a load (kg m² at its shaft); `None` for a kind
+    /// without its own loop or without rotor data. Pass the maximum load of all poses. A load below the rotor's
+    /// inertia counts as the rotor's inertia. O(1).
     pub fn of(model: &ServoModel, load_kg_m2: f64) -> Option<Self> {
         let factory = model.position_gain_nm_rad.value;
         let rotor = model.rotor_inertia_kg_m2.value;
@@ -63,7 +64,7 @@ impl Stiffness {
         let worst = with_worst_gear(joint, play_rad);
         let worst = FlexibleJoint { gear_damping: DAMPING_LEFT * worst.gear_damping, ..worst };
         let grows = where_swings_grow(&worst);
-        // Twice the play is this far to either side.
+        // Twice the play allows this angle in each direction.
         let held = model.friction_nm.value / play_rad.max(f64::MIN_POSITIVE);
         let by_gear = grows.min(held.max(GEAR_SHARE * grows));
         let by_damping = (0.5 * joint.damping / DAMPING_RATIO).powi(2) / joint.inertia();
@@ -82,22 +83,22 @@ impl Stiffness {
     }
 }
 
-/// The stiffness at which a swing neither grows nor decays, N m/rad.
+/// Returns the stiffness at which an oscillation neither grows nor decays, N m/rad.
 ///
-/// The servo turns its rotor by `kp` for each radian that its output is off, [`DELAY_S`] late, which takes `kp` times
-/// that from the damping. With rotor `J`, load `L`, gear `K` and `c`, damping `b` (viscous friction and back-EMF) and
-/// delay `T` the polynomial is
+/// The servo's torque on its rotor is `kp` per radian of output error, with a delay of [`DELAY_S`]. The delay
+/// subtracts `kp` times [`DELAY_S`] from the damping. With rotor `J`, load `L`, gear `K` and `c`, damping `b`
+/// (viscous friction and back-EMF) and delay `T`, the characteristic polynomial is
 ///
 /// ```text
 /// J L s⁴ + (b L + c (J + L)) s³ + (K (J + L) + c (b - kp T)) s² + (K (b - kp T) + c kp) s + K kp
 /// ```
 ///
-/// and Routh's criterion a quadratic in `kp`, whose first root this is.
+/// Routh's criterion gives a quadratic equation in `kp`; the result is its smallest positive root.
 fn where_swings_grow(joint: &FlexibleJoint) -> f64 {
     let FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping } = *joint;
     let fourth = rotor_inertia * load_inertia;
     let third = damping * load_inertia + gear_damping * joint.inertia();
-    // The part without kp, and the factor of kp.
+    // Part without kp, and factor of kp.
     let second = [stiffness * joint.inertia() + gear_damping * damping, -gear_damping * DELAY_S];
     let first = [stiffness * damping, gear_damping - stiffness * DELAY_S];
     let constant = stiffness;
@@ -108,10 +109,10 @@ fn where_swings_grow(joint: &FlexibleJoint) -> f64 {
         - third * third * constant;
     let a = third * second[1] * first[1] - fourth * first[1] * first[1];
     let root = (b * b - 4.0 * a * c).max(0.0).sqrt();
-    // Without kp all decays: c is positive. Written so that a small `a` divides nothing.
+    // Without kp all oscillations decay, therefore c is positive. This form avoids a division by a small `a`.
     let least = 2.0 * c / (root - b);
     let none = f64::INFINITY;
-    // With a positive b and no root all decays, whatever kp.
+    // With a positive b and no root, oscillations decay for any kp.
     if least > 0.0 { least } else { none }
 }
 
@@ -123,7 +124,7 @@ mod tests {
         ServoModel::built_in(name).unwrap_or_default()
     }
 
-    /// Says whether a swing grows, by a simulation of the loop in steps of 20 µs.
+    /// Returns whether an oscillation grows, from a simulation of the loop in steps of 20 µs.
     fn grows(joint: &FlexibleJoint, stiffness: f64) -> bool {
         let FlexibleJoint { rotor_inertia, load_inertia, .. } = *joint;
         let (step_s, delay) = (2e-5, 75);
@@ -161,7 +162,7 @@ mod tests {
                 damping: model.damping_nm_s.value + back_emf,
             };
             let limit = where_swings_grow(&joint);
-            // The delay is taken to first order.
+            // The delay is a first-order approximation.
             assert!(grows(&joint, 1.07 * limit), "{name}: {limit}");
             assert!(!grows(&joint, 0.93 * limit), "{name}: {limit}");
         }
@@ -173,7 +174,7 @@ mod tests {
         assert_eq!(of("XL430-W250-T", 1e-3), Some(StiffnessReason::Gear));
         assert_eq!(of("XL330-M288-T", 1.5e-3), Some(StiffnessReason::Damping));
         assert_eq!(of("XL330-M288-T", 0.1), Some(StiffnessReason::Factory));
-        // A gear that makes the factory's gain swing.
+        // A gear that oscillates with the factory gain.
         let mut soft = kind("XM430-W350-T");
         if let Some(stiffness) = &mut soft.gear_stiffness_nm_rad {
             stiffness.value = 10.0;

@@ -1,5 +1,5 @@
-//! Limits that the gear of each servo sets to its joint's loop: the observer's bandwidth, the stiffness of the servo's
-//! own loop, and the zone in which the joint rests.
+//! Limits that each servo's gear sets to the control loop of its joint: bandwidth of the observer, stiffness of the
+//! servo's own loop, and radius of the joint's rest zone.
 
 use sinew_core::TreeError;
 use sinew_core::bandwidth::Bandwidth;
@@ -13,25 +13,26 @@ use crate::number::single;
 use crate::review::{ControlLoop, FlexibleJoint, inertia_ranges};
 use crate::stiffness::Stiffness;
 
-/// What the gear of one servo allows its joint's loop.
+/// Limits by the gear of one servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoTracking {
-    /// Bandwidth of the joint's observer, and its reason; none of a servo that moves no joint.
+    /// Bandwidth of the joint's observer, with its reason; `None` for a servo that moves no joint.
     pub bandwidth: Option<Bandwidth>,
-    /// Stiffness by its own loop, and its reason; none of a servo that moves no joint or has no such loop.
+    /// Stiffness of the servo's own loop, with its reason; `None` for a servo that moves no joint or has no such
+    /// loop.
     pub stiffness: Option<Stiffness>,
-    /// The greatest inertia that the servo moves, at its own shaft, kg m², its rotor left out.
+    /// Maximum inertia that the servo moves, without its rotor, at its own shaft, kg m².
     pub load_inertia_kg_m2: f64,
-    /// Half the play of its gear and a step of its encoder, at its own shaft, rad.
+    /// Half the play of its gear plus a step of its encoder, at its own shaft, rad.
     pub blind_rad: f64,
-    /// The same at its joint, rad (of slides, m): the radius of the joint's rest zone.
+    /// `blind_rad` converted to the joint, rad (m for a slide): the radius of the joint's rest zone.
     pub rest: f64,
 }
 
 impl ServoTracking {
-    /// Says whether the loop of its joint decays by itself, with the gear of its data and the greatest load: a tick of
-    /// `dt_s`, `latency_ticks` late, with a stiffness of `kp_per_s2`, where a winding damps by `braking_nm_s`. A servo
-    /// without a bandwidth has no such loop. O(1).
+    /// Returns whether oscillations of the joint's loop decay, for the gear in the servo's data and the maximum
+    /// load. The tick is `dt_s`, torques act `latency_ticks` late, the stiffness is `kp_per_s2`, and the winding
+    /// adds a damping of `braking_nm_s`. True for a servo without a bandwidth, because it has no such loop. O(1).
     pub fn decays(
         &self,
         model: &ServoModel,
@@ -61,26 +62,26 @@ impl ServoTracking {
     }
 }
 
-/// Why there is no such list.
+/// The reason why the limits were not computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TrackingError {
     /// A servo or a drive is invalid.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// The bodies are no tree of `sinew-core`.
+    /// The bodies are not a valid tree of `sinew-core`.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// A pose is not one of that tree.
+    /// A pose is invalid for that tree.
     #[error("a pose within the ranges: {0}")]
     Pose(#[from] CoordinatesError),
-    /// A drive does not take the home pose.
+    /// A drive refuses the home pose.
     #[error("a drive at the home pose: {0}")]
     Drive(#[from] DriveInputError),
 }
 
-/// Returns what each servo of a rig allows, in the rig's order, for a loop of `dt_s` seconds: see
-/// [`Bandwidth::of_loaded_gear`]. Levers are those of the home pose, loads the greatest of 64 poses. O(n).
+/// Returns the limits of each servo of a rig, in the rig's order, for a tick of `dt_s` seconds: see
+/// [`Bandwidth::of_loaded_gear`]. Levers are those of the home pose, loads the maximum of 64 poses. O(n).
 ///
 /// # Errors
 /// [`TrackingError`] if the rig does not fit `sinew-core`, or a drive or a servo is invalid.
@@ -95,7 +96,7 @@ pub fn tracking(
         .servos
         .iter()
         .map(|servo| {
-            // `actuation` has refused models that are not known.
+            // `actuation` has refused unknown models.
             let model = rig.servo_model(&servo.model).unwrap_or_default();
             let blind_rad = model.half_play_rad() + model.resolution_rad.value;
             ServoTracking {
@@ -118,11 +119,11 @@ pub fn tracking(
             let gear = f64::from(actuation.servos[*index].settings().gear).abs();
             let square = |(load, moved): (&f64, &f32)| load * f64::from(*moved).powi(2);
             let at_shaft: f64 = loads.iter().zip(&moved).map(square).sum();
-            // Servos that share a joint share what it moves.
+            // Servos that share a joint share its load.
             let load = if share > 0.0 { at_shaft / share / (gear * gear) } else { 0.0 };
             let Some(model) = rig.servo_model(&rig.servos[*index].model) else { continue };
             let (stiffness, rotor) = (model.gear_stiffness(), model.rotor_inertia_kg_m2.value);
-            // Hobby servos are of no known rotor: nothing is closed round them.
+            // Hobby servos have no rotor data, therefore the bandwidth is an error and no loop is closed.
             let bandwidth = Bandwidth::of_loaded_gear(
                 single(stiffness),
                 single(rotor),
@@ -140,7 +141,7 @@ pub fn tracking(
     Ok(servos)
 }
 
-/// Home positions of a drive's dofs, and the greatest inertia of each; none if a joint of it was merged.
+/// Returns home positions and maximum inertias of a drive's dofs; `None` if one of its joints was merged.
 fn of_drive(
     rig: &Description,
     mechanism: &Mechanism,
@@ -164,7 +165,7 @@ fn of_drive(
     Some((home, own))
 }
 
-/// The greatest inertia along each dof of each body, its rotors left out, with all joints beyond it held.
+/// Returns the maximum inertia of each dof of each body, without rotors, with all joints beyond it held.
 fn greatest_loads(mechanism: &Mechanism) -> Result<Vec<Vec<f64>>, TrackingError> {
     let tree = mechanism.tree::<BODY_COUNT_MAX>()?;
     let mut ranges = inertia_ranges(mechanism, &tree)?.into_iter();

@@ -1,7 +1,7 @@
-//! A rig's side against servos of any making behind a serial port: `master dxl|sts|scs PORT 1,2,3 TICKS`.
+//! Controls servos of any make on a serial port: `master dxl|fast|sts|scs PORT 1,2,3 TICKS`.
 //!
-//! Sends every servo to random positions, and compares where it says that it is with where it was sent: for servos that
-//! are there at once, as simulated ones are.
+//! Sends every servo to random positions, and compares the position that it reports with the goal. Needs servos that
+//! reach a goal at once, as simulated servos do.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
@@ -14,7 +14,7 @@ use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing, dynamixel};
 
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 500, turnaround_us: 1_000 };
-/// Programs answer when the machine lets them.
+/// Maximum wait for a reply: simulated servos answer when the operating system schedules their program.
 const PATIENCE: Duration = Duration::from_millis(20);
 const RANGE_RAD: [f32; 2] = [0.5, 4.5];
 const FAST_RAD_S: f32 = 1000.0;
@@ -78,7 +78,7 @@ fn run(mut bus: impl ServoBus, mut port: File, ticks: u32) -> Result<(), Failure
             bus.command(servo, Command::Position(goal))?;
             goals.push(goal);
         }
-        // The first tick writes, the second reads what came of it.
+        // The first tick writes the goals, the second reads the resulting positions.
         tick(&mut bus, &mut port)?;
         tick(&mut bus, &mut port)?;
         for (servo, goal) in goals.iter().enumerate() {

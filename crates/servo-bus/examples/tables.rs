@@ -1,11 +1,12 @@
-//! All control tables of Dynamixels as tab-separated values: model's number, firmware, address, size, access, name.
+//! Prints all control tables of Dynamixels as tab-separated values: model number, firmware, address, size, access,
+//! name.
 
 use sinew_servo_bus::dynamixel::table::{MODELS, Table};
 use sinew_servo_bus::table::Access;
 
 fn main() {
     for model in MODELS {
-        // The last before the indirect data of small servos moved, and the first after.
+        // Firmware 52 moved the indirect data of small servos: the last version before it, and the first after.
         for firmware in [51, 52] {
             let table = Table { model, firmware };
             let indirect = table.indirect().into_iter().flatten();

@@ -1,43 +1,44 @@
-//! A servo's registers against what they must hold, a few at a time.
+//! Compares a servo's registers with the values that they must hold, a few registers at a time.
 
 use core::fmt;
 
 use crate::settings::{ServoRequirements, Setting};
 use crate::table::{ByteOrder, TORQUE_ENABLE};
 
-/// What is read at once: as many bytes as a reading of motion has, for which buses have room.
+/// Maximum bytes of one read: the length of a motion reading, for which every bus has room.
 const MOST_LEN: u16 = 10;
-/// The longest return delay that a servo can be set to. To find that out it is waited for, where a tick is long enough.
+/// Longest return delay that a servo can be set to, us. A comparison waits for that long if the tick allows it, to read
+/// a servo whose delay is wrong.
 const LONGEST_DELAY_US: u32 = 508;
 
-/// What came of a comparison.
+/// The result of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
     /// Nothing was asked for, or the servo has no registers.
     Nothing,
-    /// Not all was read yet.
+    /// The comparison is not complete yet.
     Reading,
-    /// All is as it must be.
+    /// All registers hold the required values.
     Same,
-    /// This is not, and was read twice.
+    /// This register holds another value. It was read twice.
     Differs(Difference),
 }
 
-/// A register that holds something else than it must, in its own counts.
+/// A register whose value differs from the required value, in counts of the register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Difference {
     /// The maker's name of the register.
     pub item: &'static str,
-    /// Its address.
+    /// Address of the register.
     pub address: u16,
-    /// What it holds.
+    /// Value that the register holds.
     pub found: i32,
-    /// What it must hold.
+    /// Value that the register must hold.
     pub expected: i32,
 }
 
 impl Difference {
-    /// Whether it is the torque of the servo: it is on, though it was switched off.
+    /// Returns whether this register is the servo's torque switch: torque is on, though it was switched off.
     pub fn is_torque(&self) -> bool {
         self.item == TORQUE_ENABLE
     }
@@ -50,20 +51,21 @@ impl fmt::Display for Difference {
     }
 }
 
-/// How long an answer is waited for that should take so long: half of what is left of the tick stays free.
+/// Returns the time to wait for an answer, us, given the time that the answer should take. Leaves half of the rest of
+/// the tick free.
 pub(crate) fn patient_us(time_us: u32, left_us: u32) -> u32 {
     time_us.saturating_add(LONGEST_DELAY_US).min(left_us / 2).max(time_us)
 }
 
-/// The comparison of one servo.
+/// The state of the comparison of one servo.
 #[derive(Debug, Clone)]
 pub(crate) struct Comparison {
     pub(crate) servo: usize,
     pub(crate) requirements: ServoRequirements,
     pub(crate) result: Compared,
-    /// All below this address are as they must be.
+    /// First address that is not yet compared: all registers below it hold the required values.
     from: u16,
-    /// What differed when it was read once.
+    /// A difference that was read once and is not confirmed yet.
     suspect: Option<Difference>,
 }
 
@@ -72,7 +74,7 @@ impl Comparison {
         Self { servo, requirements, result: Compared::Reading, from: 0, suspect: None }
     }
 
-    /// Address and length of the next read; none if there is nothing left to read.
+    /// Returns address and length of the next read, or `None` if all registers are read.
     pub(crate) fn next(&self, settings: impl Iterator<Item = Setting>) -> Option<(u16, u16)> {
         if self.result != Compared::Reading {
             return None;
@@ -86,8 +88,8 @@ impl Comparison {
         Some((first.address, len(end)))
     }
 
-    /// Takes what came of a read from `first` on. On a damaged line a byte may be another: a difference counts when it
-    /// was read twice.
+    /// Processes the bytes of a read that began at `first`. A difference counts only if it is read twice, because a
+    /// byte may be damaged on the line.
     pub(crate) fn take(
         &mut self,
         settings: impl Iterator<Item = Setting> + Clone,

@@ -1,21 +1,21 @@
-//! Why something cannot be written, commanded or set up.
+//! Errors of encoding packets, of commands and of setups.
 
 use core::fmt;
 
-/// Why a packet cannot be written.
+/// The reason why a packet was not written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EncodeError {
     /// The buffer is too small.
     Room {
-        /// How many bytes it has.
+        /// Size of the buffer in bytes.
         has: usize,
     },
-    /// The packet would be longer than its length field can say.
+    /// The packet is longer than its length field allows.
     Length,
     /// No servo can have this id, or the instruction cannot be broadcast.
     Id(u8),
-    /// Writes what would harm: EEPROM lock, factory reset, calibration. There is a call for it by name.
+    /// The write is dangerous (EEPROM lock, factory reset, calibration): use the function with this name instead.
     OnlyByName(&'static str),
 }
 
@@ -36,20 +36,20 @@ impl fmt::Display for EncodeError {
 
 impl core::error::Error for EncodeError {}
 
-/// Why a command is refused. The servo keeps its last one.
+/// The reason why a command was refused. The servo keeps its last command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CommandError {
-    /// There is no servo of this index.
+    /// No servo has this index.
     Servo {
-        /// The index.
+        /// The index that was given.
         index: usize,
-        /// How many servos there are.
+        /// Number of servos on the bus.
         count: usize,
     },
     /// The number is NaN or infinite.
     NotFinite(&'static str),
-    /// The servo cannot do this, or its mode is another one.
+    /// The servo does not support this command in its mode.
     Unsupported(&'static str),
 }
 
@@ -60,31 +60,31 @@ impl fmt::Display for CommandError {
                 write!(f, "there is no servo {index}; the bus has {count}, from 0")
             }
             Self::NotFinite(what) => write!(f, "the {what} is not a finite number"),
-            Self::Unsupported(what) => write!(f, "the servo takes no {what} in its mode"),
+            Self::Unsupported(what) => write!(f, "the servo accepts no {what} in its mode"),
         }
     }
 }
 
 impl core::error::Error for CommandError {}
 
-/// Why servos cannot share a bus as they are described.
+/// The reason why a setup of servos on a bus was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SetupError {
-    /// More servos than there is room for.
+    /// There are more servos than the bus has room for.
     Capacity {
-        /// How many there is room for.
+        /// Maximum number of servos.
         holds: usize,
     },
     /// No servo can have this id or channel.
     Id(u8),
-    /// Two servos have this id or channel.
+    /// Two servos have the same id or channel.
     Shared(u8),
-    /// The number of this setting cannot be.
+    /// The value of this setting is invalid.
     Setting {
         /// Id or channel of the servo.
         id: u8,
-        /// The setting.
+        /// Name of the setting.
         what: &'static str,
     },
 }
@@ -98,7 +98,7 @@ impl fmt::Display for SetupError {
             Self::Id(id) => write!(f, "no servo can have id {id}"),
             Self::Shared(id) => write!(f, "two servos have id {id}; each needs its own"),
             Self::Setting { id, what } => {
-                write!(f, "servo {id}: {what} is not a number that can be")
+                write!(f, "servo {id}: {what} is not a valid number")
             }
         }
     }

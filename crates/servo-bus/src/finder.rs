@@ -1,25 +1,25 @@
-//! Packets in a stream of bytes, of any protocol that has a header, a length and a check.
+//! Finds packets in a stream of bytes, for any protocol with a header, a length and a check.
 
 use crate::window::Window;
 
-/// How a protocol's packets begin and end.
+/// The rules of a protocol for the beginning and the end of a packet.
 pub(crate) trait Framing {
-    /// Header, id and length: all that is needed to know how long a packet is.
+    /// Length of header, id and length field: the bytes that are needed to know the length of a packet.
     const PREFIX_LEN: usize;
 
-    /// How many bytes the packet at the front has; [`Self::PREFIX_LEN`] as long as that is not known; none if no packet
-    /// begins here.
+    /// Returns the length of the packet at the front, [`Self::PREFIX_LEN`] while the length is not known yet, or `None`
+    /// if no packet begins there.
     fn announced(bytes: &[u8]) -> Option<usize>;
 
-    /// Whether the check at the end of a packet is right.
+    /// Returns whether the check at the end of a packet is right.
     fn is_whole(packet: &[u8]) -> bool;
 }
 
-/// Finds packets of at most `N` bytes. After a damaged one it goes on from that one's second byte.
+/// A search for packets of at most `N` bytes. After a damaged packet it continues at that packet's second byte.
 #[derive(Debug, Clone)]
 pub(crate) struct Finder<const N: usize> {
     window: Window<N>,
-    /// Bytes of the packet that was given out, to be dropped before the next one.
+    /// Length of the packet that was returned last: its bytes are dropped by the next call.
     taken: usize,
     damaged: u32,
 }
@@ -29,19 +29,19 @@ impl<const N: usize> Finder<N> {
         Self { window: Window::new(), taken: 0, damaged: 0 }
     }
 
-    /// Forgets what has come so far, but not how much of it was damaged.
+    /// Discards all buffered bytes, but keeps the count of damaged packets.
     pub(crate) fn clear(&mut self) {
         self.window = Window::new();
         self.taken = 0;
     }
 
-    /// How many packets had a wrong check, or were cut short.
+    /// Returns the number of packets with a wrong check or a missing end.
     pub(crate) fn damaged(&self) -> u32 {
         self.damaged
     }
 
-    /// The bytes of the next packet whose check is right. `at_end` says that no more than `input` will come.
-    /// `on_damaged` gets each packet before it whose check is wrong.
+    /// Returns the bytes of the next packet with a correct check. `at_end` states that no bytes will arrive after
+    /// `input`. `on_damaged` receives each earlier packet whose check is wrong.
     pub(crate) fn next<F: Framing>(
         &mut self,
         input: &mut &[u8],
@@ -61,7 +61,7 @@ impl<const N: usize> Finder<N> {
         at_end: bool,
         mut on_damaged: impl FnMut(&[u8]),
     ) -> Option<usize> {
-        // A shorter window never holds a whole length: the loop would not end.
+        // A window that is too short never holds a whole prefix: the loop would not end.
         const { assert!(N > F::PREFIX_LEN, "a parser must hold more than a packet's prefix") };
         loop {
             let announced = F::announced(self.window.bytes()).filter(|wanted| *wanted <= N);

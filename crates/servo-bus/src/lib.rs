@@ -1,14 +1,16 @@
-//! Servo protocols as codecs: bytes in, bytes out, and no I/O, no clock, no allocation, no panic.
+//! Servo protocols as codecs: they convert bytes, without I/O, clock, allocation or panic.
 //!
 //! - [`dynamixel`]: Dynamixel protocol 2.0; [`feetech`]: STS, SMS and SCS servos; [`pca9685`]: hobby servos on a PWM
 //!   chip.
-//! - Both sides of each: what a controller sends and takes, and a `Device` that answers as a servo does. Packets are
-//!   written and parsed by the same code on both sides.
-//! - [`ServoBus`] is what a rig needs of any of them: commands in, a cycle of packets out, replies in, feedback and
-//!   errors by servo.
-//! - [`Schedule`] says at construction what rate a bus allows, and spreads reads over ticks where one is too short.
-//! - [`settings`] is what a rig asks of a servo's registers; a bus compares it, in the time that ticks leave.
-//! - [`Line`] joins simulated devices to one half-duplex line.
+//! - Each protocol has both sides: the controller's, and a `Device` that answers as a servo does. Both sides write and
+//!   parse packets with the same code.
+//! - [`ServoBus`] is the common interface of all buses: it accepts commands, returns a cycle of packets, processes
+//!   replies, and reports feedback and errors for each servo.
+//! - [`Schedule`] computes at construction the rate that a bus allows, and spreads reads over ticks if one tick is too
+//!   short.
+//! - [`settings`] lists the register values that a rig requires of a servo. A bus compares them in the time that ticks
+//!   leave.
+//! - [`Line`] connects simulated devices to one half-duplex line.
 //!
 //! # A tick
 //! ```
@@ -49,22 +51,23 @@
 //! ```
 //!
 //! # Conventions
-//! - SI units and radians at the door of [`ServoBus`]; raw counts inside. A servo's own position is zero where its
-//!   encoder counts zero, and grows as its encoder counts.
-//! - Streams may be split anywhere. A parser has a fixed buffer; after damage it finds the next whole packet, also
-//!   where that begins inside the damaged one.
-//! - A reply counts only if its id, its kind and its length are what was asked for.
-//! - Elementary arithmetic only, in f32 and integers: same bits on every machine.
+//! - The interface of [`ServoBus`] uses SI units and radians; raw counts stay inside. A servo's own position is zero
+//!   where its encoder counts zero, and grows with the encoder's count.
+//! - Streams may be split anywhere. A parser has a fixed buffer; after damage it finds the next whole packet, even if
+//!   that packet begins inside the damaged one.
+//! - A reply counts only if its id, its kind and its length match the request.
+//! - Only elementary arithmetic in f32 and integers: results have the same bits on every machine.
 //!
 //! # Files
-//! - `servo_bus`, `servo_state`, `plausible`, `counts`: what a rig needs of a bus; a bus's knowledge of one servo;
-//!   readings to believe; numbers in counts.
+//! - `servo_bus`, `servo_state`, `plausible`, `counts`: the interface of a bus; the state of one servo; which readings
+//!   to believe; conversion to counts.
 //! - `schedule`: the rate that a bus allows, and which servos are read in which tick.
 //! - `table`, `settings`, `compare`: control tables as data; the registers that a rig requires; their comparison.
-//! - `dynamixel/`, `feetech/`, each: `frame`, `instruction`, `status`, `parser`; `table/` (models and registers);
-//!   `bus/` (the rig's side: `bus/servo` turns counts into positions); `device/` (the servo's side).
-//! - `pca9685/`: registers of the chip, the rig's side, a simulated chip.
-//! - `line`, `sink`, `finder`, `window`: a half-duplex line for simulated devices; bytes in slices and streams.
+//! - `dynamixel/` and `feetech/`: each has `frame`, `instruction`, `status`, `parser`; `table/` (models and registers);
+//!   `bus/` (the controller's side; `bus/servo` converts counts to positions); `device/` (the servo's side).
+//! - `pca9685/`: the chip's registers, the controller's side, a simulated chip.
+//! - `line`, `sink`, `finder`, `window`: a half-duplex line for simulated devices; helpers for bytes in slices and
+//!   streams.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -1,42 +1,44 @@
-//! One half-duplex line with simulated devices on it.
+//! Connects simulated devices to one half-duplex line.
 
 /// A simulated device on a line.
 pub trait BusDevice {
-    /// Hears bytes on the line, from the controller or from another device.
+    /// Receives bytes that the controller or another device sent.
     fn hear(&mut self, bytes: &[u8]);
 
-    /// After how many microseconds of silence it wants to speak; none if it does not.
+    /// Returns the silence after which the device wants to send, in microseconds, or `None` if it does not want to
+    /// send.
     fn due_us(&self) -> Option<u32>;
 
-    /// Says what it wanted to, into `out`, and how many bytes it was; cut short where `out` is too small.
+    /// Writes the device's answer to `out` and returns its length. The answer is cut if `out` is too small.
     fn speak(&mut self, out: &mut [u8]) -> usize;
 
-    /// The line has been silent for longer than anyone takes to answer.
+    /// Informs the device that the line was silent for longer than any device takes to answer.
     fn silence(&mut self);
 }
 
-/// A half-duplex line: all devices hear all others, and those that are due first speak first.
+/// A half-duplex line. All devices receive all bytes; the device that is due first sends first.
 #[derive(Debug)]
 pub struct Line<'d, D> {
     devices: &'d mut [D],
 }
 
 impl<'d, D: BusDevice> Line<'d, D> {
-    /// A line with these devices.
+    /// Creates a line with these devices.
     pub fn new(devices: &'d mut [D]) -> Self {
         Self { devices }
     }
 
-    /// The controller sends `bytes`, and `answer` gets what each device says, in order, and how long the line was
-    /// silent before it, in microseconds. `scratch` must hold the longest reply.
+    /// Sends `bytes` from the controller. `answer` receives each device's reply, in order, and the silence before the
+    /// reply in microseconds. `scratch` must hold the longest reply.
     ///
-    /// Cost: each reply is heard by every device.
+    /// Cost: every device processes each reply.
     pub fn exchange(&mut self, bytes: &[u8], scratch: &mut [u8], answer: impl FnMut(&[u8], u32)) {
         self.hear(bytes, None);
         self.speak(scratch, answer);
     }
 
-    /// The line has been silent: what was begun is over, and who waited for a silent device may speak.
+    /// Reports a silence to all devices: unfinished packets end, and devices that waited for a silent device may
+    /// answer.
     pub fn silence(&mut self, scratch: &mut [u8], answer: impl FnMut(&[u8], u32)) {
         for device in self.devices.iter_mut() {
             device.silence();
@@ -45,7 +47,7 @@ impl<'d, D: BusDevice> Line<'d, D> {
     }
 
     fn speak(&mut self, scratch: &mut [u8], mut answer: impl FnMut(&[u8], u32)) {
-        // A device that speaks is no longer due, and hearing others makes it due at most once more.
+        // A device that sends is no longer due, and other replies make it due at most once more.
         for _ in 0..self.devices.len().saturating_mul(2) {
             let Some((speaker, delay_us)) = self.next_speaker() else { return };
             let Some(device) = self.devices.get_mut(speaker) else { return };

@@ -1,10 +1,10 @@
-//! What a reading can be. Of random damage one packet in 256 passes the sum of Feetech, one in 65,536 the CRC of
-//! Dynamixel.
+//! Decides which readings to believe. The checks of the protocols let some random damage through: one packet in 256
+//! with the sum of Feetech, one in 65,536 with the CRC of Dynamixel.
 
-/// Bounds of a reading, and how far it can move from one to the next.
+/// Bounds of a reading, and of its change from one reading to the next.
 ///
-/// A reading outside of its range is never believed. One that jumps is believed if the next one confirms it: if that
-/// is as near to it as the servo turns from one to the other.
+/// A reading outside of its range is never believed. A reading that jumps is believed only if the next reading confirms
+/// it: the two must be as close together as the servo's speed allows.
 ///
 /// ```
 /// use sinew_servo_bus::Plausible;
@@ -20,18 +20,18 @@ pub struct Plausible {
     most: i32,
     step: u32,
     last: Option<i32>,
-    /// What was not believed, and how many readings were due then.
+    /// A reading that was not believed, and the number of readings due at that time.
     doubtful: Option<(i32, u32)>,
 }
 
 impl Plausible {
-    /// Bounds, and the most that it moves from one reading to the next.
+    /// Creates bounds, with the maximum change from one reading to the next.
     pub const fn new([least, most]: [i32; 2], step: u32) -> Self {
         Self { least, most, step, last: None, doubtful: None }
     }
 
-    /// The reading, if it is to be believed. The first one is, if it is within bounds. `steps` is how many readings
-    /// were due since the last one that came.
+    /// Returns the reading if it is believed. The first reading within bounds is always believed. `steps` is the number
+    /// of readings that were due since the last reading that arrived.
     pub fn accept(&mut self, reading: i32, steps: u32) -> Option<i32> {
         if !(self.least..=self.most).contains(&reading) {
             return None;

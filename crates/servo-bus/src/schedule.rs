@@ -1,55 +1,55 @@
-//! What rate a bus allows, and which servos are read in which tick.
+//! Computes the rate that a bus allows, and decides which servos are read in which tick.
 
 use core::fmt;
 
-/// How fast a line is.
+/// Speed and delays of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Timing {
-    /// Bits per second; a byte has ten.
+    /// Baud rate, bits per second. A byte takes ten bits.
     pub baud: u32,
-    /// How long a servo waits before it answers.
+    /// Delay of a servo before it answers, us.
     pub return_delay_us: u32,
-    /// How long the controller takes from the last byte of one packet to the first of what follows: its own line
-    /// driver, an adapter.
+    /// Time that the controller needs between the last byte of one packet and the first byte of the next, us: for its
+    /// line driver or adapter.
     pub turnaround_us: u32,
 }
 
-/// Bytes of a packet for several servos.
+/// Length of a packet for several servos, in bytes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Cost {
-    /// However many servos there are.
+    /// Bytes that do not depend on the number of servos.
     pub fixed: u32,
-    /// For each servo.
+    /// Additional bytes for each servo.
     pub each: u32,
 }
 
 impl Cost {
-    /// Bytes for so many servos.
+    /// Returns the length for `servos` servos; 0 for none.
     pub fn bytes(self, servos: u32) -> u32 {
         if servos == 0 { 0 } else { self.fixed.saturating_add(self.each.saturating_mul(servos)) }
     }
 }
 
-/// What goes over a bus in a tick. Bytes are without stuffing: it adds a byte where data have FF FF FD in a row.
+/// Traffic on a bus in one tick, in bytes without stuffing. Stuffing adds a byte for each FF FF FD in the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Traffic {
-    /// How many servos.
+    /// Number of servos.
     pub servos: u32,
-    /// Commands to all, in every tick.
+    /// Commands to all servos, in every tick.
     pub write: Cost,
-    /// The question to the servos that are read.
+    /// Question to the servos that are read.
     pub ask: Cost,
-    /// Their answers.
+    /// Answers of the servos that are read.
     pub answer: Cost,
-    /// Whether every servo waits for its return delay, or only the first.
+    /// Whether every servo waits for its return delay, or only the first servo.
     pub delay_each: bool,
-    /// Whether every servo is asked by itself, so that the controller's turnaround comes as often.
+    /// Whether every servo is asked alone, which costs the controller's turnaround each time.
     pub ask_each: bool,
-    /// Bytes of one question and its answer besides: what is read seldom, or asked again. 0 for none.
+    /// Bytes of one additional question with its answer, for rare reads and repeated questions; 0 for none.
     pub extra: u32,
 }
 
-/// How the reads of a bus are spread.
+/// A plan that spreads the reads of a bus over ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Schedule {
     tick_us: u32,
@@ -58,17 +58,17 @@ pub struct Schedule {
     timing: Timing,
 }
 
-/// The bus cannot do what is asked.
+/// The error that a bus cannot reach the requested rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScheduleError {
-    /// Commands and one read do not fit in a tick.
+    /// The commands and one read do not fit in a tick.
     TooFast {
-        /// What was asked for.
+        /// Requested rate, Hz.
         asked_hz: u32,
-        /// What is possible, with one servo read in a tick.
+        /// Maximum rate with one servo read in each tick, Hz.
         most_hz: u32,
     },
-    /// Rate, baud or number of servos is zero, or too large.
+    /// Rate, baud rate or number of servos is zero, or too large.
     Number,
 }
 
@@ -91,14 +91,14 @@ impl fmt::Display for ScheduleError {
 impl core::error::Error for ScheduleError {}
 
 impl Timing {
-    /// How long so many bytes take, rounded up.
+    /// Returns the time of `bytes` bytes on the line, us, rounded up.
     pub fn bytes_us(&self, bytes: u32) -> u32 {
         let bit_ns = u64::from(bytes).saturating_mul(10_000_000);
         let us = bit_ns.div_ceil(u64::from(self.baud.max(1)));
         u32::try_from(us).unwrap_or(u32::MAX)
     }
 
-    /// How long one question and its answer take.
+    /// Returns the time of one question of `out` bytes and its answer of `back` bytes, us.
     pub fn request_us(&self, out: u32, back: u32) -> u32 {
         let waits =
             if back == 0 { 0 } else { self.return_delay_us.saturating_add(self.turnaround_us) };
@@ -107,16 +107,16 @@ impl Timing {
 }
 
 impl Traffic {
-    /// The same with commands of so many bytes to each servo: 8 for a position and a speed of a Dynamixel, 6 of a
+    /// Sets the length of the command to each servo, in bytes: for position and speed, 8 for a Dynamixel and 6 for a
     /// Feetech.
     #[must_use]
     pub fn with_goal(mut self, goal_len: u32) -> Self {
-        // Its id comes before.
+        // The servo's id precedes its command.
         self.write.each = goal_len.saturating_add(1);
         self
     }
 
-    /// How long a tick is busy that writes all servos and reads so many.
+    /// Returns how long the bus is busy in a tick that writes all servos and reads `read` of them, us.
     pub fn busy_us(&self, timing: &Timing, read: u32) -> u32 {
         let bytes = self.write.bytes(self.servos);
         let bytes =
@@ -142,10 +142,10 @@ impl Traffic {
 }
 
 impl Schedule {
-    /// As many reads in a tick of `rate_hz` as fit.
+    /// Creates a schedule at `rate_hz`, with as many reads in each tick as fit.
     ///
     /// # Errors
-    /// [`ScheduleError::TooFast`] with the rate that is possible; [`ScheduleError::Number`].
+    /// [`ScheduleError::TooFast`] with the maximum rate; [`ScheduleError::Number`] for an invalid number.
     pub fn new(timing: Timing, traffic: &Traffic, rate_hz: u32) -> Result<Self, ScheduleError> {
         let plain = |number: u32| (1..=10_000_000).contains(&number);
         if !plain(timing.baud) || !plain(rate_hz) || !plain(traffic.servos) {
@@ -164,37 +164,37 @@ impl Schedule {
         Err(ScheduleError::TooFast { asked_hz: rate_hz, most_hz })
     }
 
-    /// The fastest rate at which every servo is read in every tick, Hz.
+    /// Returns the maximum rate at which every servo is read in every tick, Hz.
     pub fn fastest_hz(timing: &Timing, traffic: &Traffic) -> u32 {
         1_000_000_u32.checked_div(traffic.busy_us(timing, traffic.servos).max(1)).unwrap_or(0)
     }
 
-    /// The length of a tick, us.
+    /// Returns the length of a tick, us.
     pub fn tick_us(&self) -> u32 {
         self.tick_us
     }
 
-    /// In how many ticks every servo is read once.
+    /// Returns the number of ticks in which every servo is read once.
     pub fn groups(&self) -> u32 {
         self.groups
     }
 
-    /// How long the bus is busy in a tick, us.
+    /// Returns how long the bus is busy in a tick, us.
     pub fn busy_us(&self) -> u32 {
         self.busy_us
     }
 
-    /// How often each servo is read, Hz.
+    /// Returns the rate at which each servo is read, Hz.
     pub fn read_hz(&self) -> f32 {
         1e6 / (self.tick_us.max(1) as f32 * self.groups as f32)
     }
 
-    /// How fast the line is.
+    /// Returns speed and delays of the line.
     pub fn timing(&self) -> &Timing {
         &self.timing
     }
 
-    /// Whether servo `index` is read in tick `tick`.
+    /// Returns whether servo `index` is read in tick `tick`.
     pub fn reads(&self, tick: u32, index: usize) -> bool {
         let group = tick.checked_rem(self.groups).unwrap_or(0);
         u32::try_from(index).ok().and_then(|index| index.checked_rem(self.groups)) == Some(group)

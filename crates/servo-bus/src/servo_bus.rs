@@ -1,158 +1,161 @@
-//! What a rig needs of any servo bus.
+//! The common interface of all servo buses.
 
 use crate::settings::ServoRequirements;
 use crate::{CommandError, Compared, EncodeError};
 
 /// A bus of servos, numbered from 0 in the order of its construction.
 ///
-/// In every tick: [`command`](Self::command) as many servos as there are; [`plan`](Self::plan) the first packets and
-/// send them; give what comes to [`reply`](Self::reply); when all has come or the time of the request is over, ask
-/// [`plan_more`](Self::plan_more) until it wants nothing. Nothing here waits: the caller has the clock.
+/// In every tick, the caller gives a [`command`](Self::command) to any number of servos; sends the first packets from
+/// [`plan`](Self::plan); passes received bytes to [`reply`](Self::reply); and, when all replies have arrived or the
+/// time of the request is over, calls [`plan_more`](Self::plan_more) until it returns nothing. The bus never waits: the
+/// caller has the clock.
 pub trait ServoBus {
-    /// How many servos there are.
+    /// Returns the number of servos.
     fn len(&self) -> usize;
 
-    /// Whether there is none.
+    /// Returns whether the bus has no servos.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What servo `servo` has to do from the next [`plan`](Self::plan) on. Says what limited it, if anything did.
+    /// Commands servo `servo` from the next [`plan`](Self::plan) on. Returns the limit that changed the command, if
+    /// any.
     ///
     /// # Errors
-    /// [`CommandError`]: nothing is sent then.
+    /// [`CommandError`]: the command is not sent.
     fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError>;
 
-    /// Begins a tick: writes all commands that came since the last one, and asks for the servos whose turn it is.
+    /// Begins a tick: writes all commands since the last tick, and asks the servos whose turn it is.
     ///
     /// # Errors
-    /// [`EncodeError::Room`] if `out` is too small; commands are kept.
+    /// [`EncodeError::Room`] if `out` is too small; the commands are kept.
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError>;
 
-    /// What else to ask in this tick: servos that did not answer, as often as the retry budget allows, and what is read
-    /// seldom. None if there is nothing, or `left_us` is too short.
+    /// Asks further questions in this tick: repeats questions to servos that did not answer, as far as the retry budget
+    /// allows, and makes rare reads. Returns `None` if there is nothing to ask, or `left_us` is too short.
     ///
     /// # Errors
     /// [`EncodeError::Room`] if `out` is too small.
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError>;
 
-    /// Takes what came, split anywhere, and says whether all that was asked for has come.
+    /// Processes received bytes, split anywhere. Returns whether all requested replies have arrived.
     fn reply(&mut self, bytes: &[u8]) -> bool;
 
-    /// The last believed reading of a servo.
+    /// Returns the last believed reading of a servo.
     fn feedback(&self, servo: usize) -> Option<Feedback>;
 
-    /// Compares the registers of this servo with what a rig asks of it, from the beginning; or nothing more. They are
-    /// read in the time that ticks leave, one question a tick: what does not come is asked for again.
+    /// Starts to compare the registers of a servo with the requirements of a rig; `None` ends the comparison. The
+    /// registers are read in the time that ticks leave, one question in each tick. Missing answers are asked for again.
     fn compare(&mut self, asked: Option<(usize, ServoRequirements)>);
 
-    /// What came of the last [`compare`](Self::compare).
+    /// Returns the result of the last [`compare`](Self::compare).
     fn compared(&self) -> Compared;
 
-    /// How a servo is.
+    /// Returns the health of a servo.
     fn health(&self, servo: usize) -> Option<Health>;
 }
 
-/// What a servo has to do.
+/// A command to a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Command {
-    /// Torque on or off.
+    /// Switches torque on or off.
     Torque(bool),
-    /// Go to this own position, rad.
+    /// Moves to this position, rad, from the servo's own zero.
     Position(f32),
-    /// Go to this own position, rad, with at most this current, A.
+    /// Moves to this position with limited current.
     PositionWithin {
-        /// Own position, rad.
+        /// Position, rad, from the servo's own zero.
         position_rad: f32,
-        /// The most current either way, A.
+        /// Maximum current either way, A.
         current_a: f32,
     },
-    /// Go to this own position, rad, by the servo's own profile.
+    /// Moves to this position with the servo's own motion profile.
     PositionAt {
-        /// Own position, rad.
+        /// Position, rad, from the servo's own zero.
         position_rad: f32,
-        /// No faster than this, rad/s: rounded up to the servo's next step of speed, which stays until another comes.
+        /// Maximum speed, rad/s. It is rounded up to the servo's next step of speed, and is valid until another speed
+        /// is sent.
         speed_rad_s: f32,
     },
-    /// Draw this current, A.
+    /// Draws this current, A.
     Current(f32),
-    /// Apply this part of the supply, -1 to 1.
+    /// Applies this part of the supply voltage, -1 to 1.
     Pwm(f32),
-    /// How stiffly it holds its position: its own P gain, in its own numbers.
+    /// Sets the stiffness of position control: the servo's own P gain, in its own counts.
     Stiffness(u16),
 }
 
-/// Why a servo gets less than it was commanded.
+/// The reason why a servo gets less than it was commanded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
-    /// The position is outside of its range.
+    /// The position is outside of the servo's range.
     Position,
-    /// The current is above its limit.
+    /// The current exceeds its limit.
     Current,
-    /// The PWM is above its limit.
+    /// The PWM exceeds its limit.
     Pwm,
-    /// The gain is above the highest.
+    /// The gain exceeds its maximum.
     Stiffness,
-    /// Its torque is off, and the goal would switch it on: it is not sent.
+    /// Torque is off, and the goal would switch torque on: the goal is not sent.
     TorqueOff,
 }
 
-/// Packets to send, and what comes back.
+/// Packets to send, and the reply to expect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Request {
-    /// How many bytes to send.
+    /// Number of bytes to send.
     pub len: usize,
-    /// How many bytes come back, without stuffing.
+    /// Number of bytes of the reply, without stuffing.
     pub reply_len: usize,
-    /// How long all of it takes, from the first byte out; wait no longer.
+    /// Maximum time for packets and reply, us, from the first byte sent. Do not wait longer.
     pub time_us: u32,
 }
 
-/// What a servo measures.
+/// A reading of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feedback {
-    /// Own position, rad.
+    /// Position, rad, from the servo's own zero.
     pub position_rad: f32,
-    /// Own speed, rad/s.
+    /// Speed, rad/s.
     pub velocity_rad_s: f32,
-    /// What its motor does.
+    /// Current or load of the motor.
     pub effort: Effort,
-    /// Ticks since it was read.
+    /// Number of ticks since this reading.
     pub age_ticks: u32,
 }
 
-/// What a motor does, as far as its servo can tell.
+/// Effort of a motor, in the quantity that its servo can measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Effort {
-    /// Current, A.
+    /// Current of the motor, A.
     Current(f32),
-    /// PWM, a part of the most.
+    /// PWM, as a part of full PWM.
     Load(f32),
 }
 
-/// How a servo is.
+/// Health of a servo: supply, temperature, faults and missed replies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Health {
-    /// Its supply, V.
+    /// Supply voltage, V.
     pub voltage_v: Option<f32>,
-    /// Its temperature, degC.
+    /// Temperature, degC.
     pub temperature_c: Option<f32>,
-    /// Ticks since these two were read, or since the start. 0 of what tells nothing.
+    /// Number of ticks since voltage and temperature were read, or since the start. 0 for a servo that reports nothing.
     pub age_ticks: u32,
-    /// Whether it says that something is wrong with it.
+    /// Whether the servo reports a fault.
     pub alert: bool,
-    /// What is wrong, bit by bit in its own way.
+    /// Faults, bit by bit in the servo's own way.
     pub hardware_error: u8,
-    /// Whether it has stopped by itself: it heard nothing for as long as its own watchdog allows, and takes no goal
-    /// until its torque was off.
+    /// Whether the servo has stopped by itself: its watchdog expired because it received nothing. It accepts no goal
+    /// until its torque was switched off.
     pub has_stopped: bool,
-    /// The last error number of a reply; 0 for none.
+    /// Last error number in a reply; 0 for none.
     pub last_error: u8,
-    /// Replies that did not come, over all.
+    /// Total number of missing replies.
     pub missed: u32,
-    /// Ticks in a row, of those in which it was asked, without a reply.
+    /// Number of consecutive ticks in which the servo was asked and did not reply.
     pub missed_in_a_row: u32,
-    /// Readings that were not believed.
+    /// Number of readings that were not believed.
     pub not_believed: u32,
 }

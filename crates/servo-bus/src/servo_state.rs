@@ -1,4 +1,4 @@
-//! What a bus knows of one servo, of any protocol.
+//! The state that a bus keeps of one servo, for any protocol.
 
 use heapless::Vec;
 
@@ -11,11 +11,11 @@ pub(crate) struct ServoState {
     pub(crate) feedback: Option<Feedback>,
     pub(crate) health: Health,
     position: Plausible,
-    /// It was asked in this tick, and has not answered.
+    /// Whether the servo was asked in this tick and has not answered.
     pub(crate) is_awaited: bool,
 }
 
-/// One reading, in counts and SI units.
+/// One reading: position in counts, the rest in SI units.
 pub(crate) struct Reading {
     pub(crate) position: i32,
     pub(crate) rad_per_count: f32,
@@ -28,7 +28,7 @@ impl ServoState {
         Self { feedback: None, health: Health::default(), position, is_awaited: false }
     }
 
-    /// A tick begins.
+    /// Begins a tick: counts a missing reply, and increases the age of the readings.
     pub(crate) fn age(&mut self) {
         if core::mem::take(&mut self.is_awaited) {
             self.health.missed = self.health.missed.saturating_add(1);
@@ -40,7 +40,7 @@ impl ServoState {
         }
     }
 
-    /// It has answered; says whether it was asked.
+    /// Records an answer. Returns whether the servo was asked.
     pub(crate) fn answered(&mut self) -> bool {
         self.health.missed_in_a_row = 0;
         core::mem::take(&mut self.is_awaited)
@@ -61,7 +61,7 @@ impl ServoState {
     }
 }
 
-/// The servos of a bus by what they are set up as: ids up to `most_id`, each once.
+/// Creates the servos of a bus from their setups. Ids must be unique and at most `most_id`.
 pub(crate) fn servos_of<Setup: Copy, Servo, const SERVOS: usize>(
     setups: &[Setup],
     id_of: impl Fn(&Setup) -> u8,
@@ -75,7 +75,7 @@ pub(crate) fn servos_of<Setup: Copy, Servo, const SERVOS: usize>(
     Ok(servos)
 }
 
-/// That [`servos_of`] makes servos of them, without room for all of them at once.
+/// Checks that [`servos_of`] would accept these setups, without memory for all servos at once.
 pub(crate) fn check_servos<Setup: Copy, Servo, const SERVOS: usize>(
     setups: &[Setup],
     id_of: impl Fn(&Setup) -> u8,
@@ -105,7 +105,7 @@ fn each_servo<Setup: Copy>(
     Ok(())
 }
 
-/// A number in counts within bounds, and whether it was cut.
+/// Converts a number to counts within bounds. Also returns `limit` if the number was cut.
 pub(crate) fn limited(
     value: f32,
     scale: f32,
@@ -118,7 +118,7 @@ pub(crate) fn limited(
     (held, (held != wanted).then_some(limit))
 }
 
-/// Refuses what is no number, before anything is cut.
+/// Refuses NaN and infinite numbers, before any number is limited.
 pub(crate) fn check_finite(command: &Command) -> Result<(), CommandError> {
     let all = |numbers: &[f32], what| {
         let is_finite = numbers.iter().all(|number| number.is_finite());
@@ -138,7 +138,7 @@ pub(crate) fn check_finite(command: &Command) -> Result<(), CommandError> {
     }
 }
 
-/// A range in rad as counts, rounded inwards.
+/// Converts a range in rad to counts, rounded inwards.
 pub(crate) fn count_range(
     id: u8,
     [least, most]: [f32; 2],
@@ -153,7 +153,7 @@ pub(crate) fn count_range(
     if low > high { Err(SetupError::Setting { id, what: "range_rad" }) } else { Ok(range) }
 }
 
-/// Whether a number is finite and not negative.
+/// Checks that a number is finite and positive.
 pub(crate) fn check_positive(id: u8, what: &'static str, value: f32) -> Result<(), SetupError> {
     if value.is_finite() && value > 0.0 { Ok(()) } else { Err(SetupError::Setting { id, what }) }
 }

@@ -1,4 +1,4 @@
-//! What servos must hold in their registers: the one list of it, for whoever writes it and whoever compares it.
+//! The register values that a rig requires of its servos. One list serves to write the registers and to compare them.
 
 use crate::counts::round;
 use crate::dynamixel::table::{Only, address as dxl};
@@ -6,89 +6,91 @@ use crate::feetech::table::address as feetech;
 use crate::table::{Item, Range};
 use crate::{dynamixel as dynamixel_servos, feetech as feetech_servos};
 
-/// What a servo controls.
+/// Operating mode: the quantity that a servo controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mode {
-    /// Position within a turn.
+    /// Position within one turn.
     #[default]
     Position,
-    /// Position with a limit of current.
+    /// Position with a current limit.
     CurrentPosition,
-    /// Current.
+    /// Current, without position control.
     Current,
-    /// PWM.
+    /// PWM, without position or current control.
     Pwm,
 }
 
-/// What a rig asks of a servo.
+/// The requirements of a rig for one servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoRequirements {
-    /// What it controls.
+    /// Operating mode.
     pub mode: Mode,
-    /// Least and most position, rad: zero where its encoder counts zero.
+    /// Minimum and maximum position, rad, zero where the encoder counts zero.
     pub range_rad: [f32; 2],
-    /// The most torque that it is asked for, N m.
+    /// Maximum torque that the rig needs, N m.
     pub torque_nm: f32,
-    /// Its torque at stall, N m.
+    /// Stall torque of the servo, N m.
     pub stall_nm: f32,
-    /// What its friction takes, N m.
+    /// Friction torque of the servo, N m.
     pub friction_nm: f32,
-    /// Torque per current, N m/A.
+    /// Torque for each ampere of current, N m/A.
     pub torque_constant_nm_a: f32,
-    /// Where its kind switches itself off, degC.
+    /// Temperature at which this kind of servo switches itself off, degC.
     pub shutdown_c: f32,
-    /// Its P gain of position over the factory's: see [`p_gain`].
+    /// Position P gain, as a ratio to the factory's: see [`p_gain`].
     pub gain_ratio: f32,
 }
 
-/// A register, and what it must hold.
+/// A register and its required value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setting {
-    /// The register.
+    /// Register that must hold the value.
     pub item: Item,
-    /// What it must hold.
+    /// Required value, in counts.
     pub raw: i32,
 }
 
-/// What a register must hold.
+/// A rule for the required value of a register.
 #[derive(Debug, Clone, Copy)]
 enum RequiredValue {
-    /// This.
+    /// Exactly this value, in counts.
     Exact(i32),
-    /// What the factory sets.
+    /// The factory's value.
     Factory,
-    /// The factory's value, times the ratio of the gain.
+    /// The factory's value, times the gain ratio.
     Gain,
-    /// The number of the mode.
+    /// The number of the operating mode.
     Mode,
-    /// The temperature at which it switches itself off.
+    /// The temperature at which the servo switches itself off.
     Shutdown,
-    /// The current of the torque that is asked for; as the factory sets it where that is all it has.
+    /// The current for the required torque; the factory's value if the rig needs the servo's full torque.
     Current,
-    /// The part of its torque that is asked for, in so many counts.
+    /// The required share of the servo's torque; full torque is this number of counts.
     TorqueShare(u16),
-    /// The least position.
+    /// The minimum position.
     Min,
-    /// The most position.
+    /// The maximum position.
     Max,
-    /// This while torque is off: the bus itself writes it, whoever sets a servo up does not.
+    /// This value, which counts only while torque is off. The bus itself writes it; a tool that sets up servos does
+    /// not.
     TorqueOff(i32),
 }
 
-/// Dynamixel: the servo answers after 2 us. The factory's 500 us make a bus of 6 a third as fast.
+/// Dynamixel: return delay of 2 us. With the factory's 500 us, a bus of 6 servos has a third of the rate.
 const DYNAMIXEL_DELAY: i32 = 1;
-/// Dynamixel: a servo with torque that hears nothing for this many times 20 ms stops by itself.
+/// Dynamixel: watchdog time in 20 ms. A servo with torque on that receives nothing for this time stops by itself.
 pub(crate) const DYNAMIXEL_WATCHDOG: u8 = 5;
-/// Feetech: heat, current and overload make it let go, as dumps of new STS3215 have it.
+/// Feetech: excess temperature, current and overload switch torque off, as in dumps of new STS3215.
 const STS_UNLOADING: i32 = 44;
-/// What no register holds: a mode that a servo does not have is never the one it is in.
+/// A value that no register holds, for a mode that the servo does not have: the comparison then always fails.
 const NO_MODE: i32 = -1;
-/// A range may end so much of a count beyond one: the rounding of f32, and of whoever wrote the range in degrees.
+/// Tolerance at the ends of a range, in counts, for the rounding of f32 and of ranges written in degrees.
 const SLACK: f32 = 0.02;
 
-/// By address. A model without a register has one less. Drive mode 0: neither turned round (the rig's `direction` does
-/// that), nor timed, nor on by a goal. Startup 0: limp at power-up, until somebody arms it. Status level 2, all is
-/// answered: the level that a servo has after each power-on, and it costs nothing, for the bus writes to all at once.
+/// Requirements for a Dynamixel, by address. A register that a model lacks is skipped. Drive mode 0: not reversed (the
+/// rig's `direction` reverses), not time-based, and not switched on by a goal. Startup 0: torque off at power-up, until
+/// the rig is armed. Status level 2: all instructions are answered. A servo has this level after each power-on, and it
+/// costs nothing, because the bus writes to all servos at once.
 const DYNAMIXEL: [(u16, RequiredValue); 20] = [
     (dxl::RETURN_DELAY, RequiredValue::Exact(DYNAMIXEL_DELAY)),
     (dxl::DRIVE_MODE, RequiredValue::Exact(0)),
@@ -112,7 +114,7 @@ const DYNAMIXEL: [(u16, RequiredValue); 20] = [
     (dxl::BUS_WATCHDOG, RequiredValue::TorqueOff(DYNAMIXEL_WATCHDOG as i32)),
 ];
 
-/// By address. The highest supply differs by type: it is left alone.
+/// Requirements for an STS, by address. The maximum supply is not compared, because it differs by type.
 const STS: [(u8, RequiredValue); 13] = [
     (feetech::RETURN_DELAY, RequiredValue::Exact(0)),
     (feetech::MIN_POSITION, RequiredValue::Min),
@@ -129,7 +131,8 @@ const STS: [(u8, RequiredValue); 13] = [
     (feetech::TORQUE_LIMIT, RequiredValue::TorqueShare(1000)),
 ];
 
-/// By address. What the factory sets in an SCS is not known, and it has no register for its mode.
+/// Requirements for an SCS, by address. The factory settings of SCS servos are not known, and they have no mode
+/// register.
 const SCS: [(u8, RequiredValue); 6] = [
     (feetech::RETURN_DELAY, RequiredValue::Exact(0)),
     (feetech::MIN_POSITION, RequiredValue::Min),
@@ -139,7 +142,8 @@ const SCS: [(u8, RequiredValue); 6] = [
     (feetech::TORQUE_ENABLE, RequiredValue::TorqueOff(0)),
 ];
 
-// The same with their items, put together at build time: a board has these, and not the whole tables with all names.
+// The lists above with their registers, built at compile time: a board needs only these, not whole tables with all
+// names.
 static DYNAMIXEL_ITEMS: [(Only, Item, RequiredValue); DYNAMIXEL.len()] = dynamixel_items(DYNAMIXEL);
 static STS_ITEMS: [(Item, RequiredValue); STS.len()] =
     feetech_items(feetech_servos::Family::Sts, STS);
@@ -177,9 +181,10 @@ const fn feetech_items<const N: usize>(
     items
 }
 
-/// What a Dynamixel must hold, by address: mode, return delay, status level, limits, shutdown, gains.
+/// Returns the requirements for a Dynamixel, by address: mode, return delay, status level, limits, shutdown, gains.
 ///
-/// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
+/// A register that neither the rig nor the kind specifies must hold its factory value. Id, baud rate and homing offset
+/// are not compared.
 pub fn dynamixel(
     table: dynamixel_servos::table::Table,
     requirements: ServoRequirements,
@@ -187,7 +192,7 @@ pub fn dynamixel(
     dynamixel_of(table, requirements, false)
 }
 
-/// The same, and what it holds besides before it is armed: torque off, and its watchdog set.
+/// Like [`dynamixel()`], with the requirements before arming: torque off, and the watchdog set.
 pub(crate) fn dynamixel_limp(
     table: dynamixel_servos::table::Table,
     requirements: ServoRequirements,
@@ -206,8 +211,8 @@ fn dynamixel_of(
         Mode::CurrentPosition => 5,
         Mode::Pwm => 16,
     };
-    // A servo that measures current is limited there; one in PWM mode by whoever commands it, since its PWM is both
-    // torque and speed.
+    // A servo that measures current is limited by its current. A servo in PWM mode is limited by the controller, since
+    // its PWM determines both torque and speed.
     let is_full = table.model.current.is_some() || requirements.mode == Mode::Pwm;
     let share = if is_full { 1.0 } else { requirements.share() };
     DYNAMIXEL_ITEMS.iter().filter(move |(_, _, must)| must.counts(is_limp)).filter_map(
@@ -217,7 +222,7 @@ fn dynamixel_of(
     )
 }
 
-/// What a Feetech must hold, by address, as [`dynamixel`] has it.
+/// Returns the requirements for a Feetech, by address, like [`dynamixel`].
 pub fn feetech(
     family: feetech_servos::Family,
     requirements: ServoRequirements,
@@ -225,7 +230,7 @@ pub fn feetech(
     feetech_of(family, requirements, false)
 }
 
-/// The same, and torque off, which it must be before it is armed.
+/// Like [`feetech()`], with the requirement before arming: torque off.
 pub(crate) fn feetech_limp(
     family: feetech_servos::Family,
     requirements: ServoRequirements,
@@ -253,7 +258,7 @@ fn feetech_of(
         .map(move |(item, must)| requirements.setting(*item, *must, mode, requirements.share()))
 }
 
-/// Returns what a register of a P gain holds for a ratio to what the factory sets.
+/// Returns the value of a P gain register for a ratio to the factory's value.
 pub fn p_gain(item: Item, ratio: f32) -> i32 {
     let bounds = match item.range {
         Range::Between(_, most) => [1, most],
@@ -263,19 +268,19 @@ pub fn p_gain(item: Item, ratio: f32) -> i32 {
 }
 
 impl RequiredValue {
-    /// Whether it is asked for: what a bus writes itself is only while torque is off.
+    /// Returns whether the rule applies. Registers that the bus itself writes are compared only while torque is off.
     fn counts(self, is_limp: bool) -> bool {
         is_limp || !matches!(self, Self::TorqueOff(_))
     }
 }
 
 impl ServoRequirements {
-    /// What part of its torque is asked for.
+    /// Returns the required share of the servo's torque, 0 to 1.
     fn share(&self) -> f32 {
         (self.torque_nm / self.stall_nm).clamp(0.0, 1.0)
     }
 
-    /// A number beyond a register's range is held at the end.
+    /// Computes the value of a register. A number beyond the register's range is limited to its end.
     fn setting(&self, item: Item, must: RequiredValue, mode: i32, share: f32) -> Setting {
         let scale = item.unit.scale;
         let whole = |value: f32| round(value, [0, i32::MAX]);

@@ -1,8 +1,8 @@
-//! Bytes into a caller's buffer.
+//! Writes bytes into a caller's buffer.
 
 use crate::EncodeError;
 
-/// Writes bytes one after the other. What does not fit is remembered, so that one check at the end is enough.
+/// A writer that appends bytes to a buffer. It remembers an overflow, so that one check at the end is enough.
 pub(crate) struct Sink<'a> {
     buffer: &'a mut [u8],
     len: usize,
@@ -30,7 +30,7 @@ impl<'a> Sink<'a> {
         }
     }
 
-    /// Replaces a byte that was written before.
+    /// Replaces a byte that was already written.
     pub(crate) fn set(&mut self, index: usize, byte: u8) {
         if let Some(slot) = self.buffer.get_mut(index) {
             *slot = byte;
@@ -41,7 +41,7 @@ impl<'a> Sink<'a> {
         self.buffer.get(..self.len).unwrap_or_default()
     }
 
-    /// How many bytes were written.
+    /// Returns the number of bytes written.
     pub(crate) fn finish(&self) -> Result<usize, EncodeError> {
         if self.full { Err(EncodeError::Room { has: self.buffer.len() }) } else { Ok(self.len) }
     }

@@ -1,69 +1,69 @@
-//! Control tables as data: what a servo keeps at which address.
+//! Control tables as data: the registers of a servo by address.
 
-/// The makers' name, all of them, for the register that switches torque.
+/// Name of the torque switch register, which is the same for all makers.
 pub(crate) const TORQUE_ENABLE: &str = "Torque Enable";
 
-/// Returns whether a kind of servo has the registers of a model: its name is the model's, perhaps with an ending that
-/// tells plugs or voltages apart (`XL330-M288-T`, `STS3215-12V`). Case does not matter.
+/// Returns whether a servo kind has the registers of a model: its name is the model's name, perhaps with a suffix for a
+/// plug or voltage (`XL330-M288-T`, `STS3215-12V`). Ignores case.
 pub(crate) fn is_kind_of(model: &str, kind: &str) -> bool {
     kind.split_at_checked(model.len()).is_some_and(|(name, ending)| {
         name.eq_ignore_ascii_case(model) && (ending.is_empty() || ending.starts_with('-'))
     })
 }
 
-/// One item of a control table.
+/// One register of a control table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Item {
-    /// Its first address.
+    /// First address of the register.
     pub address: u16,
-    /// Bytes: 1, 2 or 4.
+    /// Size in bytes: 1, 2 or 4.
     pub size: u8,
-    /// The maker's name for it.
+    /// Maker's name of the register.
     pub name: &'static str,
-    /// What may be done with it.
+    /// Whether a controller can write it.
     pub access: Access,
-    /// Whether it survives a loss of power.
+    /// Memory area: whether it survives a loss of power.
     pub area: Area,
-    /// How its bytes make a number.
+    /// Encoding of negative numbers.
     pub sign: Sign,
-    /// What one count is.
+    /// Unit of one count.
     pub unit: Unit,
-    /// What may be written.
+    /// Values that may be written.
     pub range: Range,
-    /// What the factory sets, or what it is after power-up; 0 where the maker gives nothing.
+    /// Factory value, or value after power-up; 0 if the maker gives none.
     pub initial: i32,
 }
 
-/// What may be done with an item.
+/// The access that a controller has to a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
-    /// It can only be read.
+    /// The register can only be read.
     Read,
-    /// It can be read and written.
+    /// The register can be read and written.
     ReadWrite,
 }
 
-/// Where an item is kept.
+/// The memory area of a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Area {
-    /// Survives a loss of power. It wears out, and is written only at rest: with torque off, or with the lock open.
+    /// Survives a loss of power. EEPROM wears out, and can be written only with torque off, or with the lock open.
     Eeprom,
-    /// Lost at power-off.
+    /// Loses its contents at power-off.
     Ram,
 }
 
-/// How bytes make a number.
+/// The encoding of negative numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// Never negative.
+    /// No negative numbers.
     Unsigned,
-    /// Two's complement.
+    /// Two's complement of the register's size.
     TwosComplement,
-    /// This bit is the sign, the bits below it are the magnitude.
+    /// The given bit is the sign; the bits below it are the magnitude.
     Magnitude(u8),
 }
 
-/// Which byte of a number comes first.
+/// The byte order of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ByteOrder {
     /// Low byte first: Dynamixel, STS, SMS.
@@ -72,49 +72,49 @@ pub enum ByteOrder {
     Big,
 }
 
-/// What may be written. Addresses are those of other items.
+/// The values that may be written. The addresses refer to other registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Range {
-    /// Anything.
+    /// Any value.
     Any,
-    /// From the first number to the second.
+    /// Values from the first number to the second.
     Between(i32, i32),
-    /// As far either way as the item at this address says.
+    /// At most the value of the register at this address, either way.
     PlusMinus(u16),
-    /// From the item at the first address to that at the second.
+    /// From the register at the first address to the register at the second.
     Within(u16, u16),
 }
 
-/// What one count is.
+/// The unit of one count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
-    /// The SI unit, or what comes nearest: `degC`, `1` for a ratio; empty for a mere number.
+    /// SI unit, or the nearest to it: `degC`, `1` for a ratio; empty for a plain number.
     pub symbol: &'static str,
-    /// How much of it one count is.
+    /// Size of one count in this unit.
     pub scale: f32,
 }
 
 impl Unit {
-    /// A mere number: a mode, a mask, a gain.
+    /// No unit: a mode, a mask, a gain.
     pub const NONE: Self = Self { symbol: "", scale: 1.0 };
-    /// 1 degC.
+    /// A unit of 1 degC.
     pub const CELSIUS: Self = Self { symbol: "degC", scale: 1.0 };
-    /// 0.1 V.
+    /// A unit of 0.1 V.
     pub const DECIVOLT: Self = Self { symbol: "V", scale: 0.1 };
-    /// 0.1 % of the most.
+    /// A unit of 0.1 % of the maximum.
     pub const PER_MILLE: Self = Self { symbol: "1", scale: 0.001 };
-    /// 1 % of the most.
+    /// A unit of 1 % of the maximum.
     pub const PER_CENT: Self = Self { symbol: "1", scale: 0.01 };
 }
 
-/// How a servo's memory is divided: it makes the items of a table.
+/// The division of a servo's memory into EEPROM and RAM. It creates the registers of a table.
 pub(crate) struct MemoryMap {
-    /// Where RAM begins; all below is EEPROM.
+    /// First address of RAM; all lower addresses are EEPROM.
     pub(crate) ram_from: u16,
 }
 
 impl MemoryMap {
-    /// An item that can only be read: unsigned, as [`Self::write`] makes them too.
+    /// Creates a register that can only be read. It is unsigned, like those of [`Self::write`].
     pub(crate) const fn read(
         &self,
         address: u16,
@@ -127,7 +127,7 @@ impl MemoryMap {
         Item { address, size, name, access, area, sign, unit, range, initial: 0 }
     }
 
-    /// An item that can be read and written.
+    /// Creates a register that can be read and written.
     pub(crate) const fn write(
         &self,
         address: u16,
@@ -142,28 +142,28 @@ impl MemoryMap {
     }
 }
 
-/// rad for each rev/min: 2 pi / 60, per second.
+/// Converts rev/min to rad/s: 2 pi / 60.
 pub(crate) const RAD_S_PER_RPM: f32 = core::f32::consts::TAU / 60.0;
 
 impl Item {
-    /// The address behind its last byte.
+    /// Returns the address after the last byte.
     pub const fn end(&self) -> u16 {
         self.address.saturating_add(self.size as u16)
     }
 
-    /// Whether it has this address.
+    /// Returns whether the register contains this address.
     pub const fn contains(&self, address: u16) -> bool {
         self.address <= address && address < self.end()
     }
 
-    /// Whether this is its name; case and what separates words do not matter.
+    /// Returns whether this is the register's name. Ignores case and separators between words.
     pub(crate) fn is_named(&self, name: &str) -> bool {
         let letters = |byte: &u8| byte.is_ascii_alphanumeric();
         let own = self.name.bytes().filter(letters).map(|byte| byte.to_ascii_lowercase());
         own.eq(name.bytes().filter(letters).map(|byte| byte.to_ascii_lowercase()))
     }
 
-    /// The number that its bytes make; bytes that are missing count as 0.
+    /// Decodes the number from its bytes. Missing bytes count as 0.
     pub fn value(&self, bytes: &[u8], order: ByteOrder) -> i32 {
         let bytes = bytes.get(..usize::from(self.size)).unwrap_or(bytes);
         let mut raw = 0_u32;
@@ -175,7 +175,7 @@ impl Item {
         self.sign.decode(raw, self.size)
     }
 
-    /// Its bytes for a number: the first [`Self::size`] of what is returned.
+    /// Encodes a number. Only the first [`Self::size`] bytes of the result are used.
     pub fn bytes(&self, value: i32, order: ByteOrder) -> [u8; 4] {
         let [a, b, c, d] = self.sign.encode(value).to_le_bytes();
         match (order, self.size) {
@@ -202,7 +202,7 @@ impl Sign {
         }
     }
 
-    /// A magnitude that is too large becomes the largest: it must not reach into the sign.
+    /// Encodes a number. A magnitude that is too large is limited, so that it does not change the sign bit.
     pub(crate) fn encode(self, value: i32) -> u32 {
         match self {
             Self::Unsigned | Self::TwosComplement => value.cast_unsigned(),

@@ -1,6 +1,6 @@
-//! The unread bytes of a stream, in a fixed buffer.
+//! Holds the unread bytes of a stream in a fixed buffer.
 
-/// The bytes that a parser looks at. It drops bytes at the front and takes bytes at the back.
+/// The bytes that a parser examines. It drops bytes at the front and adds bytes at the back.
 #[derive(Debug, Clone)]
 pub(crate) struct Window<const N: usize> {
     buffer: [u8; N],
@@ -25,7 +25,7 @@ impl<const N: usize> Window<N> {
         self.start = self.start.saturating_add(count).min(self.end);
     }
 
-    /// Moves bytes from `input` to the back until there are `len`; says whether there are.
+    /// Moves bytes from `input` to the back until the window holds `len` bytes. Returns whether it does.
     pub(crate) fn fill(&mut self, len: usize, input: &mut &[u8]) -> bool {
         if self.start.saturating_add(len) > N {
             self.compact();

@@ -1,4 +1,4 @@
-//! Prints the page of what is published of servos against what is simulated: `docs/simulated-servos.md`.
+//! Prints the page that compares published figures of servos with simulated ones: `docs/simulated-servos.md`.
 
 use sinew_servo_sim::published::{page, table};
 

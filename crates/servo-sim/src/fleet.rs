@@ -1,4 +1,4 @@
-//! Servos as somebody wants them, on one line for each bus.
+//! Creates requested servos, with one line for each bus.
 
 use std::sync::Arc;
 
@@ -10,42 +10,42 @@ use crate::device::{MEMORY_LEN, Servo, ServoError};
 use crate::fault::{Fault, FaultOrder};
 use crate::kind::Kind;
 use crate::line::{Line, LineDevice};
-use crate::load::{Arm, Plant, Shaft};
+use crate::load::{Arm, Plant, Push, Shaft};
 use crate::model::Parameters;
 use crate::plant::RigPlant;
 use crate::registers::{RegisterServo, Registers};
 use crate::rig::RigServosError;
 use crate::supply::Supply;
 
-/// The highest id of a servo.
+/// Maximum id of a servo.
 const MAX_ID: u8 = 252;
 
-/// A servo that somebody wants.
+/// A requested servo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wanted {
-    /// Its bus.
+    /// Name of the bus.
     pub bus: String,
-    /// Its id, at most 252.
+    /// Id of the servo, at most 252.
     pub id: u8,
-    /// What people call it; empty if it has no name.
+    /// Name of the servo; empty if it has none.
     pub name: String,
-    /// What is simulated of it.
+    /// Kind of the servo, with or without physics.
     pub kind: Kind,
-    /// What it moves, if it moves anything.
+    /// Load of the servo.
     pub load: Arm,
-    /// Where it begins, rad from where its encoder counts zero; none for the middle of its range.
+    /// Start position, rad, zero where its encoder counts zero; `None` for the middle of the range.
     pub home_rad: Option<f64>,
 }
 
-/// Registers of one servo.
+/// Memory for the registers of one servo.
 pub type Memory = [u8; MEMORY_LEN];
 
-/// What the servos of all buses move.
+/// The mechanics that the servos of all buses move.
 #[derive(Debug, Clone)]
 pub enum Moved {
-    /// Each its own.
+    /// A separate arm for each servo.
     Arms(Vec<Arm>),
-    /// A rig.
+    /// One rig for all servos.
     Rig(Box<RigPlant>),
 }
 
@@ -66,32 +66,34 @@ impl Plant for Moved {
         }
     }
 
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         match self {
-            Self::Arms(arms) => arms.step(dt_s, torques_nm, shafts),
-            Self::Rig(rig) => rig.step(dt_s, torques_nm, shafts),
+            Self::Arms(arms) => arms.step(dt_s, pushes, shafts),
+            Self::Rig(rig) => rig.step(dt_s, pushes, shafts),
         }
     }
 }
 
-/// What is the same for all servos.
+/// Settings that all servos share.
 #[derive(Debug, Clone, Default)]
 pub struct Setup<'r> {
-    /// Bits per second that all are set to.
+    /// Baud rate of all servos, bits per second.
     pub baud: u32,
-    /// What goes wrong. A fault is for the servos of that name, else for those of that id.
+    /// Faults. A fault applies to the servos with its name; if there are none, to those with its id.
     pub faults: Vec<FaultOrder>,
-    /// The rig that they move together, instead of what each moves by itself: they have the names of its servos.
+    /// Rig that the servos move together, instead of separate loads. The servos must have the names of the rig's
+    /// servos.
     pub rig: Option<(&'r Description, &'r Mechanism)>,
-    /// What feeds all servos, whatever their bus. None: a stiff one for each bus, of its first servo's voltage.
+    /// Common supply of all servos on all buses. `None`: one stiff supply for each bus, with the voltage of its first
+    /// servo.
     pub supply: Option<Supply>,
 }
 
-/// All servos of one bus. Those with physics share plant, supply and time with those of the other buses.
+/// The servos of one bus. Servos with physics share plant, supply and time with those of other buses.
 pub enum BusServo<'m> {
-    /// With physics.
+    /// Servos with physics.
     Servos(Branch<'m, Moved>),
-    /// Without.
+    /// Servos without physics: only registers.
     Registers(Registers<'m>),
 }
 
@@ -138,44 +140,44 @@ impl LineDevice for BusServo<'_> {
     }
 }
 
-/// Why the servos cannot be had.
+/// The reason why the servos could not be created.
 #[derive(Debug, Clone, Error)]
 #[non_exhaustive]
 pub enum FleetError {
-    /// An id is too high.
+    /// The id is too large.
     #[error("id {0}: a servo's id is 0 to {MAX_ID}")]
     Id(u8),
-    /// Two servos of a bus have one id.
+    /// Two servos of a bus have the same id.
     #[error("two servos have id {id}{}: each servo of a bus has an id of its own", on(bus))]
     Twice {
-        /// The bus.
+        /// Name of the bus.
         bus: String,
-        /// The id.
+        /// Id of both servos.
         id: u8,
     },
-    /// A bus has servos with and without physics.
+    /// A bus has servos both with and without physics.
     #[error("bus {0:?} has servos with physics and servos without: ask for all of them without")]
     Mixed(String),
-    /// A servo cannot be.
+    /// A servo could not be created.
     #[error("servo {servo}: {source}")]
     Servo {
-        /// Which.
+        /// Name or id of the servo.
         servo: String,
-        /// Why.
+        /// Cause of the error.
         source: ServoError,
     },
-    /// A fault is for a servo that there is not.
+    /// A fault names a servo that does not exist.
     #[error("fault for servo `{found}`: expected one of {expected}")]
     NoServo {
-        /// Which is asked for.
+        /// Servo that the fault names.
         found: String,
-        /// Those that there are.
+        /// Servos that exist.
         expected: String,
     },
-    /// The rig does not take them.
+    /// The rig does not match the servos.
     #[error(transparent)]
     Rig(#[from] Arc<RigServosError>),
-    /// A fault needs a motor, a gear or a supply.
+    /// The fault needs a motor, a gear or a supply, but the servo has only registers.
     #[error(
         "fault for servo `{0}`: it has registers only; it can be silent, late, wrong-crc, short or wrong-id"
     )]
@@ -192,7 +194,7 @@ impl Wanted {
     }
 }
 
-/// Names of the buses, in the order in which they come.
+/// Returns the names of the buses, in the order of their first servos.
 pub fn buses(wanted: &[Wanted]) -> Vec<&str> {
     let mut buses: Vec<&str> = Vec::new();
     for servo in wanted {
@@ -203,10 +205,10 @@ pub fn buses(wanted: &[Wanted]) -> Vec<&str> {
     buses
 }
 
-/// A line for each bus, in the order of [`buses`]. `memories`: one for each servo.
+/// Creates a line for each bus, in the order of [`buses`]. `memories` must contain one memory for each servo.
 ///
 /// # Errors
-/// [`FleetError`].
+/// [`FleetError`] contains the cause.
 pub fn lines<'m>(
     wanted: &[Wanted],
     setup: &Setup<'_>,
@@ -266,24 +268,24 @@ fn check_ids(bus: &str, ids: impl Iterator<Item = u8>) -> Result<(), FleetError>
     Ok(())
 }
 
-/// Faults of servos, by their places in a list.
+/// Selects the faults of some servos, and numbers them by their places in `servos`.
 fn of_places(faults: &[Fault], servos: &[usize]) -> Vec<Fault> {
     let place = |fault: &Fault| servos.iter().position(|index| *index == fault.servo);
     faults.iter().filter_map(|fault| Some(Fault { servo: place(fault)?, ..*fault })).collect()
 }
 
-/// Servos with physics, bus after bus.
+/// Servos with physics, sorted by bus.
 #[derive(Default)]
 struct Physical<'m, 'w> {
     servos: Vec<Servo<'m>>,
     arms: Vec<Arm>,
     names: Vec<&'w str>,
-    /// Which of all that are wanted.
+    /// Index of each servo among all requested servos.
     indices: Vec<usize>,
     bus_of: Vec<usize>,
-    /// By bus: voltage of its first one, V.
+    /// Voltage of the first servo of each bus, V.
     voltages: Vec<f64>,
-    /// How many each bus has.
+    /// Number of servos on each bus.
     counts: Vec<usize>,
 }
 
@@ -305,7 +307,7 @@ impl<'m, 'w> Physical<'m, 'w> {
         self.arms.push(wanted.load);
         self.names.push(&wanted.name);
         self.indices.push(index);
-        // A bus without physics before it has a supply that feeds nothing.
+        // A preceding bus without physics gets a supply that feeds nothing.
         self.voltages.resize((bus + 1).max(self.voltages.len()), kind.voltage_v);
         self.bus_of.push(bus);
         Ok(())
@@ -392,7 +394,7 @@ mod tests {
         assert_eq!(lines.len(), 2);
         let BusServo::Servos(left) = &lines[0].servos else { panic!("they have physics") };
         let faults: Vec<usize> = left.bench().faults.iter().map(|fault| fault.servo).collect();
-        // Bus after bus: 1, 2, jaw. `1` is no name, so both servos of that id are late.
+        // Sorted by bus: 1, 2, jaw. `1` is not a name, so both servos with this id are late.
         assert_eq!(faults, [2, 1, 0, 2]);
     }
 

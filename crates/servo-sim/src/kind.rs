@@ -1,4 +1,4 @@
-//! Kinds of servo by the names that people use for them.
+//! Looks up servo kinds by the names that people use.
 
 use sinew_rig::description::ServoModel;
 use thiserror::Error;
@@ -6,45 +6,45 @@ use thiserror::Error;
 use crate::model::{Parameters, ParametersError};
 use crate::registers::RegisterTable;
 
-/// What is simulated of a kind of servo.
+/// A servo kind, with the part of it that is simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kind {
-    /// Motor, gear, heat, program and registers.
+    /// Motor, gear, temperature, firmware and registers.
     Servo(Box<Parameters>),
-    /// Registers only: nobody has identified the rest, or nobody wants it.
+    /// Only registers: the rest of this kind is unknown, or not wanted.
     Registers(RegisterTable),
 }
 
-/// Why there is no such kind.
+/// The reason why a kind was not found.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum KindError {
-    /// No kind has a name that begins so.
+    /// No kind has a name with this beginning.
     #[error(
         "there is no servo called {found:?}; there are {with_physics}, and as registers only {registers}"
     )]
     Unknown {
-        /// The name.
+        /// Name that was given.
         found: String,
-        /// What there is with physics.
+        /// Kinds with physics.
         with_physics: String,
-        /// What there is without.
+        /// Kinds with registers only.
         registers: String,
     },
-    /// It hangs on no bus.
-    #[error("{0} takes pulses: it hangs on no bus, and nothing can be asked of it")]
+    /// The kind has no bus.
+    #[error("{0} is driven by pulses: it is not on a bus, and cannot be queried")]
     NoBus(String),
-    /// Its figures make no servo.
+    /// The figures of the kind contradict each other.
     #[error(transparent)]
     Parameters(#[from] ParametersError),
 }
 
 impl Kind {
-    /// The kind of this name, or the first whose name begins so; case and what is neither letter nor digit do not
-    /// matter. Kinds with physics come first, in the order of the documentation.
+    /// Looks up a kind by name, or the first kind whose name begins like this. Ignores case and all characters except
+    /// letters and digits. Kinds with physics come first, in the order of the documentation.
     ///
     /// # Errors
-    /// [`KindError`] names the kinds that there are.
+    /// [`KindError`] lists the known kinds.
     pub fn named(name: &str) -> Result<Self, KindError> {
         let wanted = plain(name);
         let fits = |known: &&str| !wanted.is_empty() && plain(known).starts_with(&wanted);
@@ -62,7 +62,7 @@ impl Kind {
         })
     }
 
-    /// What the maker calls it.
+    /// Returns the maker's name of the kind.
     pub fn name(&self) -> &str {
         match self {
             Self::Servo(parameters) => &parameters.name,
@@ -70,7 +70,7 @@ impl Kind {
         }
     }
 
-    /// The same without physics; none if it has no table of registers.
+    /// Returns the kind without physics, or `None` if it has no register table.
     pub fn registers(&self) -> Option<RegisterTable> {
         match self {
             Self::Servo(parameters) => RegisterTable::of(&parameters.name),
@@ -79,12 +79,12 @@ impl Kind {
     }
 }
 
-/// Kinds that are simulated whole.
+/// Returns the names of kinds with physics.
 fn with_physics() -> impl Iterator<Item = &'static str> {
     ServoModel::built_in_names().filter(|name| RegisterTable::of(name).is_some())
 }
 
-/// Kinds whose registers alone are known.
+/// Returns the names of kinds with registers only.
 fn registers_only() -> impl Iterator<Item = &'static str> {
     let is_known = |name: &str| with_physics().any(|known| plain(known).starts_with(&plain(name)));
     RegisterTable::names().filter(move |name| !is_known(name))
@@ -132,6 +132,6 @@ mod tests {
             assert!(message.contains("only MX-106") && message.ends_with("SCS0009"), "{message}");
             assert!(!message.contains("MG90S"), "{message}");
         }
-        assert!(message("mg90s").contains("takes pulses"));
+        assert!(message("mg90s").contains("is driven by pulses"));
     }
 }

@@ -1,4 +1,4 @@
-//! Simulated servos behind their bus.
+//! Simulated servos, with their bus.
 //!
 //! ```text
 //! master ── bytes ──> Bench ──> Servo (registers of a `bus` device) ──> firmware ──> motor, gear, heat ──> Plant
@@ -6,18 +6,19 @@
 //!                       └── faults to order, time on the wire                          Supply: one for all
 //! ```
 //!
-//! - [`model`]: a servo as physics: [`model::Motor`], [`model::Gear`] and [`model::Heat`], of [`model::Parameters`].
-//! - [`firmware`]: what the maker's program does: position, speed, current and PWM loops, profiles, shutdown.
-//! - [`device`]: the firmware behind the registers of `sinew-servo-bus`' devices.
-//! - [`supply`], [`fault`], [`load`]: what servos share, what goes wrong, and what they move.
-//! - [`mod@bench`]: all of it in simulated time.
-//! - [`variation`]: servos and rigs that differ from what their controller believes.
-//! - [`registers`]: servos without physics; [`kind`]: what there is of which servo, by its name.
-//! - [`mod@rig`]: the servos of a rig, each with what it moves by itself; [`plant`]: the rig on all of them.
+//! - [`model`]: the physics of a servo: [`model::Motor`], [`model::Gear`] and [`model::Heat`], created from
+//!   [`model::Parameters`].
+//! - [`firmware`]: the maker's program: loops for position, speed, current and PWM, profiles, shutdown.
+//! - [`device`]: the firmware connected to the registers of `sinew-servo-bus`' devices.
+//! - [`supply`], [`fault`], [`load`]: the servos' common supply, their faults, and their loads.
+//! - [`mod@bench`]: servos, line, supplies and loads together in simulated time.
+//! - [`variation`]: servos and rigs that differ from the model of their controller.
+//! - [`registers`]: servos without physics; [`kind`]: the known servo kinds by name.
+//! - [`mod@rig`]: the servos of a rig, each with its own separate load; [`plant`]: the whole rig on its servos.
 //! - [`mod@line`]: a stream of bytes to a bench and back, in simulated or real time.
-//! - [`fleet`]: servos as somebody wants them, a line for each bus.
-//! - `port`, on Unix: such a line as a serial port of this machine.
-//! - [`published`]: what is published of servos against what is simulated.
+//! - [`fleet`]: requested servos, with a line for each bus.
+//! - `port`, on Unix: a line as a serial port of this machine.
+//! - [`published`]: published figures of servos compared with simulated ones.
 //!
 //! ```
 //! use sinew_servo_bus::dynamixel::table::MODELS;
@@ -62,23 +63,24 @@
 //! ```
 //!
 //! # Conventions
-//! SI units and radians, f64, at the servo's own output shaft: the gear ratio is in the torque constant and the rotor's
-//! inertia. Positive torque accelerates towards larger positions. Elementary functions are `libm`'s and nothing asks a
-//! clock: same bits on every run and machine.
+//! SI units and radians, f64, at the servo's own output shaft: the gear ratio is included in the torque constant and
+//! the rotor's inertia. Positive torque accelerates towards larger positions. Elementary functions are those of `libm`,
+//! and the simulation reads no clock: every run on every machine gives the same bits.
 //!
 //! # What is left out
-//! The motor's inductance (its time constant is below a millisecond), PWM ripple, cogging, magnets that weaken, wear.
+//! The motor's inductance (its time constant is below a millisecond), PWM ripple, cogging, demagnetization and wear.
 //!
 //! # Files
-//! - `line`, `wire`, `port`: bytes there and back, each at its time; who hears and who speaks; a pseudo-terminal.
-//! - `bench/`: simulated time: on one line, on several (`branch`), behind a PCA9685 (`chip`).
+//! - `line`, `wire`, `port`: bytes in both directions, each at its time; which device listens and sends; a
+//!   pseudo-terminal.
+//! - `bench/`: simulated time, on one line, on several lines (`branch`), or with a PCA9685 (`chip`).
 //! - `registers`: servos without physics, for tests of protocols.
-//! - `device/`, `firmware/`, `model/`: registers; the maker's program; motor, gear and heat.
-//! - `load`, `rig`, `plant/`, `supply`: what servos move, alone or together, and what feeds them.
-//! - `fault/`: faults of servos and lines, and the words that order them.
-//! - `kind`, `fleet`: kinds by their names; any servos, on a line for each bus.
-//! - `variation`: differences between a simulated plant and its rig's file, and the words that order them.
-//! - `published/`, `models/`: published figures against simulated ones; figures that `sinew-rig` lacks.
+//! - `device/`, `firmware/`, `model/`: registers; the maker's program; motor, gear and temperature.
+//! - `load`, `rig`, `plant/`, `supply`: loads of servos, separate or together, and their supply.
+//! - `fault/`: faults of servos and lines, and their text form.
+//! - `kind`, `fleet`: kinds by name; any servos, with a line for each bus.
+//! - `variation`: differences between a simulated plant and its rig's file, and their text form.
+//! - `published/`, `models/`: published figures compared with simulated ones; figures that `sinew-rig` lacks.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

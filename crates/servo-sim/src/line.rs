@@ -1,7 +1,7 @@
-//! A stream of bytes to servos and back, each byte at its time: what a serial port is to a program.
+//! A stream of bytes to servos and back, with the time of each byte: the equivalent of a serial port.
 //!
-//! [`crate::bench::Bench::exchange`] is for a master that waits for its answers in simulated time. A line is for one
-//! that writes and reads when it likes, in simulated time (a test) or in real time (a pseudo-terminal).
+//! [`crate::bench::Bench::exchange`] is for a master that waits for its answers in simulated time. A line is for a
+//! program that writes and reads at any time: in simulated time (a test) or in real time (a pseudo-terminal).
 //!
 //! ```
 //! use sinew_servo_bus::dynamixel::Instruction;
@@ -32,48 +32,49 @@ use std::collections::VecDeque;
 
 use crate::wire::SILENCE_US;
 
-/// After so long a silence what was begun is over, and who waits for a silent servo answers. A program on a desk pauses
-/// inside a packet when the machine lets it wait: the silence of [`crate::bench::Bench`] is too short for it.
+/// Silence, ns, after which an unfinished packet ends, and a servo no longer waits for a silent servo but answers. A
+/// program in real time may be paused inside a packet by the operating system: the silence of [`crate::bench::Bench`]
+/// would be too short for it.
 const SILENCE_NS: u64 = 2_000_000;
 
-/// Servos on a half-duplex wire, and their time.
+/// Servos on a half-duplex wire, with their simulated time.
 pub trait LineDevice {
-    /// Simulated time, ns.
+    /// Returns the simulated time, ns.
     fn now_ns(&self) -> u64;
 
-    /// Time passes; none if `ns` is past.
+    /// Advances the simulation to `ns`; does nothing if `ns` is past.
     fn run_until(&mut self, ns: u64);
 
-    /// How long so many bytes take on the wire, ns.
+    /// Returns the time of `bytes` bytes on the wire, ns.
     fn wire_ns(&self, bytes: usize) -> u64;
 
-    /// Bits per second that the master has set its port to.
+    /// Sets the baud rate of the master's port, bits per second.
     fn set_rate(&mut self, baud: u32);
 
-    /// All but `speaker` hear bytes.
+    /// Passes bytes to all servos except `speaker`.
     fn hear(&mut self, bytes: &[u8], speaker: Option<usize>);
 
-    /// Who speaks next, and after how many us of silence.
+    /// Returns the servo that sends next, and the silence before, us.
     fn next_speaker(&self) -> Option<(usize, u32)>;
 
-    /// What it says, and how many us it is late by; none if it is silent after all.
+    /// Returns the bytes that a servo sends, and their additional delay, us; `None` if it stays silent.
     fn speak(&mut self, speaker: usize) -> Option<(Vec<u8>, u32)>;
 
-    /// The wire has been silent for long.
+    /// Informs the servos that the wire was silent for long.
     fn silence(&mut self);
 }
 
 /// Bytes that are on the wire.
 struct WireEntry {
     end_ns: u64,
-    /// None: the master.
+    /// Servo that sends; `None` for the master.
     speaker: Option<usize>,
     bytes: Vec<u8>,
 }
 
-/// A line to servos. What nobody reads is kept.
+/// A line to servos. Bytes that arrive are stored until they are read.
 pub struct Line<W> {
-    /// The servos.
+    /// Servos on the line.
     pub servos: W,
     unsent: Vec<u8>,
     on_wire: Option<WireEntry>,
@@ -85,12 +86,12 @@ pub struct Line<W> {
 }
 
 impl<W: LineDevice> Line<W> {
-    /// A line of a program in real time, on which nothing has been said.
+    /// Creates a line for a program in real time.
     pub fn new(servos: W) -> Self {
         Self::with_silence(servos, SILENCE_NS)
     }
 
-    /// That of a master in simulated time, which does not pause inside a packet.
+    /// Creates a line for a master in simulated time, which does not pause inside a packet.
     pub fn of_master(servos: W) -> Self {
         Self::with_silence(servos, u64::from(SILENCE_US) * 1000)
     }
@@ -108,24 +109,24 @@ impl<W: LineDevice> Line<W> {
         }
     }
 
-    /// The master writes, now. The bytes wait until the wire is free.
+    /// Writes bytes from the master at the present time. They wait until the wire is free.
     pub fn write(&mut self, bytes: &[u8]) {
         self.unsent.extend_from_slice(bytes);
         self.send();
     }
 
-    /// Whether bytes of the master are still on the wire, or wait for it.
+    /// Returns whether bytes of the master are on the wire or wait for it.
     pub fn is_sending(&self) -> bool {
         let of_master = |on_wire: &WireEntry| on_wire.speaker.is_none();
         !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)
     }
 
-    /// Until when what a servo says now is on the wire.
+    /// Returns the time at which a servo's present bytes leave the wire, ns; `None` if no servo sends.
     pub fn speaks_until_ns(&self) -> Option<u64> {
         self.on_wire.as_ref().filter(|on_wire| on_wire.speaker.is_some()).map(|said| said.end_ns)
     }
 
-    /// What has come until now; 0 if nothing has.
+    /// Reads the bytes that have arrived so far. Returns their number, or 0.
     pub fn take(&mut self, out: &mut [u8]) -> usize {
         let len = out.len().min(self.received.len());
         for (to, from) in out.iter_mut().zip(self.received.drain(..len)) {
@@ -134,7 +135,7 @@ impl<W: LineDevice> Line<W> {
         len
     }
 
-    /// Simulated time passes until something has come, or for `timeout_us`; 0 if nothing has.
+    /// Advances the simulation until bytes arrive, or for `timeout_us`. Returns the number of bytes read, or 0.
     pub fn read(&mut self, out: &mut [u8], timeout_us: u32) -> usize {
         let end_ns = self.servos.now_ns() + u64::from(timeout_us) * 1000;
         while self.received.is_empty() && self.next_ns().is_some_and(|next| next <= end_ns) {
@@ -146,12 +147,12 @@ impl<W: LineDevice> Line<W> {
         self.take(out)
     }
 
-    /// Time passes.
+    /// Advances the simulation to `ns`.
     pub fn run_until(&mut self, ns: u64) {
         run_all(std::slice::from_mut(self), ns);
     }
 
-    /// When something happens on the wire; none if it is silent for good.
+    /// Returns the time of the next event on the wire, ns; `None` if the wire stays silent.
     pub fn next_ns(&self) -> Option<u64> {
         let late = self.late.iter().map(|(at_ns, _)| *at_ns).min();
         let wire = match &self.on_wire {
@@ -164,14 +165,14 @@ impl<W: LineDevice> Line<W> {
         late.into_iter().chain(wire).min()
     }
 
-    /// The next thing that happens on the wire.
+    /// Executes the next event on the wire.
     fn pass_next(&mut self) {
         let Some(next_ns) = self.next_ns() else { return };
         self.servos.run_until(next_ns);
         let now_ns = self.servos.now_ns();
         let is_late = |(at_ns, _): &(u64, Vec<u8>)| *at_ns <= now_ns;
         if let Some(index) = self.late.iter().position(is_late) {
-            // It talks into what others say, so none of them understands it.
+            // The late reply collides with other bytes, so no servo understands it.
             let (_, bytes) = self.late.swap_remove(index);
             self.received.extend(bytes);
         } else if let Some(on_wire) = self.on_wire.take() {
@@ -210,8 +211,8 @@ impl<W: LineDevice> Line<W> {
     }
 }
 
-/// Time passes on several lines side by side: what happens on their wires happens in the order of time, since servos on
-/// different lines may move the same rig.
+/// Advances several lines together. Events on all wires are executed in the order of time, since servos on different
+/// lines may move the same rig.
 pub fn run_all<W: LineDevice>(lines: &mut [Line<W>], ns: u64) {
     while let Some((index, next_ns)) = next_of(lines)
         && next_ns <= ns
@@ -223,7 +224,7 @@ pub fn run_all<W: LineDevice>(lines: &mut [Line<W>], ns: u64) {
     }
 }
 
-/// On which line something happens next, and when. Of several at once the first.
+/// Returns the line with the next event, and its time. If several events have the same time, the first line is chosen.
 pub(crate) fn next_of<W: LineDevice>(lines: &[Line<W>]) -> Option<(usize, u64)> {
     let next = lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.next_ns()?)));
     next.min_by_key(|(_, next_ns)| *next_ns)

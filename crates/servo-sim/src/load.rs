@@ -1,76 +1,86 @@
-//! What servos move.
+//! The loads that servos move.
 
 use crate::model::Parameters;
 
-/// Where an output shaft is, and how fast.
+/// Position and speed of an output shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shaft {
-    /// rad.
+    /// Position, rad.
     pub position_rad: f64,
-    /// rad/s.
+    /// Speed, rad/s.
     pub velocity_rad_s: f64,
 }
 
-/// What hangs on one shaft.
+/// Push of a servo on its shaft in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Push {
+    /// Mean torque at the speed that the servo predicted for its shaft, N m.
+    pub torque_nm: f64,
+    /// Torque that is lost for each rad/s that the shaft is faster, N m s/rad: that of the gear's spring and damping.
+    pub slope_nm_s: f64,
+}
+
+/// The load on one shaft.
 pub trait Load {
-    /// Inertia at the shaft, kg m²: more than 0.
+    /// Returns the inertia at the shaft, kg m²: more than 0.
     fn inertia_kg_m2(&self) -> f64;
 
-    /// Torque on the shaft, N m: gravity, stops, hands. Asked several times in a millisecond.
+    /// Returns the torque on the shaft, N m: gravity, stops, hands. Called several times in a millisecond.
     fn torque_nm(&self, shaft: Shaft) -> f64;
 }
 
-/// What hangs on all shafts.
+/// The mechanics on all shafts.
 ///
-/// For [`Self::servo_steps`] steps of the servos each shaft moves by [`Self::load`] alone. Then [`Self::step`] says
-/// where the shafts really are: for loads that do not know of each other, where they came to.
+/// For [`Self::servo_steps`] steps of the servos, each shaft moves with its [`Self::load`] alone. Then [`Self::step`]
+/// sets the real positions of the shafts. Independent loads leave the positions unchanged.
 pub trait Plant {
-    /// What hangs on one shaft.
+    /// Type of the load on one shaft.
     type Load: Load;
 
-    /// What shaft `servo` works against until then.
+    /// Returns the load of shaft `servo` until the next [`Self::step`].
     fn load(&self, servo: usize) -> Self::Load;
 
-    /// Steps of the servos ([`STEP_S`](crate::device::STEP_S)) in one of this.
+    /// Returns the number of servo steps ([`STEP_S`](crate::device::STEP_S)) in one step of the plant.
     fn servo_steps(&self) -> u32 {
         4
     }
 
-    /// Time passes. `torques_nm` is the mean torque of each servo on its shaft, `shafts` where they came to.
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]);
+    /// Advances by `dt_s`. `pushes` are those of the servos on their shafts; `shafts` are the shafts after the servos'
+    /// steps.
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]);
 }
 
 /// An arm with a mass, between stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arm {
-    /// Inertia, kg m².
+    /// Inertia at the shaft, kg m².
     pub inertia_kg_m2: f64,
-    /// Mass times g times lever arm, N m: it pulls with `-gravity_nm * cos(position - level_rad)`.
+    /// Mass times g times lever arm, N m. Gravity pulls with `-gravity_nm * cos(position - level_rad)`.
     pub gravity_nm: f64,
-    /// Where the arm is level, rad.
+    /// Position at which the arm is level, rad.
     pub level_rad: f64,
-    /// A constant torque, N m.
+    /// Additional constant torque, N m.
     pub torque_nm: f64,
-    /// Hard stops, rad.
+    /// Positions of the hard stops, rad.
     pub stops_rad: [f64; 2],
 }
 
-/// Of a hard stop: stiff, and stable at steps of 0.25 ms for inertias from 1e-4 kg m² on.
+/// Stiffness of a hard stop, N m/rad: stiff, and stable at steps of 0.25 ms for inertias from 1e-4 kg m² on.
 pub(crate) const STOP_NM_RAD: f64 = 200.0;
-/// Stiffness of the stops of slides, N/m: that of turns, 30 mm from the axis.
+/// Stiffness of the stops of slides, N/m: that of turns at a distance of 30 mm from the axis.
 pub(crate) const STOP_N_M: f64 = STOP_NM_RAD / (0.03 * 0.03);
-/// Time that a stop's damping is behind its stiffness, s.
+/// Ratio of a stop's damping to its stiffness, s.
 pub(crate) const STOP_DAMPING_S: f64 = 0.002;
 
-/// Of a small arm, m.
+/// Length of a small arm, m.
 const SMALL_M: f64 = 0.1;
-/// Part of its stall torque that a servo holds a small arm level with.
+/// Torque that holds a small arm level, as a part of the stall torque.
 const SMALL_PART: f64 = 0.1;
 const GRAVITY_M_S2: f64 = 9.81;
 
 impl Arm {
-    /// A small arm that hangs where a servo is at the middle of its range: a weight on 10 cm that takes a tenth of its
-    /// stall torque when it is level (of an XL330: 53 g).
+    /// Creates a small arm that hangs down while the servo is at the middle of its range: a weight at 10 cm that needs
+    /// a tenth of the stall torque to be level (53 g for an XL330).
     pub fn small(kind: &Parameters) -> Self {
         let stall_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
         let gravity_nm = SMALL_PART * stall_nm;
@@ -84,7 +94,7 @@ impl Arm {
 }
 
 impl Default for Arm {
-    /// A bare horn.
+    /// Returns a servo horn without a load.
     fn default() -> Self {
         Self {
             inertia_kg_m2: 1e-4,
@@ -104,7 +114,7 @@ impl Load for Arm {
     fn torque_nm(&self, shaft: Shaft) -> f64 {
         let [least, most] = self.stops_rad;
         let beyond = shaft.position_rad - shaft.position_rad.clamp(least, most);
-        // A stop pushes; it does not pull back what leaves it.
+        // A stop pushes, but does not pull back.
         let push = if beyond == 0.0 {
             0.0
         } else {
@@ -122,5 +132,5 @@ impl Plant for Vec<Arm> {
         self.get(servo).copied().unwrap_or_default()
     }
 
-    fn step(&mut self, _dt_s: f64, _torques_nm: &[f64], _shafts: &mut [Shaft]) {}
+    fn step(&mut self, _dt_s: f64, _pushes: &[Push], _shafts: &mut [Shaft]) {}
 }

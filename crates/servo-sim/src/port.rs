@@ -19,47 +19,47 @@ use thiserror::Error;
 
 use crate::line::{Line, LineDevice, next_of, run_all};
 
-/// Servos move on after so long, though nobody says anything.
+/// Interval at which servos are simulated without traffic.
 const IDLE: Duration = Duration::from_millis(5);
-/// What the machine is late by beyond this is taken out of the servos' time, not made good: a laptop that slept.
+/// Maximum delay of the machine that the simulation makes up for. After a longer delay, such as a laptop's sleep, the
+/// servos' time is not advanced.
 const CATCH_UP: Duration = Duration::from_millis(200);
 
-/// Why there is no port.
+/// The reason why the port could not be opened.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PortError {
-    /// Something else has its name.
-    #[error("{}: is there already and is no link; choose another name", .0.display())]
+    /// A file with the link's name exists and is not a link.
+    #[error("{}: exists already and is not a link; choose another name", .0.display())]
     Occupied(PathBuf),
-    /// The link cannot be made.
+    /// The link could not be created.
     #[error("{}: {source}", link.display())]
     Link {
-        /// Where.
+        /// Path of the link.
         link: PathBuf,
-        /// Why.
+        /// Cause of the error.
         source: io::Error,
     },
-    /// The machine gives no pseudo-terminal.
+    /// The operating system provides no pseudo-terminal.
     #[error("no pseudo-terminal: {0}")]
     Terminal(#[from] Errno),
 }
 
-/// A pseudo-terminal with a link to it, that is gone when this is dropped. Programs may open and close it as often as
-/// they like.
+/// A pseudo-terminal with a link to it, which is removed on drop. Programs may open and close the terminal repeatedly.
 #[derive(Debug)]
 pub struct Port {
     servos: OwnedFd,
-    /// Held open: else the terminal hangs up when a program closes it.
+    /// Program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes it.
     program: OwnedFd,
     link: PathBuf,
 }
 
 impl Port {
-    /// Opens a terminal, and makes `link` lead to it. A link that is there is replaced: a program that was killed left
-    /// it. `baud` is what the port is set to until a program sets it.
+    /// Opens a terminal, and creates `link` to it. Replaces an existing link, which a killed program may have left.
+    /// `baud` is the port's rate until a program sets another rate.
     ///
     /// # Errors
-    /// [`PortError`].
+    /// [`PortError`] contains the cause.
     pub fn open(link: &Path, baud: u32) -> Result<Self, PortError> {
         let servos = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
         grantpt(&servos)?;
@@ -83,23 +83,31 @@ impl Port {
         Ok(Self { servos, program, link: link.to_owned() })
     }
 
-    /// Where it is.
+    /// Returns the path of the link.
     pub fn link(&self) -> &Path {
         &self.link
     }
 
-    /// Lets programs talk to the servos of a line: see [`serve`].
+    /// Lets programs exchange bytes with the servos of a line: see [`serve`].
     ///
     /// # Errors
-    /// What the system says if reading or writing fails.
+    /// An error of the operating system while reading or writing.
     pub fn serve<W: LineDevice>(&self, line: &mut Line<W>, stop: &AtomicBool) -> io::Result<()> {
         serve(slice::from_ref(self), slice::from_mut(line), stop)
     }
 
-    /// What programs have written, at once; 0 if they have written nothing.
+    /// Returns the rate that the program has set, bit/s.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the operating system.
+    pub fn baud(&self) -> io::Result<u32> {
+        Ok(tcgetattr(&self.program)?.output_speed())
+    }
+
+    /// Reads the bytes that programs have written, without waiting. Returns their number, or 0.
+    ///
+    /// # Errors
+    /// An error of the operating system.
     pub fn read(&self, into: &mut [u8]) -> io::Result<usize> {
         match read(&self.servos, into) {
             Err(Errno::AGAIN | Errno::INTR) => Ok(0),
@@ -107,10 +115,10 @@ impl Port {
         }
     }
 
-    /// Gives bytes to programs: how many there was room for.
+    /// Writes bytes to programs. Returns the number of bytes for which there was room.
     ///
     /// # Errors
-    /// What the system says.
+    /// An error of the operating system.
     pub fn write(&self, bytes: &[u8]) -> io::Result<usize> {
         if bytes.is_empty() {
             return Ok(0);
@@ -121,11 +129,11 @@ impl Port {
         }
     }
 
-    /// Takes what a program has written, and gives it what servos have said. Whether there was something to give.
+    /// Passes bytes between a program and the servos. Returns whether the servos had bytes for the program.
     fn pass<W: LineDevice>(&self, line: &mut Line<W>, bytes: &mut [u8]) -> io::Result<bool> {
         match read(&self.servos, &mut *bytes) {
             Ok(count) => {
-                line.servos.set_rate(tcgetattr(&self.program)?.output_speed());
+                line.servos.set_rate(self.baud()?);
                 line.write(&bytes[..count]);
             }
             Err(Errno::AGAIN | Errno::INTR) => {}
@@ -142,11 +150,11 @@ impl Port {
     }
 }
 
-/// Lets programs talk to servos in real time, a port for each line, at the rate to which they set the port, until
-/// `stop` is true: within 5 ms of that. What a program does not read in time is lost, as it is behind a real port.
+/// Connects programs to servos in real time, one port for each line, at the rate to which a program sets its port. Ends
+/// at most 5 ms after `stop` becomes true. Bytes that a program does not read in time are lost, as on a real port.
 ///
 /// # Errors
-/// What the system says if reading or writing fails, and at which port.
+/// An error of the operating system while reading or writing, with the port.
 pub fn serve<W: LineDevice>(
     ports: &[Port],
     lines: &mut [Line<W>],
@@ -179,7 +187,7 @@ pub fn serve<W: LineDevice>(
     Ok(())
 }
 
-/// Until a program writes, or for a time.
+/// Waits until a program writes, or for a time.
 fn wait(ports: &[Port], most: Duration) -> io::Result<()> {
     let timeout = Timespec { tv_sec: 0, tv_nsec: most.subsec_nanos().into() };
     let mut polled: Vec<_> =
@@ -192,7 +200,7 @@ fn wait(ports: &[Port], most: Duration) -> io::Result<()> {
 
 impl Drop for Port {
     fn drop(&mut self) {
-        // Gone already is as good.
+        // The link may already have been removed.
         let _ = std::fs::remove_file(&self.link);
     }
 }

@@ -1,6 +1,6 @@
 //! Seeded random numbers.
 
-/// `SplitMix64` (Steele, Lea and Flood 2014): a published algorithm, the same everywhere.
+/// `SplitMix64` (Steele, Lea and Flood 2014): a published algorithm with the same result on every machine.
 #[derive(Debug, Clone)]
 pub(crate) struct Random(u64);
 
@@ -17,13 +17,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Uniform in `[low, high)`.
+    /// Returns a number that is uniform in `[low, high)`.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         const STEP: f64 = 1.0 / (1_u64 << 53) as f64;
         low + (high - low) * ((self.next() >> 11) as f64 * STEP)
     }
 
-    /// Uniform in `0..count`.
+    /// Returns a number that is uniform in `0..count`.
     pub(crate) fn below(&mut self, count: usize) -> usize {
         let wide = u128::from(self.next()) * count as u128;
         usize::try_from(wide >> 64).unwrap_or(0)

@@ -1,7 +1,6 @@
-//! Servos without physics: registers with the right manners, each at once where it was sent.
+//! Servos without physics: registers that follow the protocol, and a position that jumps to the goal.
 //!
-//! For kinds that nobody has identified, and for programs that want to know what they write and not what metal makes of
-//! it.
+//! For kinds that are not identified, and for programs that test their protocol and not the mechanics.
 
 use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, MODELS, Model, Table, address};
 use sinew_servo_bus::feetech::table::{
@@ -17,28 +16,30 @@ use crate::fault::Fault;
 use crate::line::LineDevice;
 use crate::wire::{self, Listener};
 
-/// Feetech: voltage, temperature.
+/// Feetech addresses of voltage and temperature.
 const PRESENT_VOLTAGE: u8 = 62;
 const PRESENT_TEMPERATURE: u8 = 63;
-/// What it says of itself: 5 V or 7.4 V, 0.1 V, and a room's air after an hour, °C.
+/// Constant measurements that the servo reports: 5 V or 7.4 V, in 0.1 V, and a case temperature after an hour in a
+/// room, °C.
 const DYNAMIXEL_SENSORS: [(u16, i32); 2] =
     [(address::PRESENT_VOLTAGE, 50), (address::PRESENT_TEMPERATURE, 31)];
 const FEETECH_SENSORS: [(u8, i32); 2] = [(PRESENT_VOLTAGE, 74), (PRESENT_TEMPERATURE, 31)];
 
-/// Whose registers.
+/// The register table of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RegisterTable {
-    /// A Dynamixel's.
+    /// Table of a Dynamixel.
     Dynamixel(Table),
-    /// A Feetech's.
+    /// Table of a Feetech.
     Feetech(feetech::Table),
 }
 
-/// Indirect data of small servos stand where this firmware has them.
+/// Firmware version, which decides the addresses of indirect data in small servos.
 const FIRMWARE: u8 = 52;
 
 impl RegisterTable {
-    /// That of a kind by the maker's name, with or without what tells plugs (`-T`) and voltages (`-12V`) apart.
+    /// Looks up a table by the maker's name of a kind, with or without the suffix for a plug (`-T`) or a voltage
+    /// (`-12V`).
     pub fn of(kind: &str) -> Option<Self> {
         let dynamixel =
             Model::of_kind(kind).map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
@@ -46,13 +47,13 @@ impl RegisterTable {
         dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
     }
 
-    /// Names of all kinds that have one.
+    /// Returns the names of all kinds with a table.
     pub fn names() -> impl Iterator<Item = &'static str> {
         let feetech = FEETECH_MODELS.iter().map(|model| model.name);
         MODELS.iter().map(|model| model.name).chain(feetech)
     }
 
-    /// The maker's name of the servo.
+    /// Returns the maker's name of the servo.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Dynamixel(table) => table.model.name,
@@ -61,7 +62,7 @@ impl RegisterTable {
     }
 }
 
-/// One servo's registers.
+/// The registers of one servo.
 pub struct RegisterServo<'m>(Device<'m>);
 
 enum Device<'m> {
@@ -70,11 +71,11 @@ enum Device<'m> {
 }
 
 impl<'m> RegisterServo<'m> {
-    /// A servo as it left the factory, at the middle of its range, but for the rate that it listens at. `memory`:
+    /// Creates a servo with factory settings except its baud rate, at the middle of its range. `memory` needs
     /// [`MEMORY_LEN`] bytes.
     ///
     /// # Errors
-    /// [`ServoError`]: `memory` is too short, or its bus has no code for the rate.
+    /// [`ServoError`] if `memory` is too small, or the protocol has no code for the rate.
     pub fn new(
         table: RegisterTable,
         id: u8,
@@ -108,7 +109,7 @@ impl<'m> RegisterServo<'m> {
         Ok(servo)
     }
 
-    /// To its goal.
+    /// Sets the position to the goal.
     fn go(&mut self) {
         match &mut self.0 {
             Device::Dynamixel(device) => {
@@ -163,18 +164,18 @@ impl Listener for RegisterServo<'_> {
     }
 }
 
-/// Such servos on one wire. Of faults they know those of replies.
+/// Several register servos on one wire. Only faults of replies affect them.
 pub struct Registers<'m> {
     servos: Vec<RegisterServo<'m>>,
-    /// What goes wrong.
+    /// Faults of the servos, with their times.
     pub faults: Vec<Fault>,
-    /// At what rate the master talks, bits per second.
+    /// Baud rate of the master, bits per second.
     pub baud: u32,
     now_ns: u64,
 }
 
 impl<'m> Registers<'m> {
-    /// At time 0. The master talks as fast as the first servo listens.
+    /// Creates servos at time 0. The master starts at the baud rate of the first servo.
     pub fn new(servos: Vec<RegisterServo<'m>>) -> Self {
         let baud = servos.first().map_or(1_000_000, Listener::rate);
         Self { servos, faults: Vec::new(), baud, now_ns: 0 }
@@ -186,7 +187,7 @@ impl LineDevice for Registers<'_> {
         self.now_ns
     }
 
-    /// No watchdog counts: what would it stop?
+    /// No watchdog counts, because there is no motion to stop.
     fn run_until(&mut self, ns: u64) {
         self.now_ns = self.now_ns.max(ns);
     }

@@ -1,8 +1,9 @@
-//! The servos of a rig, each with what it moves by itself at the rig's home pose.
+//! The servos of a rig, each with its own separate load at the rig's home pose.
 //!
-//! A simplification of [`RigPlant`](crate::plant::RigPlant): a servo here does not feel how the others move. It moves
-//! the inertia that its drive has at the home pose, against gravity. Where it alone turns one hinge, one turn for one,
-//! gravity follows its angle; elsewhere it is that of the home pose, all the way. Its ends of range are stops.
+//! A simplification of [`RigPlant`](crate::plant::RigPlant): a servo does not feel the motion of the others. It moves
+//! the inertia of its drive at the home pose, against gravity. If a servo alone turns one hinge, one turn for one turn,
+//! gravity depends on its angle; otherwise gravity is that of the home pose at all angles. The ends of the servo's
+//! range are stops.
 
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
@@ -17,54 +18,54 @@ use thiserror::Error;
 use crate::load::Arm;
 use crate::model::{Parameters, ParametersError};
 
-/// The least inertia that a servo moves: its horn, kg m².
+/// Minimum inertia that a servo moves: its horn, kg m².
 pub(crate) const HORN_KG_M2: f64 = 1e-4;
-/// A turn for a turn, within this.
+/// Maximum deviation from one turn of the joint for one turn of the servo.
 const DIRECT: f32 = 1e-3;
 
-/// One servo of a rig.
+/// A servo of a rig, with its load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigServo {
-    /// What people call it.
+    /// Name of the servo in the rig.
     pub name: String,
-    /// Its bus.
+    /// Name of its bus.
     pub bus: String,
-    /// Where on it: an id, or a channel of what makes pulses.
+    /// Address on the bus: an id, or a channel of a pulse generator.
     pub address: Address,
-    /// What it is made of.
+    /// Parameters of the servo's kind.
     pub kind: Parameters,
-    /// What it moves, at its own shaft, zero where its encoder counts zero.
+    /// Load on the servo's own shaft; positions are zero where its encoder counts zero.
     pub load: Arm,
-    /// Where it is at the home pose, rad from where its encoder counts zero.
+    /// Position at the home pose, rad, zero where its encoder counts zero.
     pub home_rad: f64,
 }
 
-/// Why a rig's servos cannot be simulated.
+/// The reason why a rig's servos cannot be simulated.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RigServosError {
-    /// Its drives or servos do not suit.
+    /// The drives and servos of the description do not match.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// The core does not take it.
+    /// The core refuses the mechanism.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// It has no home pose.
+    /// The home pose is invalid.
     #[error("its home pose: {0}")]
     Home(#[from] CoordinatesError),
-    /// A drive does not take its home pose.
+    /// A drive refuses the home pose.
     #[error("a drive at its home pose: {0}")]
     Drive(#[from] DriveInputError),
     /// The figures of a kind of servo contradict each other.
     #[error(transparent)]
     Parameters(#[from] ParametersError),
-    /// It has no servo of this name.
+    /// The rig has no servo with this name.
     #[error("it has no servo {0:?}")]
     NoServo(String),
 }
 
 impl RigServo {
-    /// Its id; none of a servo that takes pulses.
+    /// Returns the id, or `None` for a servo that takes pulses.
     pub fn id(&self) -> Option<u8> {
         match self.address {
             Address::Id(id) => Some(id),
@@ -73,10 +74,10 @@ impl RigServo {
     }
 }
 
-/// All servos of a rig, in its order. O(servos · bodies).
+/// Returns all servos of a rig, in its order. O(servos · bodies).
 ///
 /// # Errors
-/// [`RigServosError`].
+/// [`RigServosError`] contains the cause.
 pub fn servos(
     description: &Description,
     mechanism: &Mechanism,
@@ -85,7 +86,7 @@ pub fn servos(
     let mut joints = Joints::of(description, mechanism)?;
     let mut servos = Vec::new();
     for (described, servo) in description.servos.iter().zip(&actuation.servos) {
-        // `actuation` has refused models that are not known.
+        // `actuation` has already refused unknown models.
         let Some(model) = description.servo_model(&described.model) else { continue };
         let kind = Parameters::of_model(&model)?;
         let middle = 0.5 * kind.range_rad;
@@ -107,19 +108,19 @@ pub fn servos(
     Ok(servos)
 }
 
-/// Efforts of all joints round the home pose.
+/// The efforts of all joints near the home pose.
 struct Joints<'r> {
     mechanism: &'r Mechanism,
     dynamics: InverseDynamics,
     home: Vec<f32>,
-    /// By joint of the description: its link, its first dof and its first coordinate.
+    /// For each joint of the description: its link, its first dof and its first coordinate.
     places: Vec<Option<(usize, usize, usize)>>,
     at_rest: Vec<f32>,
 }
 
 impl<'r> Joints<'r> {
     fn of(description: &Description, mechanism: &'r Mechanism) -> Result<Self, RigServosError> {
-        // Rotors are the servos' own.
+        // The servos themselves simulate the rotors.
         let mut bare = mechanism.clone();
         bare.bodies.iter_mut().for_each(|link| link.rotor_inertia = 0.0);
         let (mut dof, mut coordinate, mut starts) = (0, 0, Vec::new());
@@ -140,7 +141,7 @@ impl<'r> Joints<'r> {
         Ok(Self { mechanism, dynamics, home, places, at_rest })
     }
 
-    /// What the servos of a drive move, each alone.
+    /// Computes the load of each servo of a drive, as if only this servo moved.
     fn load(
         &mut self,
         actuation: &Actuation,
@@ -150,12 +151,12 @@ impl<'r> Joints<'r> {
         let mut dofs = Vec::new();
         let mut home = Vec::new();
         for joint in &drive.joints {
-            // A joint that a check of the rig has let pass has a link.
+            // A checked rig has a link for each joint.
             let Some((link, first, coordinate)) = self.places[*joint] else { return Ok(()) };
             let link = &self.mechanism.bodies[link];
             let count = link.joint.kind().dof_count();
             dofs.extend(first..first + count);
-            // At rest the rotation vector of a ball joint is zero.
+            // The home pose of a ball joint has a rotation vector of zero.
             match link.joint {
                 JointModel::Spherical => home.extend([0.0; 3]),
                 _ => home.extend_from_slice(&self.home[coordinate..coordinate + count]),
@@ -175,10 +176,10 @@ impl<'r> Joints<'r> {
             let home_rad = gear * pose.servos()[place] + own.settings().offset_rad;
             servo.home_rad = middle + f64::from(home_rad);
             let at_shaft = pose.servo_torques(&self.accelerated(&dofs, &moved)?)?[place];
-            // Servos that share a joint share what it moves.
+            // Servos that share a joint also share its inertia.
             let inertia = if share > 0.0 { at_shaft / share / (gear * gear) } else { 0.0 };
             servo.load.inertia_kg_m2 = f64::from(inertia).max(HORN_KG_M2);
-            // Turns of its hinge for one of its own, if it alone moves one.
+            // Turns of the hinge for one turn of the servo, if this servo alone moves a single hinge.
             let ratio = moved[0] / gear;
             let hinge = match (drive.joints.as_slice(), drive.servos.len()) {
                 ([joint], 1) if (ratio.abs() - 1.0).abs() < DIRECT => self.hinge(*joint),
@@ -196,14 +197,14 @@ impl<'r> Joints<'r> {
         Ok(())
     }
 
-    /// Dof and coordinate of a joint that is a hinge.
+    /// Returns dof and coordinate of a joint, if it is a hinge.
     fn hinge(&self, joint: usize) -> Option<(usize, usize)> {
         let (link, dof, coordinate) = self.places[joint]?;
         matches!(self.mechanism.bodies[link].joint, JointModel::Revolute(_))
             .then_some((dof, coordinate))
     }
 
-    /// What a hinge holds a quarter of a turn on from home.
+    /// Returns the gravity effort of a hinge a quarter turn from home.
     fn quarter_on(&mut self, dof: usize, coordinate: usize) -> Result<f32, RigServosError> {
         let mut q = self.home.clone();
         q[coordinate] += std::f32::consts::FRAC_PI_2;
@@ -239,11 +240,11 @@ mod tests {
     use super::*;
     use crate::load::{Load as _, Shaft};
 
-    /// A servo's load holds what the rig's inverse dynamics say, at any angle of its joint alone.
+    /// A servo's load equals the rig's inverse dynamics, for any angle of its own joint.
     #[test]
     fn each_servo_of_an_arm_holds_its_part_of_the_rig() {
         let mut description = arm(5).unwrap();
-        // One mirrored servo, zero elsewhere.
+        // One servo is mirrored, with another zero.
         description.servos[2].direction = -1;
         description.servos[2].offset_rad = Some(0.3);
         let mechanism = description.mechanism().unwrap();
@@ -263,7 +264,7 @@ mod tests {
                 let position = middle + direction * f64::from(q[joint]) + offset;
                 let pull =
                     servo.load.torque_nm(Shaft { position_rad: position, velocity_rad_s: 0.0 });
-                // f32 against f64, at up to 0.1 N m.
+                // Tolerance for f32 against f64, at up to 0.1 N m.
                 assert!((pull + direction * held).abs() < 1e-6, "{joint}: {pull} {held}");
                 if turned == 0.0 {
                     assert!((servo.home_rad - position).abs() < 1e-6);

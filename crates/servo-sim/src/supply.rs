@@ -1,4 +1,4 @@
-//! One supply of all servos.
+//! A common supply of several servos.
 
 use std::str::FromStr;
 
@@ -6,58 +6,58 @@ use thiserror::Error;
 
 use crate::model::Draw;
 
-/// Why a supply's text is none.
+/// The error that a supply's text is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
     "expected `V`, `V,OHM` or `V,OHM,A`, such as 5,0.2,3: V 1 to 60, OHM 0.001 to 100, A 0.1 to 1000"
 )]
 pub struct SupplyTextError;
 
-/// A supply with a cable, a limit of current and a capacitor at the servos.
+/// A supply with a cable, a current limit and a capacitor at the servos.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supply {
-    /// Without load, V.
+    /// Voltage without load, V.
     pub open_v: f64,
-    /// Of supply and cable, ohm: more than 0.
+    /// Resistance of supply and cable, ohm: more than 0.
     pub resistance_ohm: f64,
-    /// The most current, A; infinite for no limit. It takes none back.
+    /// Maximum current, A; infinite for no limit. The supply accepts no returned current.
     pub limit_a: f64,
-    /// At the servos, F.
+    /// Capacitance at the servos, F.
     pub capacitance_f: f64,
     voltage_v: f64,
     current_a: f64,
 }
 
 impl Supply {
-    /// A supply that has been switched on for long.
+    /// Creates a supply that has been on for a long time.
     pub fn new(open_v: f64, resistance_ohm: f64, limit_a: f64, capacitance_f: f64) -> Self {
         Self { open_v, resistance_ohm, limit_a, capacitance_f, voltage_v: open_v, current_a: 0.0 }
     }
 
-    /// One that hardly sags: 1 mohm, 10 mF.
+    /// Creates a supply whose voltage hardly sags: 1 mohm, 10 mF.
     pub fn stiff(open_v: f64) -> Self {
         Self::new(open_v, 1e-3, f64::INFINITY, 1e-2)
     }
 
-    /// One that hardly sags until it gives its most current, A, and then not more.
+    /// Creates a supply whose voltage hardly sags up to its maximum current, A.
     pub fn limited(open_v: f64, limit_a: f64) -> Self {
         Self { limit_a, ..Self::stiff(open_v) }
     }
 
-    /// At the servos, V.
+    /// Returns the voltage at the servos, V.
     pub fn voltage_v(&self) -> f64 {
         self.voltage_v
     }
 
-    /// What it gives, A.
+    /// Returns the current of the supply, A.
     pub fn current_a(&self) -> f64 {
         self.current_a
     }
 
-    /// Time passes, while all servos together draw so much. Implicit Euler: stable for any resistance.
+    /// Advances by `dt_s` with the total load of all servos. Implicit Euler: stable for any resistance.
     pub fn step(&mut self, dt_s: f64, draw: Draw) {
         let charge = self.capacitance_f / dt_s;
-        // What servos draw at another voltage is known to first order.
+        // First-order estimate of the servos' current at another voltage.
         let fixed_a = draw.current_a - draw.conductance_a_v * self.voltage_v;
         let settled = |source_a: f64, source_a_v: f64| {
             (charge * self.voltage_v + source_a - fixed_a)
@@ -74,14 +74,14 @@ impl Supply {
     }
 }
 
-/// `V`, `V,OHM` or `V,OHM,A`, with 1 mF at the servos: a capacitor as controllers have.
+/// Parses `V`, `V,OHM` or `V,OHM,A`, with 1 mF at the servos: a typical capacitor of controllers.
 impl FromStr for Supply {
     type Err = SupplyTextError;
 
     fn from_str(text: &str) -> Result<Self, SupplyTextError> {
         let number = |text: &str, [least, most]: [f64; 2]| {
             let number: f64 = text.trim().parse().map_err(|_| SupplyTextError)?;
-            // NaN is not within.
+            // NaN is refused, because it is not in the range.
             if (least..=most).contains(&number) { Ok(number) } else { Err(SupplyTextError) }
         };
         let parts: Vec<&str> = text.split(',').collect();
@@ -111,7 +111,7 @@ mod tests {
             supply.step(2.5e-4, Draw { current_a: 4.0, conductance_a_v: 0.0 });
         }
         assert!((supply.voltage_v() - 4.2).abs() < 1e-9);
-        // Twenty resistors of 4 ohm: 5 ohm V / (0.2 + 0.2) would draw 12.5 A; at 10 A they have 2 V.
+        // Twenty resistors of 4 ohm: 5 V / (0.2 + 0.2 ohm) would be 12.5 A; limited to 10 A, they have 2 V.
         for _ in 0..1_000 {
             let voltage = supply.voltage_v();
             supply.step(2.5e-4, Draw { current_a: voltage * 5.0, conductance_a_v: 5.0 });

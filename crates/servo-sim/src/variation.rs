@@ -1,4 +1,4 @@
-//! A simulated plant that differs from what the rig's file says, for tests of robustness.
+//! A simulated plant that differs from the rig's file, for tests of robustness.
 
 use std::str::FromStr;
 
@@ -7,30 +7,30 @@ use thiserror::Error;
 
 use crate::model::Parameters;
 
-/// How a simulated plant differs from what its controller believes. Default: not at all.
+/// The differences between a simulated plant and the model of its controller. Default: no differences.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variation {
     /// Factor on the stiffness of gears.
     pub stiffness: f64,
     /// Factor on the play of gears.
     pub play: f64,
-    /// Factor on the damping of gears between their ends.
+    /// Factor on the damping between the two ends of gears.
     pub damping: f64,
-    /// Factor on dry friction of servos: without load, at rest, and by load.
+    /// Factor on the dry friction of servos: Coulomb, at rest, and by load.
     pub friction: f64,
-    /// Part of the friction that is at the output shaft, 0 to 1; none for that of each kind.
+    /// Share of the dry friction at the output shaft, 0 to 1; `None` for the value of each kind.
     pub output_friction: Option<f64>,
     /// Factor on the inertia of rotors.
     pub rotor: f64,
-    /// Factor on the torque constant of motors, which is their back-EMF, too.
+    /// Factor on the torque constant of motors, which is also their back-EMF constant.
     pub torque: f64,
     /// Factor on the masses and inertias of bodies.
     pub masses: f64,
-    /// Ticks of the controller by which readings of servos are older.
+    /// Additional age of servo readings, in ticks of the controller.
     pub delay_ticks: u8,
 }
 
-/// One difference, as a person writes it: `NAME=NUMBER`.
+/// One difference, as written by a person: `NAME=NUMBER`.
 ///
 /// ```
 /// use sinew_servo_sim::variation::{Change, Variation};
@@ -45,19 +45,19 @@ pub struct Change {
     number: f64,
 }
 
-/// Why a difference was refused.
+/// The reason why a difference was refused.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("plant `{change}`: expected {expected}, found `{found}`")]
 pub struct ChangeError {
-    /// The whole difference.
+    /// The whole text of the difference.
     pub change: String,
-    /// What would be right.
+    /// Description of valid text.
     pub expected: String,
-    /// What there is.
+    /// Text that was found.
     pub found: String,
 }
 
-/// Names, and what each is.
+/// Names of the differences, with their meanings.
 const NAMES: [(&str, &str); 9] = [
     ("stiffness", "of gears"),
     ("play", "of gears"),
@@ -69,7 +69,7 @@ const NAMES: [(&str, &str); 9] = [
     ("masses", "masses and inertias of bodies"),
     ("delay", "ticks by which readings are older, 0 to 20"),
 ];
-/// Least and most factor.
+/// Minimum and maximum factor.
 const FACTORS: [f64; 2] = [0.01, 100.0];
 const MOST_DELAY_TICKS: u8 = 20;
 
@@ -90,10 +90,10 @@ impl Default for Variation {
 }
 
 impl Variation {
-    /// Puts differences together.
+    /// Combines differences.
     ///
     /// # Errors
-    /// [`ChangeError`] if a name comes twice.
+    /// [`ChangeError`] if a name occurs twice.
     pub fn of(changes: &[Change]) -> Result<Self, ChangeError> {
         let mut variation = Self::default();
         for (index, change) in changes.iter().enumerate() {
@@ -129,7 +129,7 @@ impl Variation {
         }
     }
 
-    /// Changes what a servo is made of; `tick_s` is the controller's tick.
+    /// Applies the differences to the parameters of a servo. `tick_s` is the controller's tick.
     pub fn change_servo(&self, kind: &mut Parameters, tick_s: f64) {
         kind.gear_stiffness_nm_rad *= self.stiffness;
         kind.backlash_rad *= self.play;
@@ -143,7 +143,7 @@ impl Variation {
         kind.reading_delay_s += f64::from(self.delay_ticks) * tick_s;
     }
 
-    /// Changes a rig's bodies.
+    /// Applies the differences to a rig's bodies.
     pub fn change_bodies(&self, mechanism: &mut Mechanism) {
         for body in &mut mechanism.bodies {
             body.mass_kg *= self.masses;
@@ -153,7 +153,7 @@ impl Variation {
 }
 
 impl Change {
-    /// All names, for a help text: `stiffness (of gears), ...`.
+    /// Describes all names for a help text: `stiffness (of gears), ...`.
     pub fn known() -> String {
         let known = NAMES.iter().map(|(name, what)| format!("{name} ({what})"));
         known.collect::<Vec<_>>().join(", ")

@@ -1,18 +1,18 @@
-//! What all servos on a wire do alike with bytes.
+//! Functions that all simulated servos on a wire share.
 
 use sinew_servo_bus::BusDevice;
 
 use crate::device::limits::LONGEST;
 use crate::fault::{self, Fault};
 
-/// Bits of a byte on the wire, with start and stop.
+/// Bits of a byte on the wire, with start and stop bit.
 const BITS: u64 = 10;
-/// After so long a silence, who waits for a silent servo answers. Guess: no maker states it.
+/// Silence, us, after which a servo no longer waits for a silent servo but answers. Guess: no maker states it.
 pub(crate) const SILENCE_US: u32 = 100;
 
-/// A device that listens at a rate of its own.
+/// A device that listens at its own baud rate.
 pub(crate) trait Listener: BusDevice {
-    /// Bits per second.
+    /// Returns the baud rate, bits per second.
     fn rate(&self) -> u32;
 }
 
@@ -20,7 +20,7 @@ pub(crate) fn took_ns(bytes: usize, baud: u32) -> u64 {
     bytes as u64 * BITS * 1_000_000_000 / u64::from(baud.max(1))
 }
 
-/// All but the speaker hear; at another rate nobody understands.
+/// Passes bytes to all devices except the speaker. Devices at another rate do not understand them.
 pub(crate) fn hear(devices: &mut [impl Listener], baud: u32, bytes: &[u8], speaker: Option<usize>) {
     for (index, device) in devices.iter_mut().enumerate() {
         if Some(index) != speaker && device.rate() == baud {
@@ -29,15 +29,15 @@ pub(crate) fn hear(devices: &mut [impl Listener], baud: u32, bytes: &[u8], speak
     }
 }
 
-/// Who speaks next, and after how many us of silence.
+/// Returns the device that sends next, and the silence before, us.
 pub(crate) fn next_speaker(devices: &[impl BusDevice]) -> Option<(usize, u32)> {
     let due = devices.iter().enumerate();
     due.filter_map(|(index, device)| Some((index, device.due_us()?)))
         .min_by_key(|(_, delay_us)| *delay_us)
 }
 
-/// What a device says with the faults that servo `place` has now, and how many us it is late by; none if they silence
-/// it.
+/// Returns the bytes that a device sends, changed by the present faults of servo `place`, and their additional delay,
+/// us; `None` if a fault silences the device.
 pub(crate) fn speak(
     device: &mut impl BusDevice,
     place: usize,

@@ -1,4 +1,4 @@
-//! Ids and baud rates: where a servo answers.
+//! Changes ids and baud rates of servos.
 
 use std::time::Duration;
 
@@ -9,16 +9,17 @@ use crate::store::{ensure_at_rest, open_eeprom, shut_eeprom};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo};
 
-/// 253 and 254 are for the bus itself, 255 begins a packet.
+/// Maximum id. 253 and 254 are reserved for the bus, 255 begins a packet.
 const MOST_ID: u8 = 252;
-/// A servo needs a moment before it answers at its new rate.
+/// Wait after a change of the baud rate: a servo needs a moment before it answers at its new rate.
 const SETTLE: Duration = Duration::from_millis(50);
 const TRIES: u32 = 3;
 
-/// Gives a servo another id. Refused if a servo answers there already, and while its torque is on.
+/// Changes the id of a servo. Refuses if another servo has the new id, or if torque is on.
 ///
 /// # Errors
-/// [`ServiceError::IdTaken`], [`ServiceError::BadId`]; [`ServiceError::Lost`] if it then answers nowhere.
+/// [`ServiceError::IdTaken`], [`ServiceError::BadId`]; [`ServiceError::Lost`] if the servo then answers with neither
+/// id.
 pub fn set_id<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -34,7 +35,7 @@ pub fn set_id<E: Exchange>(
                 .map_or_else(|| format!("model {}", pong.number), |table| table.model().to_owned());
             return Err(ServiceError::IdTaken { id: new, model });
         }
-        // Two servos of one id are there.
+        // Two servos have this id.
         Err(Miss::Noise) => return Err(ServiceError::Noise { id: new }),
         Err(Miss::Silence) => {}
     }
@@ -43,7 +44,7 @@ pub fn set_id<E: Exchange>(
     client.whole(|client| write_id(client, servo, &item, new))
 }
 
-/// Writes an id: begun, it is finished.
+/// Writes the id. A signal does not interrupt this.
 fn write_id<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -61,18 +62,18 @@ fn write_id<E: Exchange>(
         if client.ping(servo.id, TRIES)?.is_err() {
             return Err(ServiceError::Lost { id: servo.id, what: format!("id {new}") });
         }
-        // The write did not reach it.
+        // The write did not reach the servo.
         shut_eeprom(client, servo, servo.id)?;
     }
     let what = format!("id {new} was written {TRIES} times, and it keeps its own");
     Err(ServiceError::State { id: servo.id, what })
 }
 
-/// Sets a servo's rate, and follows it there. The other servos on the line stay where they are.
+/// Sets a servo's baud rate, and continues at the new rate. The rate of the other servos on the line does not change.
 ///
 /// # Errors
-/// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not do the rate: nothing is written then;
-/// [`ServiceError::Lost`] if it then answers nowhere.
+/// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not support the rate: nothing is written then;
+/// [`ServiceError::Lost`] if the servo then answers at neither rate.
 pub fn set_baud<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -93,7 +94,7 @@ pub fn set_baud<E: Exchange>(
         let model = servo.table.model().to_owned();
         return Err(ServiceError::NoBaud { model, baud, known: known.join(", ") });
     };
-    // A servo at a rate that the adapter does not do could not be reached any more.
+    // Tested first, because a servo at a rate that the adapter does not support could no longer be reached.
     client.set_baud(baud)?;
     client.set_baud(before)?;
     ensure_at_rest(client, servo, item.name)?;
@@ -101,7 +102,7 @@ pub fn set_baud<E: Exchange>(
     client.whole(|client| write_baud(client, servo, &request, baud))
 }
 
-/// Writes a rate and follows: begun, it is finished.
+/// Writes the baud rate and switches the line to it. A signal does not interrupt this.
 fn write_baud<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -1,4 +1,4 @@
-//! Ranges found by hand: torque off, a person moves the joint from stop to stop, and the ends are kept.
+//! Finds ranges by hand: with torque off, a person moves the joint from stop to stop, and the ends are recorded.
 
 use std::time::Duration;
 
@@ -13,17 +13,17 @@ use crate::store::{set_torque, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo};
 
-/// How often to look while a person moves a joint: a hand turns no joint by half a turn meanwhile.
+/// Interval between readings while a person moves a joint. In this time, a hand turns a joint by less than half a turn.
 pub const LOOK_EVERY: Duration = Duration::from_millis(50);
-/// A range that is smaller than this was not gone through.
+/// Minimum width of a range, deg. A smaller range means that the joint was not moved to both stops.
 const LEAST_RANGE_DEG: f64 = 5.0;
-/// No hand turns a joint faster.
+/// Maximum speed at which a hand can turn a joint, deg/s.
 const MOST_DEG_S: f64 = 1500.0;
 
-/// A servo that a person moves.
+/// A servo that a person moves, and the range of its motion so far.
 #[derive(Debug, Clone)]
 pub struct Track {
-    /// The rig's name for it.
+    /// Name of the servo in the rig.
     pub name: String,
     servo: Servo,
     item: Item,
@@ -34,17 +34,17 @@ pub struct Track {
 }
 
 impl Track {
-    /// Where it is, from the middle of its encoder.
+    /// Returns the present position, deg from the middle of the encoder.
     pub fn now_deg(&self) -> f64 {
         self.degrees(self.now)
     }
 
-    /// The least and the most so far.
+    /// Returns the smallest and the largest position so far, deg from the middle of the encoder.
     pub fn ends_deg(&self) -> [f64; 2] {
         self.ends.map(|counts| self.degrees(counts))
     }
 
-    /// Whether it has passed the seam of its encoder: such a range cannot be used.
+    /// Returns whether the servo has passed the seam of its encoder: such a range is unusable.
     pub fn has_crossed_seam(&self) -> bool {
         self.crossed_seam
     }
@@ -56,7 +56,7 @@ impl Track {
     fn take(&mut self, counts: i32) {
         let turn = self.servo.table.counts();
         let is_outside = !(0..turn).contains(&counts);
-        // From one look to the next nobody moves by half a turn, but the count does at the seam.
+        // A jump of more than half a turn between two readings means that the seam was crossed.
         self.crossed_seam |= is_outside || (counts - self.now).abs() > turn / 2;
         self.now = counts;
         let [least, most] = self.ends;
@@ -64,17 +64,17 @@ impl Track {
     }
 }
 
-/// Servos whose ranges are looked for. Their torque is off.
+/// The servos whose ranges are calibrated, with torque off.
 #[derive(Debug, Clone)]
 pub struct Calibration {
     tracks: Vec<Track>,
 }
 
 impl Calibration {
-    /// Switches torque off, and begins where the servos are.
+    /// Switches torque off, and starts at the present positions.
     ///
     /// # Errors
-    /// Those of [`Client::read_bytes`].
+    /// The errors of [`Client::read_bytes`].
     pub fn begin<E: Exchange>(
         client: &mut Client<E>,
         servos: &[(RigServo, Servo)],
@@ -100,16 +100,16 @@ impl Calibration {
         Ok(Self { tracks })
     }
 
-    /// Looks where they are.
+    /// Reads the present positions.
     ///
     /// # Errors
-    /// Those of [`Client::read_bytes`], and [`ServiceError::State`] if torque came on, or one is where no hand can have
-    /// turned it.
+    /// The errors of [`Client::read_bytes`], and [`ServiceError::State`] if torque is on again, or a position changed
+    /// faster than a hand can move it.
     pub fn look<E: Exchange>(&mut self, client: &mut Client<E>) -> Result<(), ServiceError> {
         for track in &mut self.tracks {
             let id = track.servo.id;
             if torque_is_on(client, &track.servo)? {
-                let what = "its torque came on while a hand moved it: another program talks to it, or it is broken";
+                let what = "its torque came on while a hand moved it: another program controls it, or it is broken";
                 return Err(ServiceError::State { id, what: what.to_owned() });
             }
             let counts = client.read(&track.servo, &track.item)?;
@@ -120,20 +120,20 @@ impl Calibration {
         Ok(())
     }
 
-    /// The servos, and how far they went.
+    /// Returns the servos with their ranges so far.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
 
-    /// Where they are, rad from the middle of their encoders.
+    /// Returns the present positions, rad from the middle of the encoders.
     pub fn now_rad(&self) -> Vec<f64> {
         self.tracks.iter().map(|track| own_rad(&track.servo.table, track.now)).collect()
     }
 
-    /// The ranges, `margin_deg` short of both ends.
+    /// Returns the ranges, reduced by `margin_deg` at both ends.
     ///
     /// # Errors
-    /// [`ServiceError::Rig`] if one has passed its seam, or was hardly moved.
+    /// [`ServiceError::Rig`] if a servo has passed its seam, or was hardly moved.
     pub fn ranges(&self, margin_deg: f64) -> Result<Vec<ServoChange>, ServiceError> {
         self.tracks
             .iter()
@@ -160,10 +160,10 @@ impl Calibration {
     }
 }
 
-/// The drives that some joints, or servos, of a rig belong to; all of them where none is named. As indices.
+/// Returns the indices of the drives that contain the named joints or servos, or of all drives if `names` is empty.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if nothing has a name.
+/// [`ServiceError::Rig`] if a name is unknown.
 pub fn drives_of(rig: &Description, names: &[String]) -> Result<Vec<usize>, ServiceError> {
     let mut drives = Vec::new();
     for name in names {
@@ -188,8 +188,8 @@ pub fn drives_of(rig: &Description, names: &[String]) -> Result<Vec<usize>, Serv
     Ok(drives)
 }
 
-/// Joints of a drive, with where they are at home: degrees, or mm of a slide; none for a joint of several axes, which
-/// is at its zero pose.
+/// Describes the joints of a drive with their home positions: in degrees, or in mm for a slide. A joint with several
+/// axes has no number: its home is its zero pose.
 pub fn home_of(rig: &Description, drive: usize) -> Vec<String> {
     let joints = rig.drives.get(drive).map(|drive| drive.joints.as_slice()).unwrap_or_default();
     joints
@@ -207,11 +207,11 @@ pub fn home_of(rig: &Description, drive: usize) -> Vec<String> {
         .collect()
 }
 
-/// Offsets of a drive's servos, whose joints stand at home while the servos' own positions are `own_rad`, in the
-/// drive's order.
+/// Returns the offsets of a drive's servos, in the drive's order. The joints must be at home while the servos' own
+/// positions are `own_rad`.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if the rig's drives are not sound.
+/// [`ServiceError::Rig`] if the rig's drives are invalid.
 pub fn offsets(
     rig: &Description,
     drive: usize,
@@ -244,7 +244,7 @@ pub fn offsets(
 
 fn home_coordinates(joint: &Joint) -> Vec<f32> {
     if joint.kind == JointType::Spherical {
-        // Of its rotation vector: at home it is at its zero pose.
+        // The home pose of a ball joint has a rotation vector of zero.
         return vec![0.0; 3];
     }
     #[expect(clippy::cast_possible_truncation, reason = "a board's numbers are f32")]

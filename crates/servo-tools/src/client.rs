@@ -1,4 +1,4 @@
-//! Who talks to servos on a line: packets, replies, and asking again.
+//! Exchanges packets with the servos on a line, and repeats questions that are not answered.
 
 use std::io;
 use std::sync::Arc;
@@ -12,45 +12,46 @@ use crate::ping_reply::{Miss, Pong};
 use crate::reply::{ReceivedReply, Reply, replies};
 use crate::{Exchange, Protocol, ServiceError};
 
-/// How patient one is with servos.
+/// Waiting times and repetitions for a client.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// How long to wait for a reply, beyond the bytes' time on the wire.
+    /// Maximum wait for a reply, in addition to the time of the bytes on the wire.
     pub patience: Duration,
-    /// How often a servo is asked before it counts as silent.
+    /// Number of attempts before a servo counts as silent.
     pub tries: u32,
 }
 
 impl Default for Settings {
-    /// 34 ms: a USB adapter keeps bytes for up to 16 ms, and `dynamixel-sdk` waits twice that and 2 ms. Three times.
+    /// Returns three tries of 34 ms: a USB adapter holds bytes for up to 16 ms, and `dynamixel-sdk` waits twice that
+    /// plus 2 ms.
     fn default() -> Self {
         Self { patience: Duration::from_millis(34), tries: 3 }
     }
 }
 
-/// Talks to servos on a line, in one protocol at one rate.
+/// A client for the servos on a line, with one protocol and one baud rate.
 #[derive(Debug)]
 pub struct Client<E> {
     line: E,
     protocol: Protocol,
     baud: u32,
     settings: Settings,
-    /// Set when a person, or the system, wants the program to end.
+    /// Flag that a person or the system sets to end the program.
     stop: Option<Arc<AtomicBool>>,
-    /// Whether something is under way that is finished first.
+    /// Whether the present work must be finished before a stop.
     is_whole: bool,
 }
 
-/// Bits of a byte on the wire, with start and stop.
+/// Bits of a byte on the wire, with start and stop bit.
 const BITS: u64 = 10;
-/// A servo waits so long at most before it answers, Return Delay Time 254.
+/// Maximum delay of a servo before it answers: Return Delay Time 254.
 const RETURN_DELAY: Duration = Duration::from_micros(508);
 
 impl<E: Exchange> Client<E> {
-    /// Talks this protocol at this rate, bits per second.
+    /// Creates a client for this protocol and this baud rate, bits per second.
     ///
     /// # Errors
-    /// [`ServiceError::Baud`] if the line does not do the rate.
+    /// [`ServiceError::Baud`] if the line does not support the rate.
     pub fn new(
         line: E,
         protocol: Protocol,
@@ -62,16 +63,16 @@ impl<E: Exchange> Client<E> {
         Ok(client)
     }
 
-    /// Ends what is under way with [`ServiceError::Stopped`] once the flag is set. What a tool has changed of servos is
-    /// put back meanwhile, whatever the flag says.
+    /// Makes the client end with [`ServiceError::Stopped`] after the flag is set. Even then, changes that a tool has
+    /// made to servos are undone.
     pub fn stop_at(&mut self, flag: Arc<AtomicBool>) {
         self.stop = Some(flag);
     }
 
-    /// Refuses to go on once the flag of [`Self::stop_at`] is set.
+    /// Checks that the flag of [`Self::stop_at`] is not set.
     ///
     /// # Errors
-    /// [`ServiceError::Stopped`].
+    /// [`ServiceError::Stopped`] if it is set.
     pub fn ensure_going(&self) -> Result<(), ServiceError> {
         let is_set = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
         if !self.is_whole && self.stop.as_ref().is_some_and(is_set) {
@@ -80,7 +81,7 @@ impl<E: Exchange> Client<E> {
         Ok(())
     }
 
-    /// Does something with no more patience than this.
+    /// Runs `work` with the patience limited to `most`.
     pub(crate) fn with_patience<T>(
         &mut self,
         most: Duration,
@@ -93,7 +94,7 @@ impl<E: Exchange> Client<E> {
         done
     }
 
-    /// Does what must not end half-way.
+    /// Runs `work` to its end, even if the stop flag is set.
     pub(crate) fn whole<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.is_whole, true);
         let done = work(self);
@@ -101,33 +102,33 @@ impl<E: Exchange> Client<E> {
         done
     }
 
-    /// The protocol.
+    /// Returns the protocol.
     pub fn protocol(&self) -> Protocol {
         self.protocol
     }
 
-    /// The rate, bits per second.
+    /// Returns the baud rate, bits per second.
     pub fn baud(&self) -> u32 {
         self.baud
     }
 
-    /// The line.
+    /// Returns the line.
     pub fn line_mut(&mut self) -> &mut E {
         &mut self.line
     }
 
-    /// Gives the line back.
+    /// Returns the line and ends the client.
     pub fn into_line(self) -> E {
         self.line
     }
 
-    /// Talks at another rate.
+    /// Changes the baud rate, bits per second.
     ///
     /// # Errors
-    /// [`ServiceError::Baud`] if the line does not do it.
+    /// [`ServiceError::Baud`] if the line does not support the rate.
     pub fn set_baud(&mut self, baud: u32) -> Result<(), ServiceError> {
         self.line.set_baud(baud).map_err(|why| match why.kind() {
-            // The rate is not what is wrong.
+            // The cause of this error is not the rate.
             io::ErrorKind::ResourceBusy => why.into(),
             _ => ServiceError::Baud { baud, why },
         })?;
@@ -147,7 +148,8 @@ impl<E: Exchange> Client<E> {
         self.line.now()
     }
 
-    /// Asks once, until `enough` has come or the time is over: that of the bytes, the servo's delay, and `patience`.
+    /// Asks once and waits until `enough` accepts the replies or the time is over. The time is that of the bytes, the
+    /// servo's delay, and `patience`.
     pub(crate) fn ask(
         &mut self,
         request: &[u8],
@@ -165,14 +167,13 @@ impl<E: Exchange> Client<E> {
         Ok(replies(protocol, request, &heard, true))
     }
 
-    /// How long so many bytes take, there and back, and the patience beyond that.
+    /// Returns the time of `bytes` bytes in both directions, plus the servo's delay and `patience`.
     fn wait(&self, bytes: usize, patience: Duration) -> Duration {
         let bits = u64::try_from(bytes).unwrap_or(u64::MAX).saturating_mul(BITS * 1_000_000);
         Duration::from_micros(bits / u64::from(self.baud.max(1))) + RETURN_DELAY + patience
     }
 
-    /// Waits for what is still to come of questions that were asked again: it would be taken for an answer to the next
-    /// one.
+    /// Waits for late answers to repeated questions: they would be taken for answers to the next question.
     fn forget(&mut self, questions: u32, bytes: usize) {
         if questions > 0 {
             let patience = self.settings.patience;
@@ -188,11 +189,11 @@ impl<E: Exchange> Client<E> {
         self.settings.patience
     }
 
-    /// The packet that asks a servo for bytes.
+    /// Returns the packet that reads bytes of a servo.
     fn read_request(&self, id: u8, address: u16, length: u16) -> Result<Vec<u8>, ServiceError> {
         packet(|out| match self.protocol {
             Protocol::Dynamixel => dynamixel::Instruction::Read { address, length }.encode(id, out),
-            // The order of bytes does not matter here.
+            // This instruction has the same bytes for all families.
             Protocol::Feetech => {
                 feetech::Instruction::Read { address: low(address), length: low(length) }.encode(
                     Family::Sts,
@@ -203,7 +204,7 @@ impl<E: Exchange> Client<E> {
         })
     }
 
-    /// Bytes from an address of a servo, and its error byte, asking again where nothing or damage comes.
+    /// Reads bytes and the error byte of a servo. Repeats the question after silence or damage.
     ///
     /// # Errors
     /// [`ServiceError::Silent`], [`ServiceError::Mute`], [`ServiceError::Noise`] or [`ServiceError::Refused`].
@@ -225,7 +226,7 @@ impl<E: Exchange> Client<E> {
         }
     }
 
-    /// Reads without asking why there is no answer.
+    /// Reads bytes, but does not examine why an answer is missing.
     pub(crate) fn try_read(
         &mut self,
         id: u8,
@@ -264,7 +265,7 @@ impl<E: Exchange> Client<E> {
             };
             self.forget(before, request.len() + reply_len + OVERHEAD);
             match error_code(protocol, reply.error) {
-                // The question was damaged on its way.
+                // The question was damaged on the way to the servo.
                 Some(ErrorCode::Crc) => miss = Miss::Noise,
                 Some(code) => return Err(ServiceError::Refused { id, code }),
                 None => return Ok(Ok(reply)),
@@ -281,10 +282,10 @@ impl<E: Exchange> Client<E> {
         Ok(self.ping(id, self.settings.tries)?.is_ok())
     }
 
-    /// Who has this id: model number and firmware, as bytes.
+    /// Returns model number and firmware of the servo with this id.
     ///
-    /// A Feetech is asked for its first bytes in place of a ping: an adapter that gives back what is sent would answer
-    /// a ping by itself.
+    /// A Feetech is asked for its first bytes instead of a ping: with an adapter that echoes, a ping would be its own
+    /// answer.
     pub(crate) fn ping(&mut self, id: u8, tries: u32) -> Result<Result<Pong, Miss>, ServiceError> {
         match self.protocol {
             Protocol::Dynamixel => {
@@ -300,17 +301,17 @@ impl<E: Exchange> Client<E> {
         }
     }
 
-    /// Writes a packet and waits for its answer. Silence is no error: whether a servo answers to writes is one of its
-    /// settings, so what it has is read back.
+    /// Sends a write packet and waits for its answer. Silence is not an error, because a setting of the servo decides
+    /// whether it answers writes. The caller therefore reads the value back.
     pub(crate) fn send(&mut self, id: u8, request: &[u8]) -> Result<(), ServiceError> {
         self.until_answered(id, request, 0, 1, |reply| reply.data.is_empty()).map(|_| ())
     }
 }
 
-/// Header, id, length, instruction, error, check, and some for stuffing.
+/// Bytes of a packet without its data: header, id, length, instruction, error, check, and a reserve for stuffing.
 const OVERHEAD: usize = 16;
 
-/// A packet of a codec.
+/// Encodes a packet.
 pub(crate) fn packet(
     encode: impl FnOnce(&mut [u8]) -> Result<usize, sinew_servo_bus::EncodeError>,
 ) -> Result<Vec<u8>, ServiceError> {
@@ -320,7 +321,7 @@ pub(crate) fn packet(
     Ok(out)
 }
 
-/// Why a Dynamixel refuses. A Feetech does not say.
+/// Returns the reason why a Dynamixel refuses. A Feetech reports none.
 fn error_code(protocol: Protocol, error: u8) -> Option<ErrorCode> {
     match protocol {
         Protocol::Dynamixel => StatusError::from_byte(error).code(),
@@ -328,7 +329,7 @@ fn error_code(protocol: Protocol, error: u8) -> Option<ErrorCode> {
     }
 }
 
-/// Addresses and lengths of Feetech have one byte; all of its tables fit.
+/// Converts an address or length to the one byte of a Feetech. All of its tables fit.
 pub(crate) fn low(number: u16) -> u8 {
     u8::try_from(number).unwrap_or(u8::MAX)
 }

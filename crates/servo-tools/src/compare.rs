@@ -1,4 +1,4 @@
-//! What servos have against what they should have: the difference, and its end.
+//! Compares the registers of servos with their required values, and corrects them.
 
 use sinew_servo_bus::table::{Area, ByteOrder};
 
@@ -8,24 +8,25 @@ use crate::quantity::{Quantity, quantity};
 use crate::store::{set_torque, torque_is_on};
 use crate::{Client, Exchange, Registers, ServiceError, Servo};
 
-/// A register that holds something else than it should.
+/// A register whose value differs from the required value.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Difference {
-    /// The register.
+    /// Name of the register.
     pub name: &'static str,
-    /// Its address.
+    /// Address of the register.
     pub address: u16,
-    /// What it holds.
+    /// Present value.
     pub has: Quantity,
-    /// What it should hold.
+    /// Required value.
     pub should: Quantity,
-    /// Whether it survives a loss of power. What does not is another one after each reboot.
+    /// Whether the value survives a loss of power. A register in RAM may differ again after each reboot.
     pub is_kept: bool,
 }
 
-/// Compares. `bytes` are what the servo holds from an address on: as many as [`span`] says.
+/// Returns the registers that differ. `bytes` are the servo's registers from address `first` on, as many as [`span`]
+/// returns.
 ///
-/// This is what arming asks, too: a difference refuses.
+/// A board makes the same comparison before it arms, and refuses if there is a difference.
 pub fn differences(
     settings: &[Setting],
     order: ByteOrder,
@@ -47,17 +48,17 @@ pub fn differences(
     settings.iter().filter_map(difference).collect()
 }
 
-/// Address and length of one read that has all of these registers.
+/// Returns address and length of one read that covers all of these registers.
 pub fn span(settings: &[Setting]) -> (u16, u16) {
     let first = settings.iter().map(|setting| setting.item.address).min().unwrap_or(0);
     let end = settings.iter().map(|setting| setting.item.end()).max().unwrap_or(first);
     (first, end - first)
 }
 
-/// Reads and compares.
+/// Reads the registers and returns those that differ.
 ///
 /// # Errors
-/// Those of [`Client::read_bytes`].
+/// The errors of [`Client::read_bytes`].
 pub fn diff<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -68,19 +69,19 @@ pub fn diff<E: Exchange>(
     Ok(differences(settings, servo.table.order(), first, &bytes))
 }
 
-/// What was done to a servo.
+/// The changes that [`apply`] made to a servo.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Applied {
-    /// What was different, and no longer is.
+    /// Differences that were corrected.
     pub written: Vec<Difference>,
-    /// Whether its torque was switched off for that.
+    /// Whether torque was switched off for the correction.
     pub let_go: bool,
 }
 
-/// Writes what is different, EEPROM first: a change of mode sets gains back. Reads back, and compares again. Where
-/// something fails or a signal ends it, all registers are as before.
+/// Writes the registers that differ, EEPROM first because a change of mode resets gains. Reads them back and compares
+/// again. After an error or a signal, all registers are as before.
 ///
-/// `release`: EEPROM is written only at rest, and the torque of the servo may be switched off for it. It stays off.
+/// EEPROM can be written only with torque off. `release` allows to switch torque off for this; it then stays off.
 ///
 /// # Errors
 /// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left.

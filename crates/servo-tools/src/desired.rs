@@ -1,4 +1,4 @@
-//! What a rig's servos should have in their registers: what the rig's file says, for the list of `sinew-servo-bus`.
+//! Computes the register values that a rig file requires of its servos, with the list of `sinew-servo-bus`.
 
 use std::f64::consts::PI;
 
@@ -9,13 +9,15 @@ pub use sinew_servo_bus::settings::{Mode, Setting};
 use crate::rig_servo::RigServo;
 use crate::{ServiceError, Table};
 
-/// What a servo of a rig should have: mode, return delay, status level, limits, shutdown, gains. By address.
+/// Returns the required registers of a rig's servo, by address: mode, return delay, status level, limits, shutdown,
+/// gains.
 ///
-/// Limits of position are the rig's range; those of current, PWM or torque follow from its torque, heat from its kind.
-/// What neither rig nor kind says is as the factory sets it. Id, baud and homing offset are left alone.
+/// The position limits are the rig's range. The limits of current, PWM or torque follow from the rig's torque, the
+/// temperature limit from the kind. A register that neither the rig nor the kind specifies must hold its factory value.
+/// Id, baud rate and homing offset are not included.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if the servo cannot do what the rig or `mode` asks.
+/// [`ServiceError::Rig`] if the servo does not support the rig's range or `mode`.
 pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>, ServiceError> {
     if matches!(mode, Mode::CurrentPosition | Mode::Current) && !table.has_current() {
         let model = ServoModel::with_article(table.model());
@@ -33,11 +35,11 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
         range_rad: rig
             .range_rad
             .unwrap_or([-half_rad, half_rad])
-            // As a board adds them.
+            // Added in f32, as on a board.
             .map(|own| single(own) + middle_rad),
         torque_nm: single(rig.torque_nm.unwrap_or(model.stall_torque_nm.value)),
         stall_nm: single(model.stall_torque_nm.value),
-        // As a board has it.
+        // Added in f32, as on a board.
         friction_nm: single(model.friction_nm.value) + rig.joint_friction_nm,
         torque_constant_nm_a: single(model.torque_constant_nm_a.value),
         shutdown_c: single(model.shutdown_c.value),
@@ -52,11 +54,11 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
     })
 }
 
-/// Refuses a range that goes over the seam of the encoder, or has no width.
+/// Refuses a range that crosses the seam of the encoder, or has no width.
 fn check_seam(rig: &RigServo, table: &Table, [least, most]: [f64; 2]) -> Result<(), ServiceError> {
     let unit = table.rad_per_count();
     let half = f64::from(table.counts() / 2) * unit;
-    // A range to half a turn ends with the last count, which is one short of it.
+    // A range up to half a turn ends at the last count, which is one count less than half a turn.
     if least > -half - unit && most <= half + unit && most - least > unit {
         return Ok(());
     }
@@ -69,7 +71,7 @@ fn check_seam(rig: &RigServo, table: &Table, [least, most]: [f64; 2]) -> Result<
     Err(ServiceError::Rig { name: rig.name.clone(), what })
 }
 
-/// A board computes in f32, and must come to the same counts.
+/// Rounds to f32: a board computes in f32, and both must get the same counts.
 fn single(number: f64) -> f32 {
     #[expect(clippy::cast_possible_truncation, reason = "it rounds; all that comes here is small")]
     let number = number as f32;

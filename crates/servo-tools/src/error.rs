@@ -1,4 +1,4 @@
-//! Why something could not be done with a servo.
+//! Errors of the tools.
 
 use std::fmt;
 use std::io;
@@ -8,252 +8,253 @@ use sinew_rig::description::ServoModel;
 use sinew_servo_bus::EncodeError;
 use sinew_servo_bus::dynamixel::ErrorCode;
 
-/// Why something could not be done. Each says what would be right, where that is known.
+/// The reason why a tool failed. The message says how to correct it, where that is known.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServiceError {
     /// The port cannot be opened.
     #[error("{}: {what}", path.display())]
     Port {
-        /// The port.
+        /// Path of the port.
         path: PathBuf,
-        /// What is wrong, and what helps.
+        /// Cause and remedy.
         what: String,
     },
-    /// The line is gone.
+    /// The line failed.
     #[error("the port no longer works: {0}. Was the adapter unplugged?")]
     Line(io::Error),
-    /// Who passes packets on does not do it now, or the line is no port.
+    /// The board that passes packets on does not do so now, or the line is not a serial port.
     #[error("{0}")]
     Passing(io::Error),
-    /// The line does not do this rate.
+    /// The line does not support this baud rate.
     #[error("the port does not do {baud} baud: {why}")]
     Baud {
-        /// Bits per second.
+        /// Requested baud rate, bits per second.
         baud: u32,
-        /// What the system says.
+        /// Error of the operating system.
         why: io::Error,
     },
-    /// Nothing came.
+    /// The servo does not answer.
     #[error(
-        "servo {id} does not answer at {baud} baud. Is it powered, and is this its id and rate? \
-         `sinew servo scan` looks at all of them"
+        "servo {id} does not answer at {baud} baud. Is it powered, and is this its id and rate? `sinew servo scan` \
+         searches all of them"
     )]
     Silent {
-        /// Whom we asked.
+        /// Id that was asked.
         id: u8,
-        /// At what rate.
+        /// Baud rate of the question, bits per second.
         baud: u32,
     },
-    /// Nothing came at any rate.
+    /// The servo does not answer at any rate.
     #[error(
-        "servo {id} does not answer at any rate of {protocols}. Is it powered? `sinew servo scan` shows who is there"
+        "servo {id} does not answer at any rate of {protocols}. Is it powered? `sinew servo scan` shows the servos \
+         that answer"
     )]
     Nowhere {
-        /// Whom we asked.
+        /// Id that was asked.
         id: u8,
-        /// Which protocols were tried.
+        /// Protocols that were tried.
         protocols: String,
     },
-    /// Something came that is no reply.
+    /// The bytes that arrived are not a reply.
     #[error(
-        "what servo {id} answers is no packet. Two servos of the same id talk at once: connect them one at a time, \
-         and use `set-id`; or cable and ground are bad"
+        "the answer of servo {id} is not a valid packet. Either two servos have this id: connect them one at a time, \
+         and use `set-id`; or the cable or its ground is bad"
     )]
     Noise {
-        /// Whom we asked.
+        /// Id that was asked.
         id: u8,
     },
-    /// It answers pings only.
+    /// The servo answers only pings.
     #[error(
         "servo {id} answers pings, but no reads: its Status Return Level is 0. \
          `sinew servo write {id} status-return-level 2` makes it answer"
     )]
     Mute {
-        /// Which.
+        /// Id of the servo.
         id: u8,
     },
-    /// The servo refuses, and says why.
+    /// The servo refused the instruction with an error number.
     #[error("servo {id} refuses: {}", refusal(*code))]
     Refused {
-        /// Which.
+        /// Id of the servo.
         id: u8,
-        /// Why.
+        /// Error number of the refusal.
         code: ErrorCode,
     },
-    /// A packet cannot be written.
+    /// A packet could not be encoded.
     #[error(transparent)]
     Packet(#[from] EncodeError),
-    /// Its model is not in the tables.
+    /// The servo's model is unknown.
     #[error(
-        "servo {id} says that it is model {number}, which is not in the list. If its registers are those of a known \
+        "servo {id} reports model number {number}, which is not in the list. If its registers are those of a known \
          model, name that one with `--model`, one of: {known}"
     )]
     UnknownModel {
-        /// Which.
+        /// Id of the servo.
         id: u8,
-        /// What it says.
+        /// Model number that the servo reports.
         number: u16,
-        /// Names that there are.
+        /// Names of the known models.
         known: String,
     },
     /// No model has this name.
     #[error("there is no model {name:?}; expected one of: {known}")]
     NoModel {
-        /// The name.
+        /// Name that was given.
         name: String,
-        /// Names that there are.
+        /// Names of the known models.
         known: String,
     },
-    /// Something about a register.
+    /// A register could not be read or written.
     #[error(transparent)]
     Register(#[from] Registers),
     /// Another servo has the id.
     #[error(
-        "id {id} is taken: {} answers there; choose one that is free, or change that one first",
+        "id {id} is taken: {} has this id; choose a free id, or change the id of that servo first",
         ServoModel::with_article(model)
     )]
     IdTaken {
-        /// The id.
+        /// Id that was requested.
         id: u8,
-        /// Who has it.
+        /// Model of the servo that has the id.
         model: String,
     },
     /// No servo can have the id.
     #[error("no servo can have id {0}; expected one from 0 to 252")]
     BadId(u8),
-    /// The servo has no such rate.
+    /// The servo does not support this baud rate.
     #[error("{} cannot do {baud} baud; expected one of: {known}", ServoModel::with_article(model))]
     NoBaud {
-        /// Which model.
+        /// Model of the servo.
         model: String,
-        /// What was asked for.
+        /// Requested rate, bits per second.
         baud: u32,
-        /// What it can do.
+        /// Supported rates.
         known: String,
     },
-    /// It did not come back after a change of its id or rate.
+    /// The servo no longer answers after a change of its id or rate.
     #[error(
-        "{what} was written to servo {id}, and now it answers neither there nor as before; scan for it"
+        "{what} was written to servo {id}, and now it answers with neither the new nor the old value; scan for it"
     )]
     Lost {
-        /// Its id before.
+        /// Id before the change.
         id: u8,
-        /// What was changed.
+        /// Change that was made.
         what: String,
     },
-    /// A signal came: Ctrl-C, or the system's wish that the program ends.
+    /// A signal ended the tool: Ctrl-C, or the system.
     #[error("it was ended by a signal")]
     Stopped,
-    /// It failed, and the servo is not as it was before.
-    #[error("{why}. And servo {id} is not as it was: {left}")]
+    /// The tool failed, and the servo's previous state could not be restored.
+    #[error("{why}. Also, servo {id} could not be restored to its previous state: {left}")]
     NotRestored {
-        /// Which.
+        /// Id of the servo.
         id: u8,
-        /// Why it failed.
+        /// Cause of the failure.
         why: Box<Self>,
-        /// The registers that could not be put back.
+        /// Registers that could not be restored.
         left: Box<Self>,
     },
-    /// It is in trouble.
+    /// The servo reports a fault.
     #[error("servo {id} reports {what}. {help}")]
     Fault {
-        /// Which.
+        /// Id of the servo.
         id: u8,
-        /// What it reports.
+        /// Fault that the servo reports.
         what: String,
-        /// What helps.
+        /// Remedy.
         help: &'static str,
     },
-    /// It cannot be done as it stands.
+    /// The servo's state does not allow the operation.
     #[error("servo {id}: {what}")]
     State {
-        /// Which.
+        /// Id of the servo.
         id: u8,
-        /// What stands in the way, and what would be right.
+        /// Obstacle and remedy.
         what: String,
     },
-    /// Another model than the rig file says.
+    /// The servo's model differs from the rig file.
     #[error(
         "{name} (id {id}) is {}; the rig file says {should}. Change the file, or the servo",
         ServoModel::with_article(has)
     )]
     WrongModel {
-        /// The rig's name for it.
+        /// Name of the servo in the rig.
         name: String,
-        /// Its id.
+        /// Id of the servo.
         id: u8,
-        /// The value that was found.
+        /// Model that was found.
         has: String,
-        /// What the file says.
+        /// Model in the rig file.
         should: String,
     },
-    /// The rig file asks for what the servo cannot do.
+    /// The rig file asks for something that the servo does not support.
     #[error("{name}: {what}")]
     Rig {
-        /// The part of the rig.
+        /// Part of the rig that is concerned.
         name: String,
-        /// What is wrong, and what would be right.
+        /// Cause and remedy.
         what: String,
     },
 }
 
-/// What is wrong with reading or writing a register.
+/// The reason why a register could not be read or written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Registers {
-    /// No such name.
+    /// No register has this name.
     #[error("{} has no register {name:?}; {near}", ServoModel::with_article(model))]
     Unknown {
-        /// Which model.
+        /// Model of the servo.
         model: &'static str,
-        /// The name.
+        /// Name that was given.
         name: String,
-        /// Which ones come near.
+        /// Similar names.
         near: String,
     },
-    /// It can only be read.
+    /// The register can only be read.
     #[error("{0} can only be read")]
     ReadOnly(&'static str),
-    /// It is written by a command of its own, or not at all.
+    /// The register has its own command, or must not be written.
     #[error("{name} cannot be written directly; use {instead}")]
     Elsewhere {
-        /// The register.
+        /// Name of the register.
         name: &'static str,
-        /// What would be right.
+        /// Command to use instead.
         instead: String,
     },
-    /// No such number.
+    /// The value is not allowed.
     #[error("{name} takes {takes}; found {found}")]
     Value {
-        /// The register.
+        /// Name of the register.
         name: &'static str,
-        /// What it takes.
+        /// Allowed values.
         takes: String,
-        /// What was given.
+        /// Value that was given.
         found: String,
     },
-    /// EEPROM, and torque is on.
+    /// The register is in EEPROM, and torque is on.
     #[error(
-        "{name} is kept in EEPROM, which is written only at rest, and the torque of servo {id} is on. \
-         `sinew servo write {id} torque-enable 0` lets go of what it holds"
+        "{name} is kept in EEPROM, which is written only while torque is off, and the torque of servo {id} is on. \
+         `sinew servo write {id} torque-enable 0` switches it off; a load that it holds falls"
     )]
     TorqueOn {
-        /// Which servo.
+        /// Id of the servo.
         id: u8,
-        /// The register.
+        /// Name of the register.
         name: &'static str,
     },
-    /// The servo did not keep it.
+    /// The servo did not store the value.
     #[error("servo {id}: {wrote} was written to {name}, and it reads {reads}")]
     NotKept {
-        /// Which servo.
+        /// Id of the servo.
         id: u8,
-        /// The register.
+        /// Name of the register.
         name: &'static str,
-        /// What was written.
+        /// Value that was written.
         wrote: String,
-        /// What it has.
+        /// Value that was read back.
         reads: String,
     },
 }
@@ -277,7 +278,7 @@ fn refusal(code: ErrorCode) -> impl fmt::Display {
 
 impl From<io::Error> for ServiceError {
     fn from(error: io::Error) -> Self {
-        // The system's own errors have nothing inside.
+        // The operating system's own errors have no inner error.
         if error.get_ref().is_some() { Self::Passing(error) } else { Self::Line(error) }
     }
 }

@@ -1,18 +1,18 @@
-//! A line that servos hang on.
+//! A line that connects servos.
 
 use std::io;
 use std::ops::DerefMut;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// A half-duplex line: bytes out, and what comes back. A serial port is one, a simulated line is another, and a board
-/// that passes packets on can be a third.
+/// A half-duplex line: it sends bytes and returns the answer. Examples: a serial port, a simulated line, a board that
+/// passes packets on.
 pub trait Exchange {
-    /// Forgets what came before, sends `bytes`, and gives what comes to `take` until that says that it has all, or
-    /// `wait` is over since the call.
+    /// Discards earlier bytes, sends `bytes`, and passes received bytes to `take`. Ends when `take` returns true, or
+    /// `wait` after the call.
     ///
     /// # Errors
-    /// What the line says: it is gone. Silence is no error.
+    /// An error means that the line failed. Silence is not an error.
     fn exchange(
         &mut self,
         bytes: &[u8],
@@ -20,23 +20,24 @@ pub trait Exchange {
         take: &mut dyn FnMut(&[u8]) -> bool,
     ) -> io::Result<()>;
 
-    /// Talks and listens at this rate from now on, bits per second.
+    /// Sets the baud rate, bits per second.
     ///
     /// # Errors
-    /// If the line does not do this rate; [`io::ErrorKind::ResourceBusy`] if it does nothing now.
+    /// An error if the line does not support this rate; [`io::ErrorKind::ResourceBusy`] if the line is not available
+    /// now.
     fn set_baud(&mut self, baud: u32) -> io::Result<()>;
 
-    /// Nobody talks for a while.
+    /// Waits without any traffic.
     fn pause(&mut self, time: Duration);
 
-    /// Returns the time on the line since some moment that stays the same. A simulated line has a time of its own.
+    /// Returns the time on the line since a fixed moment. A simulated line has its own time.
     fn now(&mut self) -> Duration {
         static START: OnceLock<Instant> = OnceLock::new();
         START.get_or_init(Instant::now).elapsed()
     }
 }
 
-// A box or a mutable borrow of a line is a line.
+// A box or a mutable borrow of a line is itself a line.
 impl<P: DerefMut> Exchange for P
 where
     P::Target: Exchange,

@@ -1,4 +1,4 @@
-//! Whether a servo can be where it says that it is.
+//! Checks whether the reported positions of a servo are possible.
 
 use std::time::Duration;
 
@@ -6,31 +6,32 @@ use sinew_servo_bus::table::Item;
 
 use crate::quantity::Scale;
 
-/// Beyond its speed a servo that slips, or a reading of before, makes no more than this from one look to the next, deg.
+/// Tolerance for the change between two readings beyond the servo's speed, deg: for a servo that slips, or an old
+/// reading.
 const SLACK_DEG: f64 = 4.0;
 
-/// Positions of a servo, one after the other.
+/// The check of a servo's successive positions.
 #[derive(Debug, Clone)]
 pub(crate) struct Follow {
     scale: Scale,
     most_deg_s: f64,
-    /// Counts of a turn, where the seam of an encoder is passed; else none.
+    /// Counts of a turn, if the seam of the encoder may be passed.
     turn: Option<i32>,
     last: Option<(Duration, i32)>,
 }
 
 impl Follow {
-    /// Follows the register of a position that changes by no more than so many deg/s.
+    /// Creates a check for a position register that changes by at most `most_deg_s`, deg/s.
     pub(crate) fn new(present: &Item, most_deg_s: f64) -> Self {
         Self { scale: Scale::of(present), most_deg_s, turn: None, last: None }
     }
 
-    /// Takes the shorter way round, as over the seam of an encoder that counts to so many.
+    /// Allows the seam of an encoder to be passed: counts the shorter way round, for a turn of `turn` counts.
     pub(crate) fn over_seam(self, turn: i32) -> Self {
         Self { turn: Some(turn), ..self }
     }
 
-    /// Takes a position, counts, at a time of the line. Says what is wrong where the servo cannot be there.
+    /// Checks a position, in counts, at a time of the line. Returns an explanation if the servo cannot be there.
     pub(crate) fn take(&mut self, now: Duration, counts: i32) -> Result<(), String> {
         let Some((time, before)) = self.last.replace((now, counts)) else { return Ok(()) };
         let passed_s = now.saturating_sub(time).as_secs_f64();
@@ -41,7 +42,7 @@ impl Follow {
             return Ok(());
         }
         Err(format!(
-            "its position changed by {way} within {:.0} ms, which it cannot do: its encoder jumps, or it started anew",
+            "its position changed by {way} within {:.0} ms, which is impossible: its encoder jumps, or it restarted",
             1e3 * passed_s
         ))
     }

@@ -1,11 +1,13 @@
-//! The one guard of all tools that change servos: whatever ends a tool, the servo is as it was, or that is said.
+//! Guards servos that a tool changes: whatever ends the tool, the servo's previous state is restored, or the tool
+//! reports that it is not.
 //!
-//! A tool changes registers through its [`Guard`], which knows what they held. At its end, at an error and at a signal
-//! the guard puts all of them back, with torque off first where it was off. A servo that moves is looked at meanwhile:
-//! heat, errors, torque, and whether it can have come where it says that it is.
+//! A tool changes registers through its [`Guard`], which stores the previous values. At the end of the tool, after an
+//! error and after a signal, the guard restores all of them. If torque was off before, it is switched off first. While
+//! a servo moves, the guard checks temperature, errors, torque, and whether the reported position is possible.
 //!
-//! Nothing runs any more in a program that was killed. So a servo with a bus watchdog has it set for a move, and stops
-//! by itself; all that can limit their torque have it limited. [`left`](crate::left) finds what is left then.
+//! A program that was killed cannot restore anything. For this case, a servo with a bus watchdog has its watchdog set
+//! during a move, and stops by itself; and every servo that can limit its torque has it limited. [`left`](crate::left)
+//! then finds the traces.
 
 use std::time::Duration;
 
@@ -20,50 +22,50 @@ use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table, watch};
 
-/// A servo stops by itself when it hears nothing for so long, in its unit of 20 ms. A PC lets a program wait for less,
-/// and a board sets another number.
+/// Bus watchdog during a move, in 20 ms: the servo stops by itself if it receives nothing for this time. Long enough
+/// for a PC, which may pause a program; and different from the value that a board sets.
 pub(crate) const WATCHDOG: i32 = 15;
 const WATCHDOG_MS: i32 = 20 * WATCHDOG;
-/// Registers of a Dynamixel that a change of its mode sets back: gains, goals and profile.
+/// Registers of a Dynamixel that a change of its mode resets: gains, goals and profile.
 const SET_BACK: std::ops::RangeInclusive<u16> = 76..=112;
-/// A servo that does not let go is told so again, as often and after so long: a bad line gets better, perhaps.
+/// Number and interval of further attempts if a servo's torque does not switch off: the line may get better.
 const AGAIN: (u32, Duration) = (5, Duration::from_millis(200));
 
-/// Slow enough to be let go of, after this time at most.
+/// Maximum speed at which torque is switched off. The servo brakes to it first, for at most [`MOST_BRAKE`].
 const SLOW_DEG_S: f64 = 30.0;
 const MOST_BRAKE: Duration = Duration::from_secs(1);
 
-/// A servo that a tool changes, and what it was before.
+/// A servo that a tool changes, with its previous state.
 pub(crate) struct Guard<'c, E: Exchange> {
     client: &'c mut Client<E>,
     servo: &'c Servo,
     was_on: bool,
-    /// In the order in which they were changed.
+    /// Previous values of the changed registers, in the order of the changes.
     before: Vec<(Item, i32)>,
     motion: Option<Motion>,
     is_over: bool,
 }
 
-/// A servo that moves.
+/// A servo that the tool moves.
 struct Motion {
     goal: Item,
-    /// Where it stood, or what it held.
+    /// Position at the start with torque off; otherwise the goal, which the servo held. In counts.
     held: i32,
     most_c: f64,
     follow: Follow,
-    /// Whether its encoder tells something else than before: then no goal of before means what it meant.
+    /// Whether the encoder counts differently than before: then an earlier goal has lost its meaning.
     has_jumped: bool,
 }
 
 impl<'c, E: Exchange> Guard<'c, E> {
-    /// Guards a servo whose registers change. It is not moved.
+    /// Guards a servo whose registers change but that is not moved.
     pub(crate) fn begin(client: &'c mut Client<E>, servo: &'c Servo) -> Result<Self, ServiceError> {
         let was_on = torque_is_on(client, servo)?;
         Ok(Self { client, servo, was_on, before: Vec::new(), motion: None, is_over: false })
     }
 
-    /// Guards a servo that moves, no faster than by so many deg/s: refused where it is in trouble, moves, or was left
-    /// by a program that was killed. Its watchdog is set, where it has one.
+    /// Guards a servo that is moved by at most `most_deg_s`, deg/s. Refuses if the servo has a fault, moves, or was
+    /// left by a program that was killed. Sets its watchdog, if it has one.
     pub(crate) fn begin_move(
         client: &'c mut Client<E>,
         servo: &'c Servo,
@@ -85,14 +87,14 @@ impl<'c, E: Exchange> Guard<'c, E> {
         let most_c = f64::from(guard.client.read(servo, &most)?);
         let follow = Follow::new(&present, most_deg_s);
         guard.motion = Some(Motion { goal, held, most_c, follow, has_jumped: false });
-        // First of all changes, so that it is put back last: it marks a servo that a tool has changed.
+        // The first of all changes, so that it is restored last: it marks a servo that a tool has changed.
         if let Ok(watchdog) = servo.table.register("Bus Watchdog") {
             guard.change(&watchdog, WATCHDOG)?;
         }
         Ok(guard)
     }
 
-    /// The client and the servo, for what changes nothing.
+    /// Returns client and servo, for operations that change nothing.
     pub(crate) fn parts(&mut self) -> (&mut Client<E>, &'c Servo) {
         (self.client, self.servo)
     }
@@ -105,17 +107,17 @@ impl<'c, E: Exchange> Guard<'c, E> {
         self.servo
     }
 
-    /// Whether its torque was on.
+    /// Returns whether torque was on before.
     pub(crate) fn was_on(&self) -> bool {
         self.was_on
     }
 
-    /// Where it stood, or what it held, counts; 0 of a servo that is not moved.
+    /// Returns the position or goal at the start, in counts; 0 for a servo that is not moved.
     pub(crate) fn held(&self) -> i32 {
         self.motion.as_ref().map_or(0, |motion| motion.held)
     }
 
-    /// Notes what a register holds, unless that is known.
+    /// Stores the present value of a register, unless it is already stored.
     pub(crate) fn note(&mut self, item: &Item) -> Result<(), ServiceError> {
         if self.before.iter().all(|(known, _)| known.address != item.address) {
             let raw = self.client.read(self.servo, item)?;
@@ -124,7 +126,7 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(())
     }
 
-    /// Writes a register, and looks whether the servo has it.
+    /// Writes a register and verifies the value.
     pub(crate) fn change(&mut self, item: &Item, raw: i32) -> Result<(), ServiceError> {
         let is_mode =
             matches!(self.servo.table, Table::Dynamixel(_)) && item.address == dxl::OPERATING_MODE;
@@ -139,7 +141,7 @@ impl<'c, E: Exchange> Guard<'c, E> {
         store(self.client, self.servo, item, raw)
     }
 
-    /// Sends the servo to a goal.
+    /// Sends the servo to a goal, in counts.
     pub(crate) fn go_to(&mut self, counts: i32) -> Result<(), ServiceError> {
         let Some(goal) = self.motion.as_ref().map(|motion| motion.goal) else { return Ok(()) };
         let gone = store(self.client, self.servo, &goal, counts);
@@ -156,13 +158,13 @@ impl<'c, E: Exchange> Guard<'c, E> {
         gone
     }
 
-    /// Switches its torque on.
+    /// Switches torque on.
     pub(crate) fn hold(&mut self) -> Result<(), ServiceError> {
         set_torque(self.client, self.servo, true)
     }
 
-    /// Looks at a servo that moves; returns its position, counts. Refuses to go on where it is in trouble, too hot,
-    /// limp, or where it cannot be.
+    /// Checks a servo that moves, and returns its position in counts. Refuses to continue if the servo has a fault, is
+    /// too hot, has torque off, or reports an impossible position.
     pub(crate) fn look(&mut self) -> Result<i32, ServiceError> {
         let refused = |what: String| Err(ServiceError::State { id: self.servo.id, what });
         let state = ensure_no_fault(self.client, self.servo)?;
@@ -173,7 +175,7 @@ impl<'c, E: Exchange> Guard<'c, E> {
         }
         if !torque_is_on(self.client, self.servo)? {
             return refused(
-                "its torque went off by itself while it moved: it started anew, or something else switched it off"
+                "its torque went off by itself while it moved: it restarted, or something else switched it off"
                     .to_owned(),
             );
         }
@@ -181,13 +183,13 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(state.position.raw)
     }
 
-    /// Takes a position that was read by itself, counts; refuses where the servo cannot be.
+    /// Checks a position that was read separately, in counts. Refuses if the servo cannot be there.
     pub(crate) fn follow(&mut self, counts: i32) -> Result<(), ServiceError> {
         let now = self.client.now();
         self.follow_at(now, counts)
     }
 
-    /// Takes a position that was read at a time of the line, counts.
+    /// Checks a position that was read at a time of the line, in counts.
     pub(crate) fn follow_at(&mut self, time: Duration, counts: i32) -> Result<(), ServiceError> {
         let Some(motion) = &mut self.motion else { return Ok(()) };
         motion.follow.take(time, counts).map_err(|what| {
@@ -196,13 +198,13 @@ impl<'c, E: Exchange> Guard<'c, E> {
         })
     }
 
-    /// Ends: all is put back, whatever the tool came to.
+    /// Ends the guard and restores all registers, whatever the result of the tool.
     pub(crate) fn end<T>(mut self, result: Result<T, ServiceError>) -> Result<T, ServiceError> {
         let restored = self.restore();
         joined(self.servo.id, result, restored)
     }
 
-    /// Ends: what was changed stays if the tool did all of it, else all is put back.
+    /// Ends the guard. Keeps the changes if the tool succeeded, otherwise restores all registers.
     pub(crate) fn keep<T>(mut self, result: Result<T, ServiceError>) -> Result<T, ServiceError> {
         if result.is_ok() {
             self.is_over = true;
@@ -211,7 +213,7 @@ impl<'c, E: Exchange> Guard<'c, E> {
         self.end(result)
     }
 
-    /// Puts all back, also where one thing fails; gives the first failure. No signal ends this.
+    /// Restores everything that can be restored, and returns the first error. A signal does not interrupt this.
     fn restore(&mut self) -> Result<(), ServiceError> {
         self.is_over = true;
         let (servo, was_on) = (self.servo, self.was_on);
@@ -222,7 +224,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
                 None => Ok(()),
             };
             let mut calmed = calm(client);
-            // A change of mode sets other registers back: EEPROM first. The rest as it came, the last one first.
+            // EEPROM first, because a change of mode resets other registers. The others in reverse order of the
+            // changes.
             let (kept, lost): (Vec<(Item, i32)>, Vec<_>) =
                 before.iter().rev().partition(|(item, _)| item.area == Area::Eeprom);
             let mut restored = Ok(());
@@ -244,15 +247,16 @@ impl<'c, E: Exchange> Guard<'c, E> {
 impl<E: Exchange> Drop for Guard<'_, E> {
     fn drop(&mut self) {
         if !self.is_over {
-            // Nobody can be told here.
+            // A drop cannot report an error.
             let _ = self.restore();
         }
     }
 }
 
 impl Motion {
-    /// Lets a servo that was limp go; sends one that held something back to that. A servo that does not take its goal
-    /// would go on to where it was sent, and with all of its torque: it is limp then, even if it held something.
+    /// Brings the servo to its state before the move: torque off if it was off, otherwise back to the position that it
+    /// held. A servo that refuses its goal would continue with full torque: its torque is switched off, even if it held
+    /// something.
     fn calm<E: Exchange>(
         &self,
         client: &mut Client<E>,
@@ -261,12 +265,12 @@ impl Motion {
     ) -> Result<(), ServiceError> {
         if !was_on {
             if !self.has_jumped {
-                // Where it cannot brake, it is limp all the same.
+                // If braking fails, torque is switched off nevertheless.
                 let _ = self.brake(client, servo);
             }
             return set_torque(client, servo, false);
         }
-        // One that has run out takes no goals.
+        // A servo whose watchdog expired accepts no goals.
         if let Ok(watchdog) = servo.table.register("Bus Watchdog") {
             store(client, servo, &watchdog, 0)?;
         }
@@ -283,7 +287,7 @@ impl Motion {
         back
     }
 
-    /// Brakes a servo that is on its way: let go at speed, one with little friction turns on for far.
+    /// Brakes a servo that moves: without torque at speed, a servo with little friction would turn much further.
     fn brake<E: Exchange>(
         &self,
         client: &mut Client<E>,
@@ -309,7 +313,7 @@ impl Motion {
     }
 }
 
-/// Joins what a tool came to with what putting back came to.
+/// Combines the result of the tool with the result of the restoration.
 fn joined<T>(
     id: u8,
     result: Result<T, ServiceError>,
@@ -323,7 +327,7 @@ fn joined<T>(
     }
 }
 
-/// Returns what it measures, unless it reports trouble.
+/// Returns the measurements of a servo. Refuses if it reports a fault.
 pub(crate) fn ensure_no_fault<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

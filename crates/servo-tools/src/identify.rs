@@ -1,4 +1,4 @@
-//! Which servo is which: it moves by a few degrees and back, slowly and weakly, with its light on.
+//! Shows which servo has an id: the servo moves by a few degrees and back, slowly and weakly, with its light on.
 
 use std::time::Duration;
 
@@ -9,45 +9,45 @@ use crate::quantity::Scale;
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
-/// How far it moves to either side: servos with much friction stop 3 degrees short.
+/// Motion to either side, deg. Servos with much friction stop 3 degrees before the goal.
 const WIGGLE_DEG: f64 = 6.0;
 const SPEED_DEG_S: f64 = 15.0;
-/// A gear that sticks and slips is faster than its goal.
+/// Maximum plausible speed: a gear with stick-slip is faster than its goal.
 const MOST_DEG_S: f64 = 3.0 * SPEED_DEG_S;
 const ACCELERATION_DEG_S2: f64 = 100.0;
-/// How long a servo without a speed has for each way, ms: also the mark of a servo that was left on its way.
+/// Time of each motion for a servo without speed control, ms. It also marks a servo that was left during its motion.
 pub(crate) const RUNNING_TIME_MS: i32 = 500;
-/// Limits of torque beside what it holds: it must lift what hangs on it, and hurt nobody.
+/// Share of the maximum torque, in addition to the holding torque: enough to lift the load, too little to hurt anybody.
 const SHARE: f64 = 0.3;
-/// From one side to the other takes 0.95 s.
+/// Time of each motion: from one side to the other takes 0.95 s.
 const WAY: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(50);
-/// A servo that holds something sags by less than this.
+/// Maximum distance between goal and position of a servo that rests, deg: a load makes it sag less than this.
 const THERE_DEG: f64 = 10.0;
-/// Where its position changes by so much when torque comes, it has another zero than it said.
+/// Change of the position when torque is switched on, deg. A larger change means that the servo counts its turns from a
+/// new zero.
 const REBASED_DEG: f64 = 45.0;
-/// Parts of a way that a servo goes which does move: one with much friction half of it.
+/// Allowed range of measured over commanded motion. With much friction, a servo moves half of the commanded motion.
 const MOVED: [f64; 2] = [0.25, 1.5];
 
-/// What a wiggle came to.
+/// The result of a motion that identifies a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Identified {
-    /// From one end to the other, as it moved.
+    /// Measured distance between the two ends, deg.
     pub moved_deg: f64,
-    /// The same, as it was told to.
+    /// Commanded distance between the two ends, deg.
     pub asked_deg: f64,
-    /// Whether it has a light.
+    /// Whether the servo has a light.
     pub has_light: bool,
 }
 
-/// Moves a servo by a few degrees to either side and back, with its light on where there is one. A servo that was limp
-/// is limp afterwards, one that held holds what it held; all registers are as before, also where something fails on the
-/// way, or a signal ends it.
+/// Moves a servo by a few degrees to either side and back, with its light on if it has one. Afterwards torque is on or
+/// off as before, the servo holds the same position, and all registers are as before, even after an error or a signal.
 ///
 /// # Errors
-/// [`ServiceError::Fault`] if it reports trouble, also while it moves; [`ServiceError::State`] if it moves before, is
-/// in no mode of position, stands outside of its limits, does not move as it is told, is limp all at once or jumps;
-/// [`ServiceError::Stopped`].
+/// [`ServiceError::Fault`] if the servo reports a fault, also during the motion; [`ServiceError::State`] if it already
+/// moves, is not in a position mode, is outside of its limits, does not move as commanded, loses its torque, or its
+/// position jumps; [`ServiceError::Stopped`] after a signal.
 pub fn identify<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -57,7 +57,7 @@ pub fn identify<E: Exchange>(
     guard.end(shown)
 }
 
-/// Shows itself.
+/// Makes the servo move.
 fn show<E: Exchange>(guard: &mut Guard<'_, E>) -> Result<Identified, ServiceError> {
     let (was_on, held) = (guard.was_on(), guard.held());
     let (client, servo) = guard.parts();
@@ -76,7 +76,7 @@ fn show<E: Exchange>(guard: &mut Guard<'_, E>) -> Result<Identified, ServiceErro
     })
 }
 
-/// Refuses to move a servo by an angle where it is in no such mode, or is on its way.
+/// Refuses to move a servo by an angle if it is not in a position mode, or already moves.
 pub(crate) fn ensure_it_stands_in_position_mode<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -95,20 +95,20 @@ pub(crate) fn ensure_it_stands_in_position_mode<E: Exchange>(
             ));
         }
     }
-    // Its own flag for motion flickers where its gear has play.
+    // The servo's own motion flag flickers if its gear has play.
     let [goal, present] =
         [Role::GoalPosition, Role::PresentPosition].map(|role| servo.table.role(role));
     let way = client.read(servo, &goal?)? - client.read(servo, &present?)?;
     let way = Scale::of(&servo.table.role(Role::GoalPosition)?).quantity(way);
     if was_on && way.value.abs() > THERE_DEG {
         return refused(format!(
-            "it is {way} from its goal: it moves, or something holds it. Wait until it stands"
+            "it is {way} from its goal: it moves, or something holds it. Wait until it rests"
         ));
     }
     Ok(())
 }
 
-/// A few degrees to either side of where it stands, as far as its limits leave room.
+/// Returns the two goals of the motion: a few degrees to either side, as far as the servo's limits allow.
 fn ends<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -130,7 +130,7 @@ fn ends<E: Exchange>(
     if !(least..=most).contains(&held) {
         let [at, from, to] = [held, least, most].map(|raw| scale.quantity(raw));
         return refused(format!(
-            "it stands at {at}, outside of its limits, {from} to {to}: move it there by hand first"
+            "it is at {at}, outside of its limits, {from} to {to}: move it within them by hand first"
         ));
     }
     let ends = ends.map(|end| end.clamp(least, most));
@@ -140,7 +140,7 @@ fn ends<E: Exchange>(
     Ok(ends)
 }
 
-/// Returns the registers that make it slow, and no stronger than it must be for its load.
+/// Returns register values that make the servo slow, and only as strong as its load requires.
 fn gentle<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -158,7 +158,7 @@ fn gentle<E: Exchange>(
             let is_in_time = client.read(servo, &table.register("Drive Mode")?)? & 4 != 0;
             let [speed, acceleration] = ["Profile Velocity", "Profile Acceleration"];
             if is_in_time {
-                // Milliseconds of the way, and of its beginning.
+                // Time of the whole motion, and of its acceleration, in ms.
                 gentle.push((table.register(speed)?, 500));
                 gentle.push((table.register(acceleration)?, 150));
             } else {
@@ -183,10 +183,10 @@ fn gentle<E: Exchange>(
                 gentle.push(raw("Acceleration", ACCELERATION_DEG_S2)?);
                 let is_fine = client.read(servo, &table.register("Phase")?)? & 4 != 0;
                 let (item, speed) = raw("Goal Velocity", SPEED_DEG_S)?;
-                // With this bit a count of speed is a fiftieth.
+                // If this bit is set, a count of speed is a fiftieth.
                 gentle.push((item, if is_fine { speed * 50 } else { speed }));
             }
-            // The first that is changed, and the last that is put back: see `left`.
+            // Changed first and restored last: `left` uses it as a mark.
             if let Ok(limit) = table.register("Torque Limit") {
                 let holds = holds(client, servo, "Present Load", was_on)?;
                 let most = client.read(servo, &limit)?;
@@ -197,7 +197,7 @@ fn gentle<E: Exchange>(
     Ok(gentle)
 }
 
-/// Returns the torque or current that a servo takes to hold its load.
+/// Returns the torque or current that the servo needs to hold its load.
 fn holds<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -210,7 +210,7 @@ fn holds<E: Exchange>(
     Ok(client.read(servo, &servo.table.register(present)?)?.abs())
 }
 
-/// A share of the most that a limit can be.
+/// Returns the allowed share of a limit's maximum.
 fn share(limit: &Item) -> i32 {
     let most = match limit.range {
         Range::Between(_, most) => most,
@@ -221,7 +221,7 @@ fn share(limit: &Item) -> i32 {
     share
 }
 
-/// Goes to both ends and back, and says how far apart it was, in counts.
+/// Moves to both ends and back, and returns the distance between the measured ends, in counts.
 fn wiggle<E: Exchange>(
     guard: &mut Guard<'_, E>,
     [least, most]: [i32; 2],
@@ -230,7 +230,7 @@ fn wiggle<E: Exchange>(
     let scale = Scale::of(&servo.table.role(Role::GoalPosition)?);
     let present = servo.table.role(Role::PresentPosition)?;
     let refused = |what: String| Err(ServiceError::State { id: servo.id, what });
-    // Its goal is where it stands before torque comes; a Feetech's comes with the goal.
+    // The goal must be the present position before torque is on; on a Feetech, the goal itself switches torque on.
     guard.go_to(held)?;
     if !guard.was_on() {
         guard.hold()?;
@@ -253,12 +253,12 @@ fn wiggle<E: Exchange>(
             seen = [seen[0].min(now), seen[1].max(now)];
         }
         let [moved, asked] = [now - begin, target - before];
-        // Friction may hold it short of the first end, and of where it comes to last.
+        // Friction may stop the servo before the first end, and before its last position.
         let is_whole_way = matches!(index, 1 | 2);
         if is_whole_way && f64::from(moved) / f64::from(asked) < MOVED[0] {
             let [moved, asked] = [moved, asked].map(|counts| scale.quantity(counts));
             return refused(format!(
-                "it hardly moves: by {moved} where {asked} was asked. It is blocked, or too weak for what hangs on it"
+                "it hardly moves: by {moved} where {asked} was asked. It is blocked, or too weak for its load"
             ));
         }
         before = target;
@@ -273,7 +273,7 @@ fn wiggle<E: Exchange>(
     Ok(moved)
 }
 
-/// In words: how far it moved.
+/// Describes the motion in words.
 impl std::fmt::Display for Identified {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let light = if self.has_light { ", with its light on" } else { "" };

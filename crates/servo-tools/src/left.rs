@@ -1,7 +1,8 @@
-//! Servos that a program left in the middle of what it did: it was killed, or its cable was pulled.
+//! Finds servos that a program left in the middle of its work: it was killed, or its cable was pulled.
 //!
-//! A tool marks what it changes: the bus watchdog of a Dynamixel is set before all else, and the torque limit of an STS
-//! is lowered; both are put back last. So what is left can be read off the servo, by any program on any machine.
+//! A tool marks a servo before it changes anything: it sets the bus watchdog of a Dynamixel, or lowers the torque limit
+//! of an STS. It restores these registers last. Any program on any machine can thus recognize an abandoned servo by its
+//! registers.
 
 use std::time::Duration;
 
@@ -15,23 +16,23 @@ use crate::quantity::Scale;
 use crate::store::{lock_of, torque_is_on};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo, Table, scan};
 
-/// A Feetech is asked for by itself, which takes a silent id's time each.
+/// Maximum id of a Feetech that is checked: each id must be asked alone, and a silent id costs the whole wait.
 const FEETECH_MOST: u8 = 12;
 const FEETECH_ANSWER: Duration = Duration::from_millis(34);
 
-/// A servo as a program left it.
+/// A servo that a program left in the middle of its work.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Left {
-    /// The trace that is left, and the command that helps.
+    /// The trace, and the command that helps.
     pub what: String,
-    /// Whether its torque is on.
+    /// Whether torque is on.
     pub is_on: bool,
 }
 
-/// Looks whether a program that was ended left something on a servo.
+/// Checks whether a program that was ended left traces on a servo.
 ///
 /// # Errors
-/// Those of [`Client::read_bytes`].
+/// The errors of [`Client::read_bytes`].
 pub fn look<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -45,29 +46,28 @@ pub fn look<E: Exchange>(
     let mut words = Vec::new();
     if let Some(marks) = marks {
         let (torque, helps) =
-            if is_on { ("on", "lets go of it and sets") } else { ("off", "sets") };
+            if is_on { ("on", "switches torque off and sets") } else { ("off", "sets") };
         words.push(format!(
-            "a program that was ended has left it so: its torque is {torque}, and {marks}. `sinew servo reboot {id}` \
-             {helps} back what it has in RAM"
+            "a program that was ended left it in this state: its torque is {torque}, and {marks}. `sinew servo reboot \
+             {id}` {helps} back what it has in RAM"
         ));
     }
     if let Some(lock) = lock_of(servo)
         && client.read(servo, &lock)? == 0
     {
         words.push(
-            "its EEPROM is open: a program that was ended, or another one, has left it so. The next `sinew servo \
-             write` to it shuts it"
+            "its EEPROM is unlocked: a program left it in this state. The next `sinew servo write` locks it"
                 .to_owned(),
         );
     }
     Ok((!words.is_empty()).then(|| Left { what: words.join("; "), is_on }))
 }
 
-/// Looks at all other servos of a line, at its protocol and rate: Dynamixels that answer a ping to all, Feetechs with
-/// ids up to 12. It takes up to a second.
+/// Checks all other servos on a line, at the present protocol and rate: Dynamixels that answer a common ping, and
+/// Feetechs with ids up to 12. Takes up to a second.
 ///
 /// # Errors
-/// If the line is gone, or [`ServiceError::Stopped`].
+/// An error if the line failed; [`ServiceError::Stopped`] after a signal.
 pub fn on_line<E: Exchange>(
     client: &mut Client<E>,
     known: u8,
@@ -80,7 +80,7 @@ pub fn on_line<E: Exchange>(
     };
     let mut found = Vec::new();
     for id in ids.into_iter().filter(|id| *id != known) {
-        // Who answers no question by itself is no other than before: a servo that is not set up yet.
+        // A servo that does not answer alone is skipped: it is not set up yet.
         if client.with_patience(FEETECH_ANSWER, |client| client.ping(id, 1))?.is_ok()
             && let Ok(servo) = client.open(id, None)
             && let Ok(Some(left)) = look(client, &servo)
@@ -99,9 +99,9 @@ fn of_dynamixel<E: Exchange>(
 ) -> Result<Option<String>, ServiceError> {
     let watchdog = servo.table.register_at(dxl::BUS_WATCHDOG)?;
     Ok(match client.read(servo, &watchdog)? {
-        ran_out if ran_out < 0 && is_on => {
-            Some("its Bus Watchdog has run out, so it holds where it was then".to_owned())
-        }
+        ran_out if ran_out < 0 && is_on => Some(
+            "its Bus Watchdog has run out, so it holds the position that it had then".to_owned(),
+        ),
         set if set == WATCHDOG => Some(format!(
             "its Bus Watchdog is {}, as for a move",
             Scale::of(&watchdog).quantity(set)
@@ -118,7 +118,7 @@ fn of_feetech<E: Exchange>(
 ) -> Result<Option<String>, ServiceError> {
     let table = &servo.table;
     if family == Family::Scs {
-        // It can limit nothing; its goal takes so long.
+        // This family cannot limit torque or speed: its moves have a fixed time instead.
         let time = client.read(servo, &table.register("Running Time")?)?;
         let is_left = is_on && time == RUNNING_TIME_MS;
         return Ok(is_left.then(|| format!("its Running Time is {time} ms, as for a move")));

@@ -1,15 +1,17 @@
-//! What a builder does with bus servos before they move: find them, give them ids, set them up, calibrate them.
+//! Tools that prepare bus servos before their first motion: find them, assign ids, set them up, calibrate them.
 //!
 //! ```text
 //! command ──> functions of this crate ──> Client (packets, retries) ──> Exchange ──> a port, a simulated line, ..
 //! ```
 //!
-//! - [`Exchange`] is a line: bytes out, and what comes back within a time. [`SerialLine`] is one on a serial port.
-//! - [`Client`] speaks to servos over it, in one protocol at one baud rate, and asks again where a reply is lost.
-//! - [`scan()`], [`find`], [`registers`], [`address`], [`identify`](mod@identify), [`watch`]: what one does with any
-//!   servo.
-//! - [`rig_servo`], [`desired`], [`compare`]: what a rig file asks of its servos, and whether they have it.
-//! - [`calibrate`], [`rig_file`]: ranges found by hand, and how they come into the rig file.
+//! - [`Exchange`] is a line: it sends bytes and returns the answer within a time. [`SerialLine`] is a line on a serial
+//!   port.
+//! - [`Client`] exchanges packets with servos over a line, in one protocol at one baud rate, and repeats lost
+//!   questions.
+//! - [`scan()`], [`find`], [`registers`], [`address`], [`identify`](mod@identify), [`watch`]: tools for any servo.
+//! - [`rig_servo`], [`desired`], [`compare`]: the requirements of a rig file for its servos, and the comparison with
+//!   them.
+//! - [`calibrate`], [`rig_file`]: ranges found by hand, and how they are written to the rig file.
 //!
 //! ```no_run
 //! use sinew_servo_tools::registers::{self, Number};
@@ -25,19 +27,20 @@
 //! # Ok::<(), sinew_servo_tools::ServiceError>(())
 //! ```
 //!
-//! Registers speak as servos count: zero where the encoder counts zero. A rig's own positions count from the middle of
-//! the encoder: [`rig_servo::own_rad`] is between the two.
+//! Register values are in the servo's own counting: zero where the encoder counts zero. A rig's own positions count
+//! from the middle of the encoder: [`rig_servo::own_rad`] converts.
 //!
 //! # Files
 //! - `exchange`, `port`: a line of servos; a serial port as a line.
-//! - `client`, `protocol`, `reply`, `ping_reply`: packets and retries; the servos' protocol; replies in what was heard.
+//! - `client`, `protocol`, `reply`, `ping_reply`: packets and retries; the servos' protocol; replies in received bytes.
 //! - `servo`, `table`, `registers`, `quantity`, `store`: a servo that answered; its registers; reads and writes by
-//!   name; numbers as people read them; writes that are verified.
-//! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a servo that shows itself; measurements.
-//! - `rig_servo`, `position_gain`, `desired`, `compare`: servos of a rig file; their P gains; the registers that it
-//!   requires; the difference.
-//! - `guard`, `follow`, `left`: what holds a servo together that a tool changes; whether it can be where it says; a
-//!   servo that a killed program left.
+//!   name; numbers in units for people; verified writes.
+//! - `scan`, `address`, `identify`, `watch`: search; ids and baud rates; a motion that shows which servo it is;
+//!   measurements.
+//! - `rig_servo`, `position_gain`, `desired`, `compare`: servos of a rig file; their P gains; the required registers;
+//!   the differences.
+//! - `guard`, `follow`, `left`: restores a servo that a tool changes; checks reported positions; finds servos that a
+//!   killed program left.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
 //! - `error`: errors of all tools.
 

@@ -1,18 +1,18 @@
-//! Who answered a ping, or why nobody did.
+//! The reply to a ping, or the reason why none arrived.
 
 use sinew_servo_bus::dynamixel;
 
 use crate::Table;
 use crate::reply::Reply;
 
-/// Why there is no reply.
+/// The reason why there is no reply.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Miss {
     Silence,
     Noise,
 }
 
-/// Who answered.
+/// Model and firmware of the servo that answered a ping.
 #[derive(Debug, Clone)]
 pub(crate) struct Pong {
     pub(crate) number: u16,

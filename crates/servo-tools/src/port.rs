@@ -1,4 +1,4 @@
-//! A serial port for this program alone, and such a port as a line of servos.
+//! Opens a serial port exclusively, and uses it as a line of servos.
 
 use std::fs::File;
 use std::io;
@@ -10,31 +10,30 @@ use serial2::SerialPort;
 
 use crate::{Exchange, ServiceError};
 
-/// A serial port, held for this program alone. A pseudo-terminal is one, too; it takes any baud rate.
+/// A serial port that is locked for this program. A pseudo-terminal works too; it accepts any baud rate.
 #[derive(Debug)]
 pub struct SerialLine {
     port: SerialPort,
-    /// Holds the lock on the port as long as it lives.
+    /// File that holds the lock on the port while it is open.
     _lock: File,
 }
 
 impl SerialLine {
-    /// Opens a port, 8N1.
+    /// Opens a port with 8N1.
     ///
     /// # Errors
-    /// [`ServiceError::Port`] says what is wrong with the port and what helps: permission, another program, no such
-    /// port.
+    /// [`ServiceError::Port`] contains the cause and the remedy: missing permission, another program, no such port.
     pub fn open(path: &Path) -> Result<Self, ServiceError> {
-        // A rate that every port does; that of the servos is set before each exchange with them.
+        // A rate that every port supports; the servos' rate is set before the first exchange.
         let (port, lock) = open_alone(path, 57_600)?;
         Ok(Self { port, _lock: lock })
     }
 }
 
-/// Opens a port, 8N1, and locks it against other programs for as long as the file lives.
+/// Opens a port with 8N1, and locks it against other programs while the returned file is open.
 ///
 /// # Errors
-/// [`ServiceError::Port`], as of [`SerialLine::open`].
+/// [`ServiceError::Port`], like [`SerialLine::open`].
 pub fn open_alone(path: &Path, baud: u32) -> Result<(SerialPort, File), ServiceError> {
     let refused =
         |error: io::Error| ServiceError::Port { path: path.to_owned(), what: help(path, &error) };
@@ -47,7 +46,7 @@ pub fn open_alone(path: &Path, baud: u32) -> Result<(SerialPort, File), ServiceE
     Ok((port, lock))
 }
 
-/// Serial ports of this machine that may have something at the other end: those of USB.
+/// Returns the USB serial ports of this machine: only these can have servos at the other end.
 pub fn usb_ports() -> Vec<PathBuf> {
     let all = SerialPort::available_ports().unwrap_or_default();
     all.into_iter().filter(|port| is_usb(port)).collect()
@@ -70,7 +69,7 @@ impl Exchange for SerialLine {
         self.port.write_all(bytes)?;
         let mut buffer = [0; 1024];
         loop {
-            // A timeout below a millisecond would be none at all.
+            // Not less than a millisecond: a shorter timeout would mean no timeout.
             let left = end.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return Ok(());
@@ -84,7 +83,7 @@ impl Exchange for SerialLine {
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => return Ok(()),
-                // A signal came; what is asked is answered all the same.
+                // A signal arrived: the read continues.
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
             }
@@ -102,7 +101,7 @@ impl Exchange for SerialLine {
     }
 }
 
-/// What is wrong with a port, and what helps.
+/// Returns cause and remedy of a port error.
 fn help(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => not_there(&SerialPort::available_ports().unwrap_or_default()),
@@ -122,11 +121,11 @@ fn help(path: &Path, error: &io::Error) -> String {
     }
 }
 
-/// ENOTTY, the same on Linux and macOS.
+/// Error code ENOTTY, the same on Linux and macOS.
 const NOT_A_TERMINAL: i32 = 25;
 
 fn not_there(ports: &[std::path::PathBuf]) -> String {
-    // A PC lists ports of its board that have no plug; adapters have drivers of USB.
+    // A PC also lists ports of its mainboard that have no plug; adapters have USB drivers.
     let names: Vec<_> = ports.iter().map(|port| port.display().to_string()).collect();
     let (usb, other): (Vec<_>, Vec<_>) =
         names.iter().partition(|name| name.contains("USB") || name.contains("ACM"));

@@ -1,4 +1,4 @@
-//! The P gain of position that each servo of a rig has where it is driven by position.
+//! The position P gain of each servo of a rig in a position mode.
 
 use sinew_rig::description::{Servo, ServoModel};
 use sinew_rig::stiffness::{Stiffness, StiffnessReason};
@@ -9,37 +9,37 @@ use sinew_servo_bus::table::{Item, Range};
 use crate::table::Role;
 use crate::{ServiceError, Table};
 
-/// A tick, s: gains of servos' own loops do not depend on it.
+/// Tick of the tracker, s. Any value works: the gains of the servos' own loops do not depend on it.
 const TICK_S: f64 = 0.002;
 
-/// The value of a servo's register of the P gain of position, and its reason.
+/// Value of a servo's position P gain register, and its reason.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PositionGain {
-    /// The maker's name of the register.
+    /// Maker's name of the register.
     pub register: &'static str,
-    /// The value.
+    /// Value of the register.
     pub raw: i32,
-    /// The factory's value.
+    /// Factory value.
     pub factory: i32,
-    /// Torque per position error with that gain, N m/rad.
+    /// Torque per position error with this gain, N m/rad.
     pub stiffness_nm_rad: f64,
-    /// Why it is no other.
+    /// The rule that decided the value.
     pub reason: GainReason,
 }
 
-/// Why a P gain is no other.
+/// The rule that decided a P gain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GainReason {
-    /// The rig file states it.
+    /// The rig file states the gain.
     File,
     /// See [`StiffnessReason::Gear`].
     Gear,
     /// See [`StiffnessReason::Damping`].
     Damping,
-    /// See [`StiffnessReason::Factory`]; or nothing is known of gear and load.
+    /// See [`StiffnessReason::Factory`]; also used if gear and load are unknown.
     Factory,
-    /// The register holds no more.
+    /// The gain is limited by the register's maximum.
     Register,
 }
 
@@ -57,11 +57,11 @@ impl GainReason {
 }
 
 impl PositionGain {
-    /// Returns the gain of a servo: what the rig file states, else by the rule, else the factory's. None of a kind
-    /// without that register, or whose factory's gain nobody knows.
+    /// Returns the gain of a servo: the value in the rig file, otherwise the value by the rule, otherwise the factory
+    /// value. Returns `None` for a kind without this register, or with an unknown factory gain.
     ///
     /// # Errors
-    /// [`ServiceError::Rig`] if the file states a gain that the servo cannot have.
+    /// [`ServiceError::Rig`] if the servo does not support the gain in the file.
     pub fn of(
         servo: &Servo,
         model: &ServoModel,
@@ -95,7 +95,7 @@ impl PositionGain {
         Ok(Some(Self { register, raw, factory, stiffness_nm_rad, reason }))
     }
 
-    /// Returns the gain over the factory's.
+    /// Returns the ratio of the gain to the factory's gain.
     pub fn ratio(&self) -> f32 {
         self.raw as f32 / self.factory as f32
     }
@@ -107,7 +107,7 @@ fn by_rule(rule: Stiffness, per_stiffness: f64, most: i32) -> (i32, GainReason) 
         StiffnessReason::Damping => GainReason::Damping,
         StiffnessReason::Factory => GainReason::Factory,
     };
-    // A millionth is left to rounding: the factory's gain stays what it is.
+    // Tolerance of a millionth for rounding, so that the factory's gain stays unchanged.
     let raw = (rule.nm_rad * per_stiffness * (1.0 + 1e-6)).floor().max(1.0);
     if raw > f64::from(most) {
         return (most, GainReason::Register);
@@ -121,11 +121,11 @@ fn refused(servo: &Servo, what: String) -> ServiceError {
     ServiceError::Rig { name: servo.name.clone(), what }
 }
 
-/// Returns the gain of each servo of a rig, in the rig's order. Without a mechanism nothing is known of loads: then it
-/// is the factory's where the file states none.
+/// Returns the gain of each servo of a rig, in the rig's order. Without a mechanism, the loads are unknown: then a gain
+/// that the file does not state is the factory's.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if the file states a gain that a servo cannot have.
+/// [`ServiceError::Rig`] if a servo does not support the gain in the file.
 pub fn position_gains(
     rig: &Description,
     mechanism: Option<&Mechanism>,

@@ -1,23 +1,24 @@
-//! Which language servos speak.
+//! The protocols of servos.
 
 use sinew_servo_bus::dynamixel::table::BAUDS as DYNAMIXEL_BAUDS;
 use sinew_servo_bus::feetech::table::BAUDS as FEETECH_BAUDS;
 
-/// A protocol.
+/// A servo protocol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Protocol {
-    /// Dynamixel 2.0.
+    /// Dynamixel protocol 2.0.
     Dynamixel,
-    /// Feetech STS, SMS and SCS.
+    /// Protocol of Feetech STS, SMS and SCS servos.
     Feetech,
 }
 
 impl Protocol {
-    /// Both.
+    /// Both protocols.
     pub const ALL: [Self; 2] = [Self::Dynamixel, Self::Feetech];
 
-    /// Its rates, bits per second, likely ones first: that of the factory, then those that rigs are set to.
+    /// Returns the baud rates of the protocol, bits per second, the most likely first: the factory rate, then the usual
+    /// rates of rigs.
     pub const fn bauds(self) -> [u32; 8] {
         match self {
             Self::Dynamixel => {
@@ -29,7 +30,7 @@ impl Protocol {
         }
     }
 
-    /// Its name.
+    /// Returns the name of the protocol.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Dynamixel => "Dynamixel",
@@ -37,7 +38,7 @@ impl Protocol {
         }
     }
 
-    /// Rates by the code in the servo's register.
+    /// Returns the baud rates by their code in the servo's register.
     pub(crate) const fn baud_codes(self) -> [u32; 8] {
         match self {
             Self::Dynamixel => DYNAMIXEL_BAUDS,

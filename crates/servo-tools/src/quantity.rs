@@ -1,33 +1,33 @@
-//! Numbers of registers as people read them: degrees, per cent, milliseconds.
+//! Register values in units for people: degrees, per cent, milliseconds.
 
 use std::fmt;
 
 use sinew_servo_bus::table::Item;
 
-/// A number of a register: as people read it, and as the servo has it.
+/// A register value: in a unit for people, and in counts.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Quantity {
-    /// In [`Self::unit`], rounded to what one count can tell.
+    /// Value in [`Self::unit`], rounded to the resolution of one count.
     pub value: f64,
-    /// deg, deg/s, deg/s2, A, V, degC, %, ms, us, or empty for a mere number.
+    /// Unit: deg, deg/s, deg/s2, A, V, degC, %, ms, us, or empty for a plain number.
     pub unit: &'static str,
-    /// As the servo has it.
+    /// Value in counts of the servo.
     pub raw: i32,
     #[serde(skip)]
     decimals: usize,
 }
 
-/// The unit that people read a register in, and how much of it one count is.
+/// The display unit of a register, and the size of one count in it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
-    /// The unit.
+    /// Name of the unit, as in [`Quantity::unit`].
     pub unit: &'static str,
-    /// One count.
+    /// Size of one count in this unit.
     pub step: f64,
 }
 
 impl Scale {
-    /// That of a register.
+    /// Returns the scale of a register.
     pub fn of(item: &Item) -> Self {
         let (symbol, count) = (item.unit.symbol, f64::from(item.unit.scale));
         let (unit, factor) = match symbol {
@@ -42,7 +42,7 @@ impl Scale {
         Self { unit, step: count * factor }
     }
 
-    /// As many decimals as one count can tell.
+    /// Returns the number of decimals that one count can resolve.
     fn decimals(self) -> usize {
         // Scales are f32: 0.01 is a little less than that.
         let mut decimals = 0;
@@ -54,7 +54,7 @@ impl Scale {
         decimals
     }
 
-    /// What so many counts are.
+    /// Converts counts to a quantity.
     pub fn quantity(self, raw: i32) -> Quantity {
         let decimals = self.decimals();
         let ten: f64 = (0..decimals).map(|_| 10.0).product();
@@ -62,7 +62,7 @@ impl Scale {
         Quantity { value, unit: self.unit, raw, decimals }
     }
 
-    /// The counts nearest to a value; none where no register could hold them.
+    /// Returns the counts nearest to a value, or `None` if no register can hold them.
     pub fn raw(self, value: f64) -> Option<i32> {
         let counts = (value / self.step).round();
         #[expect(clippy::cast_possible_truncation, reason = "it was compared with the ends")]
@@ -70,13 +70,13 @@ impl Scale {
     }
 }
 
-/// What a register of a servo holds.
+/// Converts the counts of a register to a quantity.
 pub fn quantity(item: &Item, raw: i32) -> Quantity {
     Scale::of(item).quantity(raw)
 }
 
 impl fmt::Display for Quantity {
-    /// The value with its unit, without the raw number.
+    /// Writes the value with its unit, without the counts.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:.*}", self.decimals, self.value)?;
         if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }

@@ -1,4 +1,4 @@
-//! Registers by name: read, and written with all checks before and a look at what the servo has after.
+//! Reads and writes registers by name. A write is checked before, and verified after.
 
 use sinew_servo_bus::dynamixel::table::address as dxl;
 use sinew_servo_bus::table::{Access, Area, Item, Range, Sign};
@@ -9,16 +9,16 @@ pub use crate::store::{set_torque, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, Registers, ServiceError, Servo, Table};
 
-/// A register, and what it holds.
+/// A register with its present value.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Reading {
-    /// The maker's name.
+    /// Maker's name of the register.
     pub name: &'static str,
-    /// Its address.
+    /// Address of the register.
     pub address: u16,
-    /// Whether it survives a loss of power.
+    /// Whether the value survives a loss of power.
     pub is_kept: bool,
-    /// What it holds.
+    /// Present value.
     #[serde(flatten)]
     pub quantity: Quantity,
 }
@@ -26,19 +26,19 @@ pub struct Reading {
 /// A number that a person gives for a register.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Number {
-    /// In the unit that [`Scale::of`] names.
+    /// A value in the unit of [`Scale::of`].
     Value(f64),
-    /// As the servo has it.
+    /// A value in counts of the servo.
     Raw(i32),
 }
 
-/// Positions in the modes of several turns go so far either way. Source: e-manual, Goal Position.
+/// Maximum position either way in the modes of several turns, counts. Source: e-manual, Goal Position.
 const TURNS: i32 = 1_048_575;
 
-/// Reads registers by name; all of them where no name is given.
+/// Reads registers by name, or all registers if `names` is empty.
 ///
 /// # Errors
-/// [`Registers::Unknown`], and those of [`Client::read_bytes`].
+/// [`Registers::Unknown`], and the errors of [`Client::read_bytes`].
 pub fn read<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -61,11 +61,11 @@ fn reading(item: &Item, raw: i32) -> Reading {
     }
 }
 
-/// Writes a register by name: refused where the number is out of range, the register is read-only, has a command of
-/// its own, or is kept in EEPROM and torque is on. Returns what the servo has afterwards.
+/// Writes a register by name, and returns its value afterwards. Refuses if the number is out of range, the register is
+/// read-only or has its own command, or the register is in EEPROM and torque is on.
 ///
 /// # Errors
-/// [`Registers`] says which, and what would be right; [`Registers::NotKept`] where the servo has another number.
+/// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number.
 pub fn write<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -92,7 +92,7 @@ pub fn write<E: Exchange>(
     Ok(reading(&item, raw))
 }
 
-/// What is right in place of a plain write, for registers that could lose the servo or its settings.
+/// Returns the command to use instead of a plain write, for registers that could lose the servo or its settings.
 fn elsewhere(servo: &Servo, item: &Item) -> Option<String> {
     let id = servo.id;
     if item.address == servo.table.address(Role::Id) {
@@ -112,7 +112,7 @@ fn elsewhere(servo: &Servo, item: &Item) -> Option<String> {
     }
 }
 
-/// The counts of a person's number, within what the register takes.
+/// Converts a person's number to counts, and checks the range of the register.
 fn counts<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -148,19 +148,19 @@ fn counts<E: Exchange>(
     }
 }
 
-/// Where not every number of the range means something.
+/// Returns the allowed values of a register whose range contains values without a meaning.
 fn choices(servo: &Servo, item: &Item) -> Option<&'static [i32]> {
     match &servo.table {
         Table::Dynamixel(_) if item.address == dxl::OPERATING_MODE => {
             Some(if servo.table.has_current() { &[0, 1, 3, 4, 5, 16] } else { &[1, 3, 4, 16] })
         }
-        // 128 moves the middle of the servo.
+        // 128 would move the middle of the servo.
         Table::Feetech(_) if item.address == servo.table.address(Role::Torque) => Some(&[0, 1, 2]),
         _ => None,
     }
 }
 
-/// What a register takes, in counts.
+/// Returns the range of a register, in counts.
 fn range<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -182,7 +182,7 @@ fn range<E: Exchange>(
     })
 }
 
-/// What fits into the bytes of a register.
+/// Returns the range that fits into the bytes of a register.
 fn whole(item: &Item) -> [i32; 2] {
     let bits = u32::from(item.size) * 8;
     let most = |bits: u32| i32::try_from((1_i64 << bits) - 1).unwrap_or(i32::MAX);

@@ -1,4 +1,4 @@
-//! Replies out of what was heard on a line.
+//! Finds replies in the bytes that were received from a line.
 
 use sinew_servo_bus::{dynamixel, feetech};
 
@@ -8,28 +8,27 @@ use crate::Protocol;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Reply {
     pub(crate) id: u8,
-    /// Dynamixel: error number and alert. Feetech: what is wrong, bit by bit.
+    /// Error byte. Dynamixel: error number and alert. Feetech: faults, bit by bit.
     pub(crate) error: u8,
     pub(crate) data: Vec<u8>,
 }
 
-/// What came within a time.
+/// The replies received within a time.
 #[derive(Debug, Default)]
 pub(crate) struct ReceivedReply {
     pub(crate) replies: Vec<Reply>,
-    /// Whether there was something that is no reply.
+    /// Whether bytes arrived that are not a reply.
     pub(crate) is_noisy: bool,
 }
 
-/// The longest reply of a Dynamixel that is read here.
+/// Length of the longest Dynamixel reply that is accepted.
 const LONGEST: usize = 512;
-/// The longest packet of Feetech.
+/// Length of the longest packet of Feetech.
 const LONGEST_FEETECH: usize = 259;
 
-/// All replies in `heard`, without what an adapter gives back of what was `sent`: an instruction of Feetech looks like
-/// a reply.
+/// Returns all replies in `heard`, without the adapter's echo of `sent`: an instruction of Feetech looks like a reply.
 ///
-/// `is_over`: nothing more will come, so a packet behind a damaged one is looked for.
+/// `is_over` means that no more bytes will arrive, so a packet after a damaged packet is searched too.
 pub(crate) fn replies(
     protocol: Protocol,
     sent: &[u8],
@@ -38,7 +37,7 @@ pub(crate) fn replies(
 ) -> ReceivedReply {
     let mut rest = match heard.strip_prefix(sent) {
         Some(rest) => rest,
-        // It may yet become an echo.
+        // The bytes so far may be the beginning of an echo.
         None if !is_over && sent.starts_with(heard) => return ReceivedReply::default(),
         None => heard,
     };

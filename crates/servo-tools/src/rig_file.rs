@@ -1,25 +1,25 @@
-//! What was calibrated, into the rig file: the rest of the text stays as a person wrote it.
+//! Writes calibration results to a rig file, and keeps the rest of its text unchanged.
 
 use toml_edit::{Array, DocumentMut, Item, TableLike, Value};
 
 use crate::ServiceError;
 use sinew_rig::description::SourcedValue;
 
-/// What changes of a servo in a rig file.
+/// New values of a servo in a rig file; `None` keeps the old value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoChange {
-    /// The servo.
+    /// Name of the servo.
     pub name: String,
-    /// Its range.
+    /// Range of the servo's own position, deg.
     pub range_deg: Option<[f64; 2]>,
-    /// Where the drive has zero.
+    /// Servo position at which the drive has its zero, deg.
     pub offset_deg: Option<f64>,
 }
 
-/// The text with other ranges and offsets. Comments, order and all other keys stay.
+/// Returns the text with new ranges and offsets. Comments, order and all other keys are unchanged.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if the text is no rig, before or after, or has no such servo.
+/// [`ServiceError::Rig`] if the text is not a valid rig before or after the change, or a servo is missing.
 pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceError> {
     let refused = |name: &str, what: String| ServiceError::Rig { name: name.to_owned(), what };
     let mut document: DocumentMut = text
@@ -37,17 +37,17 @@ pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceErro
         }
     }
     let text = document.to_string();
-    // What is written must be a rig: a range may lie beyond something else in the file.
+    // The result must be a valid rig: a new range may contradict other parts of the file.
     sinew_rig::toml_file::read(&text)
         .map_err(|error| refused("the rig file", error.to_string()))?;
     Ok(text)
 }
 
-/// The text with another stiffness (N m/rad) and damping (N m s) of the gears of a kind. A kind that is built in comes
-/// into the file as a whole, with its sources.
+/// Returns the text with a new stiffness (N m/rad) and damping (N m s) of the gear of a servo kind. A built-in kind is
+/// first copied into the file completely, with its sources.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if the text is no rig, before or after, or there is no such kind.
+/// [`ServiceError::Rig`] if the text is not a valid rig before or after the change, or the kind is unknown.
 pub fn with_gear(
     text: &str,
     kind: &str,
@@ -90,7 +90,7 @@ fn sourced(value: f64, source: &str) -> Item {
     toml_edit::value(table)
 }
 
-/// A tap test knows no more.
+/// Rounds to four digits: a tap test is not more accurate.
 fn four_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
@@ -118,7 +118,7 @@ fn named<'d>(
     }
 }
 
-/// Sets a value, and keeps the comment behind the one that was there.
+/// Sets a value, and keeps the comment after the old value.
 fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     if let Some(old) = table.get(key).and_then(Item::as_value) {
         *value.decor_mut() = old.decor().clone();
@@ -126,9 +126,9 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     table.insert(key, Item::Value(value));
 }
 
-/// No servo knows its position better.
+/// Rounds to 0.01 deg: no servo knows its position better.
 fn hundredths(degrees: f64) -> f64 {
-    // No -0.
+    // Adding zero avoids -0.
     (degrees * 100.0).round() / 100.0 + 0.0
 }
 
@@ -174,7 +174,7 @@ direction = -1
         let text = edited(RIG, &[change()]).unwrap();
         let expected = RIG.replace("[-90, 90]", "[-57.3, 80.0]") + "offset_deg = -12.34\n";
         assert_eq!(text, expected);
-        // The same again changes nothing.
+        // Applying the same change again changes nothing.
         assert_eq!(edited(&text, &[change()]).unwrap(), text);
     }
 
@@ -202,7 +202,7 @@ direction = -1
         };
         let rig = sinew_rig::toml_file::read(&text).unwrap();
         assert_eq!(rig.servo_models, [expected]);
-        // Again: the two values alone change.
+        // For a kind in the file, only the two values change.
         let again = with_gear(&text, "STS3215-7.4V", gear(50.0)).unwrap();
         assert_eq!(again, text.replace("98.77", "50.0"));
         assert!(with_gear(RIG, "XYZ", gear(1.0)).is_err());

@@ -1,4 +1,4 @@
-//! Servos of a rig file, and the same on a line.
+//! Servos of a rig file, and how to find them on a line.
 
 use sinew_rig::Description;
 use sinew_rig::actuation::JointFriction;
@@ -10,41 +10,41 @@ use crate::{Client, Exchange, Protocol, ServiceError, Servo, Table};
 /// A servo of a rig file that has an id.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigServo {
-    /// What people call it.
+    /// Name of the servo in the rig.
     pub name: String,
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// What its kind can do.
+    /// Data of the servo's kind.
     pub model: ServoModel,
-    /// How far it may go, from the middle of its encoder; none for as far as its kind.
+    /// Range, rad from the middle of the encoder; `None` for the whole range of the kind.
     pub range_rad: Option<[f64; 2]>,
-    /// The most torque that it is asked for; none for as much as its kind has.
+    /// Maximum torque that the rig needs, N m; `None` for the stall torque of the kind.
     pub torque_nm: Option<f64>,
-    /// What friction of its joint takes beside its own, N m.
+    /// Friction torque of the joint, in addition to the servo's own, N m.
     pub joint_friction_nm: f32,
-    /// Its P gain where it is driven by position; none of a kind without that register.
+    /// P gain in a position mode; `None` for a kind without this register.
     pub position_gain: Option<PositionGain>,
 }
 
 impl RigServo {
-    /// The registers of its kind; none for a kind that a rig file describes by itself under a name of its own.
+    /// Returns the registers of the servo's kind, or `None` for a kind that only the rig file describes.
     pub fn table(&self) -> Option<Table> {
         Table::named_model(&self.model.name, u8::MAX)
     }
 
-    /// Its protocol, if its kind is known.
+    /// Returns the servo's protocol, if its kind is known.
     pub fn protocol(&self) -> Option<Protocol> {
         self.table().map(|table| table.protocol())
     }
 
-    /// The servo on a line.
+    /// Opens the servo on a line.
     ///
     /// # Errors
-    /// [`ServiceError::WrongModel`] if another one answers, and those of [`Client::open`].
+    /// [`ServiceError::WrongModel`] if a servo of another model answers, and the errors of [`Client::open`].
     pub fn open<E: Exchange>(&self, client: &mut Client<E>) -> Result<Servo, ServiceError> {
         let table = self.table();
         let servo = match client.open(self.id, None) {
-            // Of some models nobody knows the number.
+            // The model numbers of some models are unknown.
             Err(ServiceError::UnknownModel { .. }) if table.is_some() => {
                 client.open(self.id, Some(&self.model.name))?
             }
@@ -62,10 +62,10 @@ impl RigServo {
     }
 }
 
-/// The servos of a rig that have an id on one of its buses; the bus may be left out where there is one.
+/// Returns the servos of a rig with an id on a bus. If the rig has only one bus, `bus` may be `None`.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if there is none, or several buses and none is named.
+/// [`ServiceError::Rig`] if no servo has an id, or if there are several buses and `bus` is `None`.
 pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, ServiceError> {
     let on_bus = || rig.servos.iter().filter(|servo| matches!(servo.address, Address::Id(_)));
     let mut buses: Vec<&str> = on_bus().map(|servo| servo.bus.as_str()).collect();
@@ -84,11 +84,11 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
         (None, known) => {
             let known = known.join(", ");
             return Err(refused(format!(
-                "its servos hang on several buses, {known}: name one with --rig-bus"
+                "its servos are on several buses, {known}: name one with --rig-bus"
             )));
         }
     };
-    // Of a rig whose drives are not described yet there is none.
+    // A rig whose drives are not described yet has no known joint friction.
     let frictions = rig.actuation().map(|actuation| actuation.joint_friction(rig));
     let frictions = frictions.unwrap_or_else(|_| vec![JointFriction::default(); rig.servos.len()]);
     let gains = position_gains(rig, rig.mechanism().ok().as_ref())?;
@@ -112,7 +112,7 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
         .collect()
 }
 
-/// A rig's own position of a servo, rad, that counts from the middle of its encoder.
+/// Converts counts to a rig's own position of a servo, rad from the middle of the encoder.
 pub fn own_rad(table: &Table, counts: i32) -> f64 {
     f64::from(counts - table.counts() / 2) * table.rad_per_count()
 }

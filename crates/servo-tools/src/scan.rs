@@ -1,4 +1,4 @@
-//! Who is on a line: all rates, all ids.
+//! Searches for servos on a line: all baud rates, all ids.
 
 use std::ops::RangeInclusive;
 use std::time::Duration;
@@ -12,16 +12,16 @@ use crate::ping_reply::{Miss, Pong};
 use crate::reply::{ReceivedReply, Reply};
 use crate::{Client, Exchange, Protocol, ServiceError, Servo};
 
-/// Where to look.
+/// The range of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanSettings {
-    /// Which protocols.
+    /// Protocols to try.
     pub protocols: Vec<Protocol>,
-    /// Which rates; all of each protocol where empty.
+    /// Baud rates to try; if empty, all rates of each protocol.
     pub bauds: Vec<u32>,
-    /// Which ids.
+    /// Ids to try.
     pub ids: RangeInclusive<u8>,
-    /// Ask every id at every rate, also where nothing answers a question to all.
+    /// Whether to ask every id at every rate, even if nothing answers a common ping.
     pub thorough: bool,
 }
 
@@ -34,49 +34,49 @@ impl Default for ScanSettings {
 /// A servo that was found.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Found {
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// Its protocol.
+    /// Protocol of the servo.
     pub protocol: Protocol,
-    /// At what rate it answers, bits per second.
+    /// Baud rate at which the servo answers, bits per second.
     pub baud: u32,
-    /// The maker's name of its model; none if it is not in the list.
+    /// Maker's name of the model; `None` if the model number is unknown.
     pub model: Option<&'static str>,
-    /// What it says that it is.
+    /// Model number that the servo reports.
     pub model_number: u16,
-    /// Its firmware.
+    /// Firmware version.
     pub firmware: String,
 }
 
-/// What happens during a scan.
+/// An event during a scan.
 #[derive(Debug, Clone, Copy)]
 pub enum ScanEvent<'a> {
-    /// A rate begins.
+    /// The scan of a baud rate begins.
     Rate(Protocol, u32),
-    /// The line does not do a rate.
+    /// The line does not support a baud rate.
     NoRate(u32, &'a ServiceError),
     /// A servo was found.
     Found(&'a Found),
-    /// A servo that was found is as a program left it that was ended.
+    /// A servo was found that a program left in the middle of its work.
     Left(u8, &'a Left),
-    /// An id answers with what is no packet: two servos of one id.
+    /// The answer of an id is not a packet: two servos have this id.
     Collision(Protocol, u32, u8),
-    /// Something was heard that is no packet, and no id answers.
+    /// Bytes arrived that are not a packet, but no id answers.
     Noise(Protocol, u32),
 }
 
-/// The client of ROBOTIS gives each id 3 ms to answer a ping to all: `dynamixel-sdk` 4.1.0.
+/// Wait for the answers to a common ping: the client of ROBOTIS gives each id 3 ms (`dynamixel-sdk` 4.1.0).
 const ALL_ANSWER: Duration = Duration::from_millis(3 * 253);
-/// Feetech servos answer a ping to all at once, or each in a time of its own.
+/// Wait for the answers of Feetech servos to a common ping: they answer at the same time, or in a time slot each.
 const FEETECH_ANSWER: Duration = Duration::from_millis(260);
-/// Ids are asked as often, where not all is as it should be.
+/// Number of attempts to reach an id that is asked alone.
 const TRIES: u32 = 2;
 
-/// Looks at all rates. At each all are asked together, and where that brings anything but a servo's answer, each id by
-/// itself.
+/// Scans all rates. At each rate, all servos are asked together; unless all answers are clean, each id is then asked
+/// alone.
 ///
 /// # Errors
-/// If the line is gone. A rate that the line does not do is told to `tell`.
+/// An error if the line failed. `tell` receives an event for a rate that the line does not support.
 pub fn scan<E: Exchange>(
     client: &mut Client<E>,
     settings: &ScanSettings,
@@ -125,7 +125,7 @@ fn scan_rate<E: Exchange>(
         found.push(servo);
     };
     let mut answered = Vec::new();
-    // A Feetech's answer does not say what it is.
+    // The answer of a Feetech does not contain its model.
     if protocol == Protocol::Dynamixel {
         for reply in heard.replies.iter().filter(|reply| settings.ids.contains(&reply.id)) {
             if let Some(pong) = Pong::of_dynamixel(reply).filter(|_| !answered.contains(&reply.id))
@@ -161,7 +161,7 @@ fn scan_rate<E: Exchange>(
     Ok(found)
 }
 
-/// Asks all servos of a rate together.
+/// Asks all servos at the present rate together.
 fn ask_all<E: Exchange>(client: &mut Client<E>) -> Result<ReceivedReply, ServiceError> {
     let (request, time) = to_all(client.protocol())?;
     let patience = client.patience();
@@ -175,11 +175,11 @@ pub(crate) fn answer_together<E: Exchange>(
     Ok(ask_all(client)?.replies)
 }
 
-/// Whether any servo is there: in which protocol and at what rate something answers a question to all, within the time
-/// of a client's patience. It may be of servos that stand in each other's way.
+/// Searches for any servo: returns protocol and rate at which something answers a common ping within the client's
+/// patience. The answer may be that of several servos that disturb each other.
 ///
 /// # Errors
-/// If the line is gone.
+/// An error if the line failed.
 pub fn anyone<E: Exchange>(
     client: &mut Client<E>,
 ) -> Result<Option<(Protocol, u32)>, ServiceError> {
@@ -202,7 +202,7 @@ pub fn anyone<E: Exchange>(
     Ok(None)
 }
 
-/// A question to all servos, and how long all answers take.
+/// Returns a common ping to all servos, and the time for all answers.
 fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
     Ok(match protocol {
         Protocol::Dynamixel => {
@@ -216,10 +216,10 @@ fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
     })
 }
 
-/// Looks for one servo at all rates of the protocols, or at those that are told, and stays where it answers.
+/// Searches for one servo at all rates of the protocols, or at the rate `baud`, and stays at the rate where it answers.
 ///
 /// # Errors
-/// [`ServiceError::Nowhere`], and [`ServiceError::Noise`] if something answers with what is no packet.
+/// [`ServiceError::Nowhere`]; [`ServiceError::Noise`] if the answer is not a packet.
 pub fn find<E: Exchange>(
     client: &mut Client<E>,
     id: u8,
@@ -235,11 +235,11 @@ pub fn find<E: Exchange>(
         for baud in bauds {
             match client.set_baud(*baud) {
                 Ok(()) => {}
-                // Where all rates are tried, one that the adapter does not do is none of the servo's.
+                // If all rates are tried, the servo cannot be at a rate that the adapter does not support.
                 Err(ServiceError::Baud { .. }) if bauds.len() > 1 => continue,
                 Err(error) => return Err(error),
             }
-            // Of many rates each is tried once more only where something was heard.
+            // If there are many rates, a rate is tried again only after a damaged answer.
             let tries = if bauds.len() > 1 { 1 } else { TRIES };
             match client.ping(id, tries)? {
                 Ok(_) => return client.open(id, model),

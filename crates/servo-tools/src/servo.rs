@@ -1,4 +1,4 @@
-//! A servo that has answered: what it is, and its registers.
+//! A servo that has answered: its id, registers and firmware.
 
 use std::time::Duration;
 
@@ -13,19 +13,19 @@ use crate::{Client, Exchange, ServiceError, Table};
 /// A servo that has answered.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Servo {
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// Its registers.
+    /// Registers of its model.
     pub table: Table,
-    /// Its firmware, as its maker writes it.
+    /// Firmware version, as the maker writes it.
     pub firmware: String,
 }
 
 impl<E: Exchange> Client<E> {
-    /// The servo of this id, with the registers of its model, or of the model that a person `told`.
+    /// Opens the servo with this id, with the registers of its own model, or of the model `told` that a person names.
     ///
     /// # Errors
-    /// Those of [`Self::read_bytes`], [`ServiceError::UnknownModel`] and [`ServiceError::NoModel`].
+    /// The errors of [`Self::read_bytes`], [`ServiceError::UnknownModel`] and [`ServiceError::NoModel`].
     pub fn open(&mut self, id: u8, told: Option<&str>) -> Result<Servo, ServiceError> {
         let pong = match self.ping(id, self.tries())? {
             Ok(pong) => pong,
@@ -43,16 +43,16 @@ impl<E: Exchange> Client<E> {
         Ok(Servo { id, table, firmware: pong.firmware })
     }
 
-    /// The number that a register of a servo holds.
+    /// Reads the value of a servo's register.
     ///
     /// # Errors
-    /// Those of [`Self::read_bytes`].
+    /// The errors of [`Self::read_bytes`].
     pub fn read(&mut self, servo: &Servo, item: &Item) -> Result<i32, ServiceError> {
         let (bytes, _) = self.read_bytes(servo.id, item.address, item.size.into())?;
         Ok(item.value(&bytes, servo.table.order()))
     }
 
-    /// The packet that writes a register.
+    /// Returns the packet that writes a register.
     pub(crate) fn write_request(
         servo: &Servo,
         item: &Item,
@@ -74,10 +74,10 @@ impl<E: Exchange> Client<E> {
         })
     }
 
-    /// Starts a servo anew: what is kept in RAM is forgotten, torque is off. Waits until it answers again.
+    /// Restarts a servo, and waits until it answers again. RAM gets its power-up values, and torque is off.
     ///
     /// # Errors
-    /// [`ServiceError::Silent`] if it does not come back within two seconds.
+    /// [`ServiceError::Silent`] if it does not answer again within two seconds.
     pub fn reboot(&mut self, servo: &Servo) -> Result<(), ServiceError> {
         let request = packet(|out| match &servo.table {
             Table::Dynamixel(_) => dynamixel::Instruction::Reboot.encode(servo.id, out),

@@ -1,4 +1,5 @@
-//! Writes that were checked: sent, read back, sent again; EEPROM at rest, and the lock of a Feetech shut come what may.
+//! Verified writes: sends, reads back and repeats. EEPROM is written only with torque off, and the lock of a Feetech is
+//! always shut afterwards.
 
 use sinew_servo_bus::feetech::{self, Instruction};
 use sinew_servo_bus::table::{Area, Item};
@@ -8,10 +9,10 @@ use crate::quantity::quantity;
 use crate::table::Role;
 use crate::{Client, Exchange, Registers, ServiceError, Servo, Table};
 
-/// How often a write is repeated where the servo does not have it afterwards.
+/// Maximum number of attempts to write a value.
 const WRITES: u32 = 3;
 
-/// Refuses to go on where torque is on: EEPROM is written only at rest.
+/// Refuses if torque is on: EEPROM can be written only with torque off.
 pub(crate) fn ensure_at_rest<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -23,10 +24,10 @@ pub(crate) fn ensure_at_rest<E: Exchange>(
     Ok(())
 }
 
-/// Whether a servo's torque is on.
+/// Returns whether a servo's torque is on.
 ///
 /// # Errors
-/// Those of [`Client::read_bytes`].
+/// The errors of [`Client::read_bytes`].
 pub fn torque_is_on<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -34,10 +35,10 @@ pub fn torque_is_on<E: Exchange>(
     Ok(client.read(servo, &servo.table.role(Role::Torque)?)? != 0)
 }
 
-/// Switches a servo's torque.
+/// Switches a servo's torque on or off.
 ///
 /// # Errors
-/// Those of [`Client::read_bytes`], and [`Registers::NotKept`].
+/// The errors of [`Client::read_bytes`], and [`Registers::NotKept`].
 pub fn set_torque<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -46,8 +47,7 @@ pub fn set_torque<E: Exchange>(
     store(client, servo, &servo.table.role(Role::Torque)?, on.into())
 }
 
-/// Writes a number that was checked, and looks whether the servo has it. EEPROM of a Feetech is opened before and shut
-/// afterwards, come what may.
+/// Writes a checked value, and verifies it. The EEPROM of a Feetech is opened before, and always shut afterwards.
 pub(crate) fn store<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -58,7 +58,7 @@ pub(crate) fn store<E: Exchange>(
     client.whole(|client| store_whole(client, servo, item, raw))
 }
 
-/// Writes and looks, and does not end half-way.
+/// Writes and verifies a value. A signal does not interrupt this.
 fn store_whole<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -86,7 +86,7 @@ fn store_whole<E: Exchange>(
     Err(Registers::NotKept { id: servo.id, name: item.name, wrote, reads }.into())
 }
 
-/// The EEPROM lock of a Feetech.
+/// Returns the EEPROM lock register of a Feetech, `None` for a Dynamixel.
 pub(crate) fn lock_of(servo: &Servo) -> Option<Item> {
     match &servo.table {
         Table::Dynamixel(_) => None,
@@ -94,7 +94,7 @@ pub(crate) fn lock_of(servo: &Servo) -> Option<Item> {
     }
 }
 
-/// Opens the EEPROM of a Feetech; of a Dynamixel it is open while torque is off.
+/// Opens the EEPROM of a Feetech. The EEPROM of a Dynamixel is open while torque is off.
 pub(crate) fn open_eeprom<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -106,7 +106,7 @@ pub(crate) fn open_eeprom<E: Exchange>(
     Ok(())
 }
 
-/// Shuts it again; `id` is the servo's own by now.
+/// Shuts the EEPROM of a Feetech. `id` is the servo's present id, which may have just changed.
 pub(crate) fn shut_eeprom<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

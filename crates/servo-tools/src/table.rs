@@ -1,4 +1,4 @@
-//! The registers of a servo of either protocol.
+//! The registers of a servo, for both protocols.
 
 use sinew_servo_bus::dynamixel::table::address as dxl;
 use sinew_servo_bus::feetech::table::address as feetech_address;
@@ -10,14 +10,14 @@ use crate::{Protocol, Registers, ServiceError};
 /// The registers of a model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Table {
-    /// Of a Dynamixel.
+    /// Table of a Dynamixel.
     Dynamixel(dynamixel::table::Table),
-    /// Of a Feetech.
+    /// Table of a Feetech.
     Feetech(feetech::Table),
 }
 
 impl Table {
-    /// The model of this name. Endings of rig files' kinds do not matter: `XL330-M288-T`, `STS3215-12V`.
+    /// Looks up a model by name. Ignores the suffixes of kinds in rig files: `XL330-M288-T`, `STS3215-12V`.
     pub fn named_model(name: &str, firmware: u8) -> Option<Self> {
         let dynamixel = dynamixel::table::Model::of_kind(name)
             .map(|model| Self::Dynamixel(dynamixel::table::Table { model, firmware }));
@@ -25,18 +25,18 @@ impl Table {
         dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
     }
 
-    /// The model whose name a person gives for a servo of a protocol.
+    /// Looks up the model that a person names for a servo of a protocol.
     pub(crate) fn told(protocol: Protocol, name: &str, firmware: u8) -> Result<Self, ServiceError> {
         Self::named_model(name, firmware)
             .filter(|table| table.protocol() == protocol)
             .ok_or_else(|| ServiceError::NoModel { name: name.to_owned(), known: known(protocol) })
     }
 
-    /// The model of a Feetech by the two bytes at address 3: which comes first depends on the family.
+    /// Looks up a Feetech model by the two bytes at address 3, whose order depends on the family.
     pub(crate) fn of_feetech(number: [u8; 2]) -> Option<Self> {
         let [sts, scs] = [u16::from_le_bytes(number), u16::from_be_bytes(number)];
         let model = feetech::table::MODELS.iter().find(|model| {
-            // 0 stands where nobody knows the number.
+            // 0 means that the number is unknown.
             let number = match model.family {
                 feetech::Family::Sts => sts,
                 feetech::Family::Scs => scs,
@@ -46,7 +46,7 @@ impl Table {
         Some(Self::Feetech(feetech::Table { model }))
     }
 
-    /// Its protocol.
+    /// Returns the protocol.
     pub const fn protocol(&self) -> Protocol {
         match self {
             Self::Dynamixel(_) => Protocol::Dynamixel,
@@ -54,7 +54,7 @@ impl Table {
         }
     }
 
-    /// The maker's name of the model.
+    /// Returns the maker's name of the model.
     pub const fn model(&self) -> &'static str {
         match self {
             Self::Dynamixel(table) => table.model.name,
@@ -62,12 +62,12 @@ impl Table {
         }
     }
 
-    /// Whether it measures and limits current: Dynamixels of which the list says so.
+    /// Returns whether the servo measures and limits current: some Dynamixels do.
     pub const fn has_current(&self) -> bool {
         matches!(self, Self::Dynamixel(table) if table.model.current.is_some())
     }
 
-    /// All registers by address.
+    /// Returns all registers, by address.
     pub fn items(&self) -> Vec<Item> {
         match self {
             Self::Dynamixel(table) => table.items().collect(),
@@ -75,7 +75,7 @@ impl Table {
         }
     }
 
-    /// The register at an address.
+    /// Returns the register at an address.
     pub fn at(&self, address: u16) -> Option<Item> {
         match self {
             Self::Dynamixel(table) => table.at(address),
@@ -83,7 +83,7 @@ impl Table {
         }
     }
 
-    /// The register of a name; case and what separates words do not matter.
+    /// Returns the register with a name. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         match self {
             Self::Dynamixel(table) => table.named(name),
@@ -91,10 +91,10 @@ impl Table {
         }
     }
 
-    /// The register of a name, or which ones come near.
+    /// Returns the register with a name, or an error with similar names.
     ///
     /// # Errors
-    /// [`Registers::Unknown`].
+    /// [`Registers::Unknown`] if no register has this name.
     pub fn register(&self, name: &str) -> Result<Item, ServiceError> {
         self.named(name).ok_or_else(|| {
             let (name, near) = (name.to_owned(), self.near(&name.to_lowercase()));
@@ -102,7 +102,7 @@ impl Table {
         })
     }
 
-    /// Names that have a word of this one.
+    /// Lists the register names that share a word with this name.
     fn near(&self, name: &str) -> String {
         let words = || name.split(|letter: char| !letter.is_alphanumeric());
         let is_near = |known: &&str| {
@@ -116,12 +116,12 @@ impl Table {
         format!("there are: {}", near.join(", "))
     }
 
-    /// The register that every servo has, wherever it is.
+    /// Returns a register that every servo has, by its role.
     pub(crate) fn role(&self, role: Role) -> Result<Item, ServiceError> {
         self.register_at(self.address(role))
     }
 
-    /// The register at an address, or an error that names it.
+    /// Returns the register at an address, or an error that contains the address.
     pub(crate) fn register_at(&self, address: u16) -> Result<Item, ServiceError> {
         self.at(address).ok_or_else(|| {
             let (name, near) = (format!("at {address}"), "none is there".to_owned());
@@ -129,7 +129,7 @@ impl Table {
         })
     }
 
-    /// Which byte of a number comes first.
+    /// Returns the byte order of numbers.
     pub const fn order(&self) -> ByteOrder {
         match self {
             Self::Dynamixel(_) => ByteOrder::Little,
@@ -137,7 +137,7 @@ impl Table {
         }
     }
 
-    /// Counts of a turn of the encoder, or of its range; the middle is half of it.
+    /// Returns the counts of a turn of the encoder, or of its whole range. The middle is half of them.
     pub const fn counts(&self) -> i32 {
         match self {
             Self::Dynamixel(_) => 4096,
@@ -145,7 +145,7 @@ impl Table {
         }
     }
 
-    /// One count of position, rad.
+    /// Returns the angle of one count of position, rad.
     pub fn rad_per_count(&self) -> f64 {
         self.at(self.address(Role::PresentPosition)).map_or(0.0, |item| item.unit.scale.into())
     }
@@ -178,7 +178,7 @@ impl Table {
     }
 }
 
-/// Registers that every servo has, wherever they are.
+/// Registers that every servo has, at addresses that depend on the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Role {
     Id,
@@ -191,7 +191,7 @@ pub(crate) enum Role {
     PositionP,
 }
 
-/// Names of all models of a protocol.
+/// Lists the names of all models of a protocol.
 pub(crate) fn known(protocol: Protocol) -> String {
     let names: Vec<&str> = match protocol {
         Protocol::Dynamixel => dynamixel::table::MODELS.iter().map(|model| model.name).collect(),

@@ -1,4 +1,4 @@
-//! How servos are: one look at what they measure.
+//! Reads the measurements and faults of a servo.
 
 use sinew_servo_bus::dynamixel::table::address as dxl;
 use sinew_servo_bus::dynamixel::{StatusError, hardware_error};
@@ -8,30 +8,30 @@ use sinew_servo_bus::feetech::{Family, status_bit};
 use crate::quantity::{Quantity, quantity};
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
-/// What a servo measures, and what is wrong with it.
+/// Measurements and faults of a servo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// As its encoder counts.
+    /// Position, zero where the encoder counts zero.
     pub position: Quantity,
-    /// Its speed.
+    /// Speed.
     pub velocity: Quantity,
-    /// Current, or load where it measures none.
+    /// Current, or load for a servo that does not measure current.
     pub effort: Quantity,
-    /// Its supply.
+    /// Supply voltage.
     pub voltage: Quantity,
-    /// Of its case.
+    /// Temperature of the case.
     pub temperature: Quantity,
-    /// What is wrong, in words.
+    /// Faults, in words.
     pub errors: Vec<&'static str>,
 }
 
-/// Speed, load, voltage and temperature stand behind the position of a Feetech.
+/// Addresses of position, speed, load, voltage and temperature of a Feetech.
 const FEETECH: [u16; 5] = [56, 58, 60, 62, 63];
 
-/// Looks once: one read, and a second one of a Dynamixel that reports trouble.
+/// Reads a servo once. A Dynamixel that reports a fault needs a second read.
 ///
 /// # Errors
-/// Those of [`Client::read_bytes`].
+/// The errors of [`Client::read_bytes`].
 pub fn look<E: Exchange>(client: &mut Client<E>, servo: &Servo) -> Result<State, ServiceError> {
     let (addresses, first, end) = match &servo.table {
         Table::Dynamixel(_) => {
@@ -47,7 +47,7 @@ pub fn look<E: Exchange>(client: &mut Client<E>, servo: &Servo) -> Result<State,
         Table::Feetech(table) => {
             let current = u16::from(feetech_address::PRESENT_CURRENT);
             let mut addresses = FEETECH;
-            // Only these measure current.
+            // Only STS servos measure current.
             if table.model.family == Family::Sts {
                 addresses[2] = current;
                 (addresses, FEETECH[0], current + 2)

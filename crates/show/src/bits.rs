@@ -1,15 +1,15 @@
-//! Bits in the order of bytes, the most significant first.
+//! Reads bits in the order of bytes, the most significant bit first.
 
-/// Reads bits. Behind the end there are zeros.
+/// A reader of bits. After the end it returns zeros.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Bits<'a> {
     pub(crate) bytes: &'a [u8],
-    /// The next bit.
+    /// Index of the next bit.
     pub(crate) at: u32,
 }
 
 impl Bits<'_> {
-    /// The next 32 bits, which stay there.
+    /// Returns the next 32 bits without reading them.
     pub(crate) fn peek(&self) -> u32 {
         let start = (self.at >> 3) as usize;
         let [a, b, c, d, e] = match self.bytes.get(start..).and_then(<[u8]>::first_chunk::<5>) {
@@ -21,7 +21,7 @@ impl Bits<'_> {
         (u32::from_be_bytes([a, b, c, d]) << part) | behind
     }
 
-    // Few readings are so near to the end: apart, so that the others are short.
+    // Never inlined, because few reads are so near to the end: this keeps the others short.
     #[cold]
     fn last_bytes(&self, start: usize) -> [u8; 5] {
         let mut chunk = [0; 5];
@@ -35,14 +35,14 @@ impl Bits<'_> {
         self.at = self.at.saturating_add(count);
     }
 
-    /// A number of `width` bits, at most 31.
+    /// Reads a number of `width` bits, at most 31.
     pub(crate) fn number(&mut self, width: u32) -> u32 {
         let bits = self.peek().checked_shr(32u32.saturating_sub(width)).unwrap_or(0);
         self.skip(width);
         bits
     }
 
-    /// How many ones stand before the next zero, which is read too; or `most` ones, without one.
+    /// Reads ones and the zero after them, and returns the number of ones; or reads `most` ones, without a zero.
     pub(crate) fn ones(&mut self, most: u32) -> u32 {
         let ones = self.peek().leading_ones();
         if ones < most {
@@ -54,7 +54,7 @@ impl Bits<'_> {
         }
     }
 
-    /// A number from 1 by Elias's gamma code.
+    /// Reads a number, at least 1, in Elias's gamma code.
     pub(crate) fn gamma(&mut self) -> u32 {
         let zeros = self.peek().leading_zeros().min(30);
         self.skip(zeros);

@@ -1,4 +1,4 @@
-//! From any pose into a show, or out of it, without a jump.
+//! Blends: motions from any pose into a show, or out of it, without a jump.
 
 use core::fmt;
 
@@ -7,45 +7,46 @@ use crate::layout::LARGEST;
 use crate::show::Show;
 use crate::span::Jet;
 
-/// Positions, speeds and accelerations of a rig, as [`coordinates`](sinew_core::coordinates) has them.
+/// Positions, speeds and accelerations of a rig, as defined in [`coordinates`](sinew_core::coordinates).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<'a> {
-    /// Positions, nq numbers.
+    /// Positions of the joints, nq numbers.
     pub q: &'a [f32],
-    /// Speeds, nv numbers.
+    /// Speeds by dof, nv numbers.
     pub qd: &'a [f32],
-    /// Accelerations, nv numbers.
+    /// Accelerations by dof, nv numbers.
     pub qdd: &'a [f32],
 }
 
-/// The shortest blend, s.
+/// Minimum duration of a blend, s.
 const SHORTEST_S: f32 = 1e-3;
-/// The longest blend, s.
+/// Maximum duration of a blend, s.
 const LONGEST_S: f32 = 1e3;
-/// How far a quaternion's squared length may be from 1.
+/// Tolerance of a quaternion's squared length: deviation from 1.
 const UNIT_TOLERANCE: f32 = 1e-3;
-/// Where a blend of rotations is looked at before it begins.
+/// Number of intervals in which a blend of rotations is checked in advance.
 const LOOKS: u16 = 64;
-/// A quaternion that becomes shorter than this, squared, turns too suddenly.
+/// Minimum squared length of a blended quaternion. A shorter one turns too fast.
 const SHORTEST_SQUARED: f32 = 0.04;
 
-/// A motion from one state to another: quintic in each channel, so that position, speed and acceleration go on at both
-/// ends. Of at most `COORDS` coordinates.
+/// A motion from one state to another: a quintic in each channel, with continuous position, speed and acceleration at
+/// both ends. For up to `COORDS` coordinates.
 #[derive(Debug, Clone)]
 pub struct Blend<'a, const COORDS: usize> {
     show: Show<'a>,
     duration_s: f32,
-    /// By powers of the share of the time that has gone, and of that which is left: each end is met to the last bits.
+    /// Coefficients in powers of the elapsed share of the time, and of the remaining share: each end is exact to the
+    /// last bits.
     powers: [[[f32; 6]; 2]; COORDS],
 }
 
 impl<'a, const COORDS: usize> Blend<'a, COORDS> {
-    /// A blend of a show's rig from one state to another. Into a show: `to` is the show's state where it begins, and
-    /// the show plays on from there when the blend is over. A ball joint goes the shorter way round. O(nq).
+    /// Creates a blend of a show's rig from one state to another. To blend into a show, let `to` be the show's state
+    /// at the blend's end; the show continues from there. A ball joint takes the shorter way round. O(nq).
     ///
     /// # Errors
-    /// [`BlendError`] if a slice does not fit the show's joints, a number is not one from -1e6 to 1e6, the duration
-    /// is not from 0.001 to 1000 s, or a ball joint would turn more than a blend can.
+    /// [`BlendError`] if a slice does not fit the show's joints, a number is not from -1e6 to 1e6, the duration is
+    /// not from 0.001 to 1000 s, or a ball joint would turn too far for a blend.
     pub fn new(
         show: Show<'a>,
         from: State<'_>,
@@ -92,7 +93,7 @@ impl<'a, const COORDS: usize> Blend<'a, COORDS> {
                 for state in [from, to] {
                     let rotation = state.q.get(at..at.saturating_add(4)).unwrap_or_default();
                     let squared = rotation.iter().fold(0.0, |sum, x| sum + x * x);
-                    // All numbers are finite here.
+                    // All numbers are already finite.
                     if (squared - 1.0).abs() > UNIT_TOLERANCE {
                         return Err(BlendError::NotUnit { index: at, squared });
                     }
@@ -138,13 +139,13 @@ impl<'a, const COORDS: usize> Blend<'a, COORDS> {
         Ok(())
     }
 
-    /// How long it takes, s.
+    /// Returns the duration, s.
     pub fn duration_s(&self) -> f32 {
         self.duration_s
     }
 
-    /// The state at a time from its beginning; before it the first one, behind its end the last one. What does not fit
-    /// is left out. O(nq).
+    /// Writes the state at a time from the start of the blend. Before the start this is the first state, after the
+    /// end the last. Numbers that do not fit in a slice are left out. O(nq).
     pub fn state_at(&self, time_s: f32, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) {
         let share = (time_s.max(0.0) / self.duration_s).min(1.0);
         let rate = 1.0 / self.duration_s;
@@ -160,11 +161,11 @@ impl<'a, const COORDS: usize> Blend<'a, COORDS> {
     }
 }
 
-/// The quintic from one jet to another, by powers of the share of the time.
+/// Returns the quintic from one jet to another, in powers of the share of the time.
 fn quintic(from: Jet, to: Jet, duration_s: f32) -> [f32; 6] {
     let scaled = |[p, v, a]: Jet| (p, v * duration_s, a * duration_s * duration_s);
     let ((p0, v0, a0), (p1, v1, a1)) = (scaled(from), scaled(to));
-    // What is left to do, in place, speed and acceleration.
+    // The remaining change of position, speed and acceleration.
     let p = p1 - p0 - v0 - 0.5 * a0;
     let v = v1 - v0 - a0;
     let a = a1 - a0;
@@ -178,7 +179,7 @@ fn quintic(from: Jet, to: Jet, duration_s: f32) -> [f32; 6] {
     ]
 }
 
-/// A quintic and its derivatives, from the nearer end.
+/// Returns a quintic and its derivatives, evaluated from the nearer end.
 fn value([forwards, backwards]: &[[f32; 6]; 2], share: f32) -> Jet {
     let is_first_half = share <= 0.5;
     let x = if is_first_half { share } else { 1.0 - share };
@@ -191,50 +192,50 @@ fn value([forwards, backwards]: &[[f32; 6]; 2], share: f32) -> Jet {
     ]
 }
 
-/// Why there is no blend.
+/// An error in the arguments of a blend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum BlendError {
-    /// A slice has too few or too many numbers for the show's joints.
+    /// The length of a slice does not fit the show's joints.
     Count {
-        /// Which slice.
+        /// Name of the slice.
         name: &'static str,
-        /// How many there should be.
+        /// Required length.
         expected: usize,
-        /// How many there are.
+        /// Actual length.
         found: usize,
     },
     /// A number is NaN, or not from -1e6 to 1e6.
     Number {
-        /// Which slice.
+        /// Name of the slice.
         name: &'static str,
-        /// Where in it.
+        /// Index in the slice.
         index: usize,
-        /// The number.
+        /// The invalid number.
         value: f32,
     },
     /// A quaternion is not of length 1.
     NotUnit {
-        /// Where in `q` it begins.
+        /// Index in `q` of the quaternion's first number.
         index: usize,
-        /// Its squared length.
+        /// Squared length of the quaternion.
         squared: f32,
     },
-    /// The show has more coordinates than there is room for.
+    /// The show has more coordinates than the capacity.
     Capacity {
-        /// How many it has.
+        /// Number of coordinates of the show.
         found: usize,
-        /// How many there is room for.
+        /// Maximum number of coordinates.
         holds: usize,
     },
     /// The duration is not from 0.001 to 1000 s.
     Duration {
-        /// The value that was found.
+        /// Duration, s.
         found: f32,
     },
-    /// A ball joint would turn so far that it has no direct way: the blend is too long for its speed.
+    /// A ball joint would turn so far that the direct way is ambiguous: the blend is too long for the joint's speed.
     Turns {
-        /// Which joint.
+        /// Index of the joint.
         joint: usize,
     },
 }

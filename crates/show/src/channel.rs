@@ -1,4 +1,4 @@
-//! One channel as it is played: six knots round a position, and where the next ones are read.
+//! A channel during playing: six knots around a position, and the place to read the next knots.
 
 use crate::error::ShowError;
 use crate::layout::ChannelRecord;
@@ -7,60 +7,60 @@ use crate::show::Show;
 use crate::span::{Cubic, Jet};
 use crate::span_lengths::{RUNGS, span};
 
-/// Ones before a residual that is stored whole instead.
+/// Number of ones that announces a residual stored as a whole number.
 pub(crate) const ESCAPE: u32 = 16;
-/// Ones before a rung that is stored whole instead.
+/// Number of ones that announces a rung stored as a whole number.
 pub(crate) const RUNG_ESCAPE: u32 = 10;
-/// Bits of a rung that is stored whole.
+/// Number of bits of a rung that is stored as a whole number.
 pub(crate) const RUNG_WIDTH: u32 = 5;
 
-/// The knots that the span of a position needs. `knots[2]` is where the span begins, `knots[3]` where it ends.
+/// The knots for the span of a position. The span starts at `knots[2]` and ends at `knots[3]`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Channel {
     knots: [i32; 6],
     controls: [i32; 6],
     cubic: Cubic,
     code: Code,
-    /// The block that is read from.
+    /// Index of the block that is being read.
     block: u32,
-    /// The next bit in it, and the first behind the channel's. No bits: nothing was read yet.
+    /// Index of the next bit in the block, and of the first bit after the channel's. Both 0: nothing was read yet.
     at: u32,
     end: u32,
-    /// Rounds of a looped show that reading is ahead by: 0 or 1.
+    /// Whether reading is a round ahead, in a looped show.
     ahead: bool,
 }
 
-/// What the next knot is told against.
+/// The context that predicts the next knot.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Code {
     pub(crate) rung: u8,
     /// Running mean of residuals, in sixteenths.
     pub(crate) mean: u32,
-    /// The control value before the last one.
+    /// The control value before the last.
     pub(crate) before: i32,
     /// The last control value.
     pub(crate) last: i32,
 }
 
 impl Code {
-    /// Behind the first knot of a block.
+    /// Returns the context after the first knot of a block.
     pub(crate) fn first(record: &ChannelRecord, rung: u8, control: i32) -> Self {
         Self { rung, mean: u32::from(record.mean) << 4, before: control, last: control }
     }
 
-    /// What the next control value is expected to be.
+    /// Returns the expected next control value.
     pub(crate) fn expected(&self, record: &ChannelRecord) -> i32 {
         let slope = self.last.wrapping_sub(self.before).wrapping_mul(i32::from(record.trend));
         self.last.wrapping_add(slope >> 4)
     }
 
-    /// Low bits of a residual that are stored as they are.
+    /// Returns the number of low bits of a residual that are stored directly.
     pub(crate) fn low_bits(self) -> u32 {
-        // About the logarithm of half the mean: half of all prefixes are a single bit.
+        // About the logarithm of half the mean: half of all prefixes are then a single bit.
         32u32.saturating_sub((self.mean >> 5).leading_zeros()).min(24)
     }
 
-    /// Learns of a control value and its residual, mapped to 0, 1, 2, ...
+    /// Updates the context with a control value and its residual, mapped to 0, 1, 2, ...
     pub(crate) fn learn(&mut self, mapped: u32, control: i32) {
         let kept = self.mean.saturating_sub(self.mean >> 2);
         self.mean = kept.saturating_add(mapped.min(1 << 24) << 2);
@@ -69,7 +69,7 @@ impl Code {
 }
 
 impl Channel {
-    /// Makes ready for a position within the show. Amortised O(1) from tick to tick, O(block) for a jump.
+    /// Prepares for a position within the show. Amortised O(1) from tick to tick, O(block) for a jump.
     #[inline]
     pub(crate) fn seek(
         &mut self,
@@ -83,7 +83,7 @@ impl Channel {
         if sample < from || sample >= to { self.go(show, index, sample, checked) } else { Ok(()) }
     }
 
-    /// The curve at a position that it was made ready for: value, and derivatives per sample.
+    /// Returns the curve at a prepared position: value, and derivatives per sample.
     #[inline]
     pub(crate) fn at(&self, position: Position) -> Jet {
         let [_, _, from, ..] = self.knots;
@@ -102,7 +102,7 @@ impl Channel {
         let from = Source { show, index, record: show.channel(index) };
         let moved = self.move_to(&from, sample, checked);
         if moved.is_err() {
-            // It begins anew when it is asked again.
+            // The channel starts again at the next request.
             *self = Self::default();
         }
         moved
@@ -211,7 +211,7 @@ impl Channel {
     }
 }
 
-/// The blocks whose CRCs were checked last: two, for channels look ahead over a border at different times.
+/// The last two blocks whose CRCs were checked: two, because channels cross a block border at different times.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Checked([u32; 2]);
 
@@ -228,7 +228,7 @@ impl Checked {
     }
 }
 
-/// Where a channel is read from.
+/// The source that a channel is read from.
 struct Source<'a> {
     show: &'a Show<'a>,
     index: usize,
@@ -239,12 +239,12 @@ fn rung(bits: u32) -> u8 {
     u8::try_from(bits).unwrap_or(RUNGS).min(RUNGS - 1)
 }
 
-/// 0, 1, 2, 3, 4 for 0, -1, 1, -2, 2.
+/// Maps 0, -1, 1, -2, 2 to 0, 1, 2, 3, 4.
 pub(crate) fn mapped(number: i32) -> u32 {
     ((number << 1) ^ (number >> 31)).cast_unsigned()
 }
 
-/// The way back from [`mapped`].
+/// Returns the inverse of [`mapped`].
 pub(crate) fn unmapped(mapped: u32) -> i32 {
     (mapped >> 1).cast_signed() ^ (mapped & 1).cast_signed().wrapping_neg()
 }

@@ -1,7 +1,7 @@
-//! From channels to joint coordinates.
+//! Converts channels to joint coordinates.
 //!
-//! The chart of a rotation is a quaternion p of any length: the joint's is p / |p|. Four numbers for three dofs,
-//! and so no pole, no wrap and no segments: the curve turns as often as it likes. In body axes:
+//! A rotation is stored as a quaternion p of any length: the joint's rotation is p / |p|. Four numbers for three dofs
+//! avoid poles, wrap-around and segments: the curve may turn any number of times. In body axes:
 //!
 //! - ω = 2 Im(p̄ ṗ) / |p|²
 //! - ω̇ = 2 Im(p̄ p̈) / |p|² - 2 (p · ṗ) / |p|² ω
@@ -14,10 +14,10 @@ use sinew_core::math;
 use crate::joint::Joint;
 use crate::span::Jet;
 
-/// Shorter ones are no rotation: those of written shows are of length 1, but for their error.
+/// Minimum squared length of p. Written shows have a length of 1 within their error.
 const SHORTEST_SQUARED: f32 = 0.01;
 
-/// Where coordinates go, joint after joint. What does not fit is left out.
+/// A writer of coordinates, joint after joint. Numbers that do not fit are left out.
 pub(crate) struct Coordinates<'a> {
     q: IterMut<'a, f32>,
     qd: IterMut<'a, f32>,
@@ -29,8 +29,8 @@ impl<'a> Coordinates<'a> {
         Self { q: q.iter_mut(), qd: qd.iter_mut(), qdd: qdd.iter_mut() }
     }
 
-    /// Writes the coordinates of the next joint. `channel` gives the jets of its channels, one after the other, per
-    /// second.
+    /// Writes the coordinates of the next joint. `channel` returns the jets of the joint's channels, one after the
+    /// other, per second.
     #[inline]
     pub(crate) fn put(&mut self, joint: Joint, mut channel: impl FnMut() -> Jet) {
         if !joint.turns_freely() {
@@ -67,7 +67,7 @@ fn put<const K: usize>(slots: &mut IterMut<'_, f32>, numbers: [f32; K]) {
     }
 }
 
-/// The rotation of p, with its angular velocity and acceleration, body axes.
+/// Returns the rotation of p, with its angular velocity and acceleration, in body axes.
 fn turning(p: Quat, p1: Quat, p2: Quat) -> (Quat, Vec3, Vec3) {
     let squared = p.dot(p);
     if squared < SHORTEST_SQUARED {
@@ -80,7 +80,8 @@ fn turning(p: Quat, p1: Quat, p2: Quat) -> (Quat, Vec3, Vec3) {
     (p * (1.0 / math::sqrt(squared)), speed, acceleration)
 }
 
-/// The jets of coordinates that turn as `qd` and `qdd` say: the way back from [`Coordinates::put`], with |p| = 1.
+/// Writes the jets of coordinates with the velocity `qd` and acceleration `qdd`: the inverse of [`Coordinates::put`],
+/// with |p| = 1.
 pub(crate) fn jets(joint: Joint, q: &[f32], qd: &[f32], qdd: &[f32], out: &mut [Jet]) {
     match (joint, q, qd, qdd) {
         (
@@ -112,14 +113,14 @@ pub(crate) fn jets(joint: Joint, q: &[f32], qd: &[f32], qdd: &[f32], out: &mut [
     }
 }
 
-/// Jets of positions, speeds and accelerations.
+/// Writes jets from positions, speeds and accelerations.
 fn fill<const K: usize>([p, v, a]: [[f32; K]; 3], out: &mut [Jet]) {
     for (slot, ((p, v), a)) in out.iter_mut().zip(p.into_iter().zip(v).zip(a)) {
         *slot = [p, v, a];
     }
 }
 
-/// Positions, speeds and accelerations, each of four channels.
+/// Returns positions, speeds and accelerations, each of four channels.
 fn transposed(jets: [Jet; 4]) -> [[f32; 4]; 3] {
     let [[x, y, z], [x1, y1, z1], [x2, y2, z2], [x3, y3, z3]] = jets;
     [[x, x1, x2, x3], [y, y1, y2, y3], [z, z1, z2, z3]]
@@ -130,7 +131,7 @@ mod tests {
     use super::*;
     use glam::{DQuat, DVec3};
 
-    /// Against f64 differences of the rotation p / |p| itself, and of the position.
+    /// Compared with f64 differences of the rotation p / |p| itself, and of the position.
     #[test]
     #[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "a test")]
     fn speeds_and_accelerations_are_derivatives() {
@@ -140,7 +141,7 @@ mod tests {
             f64::from(random >> 8) / f64::from(1u32 << 23) - 1.0
         };
         for _ in 0..500 {
-            // Value, speed and half of the acceleration of seven channels, numbers that f32 has.
+            // Value, speed and half the acceleration of seven channels, in numbers that f32 represents.
             let powers: [[f64; 3]; 7] =
                 [0; 7].map(|_| [next(), 3.0 * next(), 20.0 * next()].map(|x| f64::from(x as f32)));
             let at = |t: f64| powers.map(|[p, v, a]| p + t * (v + t * a));
@@ -163,7 +164,7 @@ mod tests {
             let speed = turned(0.0);
             let acceleration = (turned(h) - turned(-h)) / (2.0 * h);
             let size = 1.0 + speed.length() + speed.length_squared() + acceleration.length();
-            // Rounding of f32, and of f64 differences over 1e-5 s.
+            // Tolerance: f32 rounding, and the error of f64 differences over 1e-5 s.
             assert!((vector(&qd) - speed).length() < 1e-5 * size, "{} {speed}", vector(&qd));
             assert!(
                 (vector(&qdd) - acceleration).length() < 2e-5 * size,
@@ -176,7 +177,7 @@ mod tests {
             };
             assert!((vector(&qd[3..]) - linear(1, 1.0)).length() < 1e-5);
             assert!((vector(&qdd[3..]) - linear(2, 2.0)).length() < 1e-4);
-            // And back.
+            // The inverse conversion.
             let mut back = [Jet::default(); 7];
             super::jets(Joint::Free, &q, &qd, &qdd, &mut back);
             let mut jets = back.into_iter();

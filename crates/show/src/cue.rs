@@ -1,13 +1,13 @@
-//! Cues: what happens when, beside the motion.
+//! Cues: events at given times of a show.
 
 use core::str;
 
-/// Something that happens at a sample of a show: a light, a sound, a mark.
+/// An event at a sample of a show: a light, a sound, a mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cue<'a> {
-    /// When: samples from the beginning.
+    /// Time of the event, in samples from the start.
     pub sample: u32,
-    /// What.
+    /// Name of the event.
     pub name: &'a str,
 }
 
@@ -22,7 +22,7 @@ impl<'a> Cues<'a> {
         Self { rest: table }
     }
 
-    /// Whether all was read that is there.
+    /// Returns `true` if the whole table was read.
     pub(crate) fn is_whole(&self) -> bool {
         self.rest.is_empty()
     }

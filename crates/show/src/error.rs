@@ -1,91 +1,102 @@
-//! Why a show cannot be performed.
+//! Errors in shows.
 
 use core::fmt;
 
 use crate::joint::Joint;
 
-/// Why a show cannot be performed.
+/// A reason for which a show cannot be performed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ShowError {
-    /// It does not begin with `SNWS`.
+    /// The file does not start with `SNWS`.
     Magic {
-        /// How it begins.
+        /// First bytes of the file.
         found: [u8; 4],
     },
-    /// It is of another version than 2.
+    /// The show's version is not 2.
     Version {
-        /// Its version.
+        /// Version of the show.
         found: u16,
     },
-    /// It is shorter or longer than its header says.
+    /// The show is shorter or longer than its header states.
     Length {
-        /// Bytes there should be.
+        /// Expected length, in bytes.
         expected: usize,
-        /// Bytes there are.
+        /// Actual length, in bytes.
         found: usize,
     },
-    /// Its head was damaged.
+    /// The head is damaged.
     Checksum {
-        /// The CRC it carries.
+        /// Stored CRC.
         stored: u32,
-        /// The CRC of its content.
+        /// CRC of the content.
         computed: u32,
     },
-    /// A block was damaged.
+    /// A block is damaged.
     Block {
-        /// Which one.
+        /// Index of the block.
         block: u32,
-        /// The CRC it carries.
+        /// Stored CRC.
         stored: u32,
-        /// The CRC of its content.
+        /// CRC of the content.
         computed: u32,
     },
-    /// The curve of a channel does not go on from block to block, though no CRC is wrong.
+    /// The curve of a channel does not continue from block to block, although no CRC is wrong.
     Broken {
-        /// The block.
+        /// Index of the block.
         block: u32,
-        /// The channel.
+        /// Index of the channel.
         channel: usize,
     },
-    /// A field of its head is none that can be.
+    /// A field of the head is invalid.
     Field {
-        /// The kind of value.
+        /// Name of the field.
         what: &'static str,
-        /// Of which item, if there are several.
+        /// Index of the item that the field belongs to, or 0.
         index: usize,
-        /// The number in it, whole or rounded.
+        /// Value of the field, whole or rounded.
         found: u32,
     },
-    /// It has more channels than there is room for.
+    /// The show has more channels than the capacity.
     Capacity {
-        /// How many it has.
+        /// Number of channels of the show.
         found: usize,
-        /// How many there is room for.
+        /// Maximum number of channels.
         holds: usize,
     },
-    /// It is of another rig.
+    /// The show is for another rig.
     Rig {
         /// The CRC of the rig that the show was made for.
         show: u32,
-        /// The CRC of the rig that is here.
+        /// CRC of the present rig.
         here: u32,
     },
-    /// It has another number of joints than the rig.
+    /// The number of joints is not the rig's.
     Joints {
-        /// How many the show has.
+        /// Number of joints of the show.
         show: usize,
-        /// How many the rig has.
+        /// Number of joints of the rig.
         here: usize,
     },
-    /// A joint is of another kind than the rig's.
+    /// A joint is of another kind than the rig's joint.
     Joint {
-        /// Which one.
+        /// Index of the joint.
         index: usize,
-        /// Of what kind it is in the show.
+        /// Kind of the joint in the show.
         show: Joint,
-        /// Of what kind the rig's is.
+        /// Kind of the joint in the rig.
         here: Joint,
+    },
+    /// The first pose is beyond a range of the rig, which would never reach it.
+    Range {
+        /// Index of the dof.
+        dof: usize,
+        /// Position of the dof in the first pose, rad or m.
+        found: f32,
+        /// Least position that the rig has, rad or m.
+        least: f32,
+        /// Greatest position that the rig has, rad or m.
+        most: f32,
     },
 }
 
@@ -96,8 +107,8 @@ impl fmt::Display for ShowError {
                 write!(f, "not a show: it begins with {found:02x?} instead of `SNWS`")
             }
             Self::Version { found: 1 } => f.write_str(
-                "the show is of version 1, which is no longer read: make it anew from its clip, \
-                 with `sinew bake CLIP --rig RIG`",
+                "the show is of version 1, which is no longer read: bake it again from its clip, with `sinew bake CLIP \
+                 --rig RIG`",
             ),
             Self::Version { found } => {
                 write!(f, "the show is of version {found}; this program performs version 2")
@@ -118,7 +129,7 @@ impl fmt::Display for ShowError {
                 "channel {channel} does not go on into block {block}: the program that wrote the show has a fault"
             ),
             Self::Field { what, index, found } => {
-                write!(f, "{what} {index} of the show is {found}, which cannot be")
+                write!(f, "{what} {index} of the show is {found}, which is invalid")
             }
             Self::Capacity { found, holds } => {
                 write!(f, "the show has {found} joint coordinates, the board holds {holds}")
@@ -133,6 +144,11 @@ impl fmt::Display for ShowError {
             Self::Joint { index, show, here } => {
                 write!(f, "joint {index} is {show} in the show, {here} in the rig")
             }
+            Self::Range { dof, found, least, most } => write!(
+                f,
+                "the show begins with dof {dof} at {found:.3}, beyond its range of {least:.3} to {most:.3} (rad or m): \
+                 bake it again for this rig"
+            ),
         }
     }
 }

@@ -7,11 +7,11 @@ use crate::player::Player;
 use crate::position::{Pace, Position};
 use crate::show::Show;
 
-/// The frames of a show of at most `COORDS` coordinates, one a tick.
+/// The frames of a show with up to `COORDS` coordinates, one per tick.
 ///
-/// Before the first frame and behind the last one of a show without a loop, the rig rests in that frame: speeds and
-/// accelerations are zero there. A show that does not begin at rest is entered by a [run-in](Self::run_in), or from
-/// elsewhere by a [`Blend`](crate::Blend).
+/// Before the first frame, and after the last frame of a show without a loop, the rig rests in that frame: speeds and
+/// accelerations are zero. To enter a show that does not start at rest, use a [run-in](Self::run_in), or from another
+/// pose a [`Blend`](crate::Blend).
 #[derive(Debug, Clone)]
 pub struct ShowFrames<'a, const COORDS: usize> {
     player: Player<'a, COORDS>,
@@ -25,8 +25,8 @@ pub struct ShowFrames<'a, const COORDS: usize> {
 }
 
 impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
-    /// The frames of a show, `dt_s` apart. O(size): all blocks are checked here, once, so that playing does not meet
-    /// one that was damaged before.
+    /// Creates the frames of a show, `dt_s` apart. O(size): all blocks are checked once, so that playing never meets
+    /// a block that was already damaged.
     ///
     /// # Errors
     /// [`ShowError`] if a block is damaged, or the show has more than `COORDS` coordinates.
@@ -46,29 +46,30 @@ impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
         frames.fault.map_or(Ok(frames), Err)
     }
 
-    /// The show.
+    /// Returns the show.
     pub fn show(&self) -> &Show<'a> {
         self.player.show()
     }
 
-    /// Where the show is in a frame.
+    /// Returns the position of the show in a frame.
     pub fn position(&self, index: i32) -> Position {
         self.pace.position(u32::try_from(index).unwrap_or(0))
     }
 
-    /// Where the show is in a tick of a [run-in](Self::run_in).
+    /// Returns the position of the show in a tick of a [run-in](Self::run_in).
     pub fn run_in_position(&self, tick: u32, of: u32) -> Position {
         let share = share(tick, of);
-        // The integral of a rate from 0 to 1, smooth at both ends: 3 s² - 2 s³.
+        // The integral of a rate that rises smoothly from 0 to 1: 3 s² - 2 s³.
         let ticks = of as f32 * share * share * share * (1.0 - 0.5 * share);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to of / 2")]
         let whole = ticks as u32;
         self.pace.position_within(whole, ticks - whole as f32)
     }
 
-    /// A frame of a run-in: from standing in the first frame, the show gains its pace within `of` ticks, and is at
-    /// frame `of / 2` then, to go on there if `of` is even. Each pose is one of the show's, no joint is faster than
-    /// there, and what the pace adds to its acceleration is at most 1.5 times its speed over the time of the run-in.
+    /// Returns a frame of a run-in: from rest in the first frame, the show reaches its full pace within `of` ticks.
+    /// It is then at frame `of / 2`, and continues from there if `of` is even. Each pose is a pose of the show, and
+    /// no joint is faster than in the show. The change of pace adds an acceleration of at most 1.5 times the show's
+    /// speed, divided by the duration of the run-in.
     pub fn run_in(&mut self, tick: u32, of: u32) -> Frame<'_> {
         self.read(self.run_in_position(tick, of));
         let share = share(tick, of);
@@ -80,7 +81,8 @@ impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
         self.coordinates(self.run_in_position(tick, of))
     }
 
-    /// Why the last frame stands still in the middle of the show: memory that was whole has changed since.
+    /// Returns the error that made the last frame stand still in the middle of the show: the memory has changed since
+    /// it was checked.
     pub fn fault(&self) -> Option<ShowError> {
         self.fault
     }
@@ -94,7 +96,7 @@ impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
         (self.qd, self.qdd) = ([0.0; COORDS], [0.0; COORDS]);
     }
 
-    /// What was read at a position; the rig rests where the show has ended, or cannot be read.
+    /// Returns the coordinates read at a position. The rig rests if the show has ended, or cannot be read.
     fn coordinates(&mut self, position: Position) -> Frame<'_> {
         let show = self.player.show();
         let end = Position::from_samples(show.length());
@@ -121,7 +123,7 @@ impl<const COORDS: usize> FrameSource for ShowFrames<'_, COORDS> {
     }
 }
 
-/// What part of so many ticks has gone, 0 to 1.
+/// Returns the elapsed share of `of` ticks, 0 to 1.
 fn share(tick: u32, of: u32) -> f32 {
     tick.min(of) as f32 / of.max(1) as f32
 }

@@ -1,21 +1,21 @@
-//! Joints as a show knows them, and what their channels are.
+//! Kinds of joints in a show, and their channels.
 
 use sinew_core::JointKind;
 
-/// A joint, without its axes: what a show has to know of it.
+/// Kind of a joint, without its axes: all that a show needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joint {
-    /// No dof.
+    /// A joint without dofs.
     Fixed,
-    /// An angle, rad.
+    /// A joint with an angle, rad.
     Revolute,
-    /// A displacement, m.
+    /// A joint with a displacement, m.
     Prismatic,
-    /// Two angles, rad.
+    /// A joint with two angles, rad.
     Universal,
-    /// A rotation.
+    /// A joint with any rotation.
     Spherical,
-    /// A rotation and a position, m.
+    /// A joint with any rotation and position, m.
     Free,
 }
 
@@ -29,17 +29,17 @@ impl Joint {
         Self::Free,
     ];
 
-    /// Its number in a show.
+    /// Returns the number of the kind in a show.
     pub const fn code(self) -> u8 {
         self as u8
     }
 
-    /// The joint of that number.
+    /// Returns the kind with this number.
     pub fn of_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
 
-    /// Its numbers in `q`, and as many channels.
+    /// Returns the number of its coordinates in `q`, which is also its number of channels.
     pub const fn coordinate_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -50,7 +50,7 @@ impl Joint {
         }
     }
 
-    /// Its numbers in `qd` and `qdd`.
+    /// Returns the number of its dofs in `qd` and `qdd`.
     pub const fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -61,7 +61,7 @@ impl Joint {
         }
     }
 
-    /// Whether its first four channels are a quaternion.
+    /// Returns `true` if its first four channels are a quaternion.
     pub const fn turns_freely(self) -> bool {
         matches!(self, Self::Spherical | Self::Free)
     }

@@ -9,20 +9,20 @@ pub(crate) const VERSION: u16 = 2;
 pub(crate) const HEADER_LEN: usize = 56;
 pub(crate) const CHANNEL_LEN: usize = 16;
 pub(crate) const CRC_LEN: usize = 4;
-/// The least that a block has: its CRC, and the width of its table.
+/// Minimum length of a block, in bytes: its CRC, and the width of its table.
 pub(crate) const BLOCK_HEAD_LEN: u32 = 5;
 
-/// Flag of a show that goes on from its end to its beginning.
+/// Flag of a looped show, which continues from its end to its start.
 pub(crate) const LOOP: u16 = 1;
-/// Flag of a show that is slower than its performance: the table of its course is in the head.
+/// Flag of a show that is slower than its performance: the head contains its time map, the course.
 pub(crate) const SLOWED: u16 = 2;
-/// The longest show, in samples.
+/// Maximum length of a show, in samples.
 pub(crate) const LONGEST: u32 = 1 << 30;
-/// The shortest block, in samples.
+/// Minimum length of a block, in samples.
 pub(crate) const SHORTEST_BLOCK: u16 = 16;
-/// The largest control value, in steps: whole numbers up to it are exact in f32.
+/// Maximum absolute control value, in steps: whole numbers up to it are exact in f32.
 pub(crate) const LARGEST_CONTROL: i32 = 1 << 22;
-/// The largest coordinate, rad or m: of what the core takes.
+/// Maximum absolute coordinate, rad or m: the core's limit.
 pub(crate) const LARGEST: f32 = 1e6;
 
 /// The fixed part of the head.
@@ -30,7 +30,7 @@ pub(crate) const LARGEST: f32 = 1e6;
 pub(crate) struct Header {
     pub(crate) flags: u16,
     pub(crate) total_len: u32,
-    /// Without the CRC behind it.
+    /// Length of the head without its CRC, in bytes.
     pub(crate) head_len: u32,
     pub(crate) rig: u32,
     pub(crate) rate: Rate,
@@ -86,7 +86,7 @@ impl Header {
             ("length", self.length, 1, LONGEST),
             ("samples of block", u32::from(self.block), u32::from(SHORTEST_BLOCK), u32::MAX),
             ("number of channels", u32::from(self.channels), 1, u32::MAX),
-            // Places of bits are counted in u32.
+            // Positions of bits are counted in u32.
             ("length in bytes", self.total_len, 0, 1 << 28),
         ];
         for (what, found, least, most) in fields {
@@ -110,20 +110,20 @@ impl Header {
     }
 }
 
-/// What a channel's control values are.
+/// Parameters of a channel's control values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ChannelRecord {
-    /// Of a control value of 1: rad, m, or a quaternion's.
+    /// Value of a control value of 1: rad, m, or of a quaternion's component.
     pub(crate) step: f32,
-    /// All control values are from here ...
+    /// Minimum of all control values.
     pub(crate) least: i32,
-    /// ... to here.
+    /// Maximum of all control values.
     pub(crate) most: i32,
-    /// The running mean that a block begins with.
+    /// Running mean at the start of a block.
     pub(crate) mean: u8,
-    /// How much of the last slope is expected to go on, in sixteenths.
+    /// Share of the last slope that is expected to continue, in sixteenths.
     pub(crate) trend: u8,
-    /// Whether a looped show has it with the other sign in every other round.
+    /// Whether the channel's sign changes in every other round of a looped show.
     pub(crate) flips: bool,
 }
 
@@ -154,7 +154,7 @@ impl ChannelRecord {
             return Err(ShowError::Field { what: "range of channel", index, found });
         }
         let largest = self.step * self.least.unsigned_abs().max(self.most.unsigned_abs()) as f32;
-        // Written so that NaN is refused. A step as small as the first has no acceleration that f32 cannot hold.
+        // Written so that NaN is refused. At the minimum step no acceleration overflows f32.
         if !(self.step >= f32::MIN_POSITIVE && largest <= LARGEST) {
             let found = self.step.to_bits();
             return Err(ShowError::Field { what: "step of channel", index, found });
@@ -162,7 +162,7 @@ impl ChannelRecord {
         Ok(())
     }
 
-    /// A control value that is stored whole.
+    /// Returns a control value from its whole-number form.
     pub(crate) fn whole(&self, bits: u32) -> i32 {
         self.clamp(self.least.wrapping_add(bits.cast_signed()))
     }
@@ -171,7 +171,7 @@ impl ChannelRecord {
         control.max(self.least).min(self.most)
     }
 
-    /// Bits of a control value by itself.
+    /// Returns the number of bits of a control value in whole-number form.
     pub(crate) fn width(&self) -> u32 {
         let range = self.most.wrapping_sub(self.least).cast_unsigned();
         32u32.saturating_sub(range.leading_zeros())

@@ -1,17 +1,18 @@
 //! Shows of a rig: splines of its coordinates, read in place from flash. The format: `docs/show-format.md`.
 //!
-//! - [`Show`] opens a show where it lies; [`Player`] plays it: position, speed and acceleration of one curve.
-//! - [`ShowFrames`] gives it to a [`Tracker`](sinew_core::tracker::Tracker), [`Blend`] leads into it and out of it.
-//! - `write` (with `std`) makes shows of samples, with as few knots as a stated largest error allows.
+//! - [`Show`] opens a show in place. [`Player`] plays it: position, speed and acceleration of the same curve.
+//! - [`ShowFrames`] supplies a [`Tracker`](sinew_core::tracker::Tracker) with frames. [`Blend`] leads into a show and
+//!   out of it.
+//! - `write` (with `std`) creates shows from samples, with few knots for a given maximum error.
 //!
-//! All but `write` is `no_std`: fixed capacity, no allocation, no `unsafe`, no panic, no f64.
+//! Everything except `write` is `no_std`: fixed capacity, no allocation, no `unsafe`, no panic, no f64.
 //!
 //! ```
 //! # #[cfg(feature = "std")] {
 //! use sinew_show::write::{Motion, Settings, write};
 //! use sinew_show::{Joint, Player, Rate, Show};
 //!
-//! // At the desk: an elbow that swings for two seconds, at 100 samples a second.
+//! // On the host: an elbow that swings for two seconds, with 100 samples per second.
 //! let q: Vec<f64> = (0..=200).map(|k| 0.8 * (0.03 * f64::from(k)).sin()).collect();
 //! let motion = Motion {
 //!     joints: &[Joint::Revolute],
@@ -32,21 +33,21 @@
 //! let mut player = Player::<8>::new(show)?;
 //! let (mut q, mut qd, mut qdd) = ([0.0; 1], [0.0; 1], [0.0; 1]);
 //! player.state_at(show.pace(0.002).position(250), &mut q, &mut qd, &mut qdd)?;
-//! // After half a second: 0.8 sin 1.5, and its derivatives as near as the bound lets them.
+//! // After half a second: 0.8 sin 1.5, with derivatives as accurate as the bound allows.
 //! assert!((q[0] - 0.798).abs() < 0.005 && qd[0].abs() < 0.5 && qdd[0] < -5.0);
 //! # }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # Files
-//! - `show`, `layout`, `rig`, `joint`, `error`: a show's head, checked when it is opened.
-//! - `position`: the place in a show to 2⁻³² of a sample; f32 seconds would lose 30 µs after ten minutes.
-//! - `bits`, `span_lengths`, `channel`: one channel, from bits to the six knots round a position.
+//! - `show`, `layout`, `rig`, `joint`, `error`: the head of a show, checked when it is opened.
+//! - `position`: the position in a show to 2⁻³² of a sample; f32 seconds would lose 30 µs after ten minutes.
+//! - `bits`, `span_lengths`, `channel`: one channel, from bits to the six knots around a position.
 //! - `span`, `chart`: a span as a cubic; channels to joint coordinates (a ball joint is p / |p|).
-//! - `player`, `frames`, `blend`: all channels at a position; frames of the tracker; blends.
+//! - `player`, `frames`, `blend`: all channels at a position; frames for the tracker; blends.
 //! - `cue`, `time_code`, `time_warp`: cues; the clock of a production; a slowed show's time in its performance.
 //! - `write/`: a `motion` and `settings` to `channels`, knots (`refine`, `curve`), least squares (`fit`), bits
-//!   (`pack`), and the error of what the decoder returns (`measure`).
+//!   (`pack`), and the error of the decoder's result (`measure`).
 
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! A show as it is played.
+//! Plays a show.
 
 use crate::channel::{Channel, Checked};
 use crate::chart::Coordinates;
@@ -6,9 +6,9 @@ use crate::error::ShowError;
 use crate::position::Position;
 use crate::show::Show;
 
-/// Plays a show of at most `COORDS` channels, forwards at little cost, or from anywhere.
+/// A player for a show of up to `COORDS` channels. Playing forwards is cheap; it can also start anywhere.
 ///
-/// It keeps about 100 bytes for each channel.
+/// It stores about 100 bytes for each channel.
 #[derive(Debug, Clone)]
 pub struct Player<'a, const COORDS: usize> {
     show: Show<'a>,
@@ -17,7 +17,7 @@ pub struct Player<'a, const COORDS: usize> {
 }
 
 impl<'a, const COORDS: usize> Player<'a, COORDS> {
-    /// A player of a show.
+    /// Creates a player for a show.
     ///
     /// # Errors
     /// [`ShowError::Capacity`] if the show has more than `COORDS` channels.
@@ -29,20 +29,21 @@ impl<'a, const COORDS: usize> Player<'a, COORDS> {
         Ok(Self { show, channels: [Channel::default(); COORDS], checked: Checked::NONE })
     }
 
-    /// The show.
+    /// Returns the show.
     pub fn show(&self) -> &Show<'a> {
         &self.show
     }
 
-    /// The rig's coordinates at a position, with the derivatives of the very curve: `q` of nq numbers, `qd` and `qdd`
-    /// of nv, as [`coordinates`](sinew_core::coordinates) has them. What does not fit is left out.
+    /// Writes the rig's coordinates at a position, with the exact derivatives of the same curve: `q` of nq numbers,
+    /// `qd` and `qdd` of nv, as defined in [`coordinates`](sinew_core::coordinates). Numbers that do not fit are left
+    /// out.
     ///
-    /// Behind its end, a looped show goes round, another one stays at its last pose, with the speed it has there.
-    /// The same position gives the same bits, whatever was asked before. From tick to tick O(channels); a jump to
-    /// another place costs O(block).
+    /// After its end, a looped show starts its next round; any other show stays at its last pose, with the speed it
+    /// has there. A given position always gives the same bits, whatever was requested before. From tick to tick
+    /// O(channels); a jump to another position costs O(block).
     ///
     /// # Errors
-    /// [`ShowError::Block`] if a block is damaged that this position needs. Nothing is written then.
+    /// [`ShowError::Block`] if a block for this position is damaged. Nothing is written then.
     pub fn state_at(
         &mut self,
         position: Position,

@@ -1,11 +1,11 @@
-//! Where a show is, exactly: f32 seconds would lose 30 µs after 10 minutes.
+//! Exact positions in a show: f32 seconds would lose 30 µs after 10 minutes.
 
-/// So many samples in so many seconds: 120 / 1, or 30000 / 1001.
+/// A sampling rate, as a number of samples in a number of seconds: 120 / 1, or 30000 / 1001.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rate {
-    /// Samples, 1 to 2²⁰.
+    /// Number of samples, 1 to 2²⁰.
     pub samples: u32,
-    /// in so many seconds, 1 to 4095.
+    /// Number of seconds in which they are taken, 1 to 4095.
     pub seconds: u32,
 }
 
@@ -13,14 +13,14 @@ impl Rate {
     pub(crate) const MOST_SAMPLES: u32 = 1 << 20;
     pub(crate) const MOST_SECONDS: u32 = 4095;
 
-    /// Samples per second.
+    /// Returns the samples per second.
     pub fn hz(self) -> f32 {
         self.samples as f32 / self.seconds as f32
     }
 
-    /// How far a show of this rate moves on in `dt_s`, at most 8 s.
+    /// Returns the progress of a show of this rate in `dt_s`, at most 8 s.
     pub(crate) fn pace(self, dt_s: f32) -> Pace {
-        // 2^40: a power of two loses nothing, and 2^43 times 2^20 fits.
+        // 2^40: multiplication by a power of two is exact, and 2^43 times 2^20 fits.
         const UNIT: f32 = 1_099_511_627_776.0;
         #[expect(
             clippy::cast_possible_truncation,
@@ -37,33 +37,34 @@ impl Rate {
         let samples = time_us.saturating_mul(u64::from(self.samples));
         let whole = samples.checked_div(unit).unwrap_or(0);
         let rest = samples.checked_rem(unit).unwrap_or(0);
-        // Below 2^32, for `Rate::MOST_SECONDS`.
+        // Below 2^32, because of `Rate::MOST_SECONDS`.
         let part = (rest << 32).checked_div(unit).unwrap_or(0);
         Position(whole.min(u64::from(u32::MAX)) << 32 | part)
     }
 }
 
-/// A place in a show: samples from its beginning, with 32 bits behind the point.
+/// A position in a show: samples from its start, with 32 fractional bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct Position(u64);
 
 impl Position {
-    /// At a sample.
+    /// Returns the position of a sample.
     pub const fn from_samples(samples: u32) -> Self {
         Self((samples as u64) << 32)
     }
 
-    /// The last sample that it has reached.
+    /// Returns the last sample at or before the position.
     pub const fn sample(self) -> u32 {
         (self.0 >> 32) as u32
     }
 
     pub(crate) fn modulo(self, end: Self) -> Self {
-        // A division of 64 bits is long: rounds after the first alone pay it.
+        // A 64-bit division is slow: only rounds after the first need it.
         if self < end { self } else { Self(self.0.checked_rem(end.0).unwrap_or(0)) }
     }
 
-    /// Samples from a knot to here: at most a longest span of 2^10, so that 22 bits are left behind the point.
+    /// Returns the samples from a knot to this position: at most a longest span of 2^10, which leaves 22 fractional
+    /// bits.
     pub(crate) fn since(self, knot: i32) -> f32 {
         let whole = i64::from(knot) << 32;
         let since = self.0.cast_signed().saturating_sub(whole).max(0) >> 10;
@@ -72,18 +73,18 @@ impl Position {
     }
 }
 
-/// How far a show moves on in a tick: samples, with 32 bits behind the point.
+/// Progress of a show per tick: samples, with 32 fractional bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pace(u64);
 
 impl Pace {
-    /// Where a show is after so many ticks. Exact to 2⁻³² of a sample and tick: 0.4 µs after ten minutes of 500 ticks
-    /// and 100 samples a second.
+    /// Returns the position of a show after a number of ticks. Exact to 2⁻³² of a sample per tick: 0.4 µs after ten
+    /// minutes of 500 ticks and 100 samples per second.
     pub const fn position(self, ticks: u32) -> Position {
         Position(self.0.saturating_mul(ticks as u64))
     }
 
-    /// The same after a part of a tick more, 0 to 1, to 2⁻²⁴ of a tick.
+    /// Returns the position after a further part of a tick, 0 to 1, to 2⁻²⁴ of a tick.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! Which rig a show is for.
+//! Checks that a show is for a given rig.
 
 use sinew_core::JointKind;
 
@@ -10,16 +10,16 @@ impl<'a> Show<'a> {
     /// Refuses a show that was made for another rig. `crc`: the last four bytes of the rig's compact form.
     ///
     /// # Errors
-    /// [`ShowError::Rig`] with both.
+    /// [`ShowError::Rig`] with both CRCs.
     pub fn check_rig(&self, crc: u32) -> Result<(), ShowError> {
         let show = self.header().rig;
         if show == crc { Ok(()) } else { Err(ShowError::Rig { show, here: crc }) }
     }
 
-    /// Refuses a show whose joints are not those of a rig, in regular numbering.
+    /// Refuses a show whose joints differ from those of a rig, in regular numbering.
     ///
     /// # Errors
-    /// [`ShowError::Joints`] or [`ShowError::Joint`] name what is different.
+    /// [`ShowError::Joints`] or [`ShowError::Joint`] with the difference.
     pub fn check_joints(
         &self,
         kinds: impl ExactSizeIterator<Item = JointKind>,
@@ -36,12 +36,12 @@ impl<'a> Show<'a> {
         Ok(())
     }
 
-    /// The CRC of the rig it was made for; 0 if that was not said.
+    /// Returns the CRC of the rig that the show was made for; 0 if it is unknown.
     pub fn rig(&self) -> u32 {
         self.header().rig
     }
 
-    /// Its joints, in regular numbering.
+    /// Returns the kinds of its joints, in regular numbering.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = Joint> + 'a {
         self.joints.iter().map(|code| Joint::of_code(*code).unwrap_or(Joint::Fixed))
     }

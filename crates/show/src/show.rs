@@ -1,4 +1,4 @@
-//! A show, opened where it lies: its head is checked, its blocks when they are read.
+//! A show, opened in place: the head is checked at opening, blocks when they are read.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 
@@ -18,13 +18,13 @@ pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// A show of version 2, read in place.
 ///
-/// Opening checks the head: O(size of the head). Each block has its own CRC, which is checked when playing reaches it,
-/// or all at once by [`Self::check_blocks`].
+/// Opening checks the head: O(size of the head). Each block has its own CRC, which is checked when playing reaches
+/// the block, or for all blocks at once by [`Self::check_blocks`].
 #[derive(Debug, Clone, Copy)]
 pub struct Show<'a> {
     bytes: &'a [u8],
     header: Header,
-    /// Tables of the head.
+    /// Tables of the head: kinds of joints, channels, cues, course, index of blocks.
     pub(crate) joints: &'a [u8],
     channels: &'a [u8],
     cues: &'a [u8],
@@ -33,10 +33,10 @@ pub struct Show<'a> {
 }
 
 impl<'a> Show<'a> {
-    /// Opens a show where it lies.
+    /// Opens a show in place.
     ///
     /// # Errors
-    /// [`ShowError`] names what is wrong and where.
+    /// [`ShowError`] with the problem and its place.
     pub fn open(bytes: &'a [u8]) -> Result<Self, ShowError> {
         let found = bytes.len();
         let short = |expected| ShowError::Length { expected, found };
@@ -134,15 +134,15 @@ impl<'a> Show<'a> {
         Ok(())
     }
 
-    /// Checks the CRC of every block: O(size), as much as to read the show once. A show that passes plays to its end.
+    /// Checks the CRC of every block. O(size), like reading the show once. A show that passes plays to its end.
     ///
     /// # Errors
-    /// [`ShowError::Block`] names the first one that is damaged.
+    /// [`ShowError::Block`] with the first damaged block.
     pub fn check_blocks(&self) -> Result<(), ShowError> {
         (0..self.header.block_count()).try_for_each(|block| self.check_block(block))
     }
 
-    /// Checks the CRC of a block, O(its size).
+    /// Checks the CRC of a block. O(its size).
     pub(crate) fn check_block(&self, block: u32) -> Result<(), ShowError> {
         let content = self.block(block);
         let (stored, content) = content.split_first_chunk::<CRC_LEN>().unwrap_or((&[0; 4], &[]));
@@ -156,14 +156,14 @@ impl<'a> Show<'a> {
         self.bytes.get(start..end).unwrap_or_default()
     }
 
-    /// Where a block begins; the end of the show behind the last one.
+    /// Returns the offset of a block; for the index after the last, the end of the show.
     fn block_start(&self, block: u32) -> u32 {
         let at = (block as usize).saturating_mul(4);
         let field = self.index.get(at..).and_then(<[u8]>::first_chunk::<4>);
         field.map_or(self.header.total_len, |field| u32::from_le_bytes(*field))
     }
 
-    /// The bits of a channel in a block, and where they end. O(channels).
+    /// Returns the bits of a channel in a block, and the index of their end. O(channels).
     pub(crate) fn stream(&self, block: u32, channel: usize) -> (Bits<'a>, u32) {
         let content = self.block(block).get(CRC_LEN..).unwrap_or_default();
         let mut table = Bits { bytes: content, at: 0 };
@@ -176,18 +176,18 @@ impl<'a> Show<'a> {
         (Bits { bytes: content, at: start }, end)
     }
 
-    /// The bits of a block from a place on.
+    /// Returns the bits of a block from an index on.
     pub(crate) fn bits(&self, block: u32, at: u32) -> Bits<'a> {
         Bits { bytes: self.block(block).get(CRC_LEN..).unwrap_or_default(), at }
     }
 
-    /// The block of a sample; of the end, the last one.
+    /// Returns the block of a sample; for the end of the show, the last block.
     pub(crate) fn block_of(&self, sample: i32) -> u32 {
         let block = sample.cast_unsigned().checked_div(u32::from(self.header.block));
         block.unwrap_or(0).min(self.block_count().saturating_sub(1))
     }
 
-    /// Bits of a block's table.
+    /// Returns the number of bits of a block's table.
     fn table_len(&self, width: u32) -> u32 {
         width.saturating_mul(u32::from(self.header.channels)).saturating_add(5)
     }
@@ -202,69 +202,70 @@ impl<'a> Show<'a> {
         ChannelRecord::read(record.unwrap_or(&[0; CHANNEL_LEN]))
     }
 
-    /// How many numbers `q` has (nq), and as many channels.
+    /// Returns the number of coordinates in `q` (nq), which is also the number of channels.
     pub fn channel_count(&self) -> usize {
         usize::from(self.header.channels)
     }
 
-    /// How many numbers `qd` and `qdd` have (nv).
+    /// Returns the number of dofs in `qd` and `qdd` (nv).
     pub fn dof_count(&self) -> usize {
         self.joints().map(Joint::dof_count).fold(0, usize::saturating_add)
     }
 
-    /// Samples per second: the unit of its times.
+    /// Returns the samples per second: the unit of the show's times.
     pub fn rate(&self) -> Rate {
         self.header.rate
     }
 
-    /// How many samples it lasts. A looped one is at sample `length` where it was at 0.
+    /// Returns the length in samples. In a looped show, sample `length` equals sample 0.
     pub fn length(&self) -> u32 {
         self.header.length
     }
 
-    /// How long it lasts, s.
+    /// Returns the duration, s.
     pub fn duration_s(&self) -> f32 {
         self.header.length as f32 / self.header.rate.hz()
     }
 
-    /// Whether it goes on from its end to its beginning without a seam.
+    /// Returns `true` if the show continues from its end to its start without a jump.
     pub fn is_loop(&self) -> bool {
         self.header.is_loop()
     }
 
-    /// How many blocks it has.
+    /// Returns the number of blocks.
     pub fn block_count(&self) -> u32 {
         self.header.block_count()
     }
 
-    /// The largest errors that its writer found: of angles and rotations in rad, of displacements in m.
+    /// Returns the maximum errors that the writer measured: of angles and rotations in rad, of displacements in m.
     pub fn largest_error(&self) -> (f32, f32) {
         (self.header.error_rad, self.header.error_m)
     }
 
-    /// The time code of its beginning, if it has one.
+    /// Returns the time code of the start, if the show has a time code.
     pub fn time_code(&self) -> Option<TimeCode> {
         self.header.time_code
     }
 
-    /// What the clock of the production showed at a sample, if the show has a time code. Where the show is slower than
-    /// its performance, so is the time code. O(pairs of the course).
+    /// Returns the time code at a sample: the production's clock, if the show has a time code. If the show is slower
+    /// than its performance, its time code is slower, too. O(pairs of the course).
     pub fn time_code_at(&self, sample: u32) -> Option<TimeCode> {
         let code = self.header.time_code?;
         Some(code.after(code.frames_in(self.course().performed(sample), self.header.rate)))
     }
 
-    /// How a show that was slowed down goes through its performance: empty if it was not, or has no time code.
+    /// Returns the map from a slowed-down show's time to its performance's time: empty if the show was not slowed
+    /// down, or has no time code.
     pub fn course(&self) -> TimeWarp<'a> {
         TimeWarp::new(self.course)
     }
 
-    /// Its cues, in the order of time.
+    /// Returns the cues, in the order of time.
     pub fn cues(&self) -> Cues<'a> {
         Cues::new(self.cues)
     }
 
-    /// The cues from one position on, before another. O(all cues).
+    /// Returns the cues from one position on, before another. O(all cues).
     pub fn cues_between(&self, from: Position, to: Position) -> impl Iterator<Item = Cue<'a>> {
         self.cues().filter(move |cue| {
             let at = Position::from_samples(cue.sample);
@@ -272,17 +273,17 @@ impl<'a> Show<'a> {
         })
     }
 
-    /// How far it moves on in a tick of `dt_s`.
+    /// Returns the progress of the show in a tick of `dt_s`.
     pub fn pace(&self, dt_s: f32) -> Pace {
         self.header.rate.pace(dt_s)
     }
 
-    /// Where it is so many microseconds after its beginning: exact to 1e-9 of a sample, at any time.
+    /// Returns the position at a time in microseconds after the start: exact to 1e-9 of a sample, at any time.
     pub fn position_at_us(&self, time_us: u64) -> Position {
         self.header.rate.position(time_us)
     }
 
-    /// A position on a looped show's way round; at the end of another, if it is beyond.
+    /// Wraps a position to the round of a looped show; limits it to the end of another show.
     pub(crate) fn within(&self, position: Position) -> Position {
         let end = Position::from_samples(self.header.length);
         if self.is_loop() { position.modulo(end) } else { position.min(end) }

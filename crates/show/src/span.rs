@@ -1,19 +1,19 @@
-//! One span of a cubic spline with knots of any distance, as a polynomial.
+//! A span of a cubic spline with unequal knots, as a polynomial.
 
 /// Value, first and second derivative.
 pub(crate) type Jet = [f32; 3];
 
-/// A cubic over one span: position, velocity and half of the acceleration at its first knot, and a sixth of the jerk,
-/// per sample.
+/// A cubic over a span: position, velocity and half the acceleration at its first knot, and a sixth of the jerk, per
+/// sample.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Cubic([f32; 4]);
 
 impl Cubic {
-    /// Of the span from knot 2 to knot 3 of six. `control`: the control values of knots 1 to 4.
+    /// Returns the cubic of the span from knot 2 to knot 3 of six. `control`: the control values of knots 1 to 4.
     ///
-    /// The control polygon's slopes (quadratic B-spline) and their slopes (linear: the accelerations at the two knots).
-    /// De Boor, A Practical Guide to Splines, chapter X. The acceleration at a knot comes out with the same bits on
-    /// both of its sides.
+    /// It is computed from the control polygon's slopes (quadratic B-spline) and their slopes (linear: the
+    /// accelerations at the two knots). De Boor, A Practical Guide to Splines, chapter X. The acceleration at a knot
+    /// has the same bits on both of its sides.
     pub(crate) fn new(knots: &[i32; 6], control: [i32; 4], step: f32) -> Self {
         let [t0, t1, t2, t3, t4, t5] = *knots;
         let [c1, c2, c3, c4] = control;
@@ -32,7 +32,7 @@ impl Cubic {
         Self([position, velocity, first * 0.5, (last - first) / (6.0 * here)])
     }
 
-    /// At so many samples behind the first knot; derivatives per sample.
+    /// Evaluates the cubic `u` samples after the first knot. Derivatives are per sample.
     pub(crate) fn at(&self, u: f32) -> Jet {
         let [p, v, a, j] = self.0;
         [p + u * (v + u * (a + u * j)), v + u * (2.0 * a + u * (3.0 * j)), 2.0 * a + u * (6.0 * j)]

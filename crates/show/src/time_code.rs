@@ -1,37 +1,37 @@
-//! Time code: what the clock of a production shows.
+//! Time code: the time on a production's clock.
 
 use crate::position::Rate;
 
-/// Time code as of SMPTE ST 12-1: what the clock of a production showed at the beginning of a show.
+/// Time code as defined in SMPTE ST 12-1: the time on a production's clock at the start of a show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TimeCode {
-    /// 0 to 23.
+    /// Hours, 0 to 23.
     pub hours: u8,
-    /// 0 to 59.
+    /// Minutes, 0 to 59.
     pub minutes: u8,
-    /// 0 to 59.
+    /// Seconds, 0 to 59.
     pub seconds: u8,
-    /// Below `frames_per_second`.
+    /// Frame number, below `frames_per_second`.
     pub frames: u8,
-    /// How far it counts: 24, 25, 30, 50 or 60.
+    /// Number of frames per counted second: 24, 25, 30, 50 or 60.
     pub frames_per_second: u8,
-    /// How fast it counts.
+    /// Speed of counting.
     pub kind: TimeCodeKind,
 }
 
-/// How fast a time code counts.
+/// Speed at which a time code counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TimeCodeKind {
-    /// As many frames a second as it says.
+    /// Exactly `frames_per_second` frames per second.
     Whole,
-    /// Slower, by 1000/1001.
+    /// Slower by 1000/1001.
     Slow,
-    /// Slower, by 1000/1001, with the numbers left out that keep it with the clock (drop frame).
+    /// Slower by 1000/1001, with some numbers skipped to stay with the clock (drop frame).
     Drop,
 }
 
 impl TimeCode {
-    /// Of the field in a show: none if its frames per second are 0, or it is no time.
+    /// Reads the field of a show: `None` if its frames per second are 0, or it is not a valid time.
     pub(crate) fn read(raw: [u8; 6]) -> Option<Self> {
         let [hours, minutes, seconds, frames, frames_per_second, kind] = raw;
         let kind = match kind {
@@ -51,10 +51,10 @@ impl TimeCode {
         })
     }
 
-    /// Whether a clock can show it.
+    /// Returns `true` if a clock can show this time code.
     pub fn is_time(&self) -> bool {
         let counts = matches!(self.frames_per_second, 24 | 25 | 30 | 50 | 60);
-        // Drop frame is of 29.97 and 59.94 frames a second; it leaves out the first numbers of most minutes.
+        // Drop frame exists for 29.97 and 59.94 frames per second; it skips the first numbers of most minutes.
         let drops = self.kind == TimeCodeKind::Drop;
         let left_out = drops
             && !self.minutes.is_multiple_of(10)
@@ -69,8 +69,8 @@ impl TimeCode {
             && !left_out
     }
 
-    /// What the clock shows so many frames later; after 24 hours it begins anew. `self` must be a
-    /// [time](Self::is_time). SMPTE ST 12-1, section 5: drop frame leaves out 2 numbers (of 60: 4) in each minute but
+    /// Returns the time code a number of frames later; after 24 hours it wraps to 0. `self` must be a
+    /// [time](Self::is_time). SMPTE ST 12-1, section 5: drop frame skips 2 numbers (for 60: 4) in each minute except
     /// every tenth.
     #[must_use]
     pub fn after(self, frames: u64) -> Self {
@@ -79,13 +79,13 @@ impl TimeCode {
         let minute = fps.wrapping_mul(60).wrapping_sub(dropped).max(1);
         let ten_minutes = minute.wrapping_mul(10).wrapping_add(dropped);
         let minutes = u64::from(self.hours).wrapping_mul(60).wrapping_add(self.minutes.into());
-        // Frames since midnight: all numbers, without those that were left out.
+        // Frames since midnight: all numbers, without the skipped ones.
         let seconds = minutes.wrapping_mul(60).wrapping_add(self.seconds.into());
         let left_out = dropped.wrapping_mul(minutes.wrapping_sub(minutes / 10));
         let now = seconds.wrapping_mul(fps).wrapping_add(self.frames.into()).wrapping_sub(left_out);
         let day = ten_minutes.wrapping_mul(144);
         let then = now.wrapping_add(frames).checked_rem(day).unwrap_or(0);
-        // And back: the first minute of ten has all its numbers.
+        // The inverse: the first minute of ten has all its numbers.
         let (tens, rest) = (part(then, ten_minutes), then.checked_rem(ten_minutes).unwrap_or(0));
         let short_minutes = part(rest.saturating_sub(dropped), minute);
         let left_out = dropped.wrapping_mul(tens.wrapping_mul(9).wrapping_add(short_minutes));
@@ -101,7 +101,7 @@ impl TimeCode {
         }
     }
 
-    /// Whole frames in so many samples.
+    /// Returns the number of whole frames in a number of samples.
     pub(crate) fn frames_in(self, samples: u32, rate: Rate) -> u64 {
         let (count, per) = match self.kind {
             TimeCodeKind::Whole => (1, 1),
@@ -114,7 +114,7 @@ impl TimeCode {
     }
 }
 
-/// The whole part of a quotient; 0 for none.
+/// Returns the whole part of a quotient; 0 for a divisor of 0.
 fn part(number: u64, of: u64) -> u64 {
     number.checked_div(of).unwrap_or(0)
 }
@@ -134,7 +134,7 @@ mod tests {
         for (fps, kind) in kinds.into_iter().chain([30, 60].map(|fps| (fps, TimeCodeKind::Drop))) {
             let first = code([22, 59, 50, 0], fps, kind);
             let mut now = first;
-            // Two hours: over ten-minute marks, and over midnight.
+            // Two hours, which include ten-minute marks and midnight.
             for frame in 1..u64::from(fps) * 7_200 {
                 let next = now.after(1);
                 assert!(next.is_time() && next == first.after(frame), "{now:?} {next:?}");
@@ -152,7 +152,7 @@ mod tests {
 
     #[test]
     fn drop_frame_keeps_with_the_clock() {
-        // An hour of 29.97 Hz has 107,892 frames and shows an hour; without drops 3.6 s less.
+        // An hour of 29.97 Hz has 107,892 frames and shows an hour; without drops, 3.6 s less.
         let midnight = code([0; 4], 30, TimeCodeKind::Drop);
         let rate = Rate { samples: 120, seconds: 1 };
         assert_eq!(midnight.frames_in(120 * 3_600, rate), 107_892);

@@ -1,13 +1,13 @@
 //! Maps time in a slowed-down show to time in the original performance.
 
-/// The course of a slowed show: samples of it, and of the performance that it was made from. Between two of them the
-/// performance goes evenly, behind the last one as fast as the show.
+/// The time map of a slowed-down show: pairs of a sample of the show and the corresponding sample of the original
+/// performance. Between two pairs the map is linear; after the last, the performance runs as fast as the show.
 #[derive(Debug, Clone)]
 pub struct TimeWarp<'a> {
     rest: &'a [u8],
 }
 
-/// Bytes of a pair of samples.
+/// Length of a pair of samples, in bytes.
 pub(crate) const PAIR_LEN: usize = 8;
 
 impl<'a> TimeWarp<'a> {
@@ -15,7 +15,7 @@ impl<'a> TimeWarp<'a> {
         Self { rest: table }
     }
 
-    /// The sample of the performance at a sample of the show, rounded down. O(pairs).
+    /// Returns the sample of the performance at a sample of the show, rounded down. O(pairs).
     pub(crate) fn performed(self, sample: u32) -> u32 {
         let mut from = (0, 0);
         for to in self {
@@ -34,7 +34,7 @@ impl<'a> TimeWarp<'a> {
         from.1.saturating_add(sample.wrapping_sub(from.0))
     }
 
-    /// The first pair that is not behind the one before it, or is beyond `longest`.
+    /// Returns the first pair that does not follow the pair before it, or is beyond `longest`.
     pub(crate) fn fault(self, longest: u32) -> Option<(usize, u32)> {
         let mut before = (0, 0);
         for (index, pair) in self.enumerate() {

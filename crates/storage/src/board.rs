@@ -1,4 +1,4 @@
-//! What a board declares: where its flash is free, and how large a rig it holds.
+//! A board's declaration: its free areas of flash, and its capacity for a rig.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -11,28 +11,28 @@ use crate::record::{HEAD_LEN, Record};
 /// A board's flash and capacity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoardTable {
-    /// At least two equal sectors for settings, rig and faults.
+    /// Area of the log for settings, rig and faults: at least two equal sectors.
     pub log: Area,
-    /// Slots of shows, one area each.
+    /// Areas of the slots for shows, one per slot.
     pub slots: &'static [Area],
-    /// The largest rig.
+    /// Limits of the rig.
     pub capacity: Capacity,
 }
 
-/// The largest rig that a board holds.
+/// The maximum size of a rig on a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Capacity {
-    /// Bodies.
+    /// Maximum number of bodies.
     pub bodies: u16,
-    /// Degrees of freedom.
+    /// Maximum number of dofs.
     pub dofs: u16,
-    /// Servos.
+    /// Maximum number of servos.
     pub servos: u16,
 }
 
 impl BoardTable {
-    /// ST NUCLEO-F446RE: sectors of 16, 64 and 128 kB (RM0390, embedded flash memory). Sector 0 has the
-    /// vectors, 4 and 5 the code.
+    /// ST NUCLEO-F446RE: sectors of 16, 64 and 128 kB (RM0390, embedded flash memory). Sector 0 contains the vectors,
+    /// sectors 4 and 5 the code.
     pub const NUCLEO_F446RE: Self = Self {
         log: Area { start: 0x4000, sector_len: 0x4000, sectors: 3 },
         slots: &[
@@ -42,14 +42,15 @@ impl BoardTable {
         capacity: Capacity { bodies: 33, dofs: 33, servos: 32 },
     };
 
-    /// Bytes of rig that the log holds beside settings of a length: while a new one comes, the old one stays.
+    /// Returns the maximum length of a rig in the log next to settings of a given length, in bytes. The log must hold
+    /// two rigs, because the old rig stays until the new one is complete.
     pub fn largest_rig<F: NorFlash>(&self, settings_len: u32) -> u32 {
         let item = Record::room::<F>(DESCRIPTOR_LEN);
         let fixed = padded::<F>(HEAD_LEN)
             .saturating_add(crate::fault::room_for_all::<F>())
             .saturating_add(item.saturating_add(padded::<F>(settings_len)));
         let each = self.log.sector_len.saturating_sub(fixed) >> 1;
-        // Two of them, each in whole granules.
+        // Room for two rigs, each in whole granules.
         each.saturating_sub(item) & !padded::<F>(1).saturating_sub(1)
     }
 
@@ -72,13 +73,13 @@ impl BoardTable {
 }
 
 impl Capacity {
-    /// Bytes of a rig's compact form that [`Self::check`] looks at.
+    /// Length of the part of a rig's compact form that [`Self::check`] reads, in bytes.
     pub const HEAD_LEN: usize = 16;
 
-    /// Refuses a rig by number, from the beginning of its compact form (`sinew_rig::board`).
+    /// Refuses a rig that is too large, from the start of its compact form (`sinew_rig::board`).
     ///
     /// # Errors
-    /// [`CapacityError`] names of what it has too many, or how the bytes begin that are no rig's.
+    /// [`CapacityError`] with the count that is too large, or with the first bytes if they are not a rig's.
     pub fn check(self, head: &[u8; Self::HEAD_LEN]) -> Result<(), CapacityError> {
         let [m0, m1, m2, m3, v0, v1, b0, b1, f0, f1, l0, l1, d0, d1, s0, s1] = *head;
         let found = [m0, m1, m2, m3, v0, v1];

@@ -1,4 +1,4 @@
-//! What counts of a log, copied into the next sector: the one place where the log erases.
+//! Compaction: copies the valid records of a log into the next sector. Only this module erases sectors of the log.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -11,11 +11,11 @@ use crate::log::{Active, Log, finish};
 use crate::record::{Record, Seal};
 
 impl Log {
-    /// Erases the next sector, copies what counts, and lets it count from then on. Until that last step the old sector
-    /// does, so a cut anywhere changes nothing.
+    /// Erases the next sector, copies the valid records, and then activates it. Until that last step the old sector
+    /// is active, so a power cut at any point changes nothing.
     ///
-    /// What counts: the newest whole record of each kind; of faults the first since they were cleared, and the last
-    /// [`FAULTS_KEPT`]. Order is kept. What newer items are damaged is noted behind it.
+    /// Valid records are the newest intact record of each kind; for faults, the first since they were cleared, and
+    /// the last [`FAULTS_KEPT`]. Order is kept. Notes about damaged newer items follow.
     pub(crate) fn compact<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -62,7 +62,7 @@ impl Log {
     }
 }
 
-/// Copies a whole record as it is, and says where the next one goes.
+/// Copies an intact record unchanged, and returns the address for the next record.
 fn copy<F: NorFlash>(
     flash: &mut F,
     record: &Record,

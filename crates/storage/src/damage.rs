@@ -1,8 +1,9 @@
-//! What a log has lost: newer settings, or a newer rig, than those that are whole. Whoever reads the older ones must
-//! know.
+//! Damage in a log: newer settings, or a newer rig, that are no longer intact. The reader of the older ones must know
+//! about it.
 //!
-//! A record was sealed, and its CRC is wrong; or a head is none, with more behind it than a cut leaves. A compaction
-//! drops both, and leaves a note in their place: a record without payload, whose schema is the item's kind.
+//! Either a record was sealed and its CRC is wrong, or a head is invalid and followed by more bytes than a power cut
+//! leaves. A compaction drops both, and writes a note instead: a record without payload, whose schema is the item's
+//! kind.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -15,11 +16,11 @@ use crate::stored::describe;
 
 pub(crate) const NOTE_KIND: u8 = 18;
 
-/// How many notes a log has at most: of settings, and of a rig.
+/// Maximum number of notes in a log: for settings, and for a rig.
 pub(crate) const NOTES: u32 = 2;
 
 impl Log {
-    /// Whether a newer item of this kind was there than the newest whole one. O(log).
+    /// Returns `true` if there was a newer item of this kind than the newest intact one. O(log).
     pub(crate) fn is_damaged<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -33,7 +34,8 @@ impl Log {
             } else if record.head.kind == kind.code() {
                 match record.state(flash)? {
                     Seal::Good => is_damaged = describe(flash, &record)?.is_none(),
-                    // A seal that power failed in looks the same: nobody was told that these count, and nobody knows.
+                    // A seal that was interrupted by a power failure looks the same. It counts as damage, although
+                    // the item was never confirmed.
                     Seal::Bad => is_damaged = true,
                     Seal::Open | Seal::GivenUp => {}
                 }
@@ -42,7 +44,7 @@ impl Log {
         Ok(is_damaged || self.active.is_some_and(|active| active.is_cut_short))
     }
 
-    /// Notes of what is damaged here, for a compaction: where the next record goes.
+    /// Writes notes about damaged items during a compaction. Returns the address for the next record.
     pub(crate) fn note_damage<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -66,7 +68,8 @@ impl Log {
 }
 
 impl Active {
-    /// Whether more is behind a torn head than a cut leaves, which is a head's length: records that nobody can reach.
+    /// Checks whether more bytes follow a torn head than a power cut leaves (the length of a head). These are
+    /// unreachable records.
     pub(crate) fn look_behind<F: NorFlash>(
         &mut self,
         flash: &mut F,

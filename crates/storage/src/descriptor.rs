@@ -1,4 +1,4 @@
-//! What an item is: kind, schema, hash, rig, approver.
+//! Description of an item: kind, schema, hash, rig, approver.
 
 use core::fmt;
 
@@ -8,11 +8,11 @@ use thiserror::Error;
 
 use crate::record::Head;
 
-/// Bytes of a descriptor, before the content. A multiple of every usual granule.
+/// Length of a descriptor before the content, in bytes. A multiple of every usual granule.
 pub(crate) const DESCRIPTOR_LEN: u32 = 96;
 const NAME_LEN: usize = 60;
 
-/// Kinds of items.
+/// Kind of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// Settings of the controller, in the log.
@@ -37,12 +37,12 @@ impl Kind {
     }
 }
 
-/// A SHA-256.
+/// A SHA-256 hash.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Hash(pub [u8; 32]);
 
 impl Hash {
-    /// Of bytes. O(len).
+    /// Computes the hash of bytes. O(len).
     pub fn of(bytes: &[u8]) -> Self {
         Self::finish(Sha256::new_with_prefix(bytes))
     }
@@ -64,35 +64,35 @@ impl fmt::Debug for Hash {
     }
 }
 
-/// Who approved an item: 1 to 60 bytes of UTF-8, without control characters.
+/// Name of an approver: 1 to 60 bytes of UTF-8, without control characters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Approver(String<NAME_LEN>);
 
-/// Why a text is no approver's name.
+/// An error in an approver's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("an approver's name has 1 to 60 bytes and no control characters; this one has {len} bytes")]
 pub struct ApproverError {
-    /// Bytes of the text.
+    /// Length of the name, in bytes.
     pub len: usize,
 }
 
-/// Why an item cannot be read, though it is whole.
+/// An error that prevents reading an intact item: its schema is not the expected one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("{kind:?} is of schema {found}; this firmware reads {expected}")]
 pub struct SchemaError {
-    /// Which item.
+    /// Kind of the item.
     pub kind: Kind,
-    /// The schema it has.
+    /// Schema of the item.
     pub found: u16,
-    /// The schema that was asked for.
+    /// Schema that was requested.
     pub expected: u16,
 }
 
 impl Approver {
-    /// The name, if it is one.
+    /// Validates a name.
     ///
     /// # Errors
-    /// [`ApproverError`] if it is empty, longer than 60 bytes, or has control characters.
+    /// [`ApproverError`] if the name is empty, longer than 60 bytes, or has control characters.
     pub fn new(name: &str) -> Result<Self, ApproverError> {
         let refused = ApproverError { len: name.len() };
         if name.is_empty() || name.chars().any(char::is_control) {
@@ -101,40 +101,40 @@ impl Approver {
         String::try_from(name).map(Self).map_err(|_| refused)
     }
 
-    /// The name.
+    /// Returns the name.
     pub fn name(&self) -> &str {
         &self.0
     }
 }
 
-/// What an item is, and who stands for it.
+/// Description of an item, with its approver.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Descriptor {
-    /// Its kind.
+    /// Kind of the item.
     pub kind: Kind,
-    /// Version of what the content means.
+    /// Version of the content's meaning.
     pub schema: u16,
-    /// Bytes of content.
+    /// Length of the content, in bytes.
     pub len: u32,
     /// SHA-256 of the content.
     pub hash: Hash,
-    /// The rig it belongs to: the CRC at the end of the rig's compact form; 0 for any.
+    /// Rig that it belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
     pub rig: u32,
-    /// Who approved it.
+    /// Name of the approver.
     pub approver: Approver,
 }
 
 impl Descriptor {
-    /// The descriptor of a content that is all there. O(len).
+    /// Returns the descriptor of a complete content. O(len).
     pub fn of(kind: Kind, schema: u16, content: &[u8], rig: u32, approver: Approver) -> Self {
         let len = u32::try_from(content.len()).unwrap_or(u32::MAX);
         Self { kind, schema, len, hash: Hash::of(content), rig, approver }
     }
 
-    /// Refuses content that this firmware would read as something else.
+    /// Refuses content that this firmware would misinterpret.
     ///
     /// # Errors
-    /// [`SchemaError`] with both versions.
+    /// [`SchemaError`] with both schemas.
     pub fn check_schema(&self, expected: u16) -> Result<(), SchemaError> {
         let Self { kind, schema: found, .. } = *self;
         if found == expected { Ok(()) } else { Err(SchemaError { kind, found, expected }) }
@@ -145,7 +145,7 @@ impl Descriptor {
         Head { kind: self.kind.code(), schema: self.schema, len }
     }
 
-    /// Hash, rig, name, and zeros behind it.
+    /// Encodes hash, rig and name, padded with zeros.
     pub(crate) fn encode(&self) -> [u8; DESCRIPTOR_LEN as usize] {
         let mut raw = [0; DESCRIPTOR_LEN as usize];
         let fields = self.hash.0.into_iter().chain(self.rig.to_le_bytes());
@@ -155,7 +155,7 @@ impl Descriptor {
         raw
     }
 
-    /// `None` if a record with this head and beginning is no item of ours.
+    /// Decodes a descriptor. Returns `None` if a record with this head and these first bytes is not a valid item.
     pub(crate) fn decode(head: Head, raw: &[u8; DESCRIPTOR_LEN as usize]) -> Option<Self> {
         let (hash, rest) = raw.split_first_chunk::<32>()?;
         let (rig, name) = rest.split_first_chunk::<4>()?;

@@ -1,10 +1,10 @@
-//! The permission to erase.
+//! The permission to erase flash.
 
-/// Proof that no drive may move. All that may erase asks for `&Disarmed`.
+/// Proof that no drive may move. Every function that erases takes `&Disarmed`.
 ///
-/// There is one of it: [`Store::open`](crate::Store::open) makes it at power-on, where nothing is armed. It can be
-/// neither made nor copied elsewhere. Its owner is the supervisor, which lends it while the rig is limp and at no
-/// other time. So a state in which servos hold or move cannot call what erases.
+/// There is only one value: [`Store::open`](crate::Store::open) creates it at power-on, when nothing is armed. Other
+/// code can neither create nor copy it. Its owner is the supervisor, which lends it only while the rig is limp. While
+/// servos hold or move, no code therefore has the permission to erase.
 ///
 /// ```compile_fail
 /// let mine = sinew_storage::Disarmed(());

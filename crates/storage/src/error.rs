@@ -1,99 +1,99 @@
-//! Errors of tables, capacities and of what is stored.
+//! Errors of board tables, capacities and stored items.
 
 use core::fmt::Debug;
 
 use thiserror::Error;
 
-/// Why something was not stored, or not read. `E` is the flash driver's error.
+/// An error of storing or reading. `E` is the flash driver's error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum Error<E: Debug> {
-    /// The driver refused.
+    /// The flash driver reported an error.
     #[error("the flash refused: {0:?}")]
     Flash(E),
-    /// The table does not fit the flash.
+    /// The board's table does not fit the flash.
     #[error("the board's table: {0}")]
     Table(TableError),
-    /// What was read back is not what was written, or a sector is not blank after its erase.
-    #[error("flash at {at:#x} does not keep what is written: is the sector worn out?")]
+    /// The data read back differ from the written data, or a sector is not blank after its erase.
+    #[error("flash at {at:#x} does not store the written data: is the sector worn out?")]
     ReadBack {
-        /// Where.
+        /// Address of the data.
         at: u32,
     },
-    /// A place that should be blank, or hold the same, holds something else: what a power cut leaves.
-    #[error("flash at {at:#x} holds what a cut left: begin the upload again")]
+    /// The flash is neither blank nor already holds the new data, because of a power cut.
+    #[error("flash at {at:#x} holds data that a power cut left incomplete: begin the upload again")]
     Torn {
-        /// Where.
+        /// Address of the data.
         at: u32,
     },
-    /// The log has no room for it.
+    /// The log has no room for the record.
     #[error("the log has {free} bytes free, {needed} are needed")]
     Full {
-        /// Bytes that it takes.
+        /// Needed length, in bytes.
         needed: u32,
-        /// Bytes that are free.
+        /// Free length, in bytes.
         free: u32,
     },
-    /// The log has to be put in order first: [`Store::tidy`](crate::Store::tidy), while the rig is limp.
+    /// The log must be tidied first: [`Store::tidy`](crate::Store::tidy), while the rig is limp.
     #[error("the log has to be tidied first, while the rig is limp")]
     Untidy,
-    /// No slot is large enough.
+    /// The show is longer than every slot.
     #[error("the show has {len} bytes, the largest slot holds {holds}")]
     TooLong {
-        /// Bytes of the show.
+        /// Length of the show, in bytes.
         len: u32,
-        /// Bytes that the largest slot holds.
+        /// Capacity of the largest slot, in bytes.
         holds: u32,
     },
     /// Every slot that is large enough holds a show.
     #[error("all slots for {len} bytes hold shows: delete one first")]
     NoFreeSlot {
-        /// Bytes of the show.
+        /// Length of the show, in bytes.
         len: u32,
     },
-    /// There is no such slot.
-    #[error("there is no slot {slot}: slots are 0 to {slots}, less one")]
+    /// There is no slot with this number.
+    #[error("there is no slot {slot}: there are {slots} slots, numbered from 0")]
     Slot {
-        /// Its number.
+        /// Number of the slot.
         slot: usize,
-        /// How many slots there are.
+        /// Number of slots.
         slots: usize,
     },
-    /// A block is beyond the ones that are there.
+    /// A block starts beyond the received bytes.
     #[error("the block begins at {found}, but only {expected} bytes are there: go on from there")]
     Order {
-        /// Bytes that are there.
+        /// Number of received bytes.
         expected: u32,
-        /// Where the block begins.
+        /// Offset of the block.
         found: u32,
     },
-    /// A block begins or ends where flash cannot.
+    /// A block starts or ends at an offset that the flash does not support.
     #[error(
         "blocks begin and end at multiples of {granule} bytes; this one is {len} bytes at {offset}"
     )]
     Alignment {
-        /// The flash's own unit.
+        /// Write granule of the flash, in bytes.
         granule: u32,
-        /// Where the block begins.
+        /// Offset of the block.
         offset: u32,
-        /// Its length.
+        /// Length of the block, in bytes.
         len: usize,
     },
-    /// A block goes beyond the end of the item.
+    /// A block ends beyond the end of the item.
     #[error("the block ends at {found}, the item has {len} bytes")]
     Beyond {
-        /// Where the block ends.
+        /// End of the block.
         found: u32,
-        /// Bytes of the item.
+        /// Length of the item, in bytes.
         len: u32,
     },
-    /// The content has another hash than was announced. The upload is dropped.
-    #[error("the content has another SHA-256 than was announced: it is dropped")]
+    /// The SHA-256 of the content is not the announced one. The upload is dropped.
+    #[error("the content has another SHA-256 than was announced: it is discarded")]
     Hash,
-    /// The place of this upload was given up since it began.
-    #[error("the place of this upload is gone: begin it again")]
+    /// The place of this upload was given up after its start.
+    #[error("the slot of this upload was given up: begin the upload again")]
     Stale,
-    /// The rig is none, or this board does not hold it. The upload is dropped.
+    /// The content is not a rig, or the rig exceeds the board's capacity. The upload is dropped.
     #[error("{0}")]
     Capacity(CapacityError),
 }
@@ -104,76 +104,78 @@ impl<E: Debug> From<CapacityError> for Error<E> {
     }
 }
 
-/// Why a board does not take a rig.
+/// A reason for which a board refuses a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum CapacityError {
-    /// It is too large.
+    /// The rig is too large.
     #[error("the rig has {found} {what}, the board holds {holds}")]
     TooLarge {
-        /// Of what it has too many.
+        /// Name of the count that is too large.
         what: &'static str,
-        /// How many it has.
+        /// Count in the rig.
         found: u16,
-        /// How many the board holds.
+        /// Maximum count on the board.
         holds: u16,
     },
-    /// The bytes do not begin as a rig of version 1.
+    /// The bytes do not start like a rig of version 1.
     #[error("not a rig of version 1: it begins with {found:02x?} in place of `SNWR`, 1")]
     NotARig {
-        /// How they begin.
+        /// First bytes of the content.
         found: [u8; 6],
     },
 }
 
-/// Why a table cannot be.
+/// An error in a board's table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum TableError {
-    /// The flash writes units that are no power of two up to 32 bytes.
+    /// The flash's write size is not a power of two up to 32 bytes.
     #[error("the flash writes {found} bytes at once; 1, 2, 4, 8, 16, 32 are possible")]
     Granule {
-        /// Bytes it writes at once.
+        /// Write size of the flash, in bytes.
         found: usize,
     },
-    /// Areas begin at multiples of 64 bytes, sectors have multiples of 64, and those of the log hold all faults.
+    /// An area does not start at a multiple of 64 bytes, a sector's length is not a multiple of 64, or a sector of
+    /// the log is too short for all faults.
     #[error(
-        "the area at {start:#x} has sectors of {sector_len} bytes: it takes multiples of 64, at least {least}"
+        "the area at {start:#x} has sectors of {sector_len} bytes: sectors must be multiples of 64 bytes, at least \
+         {least}"
     )]
     Sector {
-        /// Where the area begins.
+        /// Start address of the area.
         start: u32,
-        /// The length of its sectors.
+        /// Length of its sectors, in bytes.
         sector_len: u32,
-        /// The least length.
+        /// Minimum length, in bytes.
         least: u32,
     },
-    /// The log has one sector, or an area none.
+    /// The log has fewer than two sectors, or an area has none.
     #[error("the area at {start:#x} has {found} sectors, it needs {least}")]
     Sectors {
-        /// Where the area begins.
+        /// Start address of the area.
         start: u32,
-        /// How many sectors it has.
+        /// Number of its sectors.
         found: u32,
-        /// How many it needs.
+        /// Minimum number of sectors.
         least: u32,
     },
-    /// An area ends behind the flash.
+    /// An area ends beyond the end of the flash.
     #[error("the area at {start:#x} ends at {end:#x}, the flash at {capacity:#x}")]
     Beyond {
-        /// Where the area begins.
+        /// Start address of the area.
         start: u32,
-        /// Where it ends.
+        /// End address of the area.
         end: u64,
-        /// Bytes of flash.
+        /// Length of the flash, in bytes.
         capacity: u64,
     },
-    /// Two areas share sectors.
+    /// Two areas overlap.
     #[error("the areas at {first:#x} and {second:#x} overlap")]
     Overlap {
-        /// Where one begins.
+        /// Start address of one area.
         first: u32,
-        /// Where the other begins.
+        /// Start address of the other area.
         second: u32,
     },
 }

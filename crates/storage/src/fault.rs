@@ -9,7 +9,8 @@ use crate::flash::read;
 use crate::log::Log;
 use crate::record::{Head, Record, Seal};
 
-/// How many of the last faults survive, beside the first. As many fit in the log while nothing may be erased.
+/// Number of last faults that are kept, in addition to the first. The log has room for the same number of new faults
+/// while nothing may be erased.
 pub const FAULTS_KEPT: usize = 16;
 
 pub(crate) const FAULT_KIND: u8 = 16;
@@ -20,30 +21,30 @@ const SCHEMA: u16 = 2;
 pub(crate) const FAULT_HEAD: Head = Head { kind: FAULT_KIND, schema: SCHEMA, len: FAULT_LEN };
 pub(crate) const CLEARED_HEAD: Head = Head { kind: CLEARED_KIND, schema: SCHEMA, len: 0 };
 
-/// One fault, and when it was.
+/// A fault, and its time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fault {
-    /// Number of the start in which it was, from 1. Starts without a fault are not counted: that would cost a write
-    /// each.
+    /// Number of the start in which the fault occurred, from 1. Starts without a fault are not counted, because each
+    /// count would cost a write.
     pub run: u32,
-    /// Time since that start, µs.
+    /// Time since that start, us.
     pub time_us: u64,
-    /// Its number in the supervisor's table.
+    /// Number of the fault in the supervisor's table.
     pub number: u16,
-    /// Of which servo, joint or bus, if of one.
+    /// Index of the affected servo, joint or bus line, if there is one.
     pub part: Option<u16>,
-    /// Number of the supervisor's state in which it came.
+    /// Number of the supervisor's state in which the fault occurred.
     pub state: u8,
-    /// How often it had come when this was written.
+    /// Number of occurrences when this record was written.
     pub times: u16,
 }
 
-/// What is known of faults.
+/// The recorded faults.
 #[derive(Debug, Clone)]
 pub struct Faults {
-    /// The first since they were cleared.
+    /// First fault since faults were cleared.
     pub first: Option<Fault>,
-    /// The last [`FAULTS_KEPT`], the newest last, also of before they were cleared.
+    /// Last [`FAULTS_KEPT`] faults, newest last, including those before faults were cleared.
     pub last: Deque<Fault, FAULTS_KEPT>,
 }
 
@@ -77,12 +78,12 @@ impl Fault {
     }
 }
 
-/// What faults a log has.
+/// Counts of the faults in a log.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tally {
-    /// How many.
+    /// Number of faults.
     pub(crate) count: usize,
-    /// The number of the first since they were cleared.
+    /// Index of the first fault since faults were cleared.
     pub(crate) first: Option<usize>,
 }
 
@@ -120,9 +121,9 @@ impl Faults {
     }
 }
 
-/// Bytes that the log keeps free for faults that come while nothing may be erased, by how many it has.
+/// Returns the number of bytes that the log keeps free for faults that occur while nothing may be erased.
 ///
-/// Those that it has beyond the kept ones go with the next compaction, so there is always room for [`FAULTS_KEPT`].
+/// The next compaction removes the faults beyond the kept ones, so there is always room for [`FAULTS_KEPT`].
 pub(crate) fn reserve<F: NorFlash>(tally: Tally) -> u32 {
     let all = room_for_all::<F>();
     let one = Record::room::<F>(FAULT_LEN);
@@ -130,13 +131,13 @@ pub(crate) fn reserve<F: NorFlash>(tally: Tally) -> u32 {
     all.saturating_sub(one.saturating_mul(count)).max(least_reserve::<F>())
 }
 
-/// Room for as many faults as may come before the next compaction.
+/// Returns the room for the faults that may occur before the next compaction, in bytes.
 pub(crate) fn least_reserve<F: NorFlash>() -> u32 {
     Record::room::<F>(FAULT_LEN).saturating_mul(KEPT)
 }
 
-/// Room for the first fault, for the last ones, for as many new ones, and for notes: that they were cleared, and what
-/// is damaged.
+/// Returns the room for the first fault, the last faults, the same number of new ones, and the notes (faults cleared,
+/// damaged items), in bytes.
 pub(crate) fn room_for_all<F: NorFlash>() -> u32 {
     let one = Record::room::<F>(FAULT_LEN);
     let faults = one.saturating_mul(KEPT.saturating_mul(2).saturating_add(1));
@@ -146,7 +147,7 @@ pub(crate) fn room_for_all<F: NorFlash>() -> u32 {
 const KEPT: u32 = 16;
 const _: () = assert!(KEPT as usize == FAULTS_KEPT);
 
-/// Every whole fault in order of time; `None` where they were cleared.
+/// Calls `each` for every intact fault in order of time, and with `None` where faults were cleared.
 fn each<F: NorFlash>(
     log: &Log,
     flash: &mut F,

@@ -1,4 +1,4 @@
-//! Bytes into flash and out of it: aligned, read back, never twice to the same place.
+//! Reads and writes bytes in flash: aligned, read back, never written twice in one place.
 
 use core::iter::successors;
 
@@ -9,23 +9,23 @@ use crate::error::Error;
 
 pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Reading goes by chunks that are aligned to their length, so that a driver may be as coarse as this.
+/// Length of a read, in bytes, aligned to itself: a driver may require any alignment up to it.
 pub(crate) const CHUNK: usize = 64;
-/// The same.
+/// Length of a read as a `u32`, see `CHUNK`.
 pub(crate) const CHUNK_LEN: u32 = 64;
 
-/// The smallest unit that one writes: what the flash says, at least a word.
+/// Returns the write granule, in bytes: the flash's write size, at least a word.
 pub(crate) fn granule<F: NorFlash>() -> u32 {
     u32::try_from(F::WRITE_SIZE).unwrap_or(CHUNK_LEN).clamp(4, CHUNK_LEN)
 }
 
-/// A length in whole granules. A granule is a power of two: the table's check.
+/// Rounds a length up to whole granules. A granule is a power of two, which the table's check ensures.
 pub(crate) fn padded<F: NorFlash>(len: u32) -> u32 {
     let mask = granule::<F>().saturating_sub(1);
     len.saturating_add(mask) & !mask
 }
 
-/// Reads from any place.
+/// Reads from any address.
 pub(crate) fn read<F: ReadNorFlash>(
     flash: &mut F,
     mut at: u32,
@@ -47,7 +47,7 @@ pub(crate) fn read<F: ReadNorFlash>(
     Ok(())
 }
 
-/// Shows every byte of a range to `each`, in order, some at a time. O(len).
+/// Passes every byte of a range to `each`, in order, in parts. O(len).
 pub(crate) fn scan<F: ReadNorFlash>(
     flash: &mut F,
     mut at: u32,
@@ -66,7 +66,7 @@ pub(crate) fn scan<F: ReadNorFlash>(
     Ok(())
 }
 
-/// The CRC of a range. O(len).
+/// Adds a range to a CRC. O(len).
 pub(crate) fn checksum<F: ReadNorFlash>(
     flash: &mut F,
     at: u32,
@@ -76,7 +76,7 @@ pub(crate) fn checksum<F: ReadNorFlash>(
     scan(flash, at, len, |part| digest.update(part))
 }
 
-/// Whether a range is as an erase leaves it. O(len).
+/// Returns `true` if a range is erased. O(len).
 pub(crate) fn is_blank<F: ReadNorFlash>(
     flash: &mut F,
     at: u32,
@@ -91,10 +91,11 @@ pub(crate) fn all_ones(bytes: &[u8]) -> bool {
     bytes.iter().all(|byte| *byte == 0xFF)
 }
 
-/// Brings bytes to where they are not there already, and reads them back. `at` is a multiple of the granule; behind the
-/// last byte, the last granule stays as it is erased.
+/// Writes bytes that are not already there, and reads them back. `at` is a multiple of the granule. The rest of the
+/// last granule stays erased.
 ///
-/// Nothing is written twice: where there is neither the same nor nothing, that is [`Error::Torn`].
+/// Nothing is written twice: if the flash is neither blank nor already holds the bytes, the result is
+/// [`Error::Torn`].
 pub(crate) fn fill<F: NorFlash>(
     flash: &mut F,
     at: u32,
@@ -105,7 +106,7 @@ pub(crate) fn fill<F: NorFlash>(
         if fill_part(flash, at, part)? {
             continue;
         }
-        // A cut was within these: word by word.
+        // A power cut interrupted this part: continue granule by granule.
         for (word, at) in part.chunks(granule as usize).zip(steps(at, granule)) {
             if !fill_part(flash, at, word)? {
                 return Err(Error::Torn { at });
@@ -115,7 +116,7 @@ pub(crate) fn fill<F: NorFlash>(
     Ok(())
 }
 
-/// Whether at most a chunk is there now; not if something else is in its place.
+/// Writes up to a chunk unless it is already there. Returns `false` if other data are in its place.
 fn fill_part<F: NorFlash>(flash: &mut F, at: u32, part: &[u8]) -> Result<bool, Error<F::Error>> {
     let (mut wanted, mut found) = ([0xFF; CHUNK], [0; CHUNK]);
     for (to, from) in wanted.iter_mut().zip(part) {

@@ -1,28 +1,29 @@
 //! Persistent storage of a board: settings, rig and faults in a log, shows in raw slots. See `docs/storage.md`.
 //!
-//! - [`BoardTable`] is what a board declares: where its flash is free, and how large a rig it holds.
+//! - [`BoardTable`] is a board's declaration: its free areas of flash, and its capacity for a rig.
 //! - [`Store`] keeps items in any NOR flash ([`embedded_storage::nor_flash::NorFlash`]). Every item has a
-//!   [`Descriptor`]: schema version, SHA-256, the rig it belongs to, and who approved it.
-//! - [`Upload`] brings an item by blocks. It goes on where a cut left it.
+//!   [`Descriptor`]: schema version, SHA-256, the rig it belongs to, and its approver.
+//! - [`Upload`] writes an item block by block. After a power cut it continues where it stopped.
 //! - [`Faults`]: the first fault since they were cleared, and the last ones.
-//! - [`Disarmed`] is asked for by all that erases. There is one of it, and only a limp rig's controller can lend it.
+//! - [`Disarmed`] is a required argument of every function that erases. There is only one value, and only the
+//!   supervisor of a limp rig can lend it.
 //!
-//! An item is whole or not there: its seal is written last, and no item is written over the one it replaces.
-//! `no_std`: no allocation, no `unsafe`, no panic, no f64.
+//! An item is intact or absent: its seal is written last, and no item is written over the item it replaces. `no_std`:
+//! no allocation, no `unsafe`, no panic, no f64.
 //!
 //! # The flash is blocking
-//! Erasing on-chip flash stops the core anyway, and a future that is dropped in the middle of a write is a power cut.
-//! So storage is called from below the control loop, and returns when it is done.
+//! Erasing on-chip flash stops the core anyway, and a future dropped in the middle of a write would act like a power
+//! cut. Storage is therefore called from the background task, and returns when it is done.
 //!
 //! # Files
 //! From the flash up:
 //! - `flash`: bytes in any NOR flash: aligned, read back, never written twice in one place.
 //! - `record`: head, payload, and a seal that is written last.
-//! - `log`, `compact`, `damage`, `fault`: records in a sector; their copy in the next one; what was lost; faults.
+//! - `log`, `compact`, `damage`, `fault`: records in a sector; their copy in the next sector; lost items; faults.
 //! - `area`, `board`, `descriptor`, `disarmed`, `error`: sectors of flash; a board's declaration; an item's
-//!   description; the permission to erase.
-//! - `place`, `upload`, `stored`: room for an item; an item that arrives in blocks; an item that is whole.
-//! - `store`: all of these behind one type.
+//!   description; the permission to erase; errors.
+//! - `place`, `upload`, `stored`: room for an item; an item that arrives in blocks; an intact item.
+//! - `store`: the interface to all of these.
 
 #![no_std]
 #![forbid(unsafe_code)]

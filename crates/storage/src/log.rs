@@ -1,10 +1,10 @@
-//! The log: records one behind the other in one sector, until they are copied to the next (`compact`).
+//! The log: consecutive records in a sector, until `compact` copies them to the next sector.
 //!
-//! | bytes | what a sector begins with, written when all of it is there |
+//! | bytes | header of a sector, written when all its records are there |
 //! | --- | --- |
 //! | 4 | magic `SNWL` |
 //! | u32 | version of this format, 1 |
-//! | u32 | generation: the sector with the highest one counts |
+//! | u32 | generation: the sector with the highest generation is active |
 //! | u32 | CRC-32 (ISO-HDLC) of the bytes before it |
 
 use embedded_storage::nor_flash::NorFlash;
@@ -17,30 +17,30 @@ use crate::record::{HEAD_LEN, Head, Record, RecordStatus, Seal};
 const MAGIC: [u8; 4] = *b"SNWL";
 const VERSION: u32 = 1;
 
-/// Where the log is, and what is known of it.
+/// Area and state of the log.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Log {
     pub(crate) area: Area,
     pub(crate) active: Option<Active>,
-    /// Whether its sectors begin as an erase leaves them: there never was a log.
+    /// Whether the sectors start erased: there never was a log.
     pub(crate) is_new: bool,
 }
 
-/// The sector that counts.
+/// The active sector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Active {
     pub(crate) sector: u32,
     pub(crate) generation: u32,
-    /// Where the next record goes.
+    /// Address for the next record.
     pub(crate) end: u32,
-    /// Whether something is there that is no record: what a cut left.
+    /// Whether an invalid record follows, because of a power cut.
     pub(crate) is_torn: bool,
-    /// Whether it is more than a cut leaves: records that nobody can reach.
+    /// Whether more bytes follow than a power cut leaves: unreachable records.
     pub(crate) is_cut_short: bool,
 }
 
 impl Log {
-    /// Finds the sector that counts, and its end. O(sector).
+    /// Finds the active sector and its end. O(sector).
     pub(crate) fn open<F: NorFlash>(flash: &mut F, area: Area) -> Result<Self, Error<F::Error>> {
         let mut log = Self { area, active: None, is_new: true };
         for sector in 0..area.sectors {
@@ -65,17 +65,18 @@ impl Log {
         Ok(log)
     }
 
-    /// Where a sector begins.
+    /// Returns the start address of a sector.
     pub(crate) fn start(&self, sector: u32) -> u32 {
         self.area.start.saturating_add(self.area.sector_len.saturating_mul(sector))
     }
 
-    /// Where the first record of a sector is.
+    /// Returns the address of the first record of a sector.
     pub(crate) fn first_in<F: NorFlash>(&self, sector: u32) -> u32 {
         self.start(sector).saturating_add(padded::<F>(HEAD_LEN))
     }
 
-    /// The record at a place; `None` at the end. Begin with `at: None`, go on with its end.
+    /// Returns the record at an address; `None` at the end. Start with `at: None`, and continue with the end of each
+    /// record.
     pub(crate) fn next<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -89,7 +90,7 @@ impl Log {
         })
     }
 
-    /// The last record that a test accepts. O(sector), times what the test costs.
+    /// Returns the last record that a test accepts. O(sector), times the cost of the test.
     pub(crate) fn newest<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -105,7 +106,7 @@ impl Log {
         Ok(newest)
     }
 
-    /// The last whole record of a kind.
+    /// Returns the last intact record of a kind.
     pub(crate) fn newest_of<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -116,14 +117,14 @@ impl Log {
         })
     }
 
-    /// Bytes that may be appended; none if it has to be compacted first.
+    /// Returns the number of bytes that may be appended; 0 if the log must be compacted first.
     pub(crate) fn free(&self) -> u32 {
         self.active.filter(|active| !active.is_torn).map_or(0, |active| {
             self.start(active.sector.saturating_add(1)).saturating_sub(active.end)
         })
     }
 
-    /// Appends a head. Payload and seal are to follow.
+    /// Appends a head. Payload and seal must follow.
     pub(crate) fn begin<F: NorFlash>(
         &mut self,
         flash: &mut F,
@@ -134,7 +135,7 @@ impl Log {
         if needed > free {
             return Err(Error::Full { needed, free });
         }
-        // Until its head is whole, nobody knows how long it is.
+        // Until its head is complete, the length of the record is unknown.
         active.is_torn = true;
         let record = Record::begin(flash, active.end, head)?;
         active.end = record.end::<F>();
@@ -143,7 +144,7 @@ impl Log {
     }
 }
 
-/// What makes a sector count.
+/// Encodes the header that makes a sector valid.
 pub(crate) fn encode(generation: u32) -> [u8; 16] {
     let [v0, v1, v2, v3] = VERSION.to_le_bytes();
     let [g0, g1, g2, g3] = generation.to_le_bytes();
@@ -153,14 +154,14 @@ pub(crate) fn encode(generation: u32) -> [u8; 16] {
     [m0, m1, m2, m3, v0, v1, v2, v3, g0, g1, g2, g3, c0, c1, c2, c3]
 }
 
-/// The generation of a sector that counts.
+/// Returns the generation of a valid sector.
 fn decode(raw: [u8; 16]) -> Option<u32> {
     let [.., g0, g1, g2, g3, _, _, _, _] = raw;
     let generation = u32::from_le_bytes([g0, g1, g2, g3]);
     (encode(generation) == raw).then_some(generation)
 }
 
-/// Makes a sector count: the last step of a compaction.
+/// Makes a sector valid: the last step of a compaction.
 pub(crate) fn finish<F: NorFlash>(
     flash: &mut F,
     start: u32,

@@ -1,4 +1,4 @@
-//! Where an item goes: room in the log, or a free slot.
+//! Allocates the place of an item: room in the log, or a free slot.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -22,7 +22,7 @@ impl<F: NorFlash> Store<F> {
         let generation = self.log.active.map(|active| active.generation);
         if let Some(record) = newest
             && let Some(upload) = Upload::resume(&mut self.flash, record, descriptor, generation)?
-            // Where a newer one is damaged, somebody stands for this one anew.
+            // If a newer item is damaged, the host must confirm this one again.
             && !(upload.is_sealed && self.log.is_damaged(&mut self.flash, descriptor.kind)?)
         {
             return Ok(upload);
@@ -65,13 +65,13 @@ impl<F: NorFlash> Store<F> {
             return Err(Error::TooLong { len, holds });
         }
         let area = free.ok_or(Error::NoFreeSlot { len })?;
-        // Blank or not: what a cut erase left may read as blank and not keep what is written.
+        // Erased even if it is blank: after an interrupted erase, flash may read as blank and still not keep data.
         self.flash.erase(area.start, area.sectors_end(room)).map_err(Error::Flash)?;
         let record = Record::begin(&mut self.flash, area.start, head)?;
         Upload::start(&mut self.flash, record, descriptor, None)
     }
 
-    /// Room in the log for a record, beside what is kept free for faults.
+    /// Makes room in the log for a record, in addition to the reserve for faults.
     pub(crate) fn make_room(
         &mut self,
         disarmed: &Disarmed,
@@ -90,7 +90,7 @@ impl<F: NorFlash> Store<F> {
         Ok(self.log.free().saturating_sub(reserve::<F>(tally)))
     }
 
-    /// Refuses an upload whose place was given up: the log was compacted since.
+    /// Refuses an upload whose place was given up because the log was compacted.
     pub(crate) fn check_place(&self, upload: &Upload) -> Result<(), Error<F::Error>> {
         let here = self.log.active.map(|active| active.generation);
         if upload.generation.is_some() && upload.generation != here {

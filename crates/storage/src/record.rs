@@ -1,6 +1,6 @@
-//! One record: what a slot holds one of, and a log many.
+//! A record: the content of a slot, and the element of a log.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! | --- | --- |
 //! | 2 | magic `SR` |
 //! | u8 | version of this format, 1 |
@@ -10,10 +10,10 @@
 //! | u32 | length of the payload |
 //! | u32 | CRC-32 (ISO-HDLC) of the bytes before it |
 //! | | the payload |
-//! | u32 | the seal, written last: CRC-32 of all before it, less padding |
+//! | u32 | the seal, written last: CRC-32 of everything before it, without padding |
 //!
-//! Little-endian. Each of the three parts begins at a multiple of the flash's granule; between them is FF. The seal is
-//! never FF FF FF FF (not there yet) or 0 (given up).
+//! Little-endian. Each of the three parts starts at a multiple of the flash's granule; the gaps are FF. The seal is
+//! never FF FF FF FF (not yet written) or 0 (given up).
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -26,12 +26,12 @@ const VERSION: u8 = 1;
 const OPEN: u32 = u32::MAX;
 const GIVEN_UP: u32 = 0;
 
-/// What a record is.
+/// Description of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Head {
     pub(crate) kind: u8,
     pub(crate) schema: u16,
-    /// Bytes of payload.
+    /// Length of the payload, in bytes.
     pub(crate) len: u32,
 }
 
@@ -55,39 +55,39 @@ impl Head {
     }
 }
 
-/// A record, and where it lies.
+/// A record and its address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Record {
     pub(crate) at: u32,
     pub(crate) head: Head,
 }
 
-/// What a place holds.
+/// Content of the flash at an address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum RecordStatus {
-    /// Nothing, or the end.
+    /// Erased, or the end of the area.
     Free,
-    /// No record's head: how long it is nobody knows.
+    /// Not a valid head: the length is unknown.
     Torn,
     /// A record, sealed or not.
     Record(Record),
 }
 
-/// How a record ended.
+/// State of a record's seal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Seal {
-    /// Not yet.
+    /// Not written yet.
     Open,
-    /// As a whole.
+    /// Correct: the record is intact.
     Good,
-    /// Given up: nobody will finish it.
+    /// Given up: the record will never be completed.
     GivenUp,
-    /// Damaged.
+    /// Wrong: the record is damaged.
     Bad,
 }
 
 impl Record {
-    /// Bytes that a payload of this length takes with all around it.
+    /// Returns the length of a record with a payload of this length, in bytes.
     pub(crate) fn room<F: NorFlash>(len: u32) -> u32 {
         let (head, seal) = (padded::<F>(HEAD_LEN), padded::<F>(SEAL_LEN));
         head.saturating_add(padded::<F>(len)).saturating_add(seal)
@@ -101,12 +101,12 @@ impl Record {
         self.payload_at::<F>().saturating_add(padded::<F>(self.head.len))
     }
 
-    /// Where the next one may begin.
+    /// Returns the address for the next record.
     pub(crate) fn end<F: NorFlash>(&self) -> u32 {
         self.at.saturating_add(Self::room::<F>(self.head.len))
     }
 
-    /// What is at a place, in an area that ends at `end`.
+    /// Returns the status of an address, in an area that ends at `end`.
     pub(crate) fn look<F: NorFlash>(
         flash: &mut F,
         at: u32,
@@ -127,7 +127,7 @@ impl Record {
         })
     }
 
-    /// Writes a head. Payload and seal are to follow.
+    /// Writes a head. Payload and seal must follow.
     pub(crate) fn begin<F: NorFlash>(
         flash: &mut F,
         at: u32,
@@ -137,18 +137,18 @@ impl Record {
         Ok(Self { at, head })
     }
 
-    /// Seals what is in flash. O(len).
+    /// Seals the payload that is in flash. O(len).
     pub(crate) fn seal<F: NorFlash>(&self, flash: &mut F) -> Result<(), Error<F::Error>> {
         let seal = self.computed_seal(flash)?;
         fill(flash, self.seal_at::<F>(), &seal.to_le_bytes())
     }
 
-    /// Marks it as one that nobody will finish.
+    /// Marks the record as given up.
     pub(crate) fn give_up<F: NorFlash>(&self, flash: &mut F) -> Result<(), Error<F::Error>> {
         fill(flash, self.seal_at::<F>(), &GIVEN_UP.to_le_bytes())
     }
 
-    /// How it ended. O(len) if it has a seal.
+    /// Returns the state of the seal. O(len) if it is written.
     pub(crate) fn state<F: NorFlash>(&self, flash: &mut F) -> Result<Seal, Error<F::Error>> {
         let mut raw = [0; 4];
         read(flash, self.seal_at::<F>(), &mut raw)?;

@@ -1,4 +1,4 @@
-//! The store: all that a board keeps, in one flash.
+//! The store: all persistent items of a board, in one flash.
 
 use embedded_storage::nor_flash::NorFlash;
 
@@ -14,10 +14,10 @@ use crate::record::{Record, RecordStatus};
 use crate::stored::Stored;
 use crate::upload::Upload;
 
-/// All that a board keeps, in a flash `F`.
+/// The persistent items of a board, in a flash `F`.
 ///
-/// Reading costs a pass over what is read, and its CRC. Nothing but faults, and that they were cleared, is written
-/// without [`Disarmed`].
+/// Reading an item takes a pass over it, for its CRC. Without [`Disarmed`], only faults, and the record that they
+/// were cleared, can be written.
 #[derive(Debug)]
 pub struct Store<F> {
     pub(crate) flash: F,
@@ -26,22 +26,23 @@ pub struct Store<F> {
     run: u32,
 }
 
-/// How the log was found.
+/// Condition of the log when it was opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Condition {
-    /// There never was one: the first item makes it.
+    /// There never was a log: the first item creates it.
     New,
-    /// Nothing to do.
+    /// The log is in order.
     Good,
-    /// A cut left something, or faults filled it: whole items are there, faults cannot be recorded until
-    /// [`Store::tidy`].
+    /// A power cut left something, or faults filled the log. The items are intact, but faults cannot be recorded
+    /// until [`Store::tidy`].
     Untidy,
-    /// There is something, and it is no log. Settings, rig and faults are lost.
+    /// The flash holds data, but not a log. Settings, rig and faults are lost.
     Lost,
 }
 
 impl<F: NorFlash> Store<F> {
-    /// Opens what is there, and writes nothing. Call it once, at power-on: it makes the one [`Disarmed`]. O(log).
+    /// Opens the existing items, and writes nothing. Call it only once, at power-on: it creates the only
+    /// [`Disarmed`]. O(log).
     ///
     /// # Errors
     /// [`Error::Table`] if the table does not fit the flash; [`Error::Flash`].
@@ -54,7 +55,7 @@ impl<F: NorFlash> Store<F> {
         Ok((Self { flash, board, log, run }, Disarmed::at_power_on()))
     }
 
-    /// How the log is.
+    /// Returns the condition of the log.
     pub fn condition(&self) -> Condition {
         match self.log.active {
             None if self.log.is_new => Condition::New,
@@ -66,8 +67,8 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Puts the log in order if that is needed, so that faults can be recorded while nothing may be erased. Call it
-    /// after opening, and whenever the rig becomes limp. Erases one sector, or none.
+    /// Tidies the log if necessary, so that faults can be recorded while nothing may be erased. Call it after
+    /// opening, and whenever the rig becomes limp. Erases one sector, or none.
     ///
     /// # Errors
     /// [`Error::Flash`], [`Error::ReadBack`].
@@ -78,22 +79,22 @@ impl<F: NorFlash> Store<F> {
         self.log.compact(&mut self.flash, disarmed)
     }
 
-    /// The number of this start, which a fault of it gets.
+    /// Returns the number of this start, which faults of this start get.
     pub fn run(&self) -> u32 {
         self.run
     }
 
-    /// What the board declares.
+    /// Returns the board's declaration.
     pub fn board(&self) -> &BoardTable {
         &self.board
     }
 
-    /// Gives the flash back.
+    /// Returns the flash.
     pub fn close(self) -> F {
         self.flash
     }
 
-    /// The settings, if they are there.
+    /// Returns the settings, if they are there.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -101,7 +102,7 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Settings)
     }
 
-    /// The rig, if it is there.
+    /// Returns the rig, if it is there.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -109,9 +110,9 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Rig)
     }
 
-    /// Whether newer settings, or a newer rig, were there than [`Self::settings`] or [`Self::rig`] reads, and are
-    /// damaged. So it stays, over every power cut, until the next whole ones. Of the rare seal that power failed in
-    /// nobody can tell it from damage: it counts, too. O(log).
+    /// Returns `true` if newer settings, or a newer rig, existed than [`Self::settings`] or [`Self::rig`] reads, and
+    /// are damaged. This stays `true` over every power cut until new intact ones are written. A power failure in the
+    /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(log).
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -119,7 +120,7 @@ impl<F: NorFlash> Store<F> {
         self.log.is_damaged(&mut self.flash, kind)
     }
 
-    /// The show of a slot, if one is there. O(its size): every byte is under the CRC.
+    /// Returns the show of a slot, if there is one. O(its size): its CRC covers every byte.
     ///
     /// # Errors
     /// [`Error::Slot`] if there is no such slot; [`Error::Flash`].
@@ -128,10 +129,10 @@ impl<F: NorFlash> Store<F> {
         self.in_slot(area)
     }
 
-    /// Reads content of an item, for flash that is no memory; [`Stored::content`] needs no copy.
+    /// Reads content of an item, for flash that is not memory-mapped; [`Stored::content`] needs no copy.
     ///
     /// # Errors
-    /// [`Error::Beyond`] if that is not all within the item; [`Error::Flash`].
+    /// [`Error::Beyond`] if the range is not within the item; [`Error::Flash`].
     pub fn read(
         &mut self,
         item: &Stored,
@@ -146,8 +147,8 @@ impl<F: NorFlash> Store<F> {
         read(&mut self.flash, item.at.saturating_add(offset), out)
     }
 
-    /// Begins an upload, or goes on with it: [`Upload::received`] says from where. Settings and rigs go into the log,
-    /// a show into the first slot that holds none and is large enough.
+    /// Starts an upload, or continues it: [`Upload::received`] returns the offset. Settings and rigs go into the log,
+    /// a show into the first free slot that is large enough.
     ///
     /// # Errors
     /// [`Error::Full`], [`Error::TooLong`], [`Error::NoFreeSlot`] if there is no room; [`Error::Flash`],
@@ -163,12 +164,12 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
-    /// Writes a block: at [`Upload::received`], or one that came before, again. Blocks begin and end at multiples of
-    /// the flash's granule, but for the end of the last one. O(block).
+    /// Writes a block at [`Upload::received`], or repeats an earlier block. Blocks start and end at multiples of the
+    /// flash's granule; only the last block may end anywhere. O(block).
     ///
     /// # Errors
     /// [`Error::Order`], [`Error::Beyond`], [`Error::Alignment`]: send the right block. [`Error::Stale`],
-    /// [`Error::Torn`], [`Error::Capacity`] (of a rig's first block): begin again. [`Error::Flash`],
+    /// [`Error::Torn`], [`Error::Capacity`] (of a rig's first block): start again. [`Error::Flash`],
     /// [`Error::ReadBack`].
     pub fn write(
         &mut self,
@@ -181,20 +182,20 @@ impl<F: NorFlash> Store<F> {
         upload.write(&mut self.flash, self.board.capacity, offset, block)
     }
 
-    /// Ends an upload: all of it is read back and hashed, then sealed. From here on the item counts. O(len).
+    /// Ends an upload: the content is read back, hashed and sealed. From then on the item is valid. O(len).
     ///
     /// # Errors
     /// [`Error::Order`] if bytes are missing. [`Error::Hash`], [`Error::Capacity`]: the upload is dropped.
-    /// [`Error::Stale`]: begin again. [`Error::Flash`], [`Error::ReadBack`].
+    /// [`Error::Stale`]: start again. [`Error::Flash`], [`Error::ReadBack`].
     pub fn end(&mut self, _: &Disarmed, upload: &Upload) -> Result<Stored, Error<F::Error>> {
         self.check_place(upload)?;
         upload.end(&mut self.flash, self.board.capacity)
     }
 
-    /// An upload in one call. It writes nothing if the same item is there already.
+    /// Uploads an item in one call. It writes nothing if the same item is already there.
     ///
     /// # Errors
-    /// As [`Self::begin`], [`Self::write`], [`Self::end`].
+    /// As in [`Self::begin`], [`Self::write`], [`Self::end`].
     pub fn put(
         &mut self,
         disarmed: &Disarmed,
@@ -204,7 +205,7 @@ impl<F: NorFlash> Store<F> {
         let mut upload = self.begin(disarmed, descriptor)?;
         let result = self.write(disarmed, &mut upload, 0, content);
         if let Err(Error::Torn { .. }) = result {
-            // A cut left a part of it. That was given up: this begins anew.
+            // A power cut had left a part of the item. That part was given up; start again.
             upload = self.begin(disarmed, descriptor)?;
             self.write(disarmed, &mut upload, 0, content)?;
         } else {
@@ -213,7 +214,7 @@ impl<F: NorFlash> Store<F> {
         self.end(disarmed, &upload)
     }
 
-    /// Deletes the show of a slot: erases the sector with its head. A cut leaves the show, or none.
+    /// Deletes the show of a slot: erases the sector with its head. After a power cut the show is intact or absent.
     ///
     /// # Errors
     /// [`Error::Slot`] if there is no such slot; [`Error::Flash`].
@@ -222,11 +223,11 @@ impl<F: NorFlash> Store<F> {
         self.flash.erase(area.start, area.sectors_end(1)).map_err(Error::Flash)
     }
 
-    /// Records a fault, armed or not. It erases nothing: call it when the servos are safe. Returns the number of this
-    /// start, which takes the place of `fault.run`.
+    /// Records a fault, armed or not. It erases nothing; call it when the servos are safe. Returns the number of this
+    /// start, which replaces `fault.run`.
     ///
     /// # Errors
-    /// [`Error::Untidy`], [`Error::Full`]: keep it in RAM until the rig is limp, then [`Self::tidy`].
+    /// [`Error::Untidy`], [`Error::Full`]: keep the fault in RAM until the rig is limp, then call [`Self::tidy`].
     /// [`Error::Flash`], [`Error::ReadBack`].
     pub fn record_fault(&mut self, fault: &Fault) -> Result<u32, Error<F::Error>> {
         let record = self.log.begin(&mut self.flash, FAULT_HEAD)?;
@@ -236,7 +237,7 @@ impl<F: NorFlash> Store<F> {
         Ok(self.run)
     }
 
-    /// The first fault since they were cleared, and the last ones. O(log).
+    /// Returns the first fault since they were cleared, and the last ones. O(log).
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -244,11 +245,11 @@ impl<F: NorFlash> Store<F> {
         Faults::of(&self.log, &mut self.flash)
     }
 
-    /// Lets the next fault be the first, armed or not: faults may be cleared while the rig is lowered. The last ones
-    /// stay. It erases nothing.
+    /// Clears faults, armed or not, so that the next fault becomes the first: faults may be cleared while the rig is
+    /// lowered. The last faults stay. It erases nothing.
     ///
     /// # Errors
-    /// As [`Self::record_fault`].
+    /// As in [`Self::record_fault`].
     pub fn clear_faults(&mut self) -> Result<(), Error<F::Error>> {
         self.log.begin(&mut self.flash, CLEARED_HEAD)?.seal(&mut self.flash)
     }

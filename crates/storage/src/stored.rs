@@ -1,4 +1,4 @@
-//! An item that is whole, and where it lies.
+//! An intact item and its address.
 
 use core::ops::Range;
 
@@ -9,9 +9,10 @@ use crate::error::Error;
 use crate::flash::read;
 use crate::record::{Record, Seal};
 
-/// An item that was whole when it was looked for.
+/// An item that was intact when it was read.
 ///
-/// The content stays in place until it is deleted or replaced, and the log is compacted: ask again after that.
+/// The content stays in place until it is deleted or replaced, and the log is compacted. Read the item again after
+/// that.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stored {
     pub(crate) descriptor: Descriptor,
@@ -19,24 +20,24 @@ pub struct Stored {
 }
 
 impl Stored {
-    /// Returns its descriptor.
+    /// Returns the descriptor.
     pub fn descriptor(&self) -> &Descriptor {
         &self.descriptor
     }
 
-    /// The content where it lies, if the flash can be read as memory: `flash` is all of it, from its first byte on.
-    /// `None` if that is too short.
+    /// Returns the content in place, if the flash is memory-mapped. `flash`: the whole flash from its first byte.
+    /// `None` if it is too short.
     pub fn content<'a>(&self, flash: &'a [u8]) -> Option<&'a [u8]> {
         let start = usize::try_from(self.at).ok()?;
         flash.get(start..)?.get(..usize::try_from(self.descriptor.len).ok()?)
     }
 
-    /// Where the content lies: bytes from the beginning of the flash.
+    /// Returns the address range of the content, from the start of the flash.
     pub fn place(&self) -> Range<u32> {
         self.at..self.at.saturating_add(self.descriptor.len)
     }
 
-    /// The item of a record, if it is whole and one of ours. O(len).
+    /// Returns the item of a record, if it is intact and valid. O(len).
     pub(crate) fn of<F: NorFlash>(
         flash: &mut F,
         record: &Record,
@@ -62,7 +63,7 @@ pub(crate) fn describe<F: NorFlash>(
     Ok(Descriptor::decode(record.head, &raw))
 }
 
-/// Where a record's content begins: at a multiple of the granule, as a descriptor has 96 bytes.
+/// Returns the address of a record's content: a multiple of the granule, because a descriptor has 96 bytes.
 pub(crate) fn content_at<F: NorFlash>(record: &Record) -> u32 {
     record.payload_at::<F>().saturating_add(DESCRIPTOR_LEN)
 }

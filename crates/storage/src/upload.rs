@@ -1,4 +1,4 @@
-//! An item that comes by blocks, and goes on where a cut left it.
+//! An item that arrives in blocks; after a power cut its upload continues.
 
 use core::ops::Range;
 
@@ -12,35 +12,36 @@ use crate::flash::{CHUNK, CHUNK_LEN, fill, granule, is_blank, padded, read, scan
 use crate::record::{Record, Seal};
 use crate::stored::{Stored, content_at, describe};
 
-/// An upload that has begun: [`Store::begin`](crate::Store::begin) makes it.
+/// An upload in progress, from [`Store::begin`](crate::Store::begin).
 #[derive(Debug, Clone)]
 pub struct Upload {
     pub(crate) record: Record,
     pub(crate) descriptor: Descriptor,
-    /// Of the log, if it goes there: another one means that the place is gone.
+    /// Generation of the log, for an item in the log. If it has changed, the place of the upload is gone.
     pub(crate) generation: Option<u32>,
     pub(crate) received: u32,
     pub(crate) is_sealed: bool,
 }
 
 impl Upload {
-    /// What comes.
+    /// Returns the descriptor of the item.
     pub fn descriptor(&self) -> &Descriptor {
         &self.descriptor
     }
 
-    /// How many bytes are there: the next block begins here, or before. All of them if the item was whole already.
+    /// Returns the number of received bytes: the next block starts at this offset, or earlier. If the item is already
+    /// intact, this is its length.
     pub fn received(&self) -> u32 {
         self.received
     }
 
-    /// Where the content goes: bytes from the beginning of the flash.
+    /// Returns the address range of the content, from the start of the flash.
     pub fn place<F: NorFlash>(&self) -> Range<u32> {
         let start = content_at::<F>(&self.record);
         start..start.saturating_add(self.descriptor.len)
     }
 
-    /// A place for an item: head and descriptor.
+    /// Writes the descriptor of an item after its head.
     pub(crate) fn start<F: NorFlash>(
         flash: &mut F,
         record: Record,
@@ -52,7 +53,7 @@ impl Upload {
         Ok(Self { record, descriptor, generation, received: 0, is_sealed: false })
     }
 
-    /// An upload that goes on in a record, if that is of the same item and was not given up. O(len).
+    /// Returns an upload that continues in a record, if the record is of the same item and was not given up. O(len).
     pub(crate) fn resume<F: NorFlash>(
         flash: &mut F,
         record: Record,
@@ -73,7 +74,8 @@ impl Upload {
         Ok(Some(upload))
     }
 
-    /// Where the last chunk begins that is not blank: what comes before was written in order, so it is whole.
+    /// Returns the offset of the last chunk that is not blank. Everything before it is complete, because it was
+    /// written in order.
     fn written<F: NorFlash>(&self, flash: &mut F) -> Result<u32, Error<F::Error>> {
         let mut offset = self.descriptor.len & !CHUNK_LEN.saturating_sub(1);
         loop {
@@ -134,7 +136,7 @@ impl Upload {
         Stored::of(flash, record)?.ok_or(Error::Stale)
     }
 
-    /// That what is in flash is what was announced.
+    /// Checks that the content in flash is the announced one.
     fn check<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -146,7 +148,7 @@ impl Upload {
             return Err(Error::Stale);
         }
         if descriptor.kind == Kind::Rig {
-            // What is short is no rig.
+            // A shorter content is not a rig.
             let mut head = [0; Capacity::HEAD_LEN];
             let len = CHUNK.min(descriptor.len as usize).min(head.len());
             read(flash, at, head.get_mut(..len).unwrap_or_default())?;
@@ -157,7 +159,7 @@ impl Upload {
         if Hash::finish(hasher) == descriptor.hash { Ok(()) } else { Err(Error::Hash) }
     }
 
-    /// An upload that can come to nothing is not gone on with.
+    /// Gives up an upload that cannot succeed, so that it is never continued.
     fn or_give_up<F: NorFlash>(
         &self,
         flash: &mut F,

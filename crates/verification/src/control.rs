@@ -1,4 +1,4 @@
-//! From errors to accelerations and torques: the whole tick (`control/1`).
+//! Verifies the whole tick, from errors to accelerations and torques (`control/1`).
 
 use glam::DQuat;
 use serde::Deserialize;
@@ -156,22 +156,22 @@ fn check_method(
     }
 }
 
-/// How errors are measured, for the tick with its rounding.
+/// The method of error measurement, for the tick with rounding.
 #[derive(Clone, Copy)]
 enum Measure {
     Local,
     World,
-    /// Linear Compensation with the goals as points of the bodies.
+    /// Linear Compensation, with points of the bodies as goals.
     Points,
-    /// With the children as goals.
+    /// Linear Compensation, with the child joints as goals.
     Children,
 }
 
-/// A tick with its rounding.
+/// The results of a tick with their rounding.
 struct Rounded {
     commands: Vec<Motion>,
     tau: Vec<Motion>,
-    /// The root's commanded acceleration in world axes.
+    /// Commanded acceleration of the root, in world axes.
     turned_root: rounding::Vector,
 }
 
@@ -255,7 +255,7 @@ fn error(
     }
 }
 
-/// Joints of one side with their rounding, links `scale` times as long.
+/// Returns the joints of the desired or the measured side with their rounding, with links scaled by `scale`.
 fn joints(case: &Case, links: &[Link], joints: &Joints, scale: Number) -> Vec<Joint> {
     let velocity = joints.quat[0].0.inverse() * joints.root_lin_vel_world.0;
     links
@@ -284,7 +284,7 @@ fn targets(case: &Case, tree: &Tree) -> Result<JointTargets<128>, CaseError> {
         let state =
             state(case, tree, &case.desired, "desired", body, case.desired_scale.rounded())?;
         let angular = case.feedforward.joint_acc_child[body].rounded();
-        // The core wants it in desired body axes.
+        // The core expects it in the desired body's axes.
         let linear = if body == 0 {
             in_body(&case.desired.quat[0].0, &case.feedforward.root_lin_acc_world)
         } else {

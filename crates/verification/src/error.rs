@@ -5,31 +5,31 @@ use std::{fmt, io};
 
 use super::kind::Kind;
 
-/// The schemas that are computed.
+/// Schemas that this program can compute.
 const COMPUTED: &str =
     "rnea/1, control/1, errors/1, finite_difference/1, solids/1, weights/1 and hauberg/1";
 
 /// A golden file that cannot be computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnknownFile {
-    /// Its name.
+    /// Name of the file.
     pub name: String,
-    /// The schema that it names.
+    /// Schema named in the file.
     pub schema: String,
-    /// Its kind, if that is known: it can be left out.
+    /// Kind of the file, if it is known. A known kind can be skipped.
     pub kind: Option<Kind>,
 }
 
 /// The golden files of a folder that cannot be computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnknownFiles {
-    /// The files, by name.
+    /// Files by name.
     pub files: Vec<UnknownFile>,
-    /// The kinds that are left out already.
+    /// Kinds that are already skipped.
     pub skip: Vec<Kind>,
 }
 
-/// Each file with its schema, and what to type or to do.
+/// Lists each file with its schema, and advice for the user.
 impl fmt::Display for UnknownFiles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "cannot compute these schemas, only {COMPUTED}:")?;
@@ -47,68 +47,68 @@ impl fmt::Display for UnknownFiles {
     }
 }
 
-/// Why golden files could not be verified.
+/// The error of a failed verification.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// Files are of a kind or version that is not known, or not computed yet.
+    /// Files whose kind or version is unknown or not yet computed.
     #[error("{0}")]
     Unknown(UnknownFiles),
-    /// The folder or a file cannot be read.
+    /// A folder or a file that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
-        /// What was read.
+        /// Path of the folder or file.
         path: PathBuf,
-        /// Why not.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// There is nothing to recompute.
+    /// A folder without a file to recompute.
     #[error("no golden file (*.json) to recompute in {}; {skipped} were skipped", folder.display())]
     NoFile {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// How many files of it were skipped.
+        /// Number of its files that were skipped.
         skipped: usize,
     },
-    /// A file cannot be computed.
+    /// A file that cannot be computed.
     #[error("{file}: {source}")]
     File {
-        /// Its name.
+        /// Name of the file.
         file: String,
-        /// Why not.
+        /// Reason for the failure.
         source: FileError,
     },
 }
 
-/// Why a golden file could not be computed.
+/// The error of a golden file that could not be computed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
-    /// Not the JSON object that a golden file is.
+    /// A file that is not the JSON object of a golden file.
     #[error("not a golden file, which is an object with `schema` and `cases`: {0}")]
     Malformed(serde_json::Error),
-    /// Of a kind or version that is not known, or not computed yet.
+    /// A kind or version that is unknown or not yet computed.
     #[error("cannot compute schema `{schema}`, only {COMPUTED}")]
     UnknownSchema {
-        /// The schema that the file names.
+        /// Schema named in the file.
         schema: String,
     },
-    /// There is nothing in it.
+    /// A file without cases.
     #[error("no cases; expected a list `cases` with at least one")]
     NoCase,
-    /// A case is not as its schema has it.
+    /// A case that does not conform to its schema.
     #[error("case {case}, {field}: {problem}")]
     Case {
         /// Number and name of the case.
         case: String,
         /// Path of the field, such as `states[0].tau`.
         field: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
 }
 
-/// What is wrong with a field of a case.
+/// A fault in a field of a case.
 #[derive(Debug)]
 pub(super) struct CaseError {
     pub(super) field: String,

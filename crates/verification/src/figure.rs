@@ -1,4 +1,4 @@
-//! The rigs of golden files as trees of the core.
+//! Converts the rigs of golden files to trees of the core.
 
 use glam::{DMat3, DQuat, DVec3};
 use serde::Deserialize;
@@ -10,10 +10,10 @@ use super::error::CaseError;
 use super::golden::{Rotation, Scalar, Vector, expect_count};
 use super::rounding::{self, Joint, Link, Motion, Number};
 
-/// The core's largest capacity; golden trees have up to 32 bodies.
+/// Tree with the core's largest capacity. Golden trees have up to 32 bodies.
 pub(super) type Tree = sinew_core::Tree<128>;
 
-/// How body 0 is held.
+/// The connection of body 0 to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum Root {
@@ -22,7 +22,7 @@ pub(super) enum Root {
     Welded,
 }
 
-/// A body as `rnea` and `control` files have it.
+/// A body as in `rnea` and `control` files.
 #[derive(Deserialize)]
 pub(super) struct GoldenBody {
     pub(super) parent: i64,
@@ -34,12 +34,12 @@ pub(super) struct GoldenBody {
 }
 
 impl GoldenBody {
-    /// Pose of the joint frame in the parent's body frame.
+    /// Returns the pose of the joint frame in the parent's body frame.
     pub(super) fn placement(&self) -> Transform {
         Transform::new(self.rot.rounded(), self.offset.rounded())
     }
 
-    /// Mass properties as they are, in f64.
+    /// Returns the mass properties unrounded, in f64.
     pub(super) fn mass_properties(&self) -> MassProperties {
         let [xx, xy, xz, yy, yz, zz] = self.inertia.map(|element| element.0);
         MassProperties {
@@ -50,7 +50,7 @@ impl GoldenBody {
     }
 }
 
-/// The bodies of a golden tree with their rounding; their joints are those of the core's tree.
+/// Returns the bodies of a golden tree with their rounding. The joints are those of the core's tree.
 pub(super) fn links(tree: &Tree, bodies: &[GoldenBody]) -> Vec<Link> {
     let link = |(body, of_tree): (&GoldenBody, &Body)| Link {
         parent: of_tree.parent,
@@ -64,7 +64,7 @@ pub(super) fn links(tree: &Tree, bodies: &[GoldenBody]) -> Vec<Link> {
     bodies.iter().zip(tree.bodies()).map(link).collect()
 }
 
-/// The joint of a golden body with its rounding, as [`joint_state`] has it.
+/// Returns the joint of a golden body with its rounding, corresponding to [`joint_state`].
 pub(super) fn joint(
     link: &Link,
     offset: rounding::Vector,
@@ -93,7 +93,7 @@ pub(super) fn joint(
     }
 }
 
-/// A parent index; -1 is the world.
+/// Converts a parent index; -1 is the world.
 pub(super) fn parent(index: i64, field: &str) -> Result<Option<usize>, CaseError> {
     match index {
         -1 => Ok(None),
@@ -108,7 +108,7 @@ pub(super) fn expect_bodies(n: usize) -> Result<(), CaseError> {
     if n == 0 { Err(CaseError::new("n", "no bodies; expected one or more")) } else { Ok(()) }
 }
 
-/// The tree of `rnea` and `control` cases: all joints but the root's are spherical.
+/// Returns the tree of `rnea` and `control` cases: all joints are spherical, except the root's.
 pub(super) fn tree(n: usize, root: Root, bodies: &[GoldenBody]) -> Result<Tree, CaseError> {
     expect_count("bodies", bodies.len(), n)?;
     expect_bodies(n)?;
@@ -137,7 +137,7 @@ pub(super) fn tree(n: usize, root: Root, bodies: &[GoldenBody]) -> Result<Tree, 
     Ok(tree)
 }
 
-/// State of a golden joint; what the joint does not leave free is ignored, as the files have it.
+/// Returns the state of a golden joint. Components that are not dofs of the joint are ignored, as in the files.
 pub(super) fn joint_state(
     joint: JointKind,
     placement: Transform,

@@ -1,4 +1,4 @@
-//! Finite differences of poses (`finite_difference/1`).
+//! Verifies finite differences of poses (`finite_difference/1`).
 
 use serde::Deserialize;
 use sinew_core::finite_difference::{Scheme, of_rotations, of_rotations_in_world, of_vectors};
@@ -51,7 +51,7 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
     check_trajectory(case, &at, tallies)
 }
 
-/// The differences by themselves. A backward one of frame k is the forward one of the frame `order` before.
+/// Checks the differences alone. A backward difference at frame k is the forward difference `order` frames before.
 fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(), CaseError> {
     let rotations: Vec<Quat> = case.quat.iter().map(|quat| quat.rounded()).collect();
     let positions: Vec<Vec3> = case.pos.iter().map(|pos| pos.rounded()).collect();
@@ -94,7 +94,8 @@ fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(),
     Ok(())
 }
 
-/// Velocities with their rounding by kind (of the rotation in world axes, in body axes, of the position), a frame each.
+/// Velocities with their rounding by kind (of the rotation in world axes, in body axes, of the position) and by
+/// frame.
 struct Rounded {
     orientations: Vec<rounding::Rotation>,
     velocities: [Vec<rounding::Vector>; 3],
@@ -126,14 +127,15 @@ impl Rounded {
         }
     }
 
-    /// A linear quantity, turned to the axes of a frame's body and back.
+    /// Returns a linear quantity, converted to the axes of a frame's body and back.
     fn there_and_back(&self, order: usize, frame: usize, axes: usize) -> rounding::Vector {
         let axes = self.orientations[axes];
         axes.turn(axes.inverse().turn(self.of_order(order, 2, frame)))
     }
 }
 
-/// The same through targets and measured states of one free joint, whose linear part is in body axes.
+/// Checks the differences through targets and measured states of one free joint, whose linear part is in body
+/// axes.
 fn check_trajectory(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(), CaseError> {
     let root = Body {
         parent: None,

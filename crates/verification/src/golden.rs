@@ -1,4 +1,4 @@
-//! What golden files are made of: their envelope and the numbers in them.
+//! The format of golden files: their envelope and the numbers in them.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 use serde::{Deserialize, de::DeserializeOwned};
@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::error::{CaseError, FileError};
 
-/// A golden file: what it holds, and its cases, not yet looked into.
+/// A golden file: its schema, and its cases, not yet parsed.
 #[derive(Deserialize)]
 pub(super) struct Golden {
     /// Kind and version, such as `rnea/1`.
@@ -40,13 +40,13 @@ impl Golden {
     }
 }
 
-/// A number that the core can take.
+/// A number that is representable in the core's f32.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 pub(super) struct Scalar(pub(super) f64);
 
 impl Scalar {
-    /// Rounded to the core's precision.
+    /// Rounds the number to the core's precision.
     #[expect(clippy::cast_possible_truncation, reason = "the core's inputs are f32")]
     pub(super) fn rounded(self) -> f32 {
         self.0 as f32
@@ -65,13 +65,13 @@ impl TryFrom<f64> for Scalar {
     }
 }
 
-/// A vector; its frame is named where it is used.
+/// A vector. Its frame depends on the use.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(from = "[Scalar; 3]")]
 pub(super) struct Vector(pub(super) DVec3);
 
 impl Vector {
-    /// Rounded to the core's precision.
+    /// Rounds the vector to the core's precision.
     pub(super) fn rounded(self) -> Vec3 {
         self.0.as_vec3()
     }
@@ -89,7 +89,7 @@ impl From<[Scalar; 3]> for Vector {
 pub(super) struct Rotation(pub(super) DQuat);
 
 impl Rotation {
-    /// Rounded to the core's precision, and unit again, as the core's entrances make it.
+    /// Rounds the rotation to the core's precision and normalizes it, as the core's entry points do.
     pub(super) fn rounded(self) -> Quat {
         sinew_core::math::unit(self.0.as_quat())
     }
@@ -100,7 +100,7 @@ impl TryFrom<[Scalar; 4]> for Rotation {
 
     fn try_from(components: [Scalar; 4]) -> Result<Self, String> {
         let quat = DQuat::from_array(components.map(|component| component.0));
-        // Written so as decimals: a unit quaternion in the file is one to all 17 digits.
+        // Unit quaternions are written to the file with all 17 digits.
         if (quat.length() - 1.0).abs() < 1e-9 {
             Ok(Self(quat))
         } else {
@@ -109,7 +109,7 @@ impl TryFrom<[Scalar; 4]> for Rotation {
     }
 }
 
-/// Refuses a list that does not have an entry for each body (or frame, ...).
+/// Refuses a list that does not have `expected` entries, one for each body (or frame, ...).
 pub(super) fn expect_count(field: &str, found: usize, expected: usize) -> Result<(), CaseError> {
     if found == expected {
         Ok(())
@@ -118,12 +118,12 @@ pub(super) fn expect_count(field: &str, found: usize, expected: usize) -> Result
     }
 }
 
-/// The largest component of some vectors, without sign.
+/// Returns the largest absolute component of some vectors.
 pub(super) fn largest<'a>(vectors: impl IntoIterator<Item = &'a Vector>) -> f64 {
     vectors.into_iter().fold(0.0, |largest, v| f64::max(largest, v.0.abs().max_element()))
 }
 
-/// Angle between two orientations, rad; exact for small ones too.
+/// Returns the angle between two orientations, rad. It is accurate for small angles too.
 pub(super) fn angle_between(a: DQuat, b: DQuat) -> f64 {
     let between = a.normalize() * b.normalize().inverse();
     2.0 * DVec3::new(between.x, between.y, between.z).length().atan2(between.w.abs())

@@ -4,13 +4,13 @@ use std::fmt;
 
 use clap::ValueEnum;
 
-/// What a golden file holds: the name before the slash of its schema.
+/// The kind of a golden file: the part of its schema before the slash.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 #[value(rename_all = "snake_case")]
 pub enum Kind {
-    /// Inverse dynamics, mass matrix, kinematics.
+    /// Inverse dynamics, mass matrix and kinematics.
     Rnea,
-    /// State errors to torques.
+    /// Control, from state errors to torques.
     Control,
     /// State errors.
     Errors,
@@ -25,7 +25,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The name that schemas and `--skip` use.
+    /// Returns the name that schemas and `--skip` use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rnea => "rnea",

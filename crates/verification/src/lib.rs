@@ -1,10 +1,11 @@
-//! Golden numbers made by independent programs, recomputed with the core.
+//! Recomputes golden numbers, which independent programs made, with the core.
 //!
 //! # Files
-//! - `golden`, `kind`, `error`: the envelope of a file, its kind, and what may be wrong with it.
+//! - `golden`, `kind`, `error`: the envelope of a file, its kind, and its possible faults.
 //! - `rnea/`, `control`, `state_errors/`, `finite_difference`, `solids`, `weights/`, `hauberg/`: a module for each
 //!   schema. It recomputes the cases with `core` and the exact plant; `figure` makes their trees.
-//! - [`rounding`]: limits of errors, case by case, from the core's formulas in numbers that carry their rounding.
+//! - [`rounding`]: error limits for each case, from the core's formulas evaluated with numbers that carry their
+//!   rounding.
 //! - `tolerance`: the few limits that do not follow from rounding.
 //! - `tally`: the largest error of each quantity.
 
@@ -37,26 +38,26 @@ pub use kind::Kind;
 use tally::Tallies;
 pub use tally::Tally;
 
-/// What became of the golden files of a folder, by file name.
+/// The results of a folder's golden files, by file name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Report {
     /// Files that were recomputed.
     pub files: Vec<(String, Vec<Tally>)>,
-    /// Files that were left out because their kind was to be skipped.
+    /// Files that were skipped because of their kind.
     pub skipped: Vec<(String, Kind)>,
 }
 
 impl Report {
-    /// Whether every quantity is within its limit.
+    /// Returns whether every quantity is within its limit.
     pub fn passed(&self) -> bool {
         self.files.iter().flat_map(|(_, tallies)| tallies).all(Tally::passed)
     }
 }
 
-/// Recomputes every golden file (`*.json`) in a folder, but those of the kinds in `skip`.
+/// Recomputes every golden file (`*.json`) in a folder, except those of the kinds in `skip`.
 ///
 /// # Errors
-/// [`VerifyError`] if the folder or a file cannot be read, a file cannot be computed, or none is left.
+/// [`VerifyError`] if the folder or a file cannot be read, a file cannot be computed, or no file remains.
 pub fn verify_folder(folder: &Path, skip: &[Kind]) -> Result<Report, VerifyError> {
     let read = |path: &Path| {
         let path = path.to_owned();
@@ -83,7 +84,7 @@ pub fn verify_folder(folder: &Path, skip: &[Kind]) -> Result<Report, VerifyError
         }
         match recompute(golden) {
             Ok(tallies) => report.files.push((name, tallies)),
-            // All of them are told at once, so that they can be left out at once.
+            // All unknown files are reported together, to let the user skip them all at once.
             Err(FileError::UnknownSchema { schema }) => {
                 unknown.push(UnknownFile { name, schema, kind });
             }

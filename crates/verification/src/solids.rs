@@ -1,4 +1,4 @@
-//! Mass properties of solids (`solids/1`), in f64 as the host computes them.
+//! Verifies mass properties of solids (`solids/1`), in the host's f64.
 
 use serde::Deserialize;
 use sinew_figure::solids::{ellipsoid, elliptical_solid, stadium_solid, truncated_cone};

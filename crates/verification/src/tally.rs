@@ -1,4 +1,4 @@
-//! Errors against their limits, by quantity.
+//! Compares errors with their limits, by quantity.
 
 use std::fmt;
 
@@ -9,51 +9,51 @@ use super::rounding::LAMBDA;
 /// The comparisons of one quantity of one file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tally {
-    /// What is compared.
+    /// Name of the quantity.
     pub quantity: String,
-    /// Its unit.
+    /// Unit of the quantity.
     pub unit: &'static str,
-    /// Number of comparisons: mostly one vector of one body in one state.
+    /// Number of comparisons. Most are of one vector of one body in one state.
     pub cases: usize,
     /// Largest error, in the unit; infinite if a result is not a number.
     pub largest_error: f64,
-    /// The largest share that an error is of its own limit. Above 1 it is over it.
+    /// Largest ratio of an error to its own limit. Above 1 the limit is exceeded.
     pub share: f64,
-    /// Where that is.
+    /// Place of that error.
     pub worst: String,
-    /// The smallest mistake of one number that is noticed wherever it is, in the unit.
+    /// Smallest fault of a single number that is detected at every place, in the unit.
     pub notices: f64,
-    /// The same over the largest number of its kind beside it; 0 if all of them are.
+    /// Smallest detected fault relative to the largest number of its kind nearby; 0 if all of these are 0.
     pub notices_relative: f64,
 }
 
 impl Tally {
-    /// Whether the errors are within their limits, and anything was compared.
+    /// Returns whether the errors are within their limits, and at least one comparison was made.
     pub fn passed(&self) -> bool {
         self.share <= 1.0 && self.cases > 0
     }
 }
 
-/// A quantity that is being compared, and what its error may be in this place.
+/// A compared quantity, and the limit of its error at one place.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quantity<'a> {
     pub(super) name: &'a str,
     pub(super) unit: &'static str,
     pub(super) limit: f64,
-    /// The largest number of its kind beside it: what its f64 was made with was rounded, too.
+    /// Largest number of its kind nearby. The golden number was computed with roundings of f64 relative to it.
     pub(super) scale: f64,
 }
 
 impl Quantity<'_> {
-    /// What the error may be: of f32, and of what the golden number was made with. Limits that are not finite would
-    /// excuse anything.
+    /// Returns the permitted error: the limit of f32, plus the rounding of the golden number. A limit that is not
+    /// finite would permit any error, and counts as zero.
     fn allowed(&self) -> f64 {
         let allowed = self.limit + LAMBDA * f64::EPSILON * self.scale.abs();
         if allowed.is_finite() { allowed } else { 0.0 }
     }
 }
 
-/// The tallies of one file, in the order in which their quantities first came up.
+/// The tallies of one file, in the order in which their quantities first occurred.
 #[derive(Debug, Default)]
 pub(super) struct Tallies(Vec<Tally>);
 
@@ -62,7 +62,7 @@ impl Tallies {
         self.0
     }
 
-    /// Adds a comparison by its absolute error. What is not a number counts as infinitely wrong.
+    /// Adds a comparison by its absolute error. An error that is not a number counts as infinite.
     pub(super) fn add_error(&mut self, quantity: Quantity<'_>, at: fmt::Arguments<'_>, error: f64) {
         let error = if error.is_finite() { error.abs() } else { f64::INFINITY };
         let allowed = quantity.allowed();
@@ -74,7 +74,7 @@ impl Tallies {
         tally.cases += 1;
         tally.largest_error = tally.largest_error.max(error);
         tally.share = tally.share.max(share);
-        // A mistake may be against the error.
+        // A fault may have the opposite sign of the error.
         let noticed = allowed + error;
         tally.notices = tally.notices.max(noticed);
         if quantity.scale != 0.0 {
@@ -93,7 +93,7 @@ impl Tallies {
         self.add_error(quantity, at, (got.as_dvec3() - expected).length());
     }
 
-    /// Counts what is not equal.
+    /// Counts values that are not equal.
     pub(super) fn add_equal(&mut self, name: &str, at: fmt::Arguments<'_>, equal: bool) {
         let quantity = Quantity { name, unit: "wrong", limit: 0.0, scale: 0.0 };
         self.add_error(quantity, at, if equal { 0.0 } else { 1.0 });

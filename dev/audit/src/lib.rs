@@ -1,5 +1,5 @@
-//! What the images of `cargo xtask audit` share: values that the compiler knows nothing of, and a panic handler that
-//! does not exist.
+//! Shared parts of the images of `cargo xtask audit`: values that are unknown to the compiler, and a panic handler
+//! that calls a missing function.
 //!
 //! # Files
 //! - `main`, `image/`: the image of everything that a board may call, one file for each crate or subject.
@@ -9,12 +9,12 @@
 
 use core::hint::black_box;
 
-/// A slice of unknown length and content.
+/// Returns a slice of unknown length and content.
 pub fn slice<T>() -> &'static [T] {
     black_box(&[])
 }
 
-/// A slice of unknown length and content that can be written to.
+/// Returns a writable slice of unknown length and content.
 pub fn slice_mut<T>() -> &'static mut [T] {
     black_box(&mut [])
 }
@@ -23,7 +23,7 @@ pub fn slice_mut<T>() -> &'static mut [T] {
 mod panic {
     #[expect(unsafe_code, reason = "nothing is behind it that could be unsafe")]
     unsafe extern "C" {
-        /// Nobody has it: what needs it does not link.
+        /// A function that does not exist: code that needs it does not link.
         safe fn a_panic_can_be_reached() -> !;
     }
 

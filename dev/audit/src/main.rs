@@ -1,4 +1,4 @@
-//! The image is `image/`: all that a board's program may call. On a host there is nothing to run.
+//! The image is in `image/`: everything that a board's program may call. On a host there is nothing to run.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

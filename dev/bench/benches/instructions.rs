@@ -1,8 +1,8 @@
-//! Instructions of each kernel and tick on the host, for each number of bodies, counted by Valgrind: the same numbers
-//! on every run of the same program, whatever else the machine does.
+//! Counts the instructions of each kernel and tick on the host, for each number of bodies, with Valgrind: the numbers
+//! are the same on every run of a program, whatever else the machine does.
 //!
-//! Wants `valgrind` and `cargo install gungraun-runner --version 0.20.0`, the version of the library; is left out where
-//! there is none of them, and with `--quick`.
+//! Needs `valgrind` and `cargo install gungraun-runner --version 0.20.0`, the version of the library. Skipped if one
+//! is missing, and with `--quick`.
 
 #[path = "common/kernels.rs"]
 mod kernels;
@@ -12,7 +12,7 @@ mod options;
 use std::process::{Command, ExitCode, Stdio};
 
 fn main() -> ExitCode {
-    // Valgrind runs this program again for each case; all was there then.
+    // Valgrind runs this program again for each case, after all checks have passed.
     let again = std::env::args().nth(1).is_some_and(|argument| argument == "--gungraun-run");
     if !again {
         if options::quick() {
@@ -44,7 +44,7 @@ mod counted {
 
     use crate::kernels::{Kernel, of_size};
 
-    /// A kernel that has run often enough for its first times, which may differ, to be over.
+    /// Returns a kernel after some runs, since the first runs may take a different number of instructions.
     fn warm(name: &str, bodies: usize) -> Kernel {
         let mut kernels = of_size(bodies).expect("the rigs of the bench can be");
         let index = kernels.iter().position(|kernel| kernel.name == name);
@@ -55,7 +55,7 @@ mod counted {
         kernel
     }
 
-    /// One benchmark of gungraun's for each kernel, named like it, and all of them as a group.
+    /// Makes one benchmark of gungraun for each kernel, with its name, and a group of all of them.
     macro_rules! count {
         ($($name:ident)*) => {
             $(
@@ -99,7 +99,7 @@ mod counted {
         tick_recommended
     }
 
-    // Instructions alone: caches and cycles are simulated ones, of no machine in particular.
+    // Only instructions: simulated caches and cycles would be those of no real machine.
     main!(
         config = LibraryBenchmarkConfig::default()
             .tool(Callgrind::default().format([CallgrindMetrics::from(EventKind::Ir)]))
@@ -111,7 +111,7 @@ mod counted {
         main();
     }
 
-    /// The first kernel that is not in the list above.
+    /// Returns the first kernel that is missing in the list above.
     pub(super) fn forgotten() -> Option<&'static str> {
         let kernels = of_size(1).expect("the rigs of the bench can be");
         kernels.iter().map(|kernel| kernel.name).find(|name| !NAMES.contains(name))

@@ -1,5 +1,5 @@
-//! Whether cost grows with the number of bodies and no faster: time per body at each size, as a multiple of that of
-//! [`REFERENCE`] bodies, all sizes of a kernel in turns.
+//! Checks that cost grows at most linearly with the number of bodies: time per body at each size, relative to that of
+//! [`REFERENCE`] bodies. All sizes of a kernel take turns.
 
 #[path = "common/interleaved.rs"]
 mod interleaved;
@@ -10,7 +10,7 @@ mod options;
 
 use interleaved::{Median, medians};
 
-/// The size that the others are measured by.
+/// The size to which the others are compared.
 const REFERENCE: usize = 18;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,4 +1,4 @@
-//! Wall time of each kernel and tick, for each number of bodies, by criterion.
+//! Measures the wall time of each kernel and tick, for each number of bodies, with criterion.
 //!
 //! `cargo bench -p sinew-bench --bench wall -- rnea/18` runs one; `-- --save-baseline NAME` and `-- --baseline NAME`
 //! compare two states of the code.

@@ -1,5 +1,5 @@
-//! A motion of 20 servos like a performer's: always the same, so that what decoding its show takes can be compared. Its
-//! show has as many bytes a second as that of recorded fights (`docs/show-format.md`): 355.
+//! A motion of 20 servos like a performer's. It is always the same, so that the cost of decoding its show can be
+//! compared. Its show has the same bytes per second as that of recorded fights (`docs/show-format.md`): 355.
 
 use std::f64::consts::TAU;
 
@@ -10,13 +10,13 @@ const JOINTS: usize = 20;
 const SECONDS: u32 = 12;
 const RATE: Rate = Rate { samples: 120, seconds: 1 };
 
-/// Of sines: those of recordings that have gone through a low-pass of 6 Hz are hardly faster.
+/// Highest frequency of the sines, Hz: recordings after a low-pass filter of 6 Hz are hardly faster.
 const HIGHEST_HZ: f64 = 4.8;
 
-/// Sines of which a joint's angle is the sum, and as many that come in bursts.
+/// Number of sines in a joint's angle, and number of those that appear in bursts.
 const SINES: usize = 12;
 
-/// Gives the motion to a function.
+/// Calls a function with the motion.
 pub(crate) fn with_motion<T>(take: impl FnOnce(&Motion<'_>) -> T) -> T {
     let mut numbers = Numbers(1);
     let angles: [Angle; JOINTS] = std::array::from_fn(|_| Angle::new(&mut numbers));
@@ -36,7 +36,7 @@ pub(crate) fn with_motion<T>(take: impl FnOnce(&Motion<'_>) -> T) -> T {
     })
 }
 
-/// A joint's angle: slow sines all the time, quick ones in bursts.
+/// A joint's angle: slow sines all the time, fast sines in bursts.
 struct Angle {
     slow: [Sine; SINES],
     quick: [(Sine, Burst); SINES],
@@ -48,7 +48,7 @@ struct Sine {
     turns: f64,
 }
 
-/// When a bell-shaped burst is at its height, and how long it takes to rise.
+/// A bell-shaped burst: time of its maximum, and its rise time, s.
 struct Burst {
     time_s: f64,
     rise_s: f64,
@@ -67,7 +67,7 @@ impl Angle {
         }
     }
 
-    /// rad.
+    /// Returns the angle at a time, rad.
     fn at(&self, time_s: f64) -> f64 {
         let slow: f64 = self.slow.iter().map(|sine| sine.at(time_s)).sum();
         let quick = self.quick.iter().map(|(sine, burst)| sine.at(time_s) * burst.at(time_s));
@@ -76,7 +76,7 @@ impl Angle {
 }
 
 impl Sine {
-    /// Its amplitude falls with its frequency, as those of joint angles do.
+    /// Creates a sine whose amplitude falls with its frequency, as in joint angles.
     fn new(numbers: &mut Numbers, least_hz: f64, most_hz: f64) -> Self {
         let frequency_hz = least_hz + (most_hz - least_hz) * numbers.next();
         let amplitude_rad = 0.7 * numbers.next() / (1.0 + frequency_hz);
@@ -95,7 +95,7 @@ impl Burst {
     }
 }
 
-/// Numbers in [0, 1), always the same ones (`SplitMix64`).
+/// Numbers in [0, 1), the same in every run (`SplitMix64`).
 struct Numbers(u64);
 
 impl Numbers {

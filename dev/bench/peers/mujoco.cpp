@@ -1,5 +1,5 @@
-// MuJoCo: the stages of its pipeline that a kernel needs, without contacts. It has no articulated-body algorithm; its
-// forward dynamics are the mass matrix, its factors and a solution.
+// MuJoCo: the stages of its pipeline that a kernel needs, without contacts. It has no articulated-body algorithm: its
+// forward dynamics computes the mass matrix, factors it and solves.
 #include <mujoco/mujoco.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "peer.hpp"
 
-// The model's text, a body inside its parent.
+// Writes the model's text, with each body inside its parent.
 static void write(std::ostringstream& xml, const std::vector<Body>& bodies, std::size_t index) {
     const Body& body = bodies[index];
     const bool root = body.joint == FREE;
@@ -81,7 +81,7 @@ public:
         for (int k = 0; k < 3; ++k) data->qpos[k] = motion.at[k];
         wxyz(motion.quat, root);
         std::memcpy(data->qpos + 3, root, sizeof root);
-        // Linear motion of a free joint is in the world, angular in body axes.
+        // Linear motion of a free joint is in world axes, angular motion in body axes.
         turned(root, motion.linear, data->qvel);
         turned(root, motion.linear_acceleration, data->qacc);
         for (int k = 0; k < 3; ++k) {

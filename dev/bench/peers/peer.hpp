@@ -1,8 +1,8 @@
-// What each peer is asked by `benches/against/peer.rs`, one line at a time on standard input, and what it answers.
+// Questions of `benches/against/peer.rs` to each peer, line by line on standard input, and the answers.
 //
 //   rig N, then N lines of a body    -> ready
 //   motion, then its numbers         -> set
-//   found KERNEL                     -> COUNT and as many numbers
+//   found KERNEL                     -> COUNT, then COUNT numbers
 //   time KERNEL CALLS                -> nanoseconds of one call
 //
 // Kernels: 0 inverse dynamics, 1 forward dynamics, 2 mass matrix, 3 forward kinematics with velocities. Quaternions are
@@ -26,7 +26,7 @@ struct Body {
     double inertia[6];
 };
 
-// Of a ball: quat, omega, alpha. Of a revolute joint: turn, with speed and acceleration.
+// A ball joint uses quat, omega, alpha; a revolute joint uses turn: angle, speed and acceleration.
 struct Joint {
     double quat[4], omega[3], alpha[3], turn[3];
 };
@@ -41,8 +41,8 @@ public:
     virtual ~Peer() = default;
     virtual void set(const Motion& motion) = 0;
     virtual void run(int kernel) = 0;
-    // Of RNEA: moment and force on the root in body axes, then moments of balls and torques. Of ABA: accelerations in
-    // the same order. Of CRBA: the kinetic energy by it. Of FK: position of the last body in the world.
+    // RNEA: moment and force on the root in body axes, then moments of ball joints and torques. ABA: accelerations in
+    // this order. CRBA: the kinetic energy, computed with the mass matrix. FK: world position of the last body.
     virtual std::vector<double> found(int kernel) = 0;
 };
 
@@ -84,7 +84,7 @@ inline Motion read_motion(std::size_t joints) {
     return motion;
 }
 
-// Answers until its input ends.
+// Answers questions until the input ends.
 template <class Make> int serve(Make make) {
     std::unique_ptr<Peer> peer;
     std::size_t bodies = 0;

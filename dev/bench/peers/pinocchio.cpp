@@ -1,4 +1,4 @@
-// Pinocchio, with SCALAR (double or float) for its numbers. Its header-only templates, as a C++ user compiles them.
+// Pinocchio with SCALAR (double or float) numbers: its header-only templates, compiled as by a C++ user.
 #include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
@@ -42,7 +42,7 @@ public:
         q.template segment<4>(3) = quaternion(motion.quat).coeffs();
         v.template head<3>() = vector(motion.linear);
         v.template segment<3>(3) = vector(motion.angular);
-        // The derivative of the components in body axes is the classical acceleration less that of the turning axes.
+        // The derivative of the components in body axes is the classical acceleration minus that of the turning axes.
         a.template head<3>() =
             vector(motion.linear_acceleration) - vector(motion.angular).cross(vector(motion.linear));
         a.template segment<3>(3) = vector(motion.angular_acceleration);
@@ -95,7 +95,7 @@ public:
     }
 
 private:
-    // Adds a body and all beyond it: the mass matrix needs joints depth first.
+    // Adds a body and its descendants: the mass matrix needs joints in depth-first order.
     void add(const std::vector<Body>& bodies, std::size_t index) {
         const Body& body = bodies[index];
         const std::string name = "b" + std::to_string(index);
@@ -124,7 +124,7 @@ private:
     Model model;
     Data data;
     std::vector<int> kinds;
-    // Pinocchio's joints by our bodies.
+    // Index of Pinocchio's joint for each of our bodies.
     std::vector<pinocchio::JointIndex> joints;
     Vector q, v, a, tau;
 };

@@ -1,4 +1,4 @@
-//! What the benches work on: rigs of any number of bodies, and motions of them.
+//! Data for the benches: rigs of any number of bodies, and motions of them.
 //!
 //! Everything follows from the number of bodies alone, so that a host and a board measure the same work.
 //!
@@ -22,16 +22,17 @@ use sinew_core::{
     math,
 };
 
-/// How the rig stands in the world.
+/// Connection of the root to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Root {
-    /// Turns about a fixed point.
+    /// The root turns about a fixed point.
     Turning,
-    /// Floats freely.
+    /// The root floats freely.
     Floating,
 }
 
-/// A figure of `count` bodies (at most `N`): trunk, two legs and two arms that branch off it, all joints spherical.
+/// Returns a figure of `count` bodies (at most `N`): trunk, two legs and two arms that branch off it, all joints
+/// spherical.
 ///
 /// # Errors
 /// [`TreeError`] if there are more bodies than the tree has room for.
@@ -39,7 +40,7 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
     let mut numbers = Numbers::new();
     let mut tree = Tree::new();
     for index in 0..count {
-        // Limbs of four bodies, the first of each on a body of the trunk.
+        // Limbs of four bodies; the first body of each is attached to a body of the trunk.
         let parent = match index {
             0 => None,
             _ if index % 4 == 1 => Some((index / 8) * 4),
@@ -68,7 +69,7 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
     Ok(tree)
 }
 
-/// Poses of all joints at a time: a smooth motion, its turns up to 0.6 rad about placements turned at will.
+/// Writes the poses of all joints at a time: a smooth motion with turns up to 0.6 rad about pseudo-random placements.
 pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     let mut numbers = Numbers::new();
     for (body, pose) in bodies.iter().zip(out) {
@@ -82,8 +83,8 @@ pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     }
 }
 
-/// Frames in memory, one list of poses after the other. Before the first they move on as in their first step, after the
-/// last it is held.
+/// Frames in memory, one list of poses after the other. Frames before the first continue its first step backwards;
+/// after the last frame it is held.
 #[derive(Debug)]
 pub struct Frames<'a, const N: usize> {
     frames: &'a [[Transform; N]],
@@ -91,7 +92,7 @@ pub struct Frames<'a, const N: usize> {
 }
 
 impl<'a, const N: usize> Frames<'a, N> {
-    /// The frames of a list.
+    /// Creates a source from a list of frames.
     pub fn new(frames: &'a [[Transform; N]]) -> Self {
         Self { frames, before: [Transform::IDENTITY; N] }
     }
@@ -111,7 +112,7 @@ impl<const N: usize> FrameSource for Frames<'_, N> {
     }
 }
 
-/// States of all joints, each with a velocity of about 1 rad/s, and accelerations of some rad/s².
+/// Writes the states of all joints, each with a velocity of about 1 rad/s, and accelerations of some rad/s².
 pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [Twist]) {
     let mut numbers = Numbers::new();
     for ((body, joint), acceleration) in bodies.iter().zip(joints).zip(accelerations) {
@@ -123,7 +124,7 @@ pub fn states(bodies: &[Body], joints: &mut [JointState], accelerations: &mut [T
     }
 }
 
-/// Numbers in [-1, 1), always the same ones: a linear congruential generator (Numerical Recipes).
+/// Numbers in [-1, 1), the same in every run: a linear congruential generator (Numerical Recipes).
 struct Numbers(u32);
 
 impl Numbers {
@@ -133,7 +134,7 @@ impl Numbers {
 
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        // The upper bits: the lower ones of such a generator repeat soon.
+        // The upper bits: the lower bits of such a generator repeat soon.
         f32::from((self.0 >> 16) as u16) / 32_768.0 - 1.0
     }
 

@@ -1,4 +1,4 @@
-//! One rig and its tick, from poses to torques, as an application would call the core.
+//! A rig and its tick, from poses to torques, as an application would call the core.
 
 use sinew_core::control::Limited;
 use sinew_core::{
@@ -6,10 +6,10 @@ use sinew_core::{
     Workspace, Wrench,
 };
 
-/// Time from one frame to the next, s.
+/// Time between two frames, s.
 pub const DT_S: f32 = 0.01;
 
-/// A controller and all that its tick works on; `R` is the room for resolved acceleration, see [`Workspace`].
+/// A controller with all data of its tick; `R` is the room for resolved acceleration, see [`Workspace`].
 #[derive(Debug)]
 pub struct Rig<const N: usize, const R: usize = 0> {
     controller: TorqueController<N>,
@@ -20,7 +20,7 @@ pub struct Rig<const N: usize, const R: usize = 0> {
 }
 
 impl<const N: usize, const R: usize> Rig<N, R> {
-    /// A controller's rig, and the first two frames of the performance.
+    /// Creates a controller's rig with the first two frames of the performance.
     ///
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
@@ -37,11 +37,11 @@ impl<const N: usize, const R: usize> Rig<N, R> {
         Ok(Self { differences, targets, measured: JointStates::rest(tree), controller, workspace })
     }
 
-    /// Torques for the next frame of the performance, and the poses measured now.
+    /// Computes the torques for the next frame of the performance, and the present measured poses.
     ///
     /// # Errors
     /// [`StateInputError`] if a pose is missing, not finite or not unit.
-    // A function of its own, so that its stack can be told from its caller's.
+    // A separate function, so that its stack can be distinguished from its caller's.
     #[inline(never)]
     pub fn tick(
         &mut self,

@@ -1,4 +1,4 @@
-//! Rigs of servos: joints that turn, on a base that stands still, and a motion of their angles.
+//! Rigs of servos: rotating joints on a fixed base, and a motion of their angles.
 
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::glam::Vec3;
@@ -6,22 +6,22 @@ use sinew_core::{Body, JointKind, JointStates, Transform, Tree, TreeError, math}
 
 use crate::{Root, figure};
 
-/// The most joints of a rig here.
+/// The largest number of joints of a rig.
 pub const MOST_JOINTS: usize = 20;
 
-/// What all joints of a rig are.
+/// Kind of all joints of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
-    /// A servo each.
+    /// A servo for each joint.
     Revolute,
-    /// Balls that make the same motion as the servos.
+    /// Ball joints with the same motion as the servos.
     Ball,
 }
 
-/// A rig of `N` joints and as many bodies, of the shape of [`figure`]; the base is no body of it.
+/// Returns a rig of `N` joints and bodies with the shape of [`figure`]; the base is not one of its bodies.
 ///
 /// # Errors
-/// [`TreeError`] as [`figure`].
+/// [`TreeError`] as in [`figure`].
 pub fn rig<const N: usize>(joints: Joints) -> Result<Tree<N>, TreeError> {
     let mut tree = Tree::new();
     for (index, body) in figure::<N>(N, Root::Turning)?.bodies().iter().enumerate() {
@@ -34,21 +34,21 @@ pub fn rig<const N: usize>(joints: Joints) -> Result<Tree<N>, TreeError> {
     Ok(tree)
 }
 
-/// What a rig of at most [`MOST_JOINTS`] does at an instant.
+/// State of a rig of at most [`MOST_JOINTS`] joints at an instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Instant {
     /// Poses of the joints in their parents' frames.
     pub poses: [Transform; MOST_JOINTS],
     /// Positions of the joints: angles in rad, or quaternions.
     pub q: [f32; 4 * MOST_JOINTS],
-    /// Speeds along the degrees of freedom, rad/s.
+    /// Speeds along the dofs, rad/s.
     pub qd: [f32; 3 * MOST_JOINTS],
-    /// Accelerations along the degrees of freedom, rad/s².
+    /// Accelerations along the dofs, rad/s².
     pub qdd: [f32; 3 * MOST_JOINTS],
 }
 
 impl Instant {
-    /// Nothing yet.
+    /// An instant whose numbers are all zero.
     pub const NOTHING: Self = Self {
         poses: [Transform::IDENTITY; MOST_JOINTS],
         q: [0.0; 4 * MOST_JOINTS],
@@ -56,7 +56,7 @@ impl Instant {
         qdd: [0.0; 3 * MOST_JOINTS],
     };
 
-    /// What a [`rig`] does at a time: each joint swings by 0.6 rad.
+    /// Returns the state of a [`rig`] at a time: each joint swings by 0.6 rad.
     ///
     /// # Errors
     /// [`CoordinatesError`] if the rig has more joints than there is room for.
@@ -88,7 +88,7 @@ impl Instant {
     }
 }
 
-/// The axis of a joint: x, y and z in turns.
+/// Returns the axis of a joint: x, y and z in turn.
 fn axis(joint: usize) -> Vec3 {
     match joint % 3 {
         0 => Vec3::X,

@@ -1,35 +1,34 @@
-//! A show of 20 servos, as any machine plays it: the host and a board must decode it to the same bits.
+//! A show of 20 servos that any machine can play: the host and a board must decode it to the same bits.
 
 use sinew_show::{Pace, Player, Position, Show, ShowError};
 
 /// Joints of the show, all revolute.
 pub const JOINTS: usize = 20;
 
-/// The show: `build/performer.rs` has its motion.
+/// Bytes of the show. Its motion is in `build/performer.rs`.
 pub static BYTES: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/performer.show"));
 
-/// 500 ticks a second.
+/// Length of a tick, s: 500 Hz.
 pub const TICK_S: f32 = 0.002;
 
-/// All of the show but its last pose.
+/// Number of ticks: the whole show except its last pose.
 pub const TICKS: u16 = 5_999;
 
-/// As many jumps are tried.
+/// Number of jumps.
 pub const JUMPS: u16 = 64;
 
-/// Where a show of this pace is asked for from tick to tick.
+/// Returns the position of a tick in a show of this pace.
 pub fn next(pace: Pace, run: usize) -> Position {
     pace.position(u32::try_from(run).unwrap_or(u32::MAX))
 }
 
-/// Where a show of this pace is asked for from anywhere to anywhere.
+/// Returns the position of a jump in a show of this pace.
 pub fn jump(pace: Pace, run: usize) -> Position {
-    // A prime: it comes by all parts of the show.
+    // A prime, so that jumps visit all parts of the show.
     next(pace, (run * 2503) % usize::from(TICKS))
 }
 
-/// Hashes (FNV-1a, word by word) of the show, and of all bits that it is decoded to, tick after tick and jump after
-/// jump.
+/// Returns hashes (FNV-1a, word by word) of the show, and of all decoded bits, tick by tick and jump by jump.
 ///
 /// # Errors
 /// If the show is damaged.
@@ -49,7 +48,7 @@ pub fn hashes() -> Result<[(&'static str, u64); 2], ShowError> {
     Ok([("show_bytes", bytes), ("show_frames", frames)])
 }
 
-/// The hash of nothing.
+/// The hash of no data.
 const NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
 
 fn add(hash: u64, word: u32) -> u64 {

@@ -1,24 +1,24 @@
-//! A show as any machine decodes it, tick by tick, and a hash of all the bits of each second.
+//! Decodes a show tick by tick on any machine, with a hash of all bits of each second.
 //!
 //! # Format
-//! All numbers little-endian.
+//! All numbers are little-endian.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! | --- | --- |
-//! | u32 | ticks a second |
+//! | u32 | ticks per second |
 //! | u32 | length s of the show in bytes |
 //! | s | the show, version 2, see [`sinew_show`] |
 //!
 //! The answer is a u64 for each second: FNV-1a over the bits of positions, speeds and accelerations, f32 by f32. The
-//! last second may be a part of one.
+//! last second may be incomplete.
 
 use sinew_show::{Player, Show};
 
-/// Decodes a show of at most `COORDS` coordinates: `read` fills its slice with the request's next bytes, `write` takes
-/// the answer's next. The show is kept in `buffer`.
+/// Decodes a show of at most `COORDS` coordinates: `read` fills its slice with the next bytes of the request, `write`
+/// receives the next bytes of the answer. The show is stored in `buffer`.
 ///
 /// # Errors
-/// What `read` and `write` return, or what is wrong with the request.
+/// The errors of `read` and `write`, or a description of the fault in the request.
 pub fn perform<const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
@@ -60,7 +60,7 @@ pub fn perform<const COORDS: usize>(
     }
 }
 
-/// The hash of nothing.
+/// The hash of no data.
 const NOTHING: u64 = 0xcbf2_9ce4_8422_2325;
 
 fn add(hash: u64, word: u32) -> u64 {

@@ -1,12 +1,12 @@
-//! Files of the host that runs QEMU, by semihosting.
+//! Files of the host that runs QEMU, through semihosting.
 
 use core::ffi::CStr;
 
 use cortex_m_semihosting::syscall;
 
-/// How a file is opened to be read.
+/// Mode that opens a file for reading.
 pub(crate) const READ: usize = 1;
-/// How a file is opened to be written.
+/// Mode that opens a file for writing.
 pub(crate) const WRITE: usize = 5;
 
 /// Opens a file of the host.
@@ -17,7 +17,7 @@ pub(crate) fn open(path: &CStr, mode: usize) -> Result<usize, &'static str> {
     if handle == usize::MAX { Err("the host's file cannot be opened") } else { Ok(handle) }
 }
 
-/// Fills `bytes`. A pipe may give them piece by piece.
+/// Fills `bytes`. A pipe may deliver them in parts.
 pub(crate) fn read(handle: usize, mut bytes: &mut [u8]) -> Result<(), &'static str> {
     while !bytes.is_empty() {
         let left = read_some(handle, bytes);
@@ -27,7 +27,7 @@ pub(crate) fn read(handle: usize, mut bytes: &mut [u8]) -> Result<(), &'static s
     Ok(())
 }
 
-/// How many bytes are left that did not come.
+/// Reads bytes, and returns the number of bytes that are missing.
 #[expect(unsafe_code, reason = "a semihosting call is a breakpoint instruction with arguments")]
 fn read_some(handle: usize, bytes: &mut [u8]) -> usize {
     // SAFETY: SYS_READ writes at most `bytes.len()` bytes to the address, both of one live slice.

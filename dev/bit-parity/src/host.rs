@@ -1,4 +1,4 @@
-//! A request of [`sinew_bit_parity::answer`] on the machine that this is compiled for.
+//! Answers a request of [`sinew_bit_parity::answer`] on the machine for which this program is compiled.
 
 use std::io::{BufWriter, Read as _, Write as _, stdin, stdout};
 use std::process::ExitCode;

@@ -1,5 +1,5 @@
-//! A request of [`sinew_bit_parity::answer`] on QEMU's `mps2-an386`, with or without its floating-point unit: as it is
-//! compiled. Standard input and output are the host's, by semihosting.
+//! Answers a request of [`sinew_bit_parity::answer`] on QEMU's `mps2-an386`, with or without its floating-point unit,
+//! depending on the target. Standard input and output are the host's, through semihosting.
 
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln};

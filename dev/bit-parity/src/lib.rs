@@ -1,13 +1,14 @@
-//! What exists only to compare machines, bit by bit. It is no part of a product.
+//! Code for comparing machines bit by bit. It is not part of a product.
 //!
-//! - [`run`]: a run that any machine can make, and every number that comes of it;
-//! - [`replay`]: a stand-in for servos, so that any machine can perform a show without any, and a hash of its torques;
+//! - [`run`]: a run that any machine can make, and all its numbers;
+//! - [`replay`]: a stand-in for servos, so that any machine can perform a show without servos, and a hash of its
+//!   torques;
 //! - [`decode`]: a show that any machine can decode, and a hash of each second;
-//! - [`answer`]: each of them, as the program `parity` does on a host and as an image for an emulated board.
+//! - [`answer`]: each of them, as the program `parity` on a host and as an image for an emulated board.
 //!
 //! # Files
 //! - `run`, `replay`, `decode`, `play`: the four requests.
-//! - `host`, `image`, `files`: the program on a host; the image for QEMU; files of the host by semihosting.
+//! - `host`, `image`, `files`: the program on a host; the image for QEMU; files of the host through semihosting.
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -25,11 +26,11 @@ pub const DECODE: u32 = 1;
 /// The first word of a request to [`play`].
 pub const PLAY: u32 = 2;
 
-/// Answers a request: its first word says which; what follows, and the answer, say the modules. Of rigs of at most
-/// `BODIES` bodies and `DOFS` degrees of freedom, of shows of at most `COORDS` coordinates.
+/// Answers a request. Its first word selects the kind; the modules describe the rest of the request, and the answer.
+/// Rigs have at most `BODIES` bodies and `DOFS` dofs, shows at most `COORDS` coordinates.
 ///
 /// # Errors
-/// What `read` and `write` return, or what is wrong with the request.
+/// The errors of `read` and `write`, or a description of the fault in the request.
 pub fn answer<const BODIES: usize, const DOFS: usize, const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,

@@ -1,5 +1,5 @@
-//! The program that each machine runs to be compared: a request of [`sinew_bit_parity::answer`] on standard input, the
-//! answer on standard output.
+//! The program that is compared on each machine: it reads a request of [`sinew_bit_parity::answer`] from standard
+//! input, and writes the answer to standard output.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -13,13 +13,13 @@ mod image;
 /// Bodies of the human figure.
 const BODIES: usize = 18;
 
-/// Its degrees of freedom: a free root, and ball joints.
+/// Dofs of the human figure: a free root, and ball joints.
 const DOFS: usize = 6 + 3 * (BODIES - 1);
 
-/// Coordinates of the largest show, which is the figure's: quaternions have four numbers.
+/// Coordinates of the largest show, that of the figure: quaternions have four numbers.
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);
 
-/// Bytes of the longest show, and of the frames of the longest run.
+/// Length of the longest show, and of the frames of the longest run, bytes.
 const BUFFER_LEN: usize = 3 << 20;
 
 #[cfg(not(target_os = "none"))]

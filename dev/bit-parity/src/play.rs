@@ -1,7 +1,7 @@
-//! A show as any machine performs it, with a [stand-in](crate::replay) for servos, and a hash of all torques.
+//! Performs a show on any machine, with a [stand-in](crate::replay) for servos, and a hash of all torques.
 //!
 //! # Format
-//! All numbers little-endian.
+//! All numbers are little-endian.
 //!
 //! | bytes | content |
 //! | --- | --- |
@@ -17,12 +17,12 @@ use sinew_show::Show;
 
 use crate::replay::{METHODS, hash, tree};
 
-/// Performs a show of at most `COORDS` coordinates, of a rig of at most `BODIES` bodies and `DOFS` degrees of freedom:
-/// `read` fills its slice with the request's next bytes, `write` takes the answer's next. Rig and show are kept in
-/// `buffer`.
+/// Performs a show of at most `COORDS` coordinates, on a rig of at most `BODIES` bodies and `DOFS` dofs: `read` fills
+/// its slice with the next bytes of the request, `write` receives the next bytes of the answer. Rig and show are
+/// stored in `buffer`.
 ///
 /// # Errors
-/// What `read` and `write` return, or what is wrong with the request.
+/// The errors of `read` and `write`, or a description of the fault in the request.
 pub fn perform<const BODIES: usize, const DOFS: usize, const COORDS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,

@@ -1,8 +1,8 @@
-//! A stand-in for servos: a rig that performs the show a little late.
+//! A stand-in for servos: a rig that performs the show with a small delay.
 //!
-//! It needs no physics, so the same run can be made on a host and on a board, and all torques compared bit by bit. Rig
-//! and show are the bytes that boards read: the rig's compact form ([`sinew_rig::board`]), and a show of its
-//! coordinates ([`sinew_show`]).
+//! It needs no physics, so a host and a board can make the same run, and all torques can be compared bit by bit. Rig
+//! and show are in the format of boards: the rig's compact form ([`sinew_rig::board`]), and a show of its coordinates
+//! ([`sinew_show`]).
 
 use sinew_core::control::Limited;
 use sinew_core::tracker::{
@@ -13,32 +13,32 @@ use sinew_core::{Tree, Wrench};
 use sinew_rig::board::{BoardRig, BoardRigError};
 use sinew_show::{Show, ShowError, ShowFrames};
 
-/// How many frames the stand-in is late: enough for errors of a few degrees.
+/// Delay of the stand-in in frames: enough for errors of a few degrees.
 pub const LAG_FRAMES: i32 = 3;
 
 /// The three methods of the paper, and the setting for real rigs.
 pub const METHODS: [MethodName; 4] =
     [MethodName::Local, MethodName::World, MethodName::LinearCompensation, MethodName::Recommended];
 
-/// Nothing but the stand-in moves the rig.
+/// Number of servos: the stand-in alone moves the rig.
 const SERVOS: usize = 0;
 
-/// The settings of a run with a method: the paper's gains.
+/// Returns the settings of a run with a method: the paper's gains.
 pub fn settings(method: MethodName) -> Settings {
     Settings { method, ..Settings::default() }
 }
 
-/// Reads a rig of at most `BODIES` bodies and `DOFS` degrees of freedom, without servos, from its compact form.
+/// Reads a rig of at most `BODIES` bodies and `DOFS` dofs, without servos, from its compact form.
 ///
 /// # Errors
-/// [`BoardRigError`] if the bytes are none.
+/// [`BoardRigError`] if the bytes are not such a rig.
 pub fn tree<const BODIES: usize, const DOFS: usize>(
     rig: &[u8],
 ) -> Result<Tree<BODIES>, BoardRigError> {
     BoardRig::<BODIES, DOFS, SERVOS>::decode(rig).map(|rig| rig.tree().clone())
 }
 
-/// A rig that performs a show, one tick for each of its samples, whose torques count as not late at all.
+/// A rig that performs a show, with one tick for each of its samples. The tracker assumes no latency of torques.
 ///
 /// ```
 /// use sinew_bit_parity::replay::{Replay, TorqueHash, ticks};
@@ -76,17 +76,19 @@ pub fn tree<const BODIES: usize, const DOFS: usize>(
 pub struct Replay<'a, const BODIES: usize, const COORDS: usize> {
     tracker: Tracker<BODIES>,
     frames: ShowFrames<'a, COORDS>,
-    /// The same show for the sensors: a player is quick from tick to tick, and not to and fro.
+    /// A second player of the show, for the sensors: a player is fast from tick to tick, but slow to jump back and
+    /// forth.
     late: ShowFrames<'a, COORDS>,
     measured: [f32; COORDS],
     coordinates: usize,
 }
 
 impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
-    /// A run from the show's first frame, where the stand-in is at rest. The show has at most `COORDS` coordinates.
+    /// Creates a run from the show's first frame, where the stand-in is at rest. The show has at most `COORDS`
+    /// coordinates.
     ///
     /// # Errors
-    /// [`ReplayError`] if the show is not one of the rig or damaged, or the method does not go with the rig.
+    /// [`ReplayError`] if the show is damaged or belongs to another rig, or the method does not fit the rig.
     pub fn new(
         tree: &Tree<BODIES>,
         show: Show<'a>,
@@ -108,7 +110,7 @@ impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
         Ok(run)
     }
 
-    /// Reads the sensors of the stand-in at a tick: the positions that the show had [`LAG_FRAMES`] ago.
+    /// Sets the sensors of the stand-in at a tick: the positions of the show [`LAG_FRAMES`] ago.
     pub fn sense(&mut self, tick: u32) {
         let tick = i32::try_from(tick).unwrap_or(i32::MAX);
         if let Frame::Coordinates { q, .. } =
@@ -120,11 +122,11 @@ impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
         }
     }
 
-    /// One tick with what was [sensed](Self::sense) last; its frame is that of the same number. After the show's end
-    /// its last frame is held.
+    /// Runs a tick with the last [sensed](Self::sense) positions; its frame has the number of the tick. After the
+    /// show's end its last frame is held.
     ///
     /// # Errors
-    /// [`StepError`] if the show asks for more than a tracker takes: as [`Tracker::step`].
+    /// [`StepError`] if the show exceeds the bounds of a tracker, as in [`Tracker::step`].
     pub fn step(&mut self, tick: u32) -> Result<Tick<'_, BODIES>, StepError> {
         let q = self.measured.get(..self.coordinates).unwrap_or_default();
         let tick = i32::try_from(tick).unwrap_or(i32::MAX);
@@ -132,15 +134,15 @@ impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
     }
 }
 
-/// The ticks of a show: one for each sample.
+/// Returns the number of ticks of a show: one for each sample.
 pub fn ticks(show: &Show<'_>) -> u32 {
     show.length().saturating_add(1)
 }
 
-/// The hash of the torques of a method over the first ticks of a show.
+/// Returns the hash of the torques of a method over the first ticks of a show.
 ///
 /// # Errors
-/// [`ReplayError`] if there is no such run.
+/// [`ReplayError`] if the run is not possible.
 pub fn hash<const BODIES: usize, const COORDS: usize>(
     tree: &Tree<BODIES>,
     show: Show<'_>,
@@ -176,25 +178,25 @@ impl TorqueHash {
         }
     }
 
-    /// The hash so far.
+    /// Returns the hash of the torques so far.
     pub fn value(self) -> u64 {
         self.0
     }
 }
 
-/// The six numbers of a wrench: moment in N m, then force in N.
+/// Returns the six numbers of a wrench: moment in N m, then force in N.
 pub fn components(wrench: &Wrench) -> [f32; 6] {
     let (m, f) = (wrench.moment_nm, wrench.force_n);
     [m.x, m.y, m.z, f.x, f.y, f.z]
 }
 
-/// Why there is no run.
+/// Error of a run that is not possible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ReplayError {
-    /// The show is damaged, or not one of the rig.
+    /// The show is damaged, or belongs to another rig.
     Show(ShowError),
-    /// There is no such tracker.
+    /// The tracker cannot be created.
     Tracker(TrackerError),
     /// A tick was refused.
     Step(StepError),

@@ -1,26 +1,26 @@
-//! Whether two machines compute the same bits: a run that any machine can make, and all numbers that come of it.
+//! Compares whether two machines compute the same bits: a run that any machine can make, and all its numbers.
 //!
-//! A run is a rig, a method, the joints' poses as they should be in each frame and as they were measured in each tick;
-//! the machine answers with what it computed on the way to its torques. The evaluation writes down all of it as it
-//! goes. The frames are poses and no show, since the dimensions of the evaluation's performer are not the rig's: so
-//! projection and differences are compared, too, which the coordinates of a show do not need.
+//! A run consists of a rig, a method, the desired poses of the joints in each frame, and their measured poses in each
+//! tick. The machine answers with the intermediate results of its torques. The evaluation records all of it during
+//! its run. The frames are poses instead of a show, since the evaluation's performer has other dimensions than the
+//! rig. Therefore projection and differences are compared, too, which the coordinates of a show do not need.
 //!
 //! # Format of a run
-//! All numbers little-endian; `f32` as IEEE 754.
+//! All numbers are little-endian; `f32` is IEEE 754.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! | --- | --- |
 //! | u32 | method, an index of [`MethodName::ALL`] |
 //! | u32 | ticks t |
 //! | u32 | frames f, at least 1 |
 //! | u32 | length r of the rig in bytes |
-//! | f32 | time from frame to frame, s |
+//! | f32 | time between two frames, s |
 //! | r | the rig, of n bodies and without servos, see [`sinew_rig::board`] |
-//! | f x n x 28 | by frame and body the pose that its joint should have: rotation xyzw, then translation in m |
-//! | n x 28 | by body its joint's pose as it was measured a tick before the first |
-//! | t x n x 28 | the same for each tick |
+//! | f x n x 28 | by frame and body the desired pose of its joint: rotation xyzw, then translation in m |
+//! | n x 28 | by body the pose of its joint that was measured a tick before the first |
+//! | t x n x 28 | by tick and body the measured pose of its joint |
 //!
-//! The answer is per tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.
+//! The answer has for each tick the [`QUANTITIES`] in their order, each by body, each component as an `f32`.
 
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::state_error::StateError;
@@ -31,7 +31,7 @@ use sinew_core::{Transform, Twist, Workspace};
 
 use crate::replay::{components, settings, tree};
 
-/// Bytes of a pose.
+/// Length of a pose, bytes.
 const POSE_LEN: usize = 28;
 
 const POSE: [&str; 7] = [
@@ -61,7 +61,7 @@ const ERROR: [&str; 12] = [
 ];
 const WRENCH: [&str; 6] = ["moment x", "moment y", "moment z", "force x", "force y", "force z"];
 
-/// What is compared of a tick, in the order in which it is computed, and the components of each.
+/// Quantities of a tick that are compared, in the order in which they are computed, and the components of each.
 pub const QUANTITIES: [(&str, &[&str]); 8] = [
     ("desired pose", &POSE),
     ("desired velocity", &MOTION),
@@ -73,7 +73,7 @@ pub const QUANTITIES: [(&str, &[&str]); 8] = [
     ("torque", &WRENCH),
 ];
 
-/// Numbers of one body in a tick.
+/// Count of numbers for one body in a tick.
 pub const NUMBERS: usize = {
     let mut sum = 0;
     let mut index = 0;
@@ -84,11 +84,11 @@ pub const NUMBERS: usize = {
     sum
 };
 
-/// Makes a run of a rig of at most `BODIES` bodies and `DOFS` degrees of freedom: `read` fills its slice with the run's
-/// next bytes, `write` takes the answer's next. Rig and frames are kept in `buffer`.
+/// Makes a run of a rig of at most `BODIES` bodies and `DOFS` dofs: `read` fills its slice with the next bytes of the
+/// run, `write` receives the next bytes of the answer. Rig and frames are stored in `buffer`.
 ///
 /// # Errors
-/// What `read` and `write` return, or what is wrong with the run.
+/// The errors of `read` and `write`, or a description of the fault in the run.
 pub fn perform<const BODIES: usize, const DOFS: usize>(
     buffer: &mut [u8],
     mut read: impl FnMut(&mut [u8]) -> Result<(), &'static str>,
@@ -139,7 +139,7 @@ pub fn perform<const BODIES: usize, const DOFS: usize>(
     Ok(())
 }
 
-/// The frames of a run, read from where they are kept. Before the first they move on as in their first step.
+/// The frames of a run, read from the buffer. Frames before the first continue its first step backwards.
 struct RecordedFrames<'a, const BODIES: usize> {
     recorded: &'a [[u8; POSE_LEN]],
     bodies: usize,
@@ -180,10 +180,10 @@ impl<const BODIES: usize> FrameSource for RecordedFrames<'_, BODIES> {
     }
 }
 
-/// Bytes of one body in the answer of a tick.
+/// Length of the answer for one body in a tick, bytes.
 pub const TICK_BYTES: usize = NUMBERS * 4;
 
-/// The answer of a tracker's last tick.
+/// Returns the answer for a tracker's last tick.
 pub fn tick_bytes<'a, const BODIES: usize, const D: usize, const R: usize>(
     tracker: &mut Tracker<BODIES, D, R>,
     out: &'a mut [[u8; TICK_BYTES]; BODIES],
@@ -198,7 +198,7 @@ pub fn tick_bytes<'a, const BODIES: usize, const D: usize, const R: usize>(
     bytes.get(..bodies * TICK_BYTES).unwrap_or_default()
 }
 
-/// A pose as a run has it.
+/// Returns a pose in the format of a run.
 pub fn pose_bytes(pose: &Transform) -> [u8; POSE_LEN] {
     let mut bytes = [0; POSE_LEN];
     for (slot, number) in bytes.chunks_exact_mut(4).zip(pose_numbers(pose)) {
@@ -216,7 +216,7 @@ fn pose_of(bytes: &[u8; POSE_LEN]) -> Transform {
     Transform::new(Quat::from_xyzw(x, y, z, w), Vec3::new(right, up, back))
 }
 
-/// All numbers of the last tick, in the order of [`QUANTITIES`].
+/// Returns all numbers of the last tick, in the order of [`QUANTITIES`].
 fn numbers<const BODIES: usize, const D: usize, const R: usize>(
     tracker: &Tracker<BODIES, D, R>,
     errors: &[StateError],

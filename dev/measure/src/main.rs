@@ -1,9 +1,9 @@
-//! Reads images of boards: `cargo xtask firmware`, `budget` and `audit` build them and start this.
+//! Reads images of boards. `cargo xtask firmware`, `budget` and `audit` build the images and run this program.
 //!
 //! # Files
 //! - `elf/`: functions, instructions and calls of an image.
-//! - `budget/`: instructions, stack, flash and RAM against the committed file.
-//! - `audit/`: the search for what a board's program must not contain.
+//! - `budget/`: instructions, stack, flash and RAM, compared with the committed file.
+//! - `audit/`: the search for forbidden content in a board's program.
 
 mod audit;
 mod budget;

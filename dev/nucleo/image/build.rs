@@ -1,4 +1,4 @@
-//! The image is for the reference board.
+//! Links the image for the reference board.
 
 fn main() {
     let board = sinew_image::BOARDS.iter().find(|board| board.name == "nucleo_f446re");

@@ -1,13 +1,13 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): performs a show of the human figure with each method and reports.
 //!
-//! `SINEW_RIG` and `SINEW_SHOW` name the files that are built in, by whole paths: the figure in a rig's compact form,
-//! and a show of its coordinates. `cargo xtask firmware` makes both.
+//! `SINEW_RIG` and `SINEW_SHOW` are the absolute paths of the files that are built in: the figure in a rig's compact
+//! form, and a show of its coordinates. `cargo xtask firmware` makes both.
 //!
-//! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz
-//! `SysTick` counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction
-//! per tick. It counts instructions, not cycles: stalls and flash wait states are not there.
+//! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
+//! counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction per tick. It
+//! counts instructions, not cycles: stalls and flash wait states are not emulated.
 //!
-//! A hash of all torques is compared with the host's; `cargo xtask parity` names what differs.
+//! A hash of all torques is compared with the host's; `cargo xtask parity` reports the first difference.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SYST;
@@ -62,7 +62,7 @@ fn perform() -> Result<(), &'static str> {
             replay.sense(tick);
             let start = SYST::get_current();
             let asked = replay.step(tick).map_err(|_| "a tick was refused")?;
-            // The counter runs down and wraps at 24 bits.
+            // The counter counts down and wraps at 24 bits.
             let taken = u64::from(start.wrapping_sub(SYST::get_current()) & COUNTER_MASK);
             counts += taken;
             most_counts = most_counts.max(taken);

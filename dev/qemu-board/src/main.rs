@@ -1,4 +1,4 @@
-//! The board's image is `image.rs`. On a host, where the workspace is checked, there is nothing to run.
+//! The board's image is in `image.rs`. On a host, where the workspace is checked, there is nothing to run.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

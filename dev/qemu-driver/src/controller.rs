@@ -1,4 +1,4 @@
-//! The node as the peer of the controller in process: which bytes it is asked for in a tick, and what must be the same.
+//! The node as the peer of the controller in process: the questions of a tick, and the comparison of the answers.
 
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
@@ -12,21 +12,21 @@ use super::error::QemuError;
 use super::node::Node;
 use super::set_up;
 
-/// The image's controller, compared with the one in process.
+/// The controller in the image, compared with the controller in process.
 pub struct QemuController {
     node: Node,
     tick_us: u64,
     ticks: u64,
     packets: u64,
-    /// The first failure: nothing more is compared.
+    /// The first failure; after it nothing more is compared.
     failed: Option<QemuError>,
 }
 
 impl QemuController {
-    /// Gives a node rig, show and settings, with which it begins anew, just before the servos' power comes on.
+    /// Uploads rig, show and settings to a node, which restarts with them, just before the servos are powered on.
     ///
     /// # Errors
-    /// [`QemuError`] says what the node refuses.
+    /// [`QemuError`] names the part that the node refuses.
     pub fn new(emulator: Emulator, parts: &RigParts, show: &[u8]) -> Result<Self, QemuError> {
         if let Some(part) = parts.servos.iter().find(|part| part.drive == Drive::Pulses) {
             return Err(QemuError::Pulses(part.own.name.clone()));
@@ -34,21 +34,21 @@ impl QemuController {
         let mut node = Node::new(emulator);
         set_up::power_on(&mut node, parts)?;
         set_up::upload(&mut node, parts, show)?;
-        // The first tick lets it in.
+        // The command is accepted before the first tick.
         node.send(Linked::LoadShow { slot: 0 })?;
         let tick_us = parts.tick_us().into();
         Ok(Self { node, tick_us, ticks: 0, packets: 0, failed: None })
     }
 
-    /// Returns how many ticks and packets were the same.
+    /// Returns the numbers of ticks and packets that were equal.
     ///
     /// # Errors
-    /// The first difference, or why the image says nothing more.
+    /// The first difference, or the reason why the image does not answer.
     pub fn compared(&self) -> Result<[u64; 2], QemuError> {
         self.failed.clone().map_or(Ok([self.ticks, self.packets]), Err)
     }
 
-    /// Does nothing once something has failed.
+    /// Runs an action, unless something has failed before.
     fn attempt(&mut self, act: impl FnOnce(&mut Self) -> Result<(), QemuError>) {
         if self.failed.is_none() {
             self.failed = act(self).err();
@@ -64,8 +64,8 @@ impl QemuController {
         self.ticks * self.tick_us
     }
 
-    /// Asks for packets of a line. `own`: those of the controller in process, their bytes in `out`, where the image's
-    /// are put.
+    /// Asks for packets of a line. `own`: those of the controller in process. Their bytes are in `out`, where those
+    /// of the image are written.
     fn packets(
         &mut self,
         question: &ToNode<'_>,
@@ -157,7 +157,7 @@ impl PeerController for QemuController {
     }
 }
 
-/// Returns the link's message for a command, if it has one.
+/// Returns the host link's message for a command, if there is one.
 fn linked(command: Command) -> Option<Linked> {
     let feed = |feed| match feed {
         Feed::Show => LinkedFeed::Show,

@@ -1,4 +1,4 @@
-//! QEMU with the image of the node.
+//! Runs QEMU with the image of the node.
 
 use std::collections::VecDeque;
 use std::io::{Read, Write};
@@ -12,17 +12,17 @@ use sinew_qemu_node::message::Bytes;
 
 use super::error::QemuError;
 
-/// The variable in which `cargo xtask node` names the image.
+/// The variable in which `cargo xtask node` puts the image's path.
 pub const IMAGE: &str = "SINEW_NODE_IMAGE";
 
-/// An answer takes milliseconds: an image that says nothing for so long waits for what this program never says.
+/// Time without output after which an image counts as stuck: answers take milliseconds.
 const SILENT: Duration = Duration::from_secs(20);
 const AT_ONCE: usize = 4096;
 
 /// QEMU with the image of a node that waits for its power-on.
 pub struct Emulator {
     from: Receiver<Vec<u8>>,
-    /// What came, and was not read yet.
+    /// Bytes that were received and not read yet.
     came: VecDeque<u8>,
     to: Box<dyn Write>,
     /// The process, if this value runs it.
@@ -30,10 +30,10 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// A node that somebody runs at the other end of two pipes.
+    /// Connects to a node that runs at the other end of two pipes.
     pub(super) fn over(mut from: impl Read + Send + 'static, to: impl Write + 'static) -> Self {
         let (give, take) = channel();
-        // A read of a pipe has no time limit; that of a channel has. It ends with the pipe.
+        // Reading a pipe has no time limit; reading a channel has. The thread ends with the pipe.
         thread::spawn(move || {
             let mut bytes = [0; AT_ONCE];
             while let Ok(len @ 1..) = from.read(&mut bytes) {
@@ -69,7 +69,7 @@ impl Emulator {
         Ok(emulator)
     }
 
-    /// The other end says nothing more.
+    /// Returns the error for an emulator that has ended.
     fn left(&mut self) -> QemuError {
         let status = self.qemu.as_mut().and_then(|qemu| qemu.wait().ok());
         QemuError::Left { status }
@@ -87,7 +87,7 @@ impl Bytes for Emulator {
                 Err(RecvTimeoutError::Disconnected) => return Err(self.left()),
             }
         }
-        // There are as many.
+        // There are enough bytes.
         let _ = self.came.read_exact(bytes);
         Ok(())
     }
@@ -100,7 +100,7 @@ impl Bytes for Emulator {
 impl Drop for Emulator {
     fn drop(&mut self) {
         if let Some(qemu) = &mut self.qemu {
-            // It may have ended by itself.
+            // The process may have ended by itself.
             let _ = qemu.kill();
             let _ = qemu.wait();
         }

@@ -9,7 +9,7 @@ use sinew_firmware::supervisor::Command;
 use sinew_link::message::Refusal;
 use thiserror::Error;
 
-/// An error of the image in QEMU: it does not play, or it plays something else.
+/// An error of the image in QEMU: it does not play, or plays differently.
 #[derive(Debug, Clone, Error)]
 #[non_exhaustive]
 pub enum QemuError {
@@ -19,76 +19,76 @@ pub enum QemuError {
         path.display()
     )]
     NoImage {
-        /// Where it should be.
+        /// Path at which it is expected.
         path: PathBuf,
-        /// The variable that names one.
+        /// The variable that can name another image.
         variable: &'static str,
     },
-    /// There is no emulator.
+    /// QEMU is not installed.
     #[error("qemu-system-arm cannot be started ({0}): `cargo xtask setup` installs it")]
     NoQemu(#[source] Arc<io::Error>),
-    /// The emulator has ended.
-    #[error("QEMU has ended ({}): what it said stands above", status.map_or_else(|| "still there".to_owned(), |of| of.to_string()))]
+    /// QEMU has ended.
+    #[error("QEMU has ended ({}): its output is above", status.map_or_else(|| "still there".to_owned(), |of| of.to_string()))]
     Left {
-        /// How.
+        /// Exit status of the process.
         status: Option<ExitStatus>,
     },
-    /// It runs, and says nothing.
+    /// QEMU runs, but the image does not answer.
     #[error(
-        "the image in QEMU says nothing more: is it of this version? `cargo xtask node` builds it anew ({image} names \
+        "the image in QEMU no longer answers: is it of this version? `cargo xtask node` rebuilds it ({image} names \
          another one)"
     )]
     Silent {
-        /// The variable that names an image.
+        /// The variable that can name another image.
         image: &'static str,
     },
-    /// What the image says is no message.
-    #[error("the image is of another version of Sinew: `cargo xtask node` builds it anew")]
+    /// The image's output is not a valid message.
+    #[error("the image is of another version of Sinew: `cargo xtask node` rebuilds it")]
     Version,
     /// The node does not answer.
     #[error("the node in QEMU gives no answer to {0}")]
     NoAnswer(&'static str),
-    /// It refuses what it is given.
+    /// The node refuses an upload.
     #[error("the node in QEMU refuses the {what}: {refusal}")]
     Refused {
-        /// What.
+        /// Name of the refused part.
         what: &'static str,
-        /// Why.
+        /// Reason for the refusal.
         refusal: Refusal,
     },
     /// The rig is too large for the image.
     #[error("the rig has {found} {what}, the image in QEMU holds {holds}")]
     Holds {
-        /// Of what it has too many.
+        /// Name of the exceeded capacity.
         what: &'static str,
-        /// How many it has.
+        /// Number in the rig.
         found: usize,
-        /// How many there may be.
+        /// Largest number in the image.
         holds: usize,
     },
     /// The rig cannot be wired to a board.
     #[error("the rig cannot be wired to the node in QEMU: {0}")]
     Wiring(String),
-    /// A servo takes pulses.
-    #[error("servo `{0}` takes pulses: the image was tried with serial lines alone")]
+    /// A servo is driven by pulses.
+    #[error("servo `{0}` is driven by pulses: the image was tested with serial lines only")]
     Pulses(String),
-    /// The node took the rig, and has no loop.
+    /// The node accepted the rig, but its controller refuses it.
     #[error("the node in QEMU took the rig, and its controller refuses it")]
     NoLoop,
-    /// A command that no message of the link carries.
-    #[error("the command {0:?} cannot be sent over the link: it has no message for it")]
+    /// The host link has no message for a command.
+    #[error("the command {0:?} cannot be sent: the host link has no message for it")]
     Command(Command),
-    /// Image and process differ.
+    /// The image and the controller in process differ.
     #[error(
-        "tick {tick}: {what} of the image in QEMU are not those in process. Is it of this version? `cargo xtask node` \
-         builds it anew ({image} names another one)"
+        "tick {tick}: {what} of the image in QEMU differ from those in process. Is it of this version? `cargo xtask \
+         node` rebuilds it ({image} names another one)"
     )]
     Differs {
-        /// In which tick.
+        /// Tick of the difference.
         tick: u64,
-        /// What.
+        /// The quantity that differs.
         what: &'static str,
-        /// The variable that names an image.
+        /// The variable that can name another image.
         image: &'static str,
     },
 }

@@ -5,12 +5,12 @@
 //!                                                          ║ the same?                         │ answers, to both
 //!                                   controller in process ─╨─ Tally, Recorder  <───────────────┘
 //! ```
-//! The image's packets go over the wires. The controller in process hears the same answers and gets the same commands
-//! in the same ticks, and all that the two say is compared: each packet, and in each tick state, commanded pose,
-//! efforts and errors, bit for bit. So tables and recordings, which are made of the controller in process, are of both.
+//! The image's packets are sent to the servos. The controller in process receives the same answers and commands in
+//! the same ticks, and all outputs of both are compared: each packet, and in each tick state, commanded pose, efforts
+//! and errors, bit for bit. Therefore tables and recordings of the controller in process are valid for both.
 //!
 //! - `emulator`: the process of QEMU, as a pair of pipes;
-//! - `node`: a node over these pipes, and its link;
+//! - `node`: a node over these pipes, and its host link;
 //! - `set_up`: power-on, and uploads of rig, settings and show;
 //! - `controller`: the node as the peer of a [`SimulatedRig`](sinew_performance::play)'s controller.
 

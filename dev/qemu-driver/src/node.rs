@@ -1,4 +1,4 @@
-//! A node as a host sees it: messages of the lock-step, and over them the link.
+//! A node from the view of its host: messages of the lockstep, and the host link in them.
 
 use sinew_link::message::{
     Applied, Block, Command, Hello, Item, Outcome, Stream, ToController, ToHost as Said, Version,
@@ -11,23 +11,23 @@ use sinew_qemu_node::message::{End, TakeError, ToHost, ToNode};
 use super::emulator::Emulator;
 use super::error::QemuError;
 
-/// Steps below the loop at a time. A step takes 64 bytes of the line.
+/// Steps of the background task per message. A step takes 64 bytes of the link.
 const STEPS: u32 = 8;
-/// After so many times without an answer there is none.
+/// Number of attempts after which the node counts as not answering.
 const PATIENCE: usize = 1000;
 
-/// A node, and its link.
+/// A node, and its host link.
 pub(super) struct Node {
     end: End<Emulator>,
     sender: Sender,
     decoder: Decoder<Said>,
     welcome: Option<Welcome>,
     outcome: Option<Outcome>,
-    /// Bytes that it has not taken yet.
+    /// Bytes that the node has not read yet.
     line: Vec<u8>,
-    /// It has begun anew.
+    /// Whether the node has restarted.
     has_restarted: bool,
-    /// A command is without its answer.
+    /// Whether a command has no answer yet.
     waits: bool,
     nonce: u32,
 }
@@ -58,7 +58,7 @@ impl Node {
         })
     }
 
-    /// Steps below the loop: it takes what waits on the line, and what it says is heard.
+    /// Runs steps of the background task: it reads the waiting bytes, and its output is decoded.
     fn below(&mut self) -> Result<(), QemuError> {
         let line: Vec<u8> = self.line.iter().copied().take(LINE_AT_ONCE).collect();
         self.put(&ToNode::Below { now_us: 0, steps: STEPS, line: &line })?;
@@ -86,11 +86,11 @@ impl Node {
         self.line.extend_from_slice(encode(message, &mut out).expect("a frame has room for each"));
     }
 
-    /// Greets it, after each start.
+    /// Greets the node, after each start.
     pub(super) fn connect(&mut self) -> Result<Welcome, QemuError> {
         self.nonce += 1;
         (self.welcome, self.line) = (None, Vec::new());
-        // It takes no telemetry, and so it says that it does not acknowledge any.
+        // This program receives no telemetry. The older version in the greeting says that it acknowledges none.
         let protocol = Version { minor: 1, ..Version::CURRENT };
         let hello = Hello { protocol, nonce: self.nonce };
         self.say(&ToController::Hello(hello));
@@ -104,17 +104,17 @@ impl Node {
         Err(QemuError::NoAnswer("a greeting"))
     }
 
-    /// Sends a command, which is taken before the next tick.
+    /// Sends a command, which the node accepts before the next tick.
     pub(super) fn send(&mut self, command: Command) -> Result<(), QemuError> {
         let busy = |_| QemuError::NoAnswer("the command before");
-        // The line loses nothing: nothing is sent again.
+        // The link loses nothing, so nothing is sent again.
         let command = self.sender.send(command, 0).map_err(busy)?;
         self.say(&ToController::Command(command));
         (self.outcome, self.waits) = (None, true);
         Ok(())
     }
 
-    /// Before a tick: it hears its host, and takes all that waits.
+    /// Sends a heartbeat before a tick, and lets the node read all waiting bytes.
     pub(super) fn beat(&mut self) -> Result<(), QemuError> {
         let beat = self.sender.stream(Stream::Heartbeat);
         self.say(&ToController::Stream(beat));
@@ -124,14 +124,15 @@ impl Node {
         Ok(())
     }
 
-    /// Behind a tick: the answer to its command.
+    /// Checks the answer to the last command after a tick.
     pub(super) fn hear_answer(&mut self) -> Result<(), QemuError> {
         if !self.waits {
             return Ok(());
         }
         self.below()?;
         match self.outcome.take() {
-            // What the controller in process refuses this one must refuse, too: their states tell.
+            // This node must refuse the same commands as the controller in process: the comparison of their states
+            // shows it.
             Some(Outcome::Refused(_) | Outcome::Applied(_) | Outcome::Limited(..)) => Ok(()),
             _ => Err(QemuError::NoAnswer("a command")),
         }
@@ -148,7 +149,7 @@ impl Node {
         Err(QemuError::NoAnswer("a command"))
     }
 
-    /// An upload, block by block, to its end. `what`: as a message names it.
+    /// Uploads an item block by block. `what`: its name in messages.
     pub(super) fn upload(
         &mut self,
         what: &'static str,
@@ -174,7 +175,7 @@ impl Node {
         }
     }
 
-    /// Behind another rig or other settings it begins anew.
+    /// Waits for the restart after a new rig or new settings, and greets the node again.
     pub(super) fn restart(&mut self) -> Result<Welcome, QemuError> {
         for _ in 0..PATIENCE {
             if std::mem::take(&mut self.has_restarted) {

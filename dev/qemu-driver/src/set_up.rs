@@ -1,5 +1,5 @@
-//! Set-up of the node before it plays: power-on with what its board has built in; then over the link rig, show and
-//! settings.
+//! Sets up the node before it plays: power-on with the built-in parts of its board, then uploads of rig, show and
+//! settings over the host link.
 
 use sha2::{Digest as _, Sha256};
 use sinew_firmware::node::{RIG_SCHEMA, SETTINGS_SCHEMA, SHOW_SCHEMA};
@@ -12,10 +12,10 @@ use sinew_qemu_node::message::ToNode;
 use super::error::QemuError;
 use super::node::Node;
 
-/// The name under which the node stores what is uploaded.
+/// Name of the approver that the node stores with the uploads.
 const APPROVER: &str = "sinew play";
 
-/// Switches a board on that has this rig's lines and servos built in.
+/// Powers on a board whose built-in lines and servos are those of this rig.
 pub(super) fn power_on(node: &mut Node, parts: &RigParts) -> Result<(), QemuError> {
     fits("lines of servos", parts.lines.len(), LINES)?;
     fits("servos", parts.servos.len(), CAPACITY)?;
@@ -36,7 +36,7 @@ pub(super) fn power_on(node: &mut Node, parts: &RigParts) -> Result<(), QemuErro
     Ok(())
 }
 
-/// Uploads rig, show and settings; after the settings the node begins anew with all of them.
+/// Uploads rig, show and settings. After the settings the node restarts with all of them.
 pub(super) fn upload(node: &mut Node, parts: &RigParts, show: &[u8]) -> Result<(), QemuError> {
     let holds = node.connect()?.about.capacities;
     let tree = parts.compact().tree();

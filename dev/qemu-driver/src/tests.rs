@@ -21,7 +21,7 @@ use sinew_show::write::Settings;
 
 use super::*;
 
-/// The node's end.
+/// The node's end of the pipes.
 struct Ends(PipeReader, PipeWriter);
 
 impl Bytes for Ends {
@@ -37,7 +37,7 @@ impl Bytes for Ends {
 /// A peer that is shared with a rig.
 type Shared = Rc<RefCell<QemuController>>;
 
-/// Starts the node of the image in a thread.
+/// Starts the node of the image in a thread of this program.
 fn here(parts: &RigParts, show: &[u8]) -> Result<Shared, QemuError> {
     let [(from_node, to_host), (from_host, to_node)] = [pipe().unwrap(), pipe().unwrap()];
     let run = || {
@@ -50,7 +50,7 @@ fn here(parts: &RigParts, show: &[u8]) -> Result<Shared, QemuError> {
     Ok(Rc::new(RefCell::new(QemuController::new(emulator, parts, show)?)))
 }
 
-/// An arm on two lines of two protocols, and a show in which it swings.
+/// An arm on two lines with two protocols, and a show in which it swings.
 struct Swing {
     rig: Description,
     mechanism: Mechanism,
@@ -61,7 +61,7 @@ struct Swing {
 impl Swing {
     fn new(drive: Option<Drive>) -> Self {
         let mut rig = arm(3).unwrap();
-        // Of two voltages: no supply for both.
+        // Two voltages: there is no common supply.
         rig.supply = None;
         "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
         "tip".clone_into(&mut rig.servos[1].bus);
@@ -85,7 +85,7 @@ impl Swing {
     }
 }
 
-/// Plays to the end, or to the first tick in which the peer is not the same.
+/// Plays to the end, or to the first tick with a difference.
 fn played(sim: &mut SimulatedRig<'_, RigPlant>, peer: Option<&Shared>) -> Result<Ended, QemuError> {
     let mut director = Director::default();
     loop {
@@ -112,7 +112,7 @@ fn a_whole_node_says_on_both_lines_what_the_controller_says() {
         assert_eq!(sim.wires(), alone.wires());
         let [ticks, packets] = peer.borrow().compared().unwrap();
         assert_eq!(ticks, alone.ticks());
-        // Each line says something in each tick.
+        // Each line sends packets in each tick.
         assert!(packets >= 2 * ticks, "{packets} packets in {ticks} ticks");
     }
 }
@@ -128,7 +128,7 @@ fn a_node_that_is_not_the_same_is_noticed() {
     let mut sim = swing.sim(&mut memories).with_peer(peer.clone());
     let refused = played(&mut sim, Some(&peer)).unwrap_err();
     assert!(matches!(refused, QemuError::Differs { tick: 1.., .. }), "{refused}");
-    // It stays so, however often somebody asks.
+    // The result stays the same when it is read again.
     assert_eq!(peer.borrow().compared().unwrap_err().to_string(), refused.to_string());
 }
 

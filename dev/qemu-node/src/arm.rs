@@ -1,4 +1,4 @@
-//! A desk arm of six servos: how they are driven, and their bus.
+//! A desk arm with six servos: their drives, and their bus.
 
 use serde::{Deserialize, Serialize};
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings};
@@ -15,22 +15,22 @@ use crate::limits::CAPACITY;
 
 const COUNT: u32 = 6;
 
-/// Servos of the arm, and its joints.
+/// Number of servos of the arm, and of its joints.
 pub const SERVOS: usize = COUNT as usize;
 
-/// How its servos are driven.
+/// Drive of the arm's servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Kind {
-    /// XL330 by current, 400 Hz at 4 Mbps.
+    /// XL330 driven by current, 400 Hz at 4 Mbit/s.
     Current,
-    /// STS3215 by position, 100 Hz at 1 Mbps.
+    /// STS3215 driven by position, 100 Hz at 1 Mbit/s.
     Position,
-    /// XL430 by voltage, 400 Hz at 4 Mbps.
+    /// XL430 driven by voltage, 400 Hz at 4 Mbit/s.
     Voltage,
 }
 
 impl Kind {
-    /// Ticks a second.
+    /// Returns the tick rate, Hz.
     pub fn rate_hz(self) -> u32 {
         match self {
             Self::Current | Self::Voltage => 400,
@@ -38,7 +38,7 @@ impl Kind {
         }
     }
 
-    /// The kind of its servos.
+    /// Returns the model of its servos.
     pub fn model(self) -> &'static str {
         match self {
             Self::Current => "XL330-M288-T",
@@ -48,32 +48,32 @@ impl Kind {
     }
 }
 
-/// What a controller of the arm is made of, beside the rig.
+/// Parts of a controller of the arm, besides the rig.
 pub struct Parts {
-    /// Of the controller.
+    /// Settings of the controller.
     pub settings: ControllerSettings,
-    /// Of each servo.
+    /// Settings of each servo.
     pub servos: [ServoSetup; SERVOS],
-    /// Of the bus.
+    /// Schedule of the bus.
     pub schedule: Schedule,
-    /// Of the bus.
+    /// Timing of the bus.
     pub timing: Timing,
-    /// The bus.
+    /// The bus of the arm.
     pub bus: Bus,
 }
 
-/// The arm's bus: of the type that a rig's lines have in an image.
+/// Type of the arm's bus, which is that of a rig's lines in an image.
 pub type Bus = sinew_wiring::Bus<CAPACITY>;
 
-/// The parts of an arm.
+/// Returns the parts of an arm.
 ///
 /// # Panics
-/// Never: they are all constants.
+/// Never: all numbers are constants.
 pub fn parts(kind: Kind) -> Parts {
     let baud = if kind == Kind::Position { 1_000_000 } else { 4_000_000 };
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
     let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
-        // What the makers say: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9; 11.1 V, 6 to 14.
+        // The makers' voltages: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9; 11.1 V, 6 to 14.
         Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
         Kind::Position => {
             let traffic = feetech::traffic(Family::Sts, COUNT).with_goal(6);
@@ -86,7 +86,7 @@ pub fn parts(kind: Kind) -> Parts {
         encoder: Encoder::default(),
         blind_rad: 0.0059,
         current_a: 1.2,
-        // Above what the detector of heat finds first.
+        // Above the first threshold of the heat detector.
         cut_off: CutOff { warm_c: 65.0, hot_c: 69.0, ..CutOff::default() },
     };
     let setup = ServoSetup {
@@ -96,12 +96,12 @@ pub fn parts(kind: Kind) -> Parts {
             Kind::Voltage => DriveSettings::Voltage(VoltageSettings {
                 current: CurrentSettings { current_a: 1.0, ..current },
                 resistance_ohm: recommended_v / stall_a,
-                // Supply over speed without load, less what friction takes.
+                // Supply voltage divided by no-load speed, minus the part for friction.
                 back_emf_v_s: 1.44,
                 supply_v: recommended_v,
             }),
         },
-        // An XL330's gear with a light load: half its play and a step of its encoder.
+        // The gear of an XL330 with a light load: half its play and a step of its encoder.
         bandwidth_rad_s: 40.0,
         rest_rad: 0.0059,
         heat: HeatSettings::default(),
@@ -113,7 +113,8 @@ pub fn parts(kind: Kind) -> Parts {
     };
     let tracker = match kind {
         Kind::Current | Kind::Voltage => TrackerSettings::recommended(),
-        // 10 ms and as much latency: too late for the recommended one, whose feedback no position servo takes.
+        // 10 ms, and a latency as long: too much for the recommended settings, whose feedback a position servo cannot
+        // use.
         Kind::Position => {
             TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
         }

@@ -1,4 +1,4 @@
-//! What a board has built in: how its servos are driven, and its lines.
+//! Built-in parts of a board: the drives of its servos, and its bus lines.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -12,41 +12,41 @@ pub use sinew_wiring::{BusLine, Dynamixel, LineServo, Protocol, Servo};
 use crate::arm::{self, Kind};
 use crate::limits::{CAPACITY, LINES};
 
-/// What the node drives.
+/// The rig that the node drives.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum BuiltIn {
     /// The desk arm of the tests.
     Arm(Kind),
-    /// A rig of a host, whose lines and servos follow.
+    /// A rig from the host. Messages with its lines and servos follow.
     Rig(Rig),
 }
 
-/// A rig's loop.
+/// The loop of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Rig {
-    /// How many lines follow, each as [`ToNode::Line`](crate::message::ToNode::Line).
+    /// Number of lines that follow, each as [`ToNode::Line`](crate::message::ToNode::Line).
     pub lines: usize,
-    /// How many servos follow, in the rig's order, each as [`ToNode::Servo`](crate::message::ToNode::Servo).
+    /// Number of servos that follow, in the rig's order, each as [`ToNode::Servo`](crate::message::ToNode::Servo).
     pub servos: usize,
-    /// Ticks a second.
+    /// Tick rate, Hz.
     pub rate_hz: u32,
-    /// The line whose schedule the controller goes by.
+    /// Index of the line whose schedule the controller uses.
     pub latest: usize,
     /// Method and gains.
     pub tracker: TrackerSettings,
 }
 
-/// All that was said of it.
+/// All received messages about the built-in parts.
 #[expect(clippy::large_enum_variant, reason = "an image has no heap, and there is one")]
 pub(crate) enum Received {
     Arm(Kind),
     Rig { rig: Rig, lines: Vec<BusLine, LINES>, servos: Vec<Servo, CAPACITY> },
 }
 
-/// All lines of the node.
+/// All bus lines of the node.
 pub(crate) type Lines = AnyLines<Bus<CAPACITY>, LINES, CAPACITY>;
 
-/// What a controller is made of, beside the rig.
+/// Parts of a controller, besides the rig.
 pub(crate) struct Parts {
     pub(crate) settings: ControllerSettings,
     pub(crate) servos: Vec<ServoSetup, CAPACITY>,

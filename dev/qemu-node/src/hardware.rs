@@ -1,4 +1,4 @@
-//! What the node has for hardware: RAM, and the host at the other end.
+//! Hardware of the node: RAM, and the host at the other end.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
@@ -15,10 +15,10 @@ use crate::built_in::Lines;
 use crate::limits::LINE_IN_STEP;
 use crate::message::{Bytes, End, Packets, TakeError, ToHost, ToNode};
 
-/// Room for the packets of a line at once.
+/// Room for the packets that a line sends at once, bytes.
 const OUT_LEN: usize = 2048;
 
-/// Flash that its driver and the processor both see.
+/// Flash that its driver and the processor share.
 #[derive(Clone, Copy)]
 pub(crate) struct Chip<'m>(pub(crate) &'m RefCell<&'m mut [u8]>);
 
@@ -42,7 +42,7 @@ impl ReadNorFlash for Chip<'_> {
 }
 
 impl NorFlash for Chip<'_> {
-    // As the F446's.
+    // Sizes of the F446's flash.
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 1024;
     fn erase(&mut self, from: u32, to: u32) -> Result<(), Infallible> {
@@ -51,7 +51,7 @@ impl NorFlash for Chip<'_> {
     }
     fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Infallible> {
         let mut flash = self.0.borrow_mut();
-        // Bits only fall.
+        // Writing can only clear bits.
         for (old, new) in flash[offset as usize..][..bytes.len()].iter_mut().zip(bytes) {
             *old &= new;
         }
@@ -59,7 +59,8 @@ impl NorFlash for Chip<'_> {
     }
 }
 
-/// RAM for what the loop reads in place. A show that is lent is copied there: flash is borrowed as a whole.
+/// RAM for shows that the loop reads in place. A show is copied there when it is lent, because flash can be borrowed
+/// only as a whole.
 pub(crate) struct ShowBuffer<'m>(pub(crate) &'m mut [u8]);
 
 impl<'m> ShowBuffer<'m> {
@@ -71,7 +72,7 @@ impl<'m> ShowBuffer<'m> {
     }
 }
 
-/// A critical section: nothing interrupts.
+/// A critical section. In one thread nothing interrupts.
 pub(crate) struct SingleThreaded<T>(pub(crate) RefCell<T>);
 
 impl<T> Shared<T> for SingleThreaded<T> {
@@ -80,7 +81,7 @@ impl<T> Shared<T> for SingleThreaded<T> {
     }
 }
 
-/// The board as the loop sees it. Its clock goes on while the bus talks.
+/// The board from the view of the loop. Its clock advances while the bus is used.
 pub(crate) struct Pins<'c> {
     pub(crate) now_us: &'c Cell<u64>,
     pub(crate) is_stopped: bool,
@@ -103,7 +104,7 @@ impl Safety for Pins<'_> {
     }
 }
 
-/// The lines: their servos are the host's.
+/// The bus lines; their servos are simulated by the host.
 pub(crate) struct Servos<'h, B> {
     pub(crate) host: &'h mut End<B>,
     pub(crate) lines: &'h RefCell<Lines>,
@@ -111,7 +112,7 @@ pub(crate) struct Servos<'h, B> {
 }
 
 impl<B: Bytes<Error = Infallible>> Wire for Servos<'_, B> {
-    /// All of a tick: the host asks line by line.
+    /// Exchanges all packets of a tick: the host asks line by line.
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
         let mut lines = self.lines.borrow_mut();
         let mut out = [0; OUT_LEN];
@@ -139,13 +140,13 @@ impl<B: Bytes<Error = Infallible>> Wire for Servos<'_, B> {
         }
     }
 
-    /// What lines want besides they have asked the host for.
+    /// The host has already asked for the optional packets of lines.
     fn left_us(&self) -> u32 {
         0
     }
 }
 
-/// The host's next message.
+/// Receives the host's next message.
 pub(crate) fn take<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> ToNode<'_> {
     match host.take() {
         Ok(message) => message,
@@ -153,15 +154,15 @@ pub(crate) fn take<B: Bytes<Error = Infallible>>(host: &mut End<B>) -> ToNode<'_
     }
 }
 
-/// A message to the host.
+/// Sends a message to the host.
 pub(crate) fn put<B: Bytes<Error = Infallible>>(host: &mut End<B>, message: &ToHost<'_>) {
     let Ok(()) = host.put(message);
 }
 
-/// The board as link and storage see it, while they run.
+/// The board from the view of host link and storage.
 pub(crate) struct HostPort<'t, 'm> {
     pub(crate) now_us: u64,
-    /// Bytes of the host that are not taken yet.
+    /// Bytes from the host that are not read yet.
     pub(crate) came: &'t [u8],
     /// Bytes for the host.
     pub(crate) said: Vec<u8, 2048>,

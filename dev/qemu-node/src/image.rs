@@ -1,11 +1,11 @@
-//! The image: a node whose host is at QEMU's standard input and output, by semihosting.
+//! The image: a node whose host uses QEMU's standard input and output, through semihosting.
 //!
-//! The machine stands still while the host thinks, and nothing interrupts: what it computes depends on what it reads.
+//! The machine stops while the host computes, and there are no interrupts: its results depend only on its input.
 
 use core::convert::Infallible;
 use core::sync::atomic::Ordering;
 
-// What a critical section is.
+// Defines the critical section.
 use cortex_m as _;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::entry;
@@ -30,7 +30,7 @@ fn main() -> ! {
     node::run(&mut End::new(host), causes, &mut persistent_ram.flash, LENT.take())
 }
 
-/// The host's files.
+/// Files of the host.
 struct Host {
     input: usize,
     output: usize,
@@ -48,7 +48,8 @@ impl Bytes for Host {
     }
 }
 
-/// As on a board: a record that survives, then a reset. A panic that the host did not order is a mistake: it ends QEMU.
+/// Handles a panic as on a board: writes a record that survives a reset, then resets. A panic that the host did not
+/// order is an error, and ends QEMU.
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     if IS_ORDERED.load(Ordering::Relaxed) {

@@ -1,18 +1,18 @@
-//! A whole node in an emulator: what an image for QEMU and its host share.
+//! A whole node in an emulator: the parts that an image for QEMU and its host share.
 //!
 //! ```text
 //! host: line, simulated servos, clock ──  ToNode  ──> image: link, storage, loop; its flash is RAM
 //!                                     <── ToHost  ──
 //! ```
-//! The node is that of every board, and what it reaches of hardware is at the host's. They go in lock-step: one of them
-//! runs while the other waits, and time is what the host says. So a run is the same each time, and the bytes on its bus
-//! and its line can be compared with those of a node in process.
+//! The node is that of every board, and the host replaces its hardware. They run in lockstep: one of them runs while
+//! the other waits, and the host sets the time. Therefore every run is the same, and the bytes on the bus and the
+//! host link can be compared with those of a node in process.
 //!
-//! - [`built_in`]: what a board of a rig has built in: how its servos are driven, and its lines;
-//! - [`arm`]: the same of the rig that tests move;
-//! - [`limits`]: its sizes;
-//! - [`message`]: what the two say to each other;
-//! - [`node`]: the node over that, from one power-on to the next.
+//! - [`built_in`]: built-in parts of a rig's board: drives of its servos, and its lines;
+//! - [`arm`]: the built-in parts for the rig of the tests;
+//! - [`limits`]: sizes of the node;
+//! - [`message`]: messages between host and node;
+//! - [`node`]: the node that uses these messages, from one power-on to the next.
 
 #![no_std]
 #![forbid(unsafe_code)]

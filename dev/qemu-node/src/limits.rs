@@ -1,25 +1,25 @@
-//! Sizes of the node, and of what it takes at once.
+//! Sizes of the node, and limits of its messages.
 
-/// Bodies, dofs and servos that the node holds.
+/// Largest number of bodies, dofs and servos.
 pub const CAPACITY: usize = 40;
 
-/// Coordinates that the node holds: a ball joint has four for three dofs.
+/// Largest number of coordinates: a ball joint has four for three dofs.
 pub const COORDINATES: usize = CAPACITY + CAPACITY / 3;
 
-/// Lines of servos that the node has.
+/// Largest number of bus lines.
 pub const LINES: usize = sinew_wiring::LINES;
 
-/// Bytes of the node's flash, up to the end of the last slot.
+/// Size of the node's flash, up to the end of the last slot, bytes.
 pub const FLASH_LEN: usize = 0x8_C000;
 
-/// Room for the longest rig in its compact form.
+/// Room for the largest rig in its compact form, bytes.
 pub const RIG_ROOM: usize = 16_384;
 
-/// Rate of the line to the host, bit/s.
+/// Rate of the host link, bit/s.
 pub const LINE_BPS: u32 = 1_000_000;
 
-/// Bytes that the line to the host takes in a step.
+/// Bytes that the host link accepts in a step.
 pub const LINE_IN_STEP: usize = 200;
 
-/// Bytes of the host that may come in a tick.
+/// Largest number of bytes from the host in a tick.
 pub const LINE_AT_ONCE: usize = 1024;

@@ -1,24 +1,24 @@
-//! What host and node say to each other: the length in four bytes, little-endian, then the message by postcard.
+//! Messages between host and node: the length in four bytes, little-endian, then the message in postcard.
 //!
 //! ```text
 //! host  PowerOn Line.. Servo..     Below      Tick          Plan, PlanMore  Said          Over
 //! node                             Stepped    Exchange      Planned         IsComplete    Ticked
 //! ```
 //! The host begins, and each of its messages from [`ToNode::Tick`] and [`ToNode::Below`] on is answered. A tick of a
-//! node without a rig is over at once. In one with a rig lines may talk side by side: the host asks for what goes over
-//! each of them, when it is its time.
+//! node without a rig ends at once. In a node with a rig, lines may run in parallel: the host asks for the packets of
+//! each line at its time.
 
 use serde::{Deserialize, Serialize};
 
 use crate::built_in::{BuiltIn, BusLine, Servo};
 
-/// Room for the longest message.
+/// Room for the longest message, bytes.
 const ROOM: usize = 4096;
 
-/// What the node is told.
+/// A message to the node.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum ToNode<'a> {
-    /// Its first power-on, with blank flash: what it has built in.
+    /// The first power-on, with blank flash, and the built-in parts.
     PowerOn(BuiltIn),
     /// A line of a [rig](BuiltIn::Rig).
     Line(BusLine),
@@ -26,105 +26,105 @@ pub enum ToNode<'a> {
     Servo(Servo),
     /// A tick of the loop.
     Tick {
-        /// When it begins, µs.
+        /// Start of the tick, µs.
         now_us: u64,
         /// Whether the loop of the emergency stop is open.
         is_stopped: bool,
     },
-    /// What goes over a line first in this tick?
+    /// Asks for the first packets of a line in this tick.
     Plan {
-        /// The line.
+        /// Index of the line.
         line: usize,
     },
-    /// What servos have said.
+    /// Bytes that servos have sent.
     Said {
-        /// On this line.
+        /// Index of the line.
         line: usize,
-        /// The bytes.
+        /// The received bytes.
         bytes: &'a [u8],
     },
-    /// What else goes over a line?
+    /// Asks for more packets of a line.
     PlanMore {
-        /// The line.
+        /// Index of the line.
         line: usize,
-        /// What is left of the tick, µs.
+        /// Remaining time of the tick, µs.
         left_us: u32,
     },
-    /// No line wants anything more.
+    /// The lines have no more packets in this tick.
     Over {
-        /// When that was, µs.
+        /// Time at which the last line finished, µs.
         now_us: u64,
     },
-    /// Steps below the loop.
+    /// Runs steps of the background task.
     Below {
-        /// When they are made, µs.
+        /// Time of the steps, µs.
         now_us: u64,
-        /// How many.
+        /// Number of steps.
         steps: u32,
-        /// The bytes that wait on the line of the link, at most [`LINE_AT_ONCE`](crate::limits::LINE_AT_ONCE) bytes.
+        /// Bytes that wait on the host link, at most [`LINE_AT_ONCE`](crate::limits::LINE_AT_ONCE).
         line: &'a [u8],
     },
-    /// The program stops itself, by a panic. The image resets its board then, with its flash as it is, and asks for
+    /// Orders a panic of the program. The image then resets its board, keeps its flash, and waits for
     /// [`ToNode::PowerOn`] again.
     Panic,
 }
 
-/// What the node says.
+/// A message from the node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ToHost<'a> {
-    /// Commands of a tick are there: the lines may talk.
+    /// The commands of a tick are ready: the lines may start.
     Exchange,
-    /// Bytes for servos, and for how long they may answer; none if there is nothing to say.
+    /// Bytes for servos, and the time for their answers; `None` if there is nothing to send.
     Planned(#[serde(borrow)] Option<Packets<'a>>),
-    /// Whether the answers are all there.
+    /// Whether all answers are complete.
     IsComplete(bool),
-    /// The tick is over: what came of it; none if there is no rig.
+    /// The tick is over, with its result; `None` if there is no rig.
     Ticked(#[serde(borrow)] Option<LoopMessage<'a>>),
-    /// The steps below the loop are made.
+    /// The steps of the background task are done.
     Stepped {
-        /// Bytes that it took from the line.
+        /// Number of bytes that were read from the link.
         taken: usize,
-        /// Bytes for the line.
+        /// Bytes for the link.
         line: &'a [u8],
-        /// It begins anew, with the flash that it has.
+        /// Whether the node restarts, with its present flash.
         restarts: bool,
     },
 }
 
-/// Bytes for servos.
+/// Packets for servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Packets<'a> {
-    /// The bytes.
+    /// The bytes of the packets.
     pub bytes: &'a [u8],
-    /// How many come back, without stuffing.
+    /// Length of the answers without byte stuffing.
     pub reply_len: usize,
-    /// How long all of it takes, µs.
+    /// Time for packets and answers, µs.
     pub time_us: u32,
 }
 
-/// What came of the loop in a tick.
+/// Result of the loop in a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LoopMessage<'a> {
-    /// Whether the tick was whole: the watchdog was fed.
+    /// Whether the tick was complete: the watchdog was fed.
     pub is_fed: bool,
-    /// Whether servos have their signals (OE).
+    /// Whether servos get their signals (OE).
     pub outputs: bool,
-    /// The number of its state.
+    /// Number of the state.
     pub state: u8,
-    /// Faults whose condition is there, and those that wait to be cleared: a [bit](crate::node::bit) for each.
+    /// Faults whose condition is present, and faults that wait to be cleared: a [bit](crate::node::bit) for each.
     pub faults: [u32; 2],
-    /// What it has [commanded](crate::node::commanded).
+    /// The [commanded](crate::node::commanded) values.
     pub commanded: &'a [u8],
 }
 
-/// Bytes to the other end and from it.
+/// A byte channel to the other end.
 ///
-/// **Duty**: both come back when all bytes are through, or say why they never will be.
+/// **Duty**: both functions return when all bytes are transferred, or with the reason why they never will be.
 pub trait Bytes {
-    /// Why they are not through.
+    /// Reason why bytes cannot be transferred.
     type Error;
 
-    /// Fills `bytes` with what the other end has sent.
+    /// Fills `bytes` with bytes from the other end.
     ///
     /// # Errors
     /// The other end is gone.
@@ -137,25 +137,25 @@ pub trait Bytes {
     fn write(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
 }
 
-/// Why there is no next message.
+/// Error of a missing or invalid message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TakeError<E> {
-    /// Bytes do not come.
+    /// The bytes cannot be read.
     Bytes(E),
-    /// They are no message: the other end is of another version.
+    /// The bytes are not a valid message: the other end has another version.
     Message,
 }
 
-/// One end, for messages.
+/// One end of a message channel.
 #[derive(Debug)]
 pub struct End<B> {
-    /// What carries them.
+    /// The byte channel that carries the messages.
     pub bytes: B,
     room: [u8; ROOM],
 }
 
 impl<B: Bytes> End<B> {
-    /// An end of a line of bytes.
+    /// Creates an end on a byte channel.
     pub fn new(bytes: B) -> Self {
         Self { bytes, room: [0; ROOM] }
     }
@@ -166,7 +166,7 @@ impl<B: Bytes> End<B> {
     /// The other end is gone.
     ///
     /// # Panics
-    /// If it is longer than the longest.
+    /// If the message is longer than the room for the longest message.
     pub fn put(&mut self, message: &impl Serialize) -> Result<(), B::Error> {
         let (head, body) = self.room.split_first_chunk_mut().expect("there is room for a length");
         let len = postcard::to_slice(message, body).expect("messages have room").len();
@@ -174,10 +174,10 @@ impl<B: Bytes> End<B> {
         self.bytes.write(&self.room[..head_len() + len])
     }
 
-    /// The next message.
+    /// Receives the next message.
     ///
     /// # Errors
-    /// [`TakeError`].
+    /// [`TakeError`] if the bytes cannot be read, or are not a message.
     pub fn take<'a, M: Deserialize<'a>>(&'a mut self) -> Result<M, TakeError<B::Error>> {
         let mut head = [0; head_len()];
         self.bytes.read(&mut head).map_err(TakeError::Bytes)?;

@@ -1,4 +1,4 @@
-//! The node, tick by tick as its host says.
+//! Runs the node tick by tick, as its host says.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
@@ -19,14 +19,14 @@ use crate::hardware::{Chip, HostPort, Pins, Servos, ShowBuffer, SingleThreaded, 
 use crate::limits::{CAPACITY, COORDINATES, LINE_AT_ONCE, LINE_BPS, RIG_ROOM};
 use crate::message::{Bytes, End, LoopMessage, ToHost, ToNode};
 
-/// What the arm's board says that it holds.
+/// Capacity that the arm's board reports.
 const OF_ARM: u16 = 8;
 
 const fn capacity(of: u16) -> Capacity {
     Capacity { bodies: of, dofs: of, servos: of }
 }
 
-/// Of the arm's board: sectors as the F446's.
+/// Flash layout of the arm's board, with sectors as in the F446.
 pub const TABLE: BoardTable = BoardTable {
     log: Area { start: 0x4000, sector_len: SECTOR_LEN, sectors: 2 },
     slots: &[
@@ -36,7 +36,7 @@ pub const TABLE: BoardTable = BoardTable {
     capacity: capacity(OF_ARM),
 };
 
-/// Of a rig's board: room for minutes.
+/// Flash layout of a rig's board, with room for minutes of shows.
 const OF_RIGS: BoardTable = BoardTable {
     slots: &[
         Area { start: 0xC000, sector_len: SECTOR_LEN, sectors: 16 },
@@ -53,7 +53,7 @@ const fn rounded(count: usize) -> u16 {
     count as u16
 }
 
-/// What the arm's board says of itself.
+/// Description that the arm's board sends.
 pub const ABOUT: About = About {
     protocol: Version::CURRENT,
     firmware: Release { major: 0, minor: 1, patch: 0 },
@@ -68,7 +68,7 @@ pub const ABOUT: About = About {
     },
 };
 
-/// What a rig's board says of itself.
+/// Description that a rig's board sends.
 const ABOUT_RIGS: About = About {
     capacities: Capacities {
         bodies: rounded(CAPACITY),
@@ -81,19 +81,18 @@ const ABOUT_RIGS: About = About {
     ..ABOUT
 };
 
-/// The number of the first session after so many starts.
+/// Returns the number of the first session after a number of starts.
 pub fn first_session(starts: u16) -> u16 {
     starts.wrapping_mul(100)
 }
 
-/// Runs a node from its power-on, as often as it begins anew.
+/// Runs a node from its power-on, through all its restarts.
 ///
-/// `causes`: why the board starts. With none it is new, and its flash blank. `flash`:
-/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room for all shows that are loaded from one start to the
-/// next.
+/// `causes`: reasons for the start. Without reasons the node is new, and its flash blank. `flash`:
+/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room for all shows that are loaded between two starts.
 ///
 /// # Panics
-/// If the host says what cannot be.
+/// If the host sends an invalid message.
 pub fn run<B: Bytes<Error = Infallible>>(
     host: &mut End<B>,
     mut causes: FaultSet,
@@ -111,15 +110,15 @@ pub fn run<B: Bytes<Error = Infallible>>(
     }
 }
 
-/// Whether [`ToNode::Panic`] has come: then it is no mistake that the program stops itself.
+/// Whether [`ToNode::Panic`] was received: then a panic of the program is not an error.
 pub static IS_ORDERED: AtomicBool = AtomicBool::new(false);
 
-/// A fault among others.
+/// Returns the bit of a fault in a set.
 pub fn bit(fault: Fault) -> u32 {
     1 << (fault.number() % 32)
 }
 
-/// All of them.
+/// Returns the bits of a set of faults.
 pub fn bits(faults: FaultSet) -> u32 {
     faults.iter().fold(0, |bits, fault| bits | bit(fault))
 }
@@ -194,7 +193,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
                     continue;
                 };
                 let mut wire = Servos { host, lines: &lines, now_us: &now_us };
-                // What was not whole is told: the watchdog was not fed.
+                // An incomplete tick is reported: the watchdog was not fed.
                 let _ = control.tick(&mut pins, &mail, &mut AllLines(&lines), &mut wire, &mut []);
                 let controller = control.controller();
                 let report = controller.report();
@@ -229,7 +228,7 @@ fn until_restart<B: Bytes<Error = Infallible>>(
     }
 }
 
-/// Bytes of what is commanded to all dofs.
+/// Bytes of the commands to all dofs.
 type Commanded = heapless::Vec<u8, { (COORDINATES + 3 * CAPACITY) * size_of::<f32>() }>;
 
 fn bytes_of(
@@ -238,8 +237,8 @@ fn bytes_of(
     commanded(controller).flat_map(f32::to_le_bytes).collect()
 }
 
-/// The commands of a controller's last tick: positions, then speeds, then the tracker's effort of each dof
-/// and how far it is from where it should be.
+/// Returns the commands of a controller's last tick: positions, then speeds, then the tracker's effort and the error
+/// of each dof.
 pub fn commanded<
     'c,
     const BODIES: usize,

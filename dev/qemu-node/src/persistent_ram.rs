@@ -1,18 +1,18 @@
-//! What a reset leaves as it is: flash, which is RAM here, and the record of a panic.
+//! Memory that survives a reset: flash, which is RAM here, and the record of a panic.
 //!
-//! They lie in the machine's PSRAM, into which QEMU loads nothing: what it loads, it loads again at a reset. At
-//! power-on it is zero.
+//! It is in the machine's PSRAM. QEMU loads its image again at a reset, but no part of it into this memory. At
+//! power-on the memory is zero.
 
 use core::ptr;
 
 use sinew_qemu_node::limits::FLASH_LEN;
 
-/// Where the PSRAM of `mps2-an386` begins.
+/// Address of the PSRAM of `mps2-an386`.
 const AT: usize = 0x2100_0000;
-/// What stands there behind a panic.
+/// Value that is stored after a panic.
 const PANIC: u32 = 0x50A1_1C5A;
 
-/// All of it.
+/// Content of the persistent memory.
 #[repr(C)]
 pub(crate) struct PersistentRam {
     panic: u32,
@@ -24,22 +24,24 @@ fn place() -> *mut PersistentRam {
 }
 
 impl PersistentRam {
-    /// The one reference to it: to be taken once, at the start.
+    /// Returns the only reference to it. May be called once, at the start.
     #[expect(unsafe_code, reason = "it has an address, and no name that a linker knows")]
     pub(crate) fn take() -> &'static mut Self {
-        // SAFETY: 16 MB of RAM are there, of which no image has a part; any bytes are numbers. `main` alone calls it.
+        // SAFETY: there are 16 MB of RAM, which no image uses; any bytes are valid numbers. Only `main` calls this
+        // function.
         unsafe { &mut *place() }
     }
 
-    /// Whether the run before ended by a panic.
+    /// Whether the previous run ended with a panic. Clears the record.
     pub(crate) fn take_panic(&mut self) -> bool {
         core::mem::take(&mut self.panic) == PANIC
     }
 
-    /// A panic ends this run.
+    /// Records that a panic ends this run.
     #[expect(unsafe_code, reason = "it has an address, and no name that a linker knows")]
     pub(crate) fn note_panic() {
-        // SAFETY: as for `take`; what has a reference runs no more. A reset follows, so it is written before.
+        // SAFETY: as for `take`; code with a reference does not run any more. The write is volatile, since a reset
+        // follows.
         unsafe { (&raw mut (*place()).panic).write_volatile(PANIC) }
     }
 }

@@ -1,4 +1,4 @@
-//! The compiler for the boards: rustup's, or Debian's where rustup cannot bring the target.
+//! Chooses the compiler for the boards: rustup's, or Debian's if rustup cannot install the target.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -10,29 +10,29 @@ use crate::step;
 
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The same processor without a floating-point unit.
+/// Target for the same processor without a floating-point unit.
 pub const SOFT_FLOAT: &str = "thumbv7em-none-eabi";
 
-/// Debian's packages that build for Arm: a compiler that needs no bootstrap, the library's source, a linker.
+/// Debian's packages for building for Arm: a compiler that needs no bootstrap, the library's source, a linker.
 pub const DEBIAN_PACKAGES: [&str; 4] = ["rustc-web", "rust-web-src", "cargo-web", "lld"];
 
-/// The environment variable that chooses who builds for the boards: `rustup` or `debian`.
+/// The environment variable that selects the compiler for the boards: `rustup` or `debian`.
 pub const CHOICE: &str = "SINEW_ARM";
 
-/// Who builds for the boards.
+/// The compiler for the boards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Toolchain {
-    /// The toolchain that runs this, with its target installed.
+    /// The toolchain that runs this program, with the target installed.
     Rustup,
-    /// `/usr/bin/rustc`, which builds the library itself.
+    /// `/usr/bin/rustc`, which builds the standard library itself.
     Debian,
 }
 
 impl Toolchain {
-    /// Those that may be used: both, rustup's first, or the one that [`CHOICE`] names.
+    /// Returns the allowed toolchains: both, rustup's first, or the one in [`CHOICE`].
     ///
     /// # Errors
-    /// If it names something else.
+    /// If the variable has another value.
     pub fn allowed() -> Result<&'static [Self]> {
         match env::var(CHOICE).as_deref() {
             Err(_) => Ok(&[Self::Rustup, Self::Debian]),
@@ -42,7 +42,7 @@ impl Toolchain {
         }
     }
 
-    /// Whether it is on this machine and builds for a target.
+    /// Whether the toolchain is on this machine and builds for a target.
     fn builds_for(self, target: &str) -> bool {
         match self {
             Self::Rustup => has_target(target),
@@ -58,7 +58,7 @@ impl Toolchain {
         }
     }
 
-    /// What to call it.
+    /// Returns the name of the toolchain.
     pub fn name(self) -> &'static str {
         match self {
             Self::Rustup => "rustup's target",
@@ -66,7 +66,7 @@ impl Toolchain {
         }
     }
 
-    /// A cargo command for an Arm target: `cargo VERB --target ..`.
+    /// Returns a cargo command for an Arm target: `cargo VERB --target ..`.
     pub fn cargo_for(self, target: &str, verb: &str) -> Command {
         let mut command = match self {
             Self::Rustup => {
@@ -93,26 +93,27 @@ impl Toolchain {
     }
 }
 
-/// Whether the toolchain that runs this has the library for a target.
+/// Whether the toolchain that runs this program has the standard library for a target.
 pub fn has_target(target: &str) -> bool {
     let installed = step::output(step::command("rustup").args(["target", "list", "--installed"]));
     installed.is_some_and(|list| list.lines().any(|line| line == target))
 }
 
-/// Apart from the host's, so that two compilers do not undo each other's work.
+/// Returns the target folder for boards. It is separate from the host's, so that two compilers do not invalidate each
+/// other's files.
 pub fn target_dir() -> PathBuf {
     step::root().join("target/arm")
 }
 
-/// The toolchain for boards, or what to do.
+/// Returns the toolchain for boards.
 ///
 /// # Errors
-/// If there is no compiler for them.
+/// If there is no compiler for them. The error says what to run.
 pub fn toolchain() -> Result<Toolchain> {
     toolchain_for(TARGET)
 }
 
-/// The same for an Arm target.
+/// Returns the toolchain for an Arm target.
 ///
 /// # Errors
 /// If there is no compiler for it.

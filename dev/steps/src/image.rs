@@ -1,4 +1,4 @@
-//! Images: the workspace's programs that run without an operating system.
+//! Images: programs of the workspace that run without an operating system.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -12,22 +12,22 @@ use crate::{arm, step};
 #[derive(Debug, Clone, Copy)]
 pub struct Image {
     pub package: &'static str,
-    /// Its name.
+    /// Name of the program.
     pub name: &'static str,
-    /// What it needs of the package's features.
+    /// Feature of the package that the program needs.
     pub feature: Option<&'static str>,
 }
 
 impl Image {
-    /// All that a board may call, linked without a panic handler.
+    /// Image of everything that a board may call, linked without a panic handler.
     pub const AUDIT: Self = Self { package: "sinew-audit", name: "audit", feature: None };
 
-    /// The image of a board.
+    /// Returns the image of a board.
     pub const fn of(board: Board) -> Self {
         Self { package: board.name, name: board.name, feature: None }
     }
 
-    /// A cargo command for it: `cargo VERB --bin NAME ..`.
+    /// Returns a cargo command for it: `cargo VERB --bin NAME ..`.
     ///
     /// # Errors
     /// If there is no compiler for boards.
@@ -35,7 +35,7 @@ impl Image {
         self.cargo_for(arm::TARGET, verb)
     }
 
-    /// The same for another Arm target.
+    /// Returns a cargo command for it and another Arm target.
     ///
     /// # Errors
     /// If there is no compiler for it.
@@ -49,33 +49,33 @@ impl Image {
         Ok(command)
     }
 
-    /// Where it comes to lie.
+    /// Returns the path of the built image.
     pub fn path(self) -> PathBuf {
         self.path_for(arm::TARGET)
     }
 
-    /// The same of another Arm target.
+    /// Returns the path of the built image for another Arm target.
     pub fn path_for(self, target: &str) -> PathBuf {
         path_of(target, self.name)
     }
 }
 
-/// The files that are built into the image of an emulated board, by the environment variables that name them: the human
-/// figure in a rig's compact form, and a show of it.
+/// Returns the files that are built into the image of an emulated board, with the environment variables that name
+/// them: the human figure in a rig's compact form, and a show of it.
 pub fn built_in() -> [(&'static str, PathBuf); 2] {
     let file = |extension| step::root().join("target/shows/figure").with_extension(extension);
     [("SINEW_RIG", file("snwr")), ("SINEW_SHOW", file("show"))]
 }
 
-/// Where the image of a name comes to lie.
+/// Returns the path of the image with a name.
 pub fn path_of(target: &str, name: &str) -> PathBuf {
     arm::target_dir().join(target).join(profile_of(name)).join(name)
 }
 
-/// The profile of images.
+/// Name of the profile of images.
 const FIRMWARE: &str = "firmware";
 
-/// Boards that run the node have a profile of their own: what is small.
+/// Returns the profile of an image. Boards that run the node have a profile that is optimized for size.
 fn profile_of(name: &str) -> &'static str {
     let is_node = |board: &Board| board.name == name && board.qemu_machine.is_none();
     if BOARDS.iter().any(is_node) { "node" } else { FIRMWARE }

@@ -1,4 +1,4 @@
-//! Running other programs, and saying so.
+//! Runs other programs as steps, and prints their titles and times.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
 
-/// The workspace's folder.
+/// Returns the workspace's folder.
 pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../..")
@@ -16,19 +16,19 @@ pub fn root() -> PathBuf {
         .expect("this crate is in the workspace")
 }
 
-/// Cargo of the toolchain that runs this, in the workspace's folder.
+/// Returns a command of the cargo that runs this program, in the workspace's folder.
 pub fn cargo() -> Command {
     command(&std::env::var("CARGO").unwrap_or_else(|_| "cargo".into()))
 }
 
-/// A program, run in the workspace's folder.
+/// Returns a command of a program, in the workspace's folder.
 pub fn command(program: &str) -> Command {
     let mut command = Command::new(program);
     command.current_dir(root());
     command
 }
 
-/// A program that lets all others go first, where the system has a way to say so.
+/// Returns a command of a program with the lowest priority, where the system supports it.
 pub fn patient(program: &str) -> Command {
     if cfg!(not(unix)) {
         return command(program);
@@ -38,15 +38,15 @@ pub fn patient(program: &str) -> Command {
     command
 }
 
-/// Steps that have ended in this program, with the time that each took.
+/// Finished steps of this program, with their durations.
 static DONE: Mutex<Vec<(String, Duration)>> = Mutex::new(Vec::new());
 
-/// Adds a step to the table of [`table`].
+/// Adds a step to the result of [`table`].
 pub fn record(title: &str, taken: Duration) {
     DONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((title.to_owned(), taken));
 }
 
-/// Returns a table of the steps that have ended, in seconds, and their sum.
+/// Returns a table of the finished steps, in seconds, and their sum.
 pub fn table() -> String {
     let done = DONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let sum = ("sum".to_owned(), done.iter().map(|(_, taken)| *taken).sum());
@@ -55,10 +55,10 @@ pub fn table() -> String {
     done.iter().chain([&sum]).map(row).collect()
 }
 
-/// Runs a step that is no other program.
+/// Runs a step that is not another program.
 ///
 /// # Errors
-/// As `action` has them.
+/// The errors of `action`.
 pub fn of<T>(title: &str, action: impl FnOnce() -> Result<T>) -> Result<T> {
     eprintln!("\n== {title}");
     let start = Instant::now();
@@ -67,7 +67,7 @@ pub fn of<T>(title: &str, action: impl FnOnce() -> Result<T>) -> Result<T> {
     result
 }
 
-/// Runs a step to its end, its output as it comes.
+/// Runs a program as a step, with its output shown as it is written.
 ///
 /// # Errors
 /// If the program does not start, or fails.
@@ -83,7 +83,7 @@ pub fn run(title: &str, command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// A step beside others, for what these leave idle: an image is linked by one core.
+/// A step that runs in parallel with others, on a core that they leave idle: an image is linked on one core.
 pub struct Beside {
     title: &'static str,
     command: String,
@@ -92,7 +92,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Begins a step. `log`: a file for its output.
+    /// Starts a step. `log`: a file for its output.
     ///
     /// # Errors
     /// If the program does not start, or the file cannot be written.
@@ -101,21 +101,21 @@ impl Beside {
         command.stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output);
         let child = command.spawn().with_context(|| format!("cannot start {}", line(command)))?;
         let command = line(command);
-        eprintln!("\n== {title}: beside the next steps, its output in {}", log.display());
+        eprintln!("\n== {title}: runs beside the next steps; output: {}", log.display());
         Ok(Self { title, command, child, log })
     }
 
-    /// Waits for its end.
+    /// Waits for the end of the step.
     ///
     /// # Errors
     /// If the program failed.
     pub fn end(mut self) -> Result<()> {
         let Self { title, command, child, log } = &mut self;
-        eprintln!("\n== {title}: what is left of it");
+        eprintln!("\n== {title}: waiting for its end");
         let start = Instant::now();
         let status = child.wait()?;
         eprint!("{}", String::from_utf8_lossy(&fs::read(log)?));
-        record(&format!("{title}: what is left of it"), start.elapsed());
+        record(&format!("{title}: waiting for its end"), start.elapsed());
         if !status.success() {
             bail!("{title}: {status}\n  {command}");
         }
@@ -125,20 +125,20 @@ impl Beside {
 }
 
 impl Drop for Beside {
-    /// A run that failed begins no further part of it.
+    /// After a failure, the step is ended, too.
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// What a program prints, if it can be run and succeeds.
+/// Returns the output of a program, if it can be run and succeeds.
 pub fn output(command: &mut Command) -> Option<String> {
     let output = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The command as one would type it.
+/// Formats a command as a user would type it.
 fn line(command: &Command) -> String {
     let variables = command.get_envs().filter_map(|(name, value)| {
         Some(format!("{}={}", name.to_string_lossy(), value?.to_string_lossy()))

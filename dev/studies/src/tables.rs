@@ -1,8 +1,8 @@
-//! Tables as the studies print them.
+//! Tables in the style of the studies.
 
 use comfy_table::{CellAlignment, Row, Table, presets::ASCII_MARKDOWN};
 
-/// A table without rows.
+/// Creates a table without rows.
 pub(crate) fn table(header: impl Into<Row>) -> Table {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN);
@@ -10,7 +10,7 @@ pub(crate) fn table(header: impl Into<Row>) -> Table {
     table
 }
 
-/// The table with its first column to the left, and all others, which are numbers, to the right.
+/// Aligns the first column to the left, and all others, which are numbers, to the right.
 pub(crate) fn aligned(mut table: Table) -> Table {
     for column in table.column_iter_mut().skip(1) {
         column.set_cell_alignment(CellAlignment::Right);

@@ -4,7 +4,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// Runs the short form of the auto-encoder's study; `limit` bounds the framework's own threads.
+/// Runs the short form of the auto-encoder's study; `limit` limits the framework's own threads.
 fn quick(arguments: &[&str], limit: &str) -> Output {
     let output = Command::new(env!("CARGO_BIN_EXE_sinew-studies"))
         .args(["autoencoder", "--quick", "--no-times"])

@@ -63,7 +63,7 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
     let poses = rows.lines().count() - 1;
     assert!(rows.starts_with("pose,file,frame,seconds\n0,") && told.contains(" Hz, 18 joints"));
     let pairs = poses * (poses - 1) / 2;
-    // NumPy's magic, and a header of a multiple of 64 bytes.
+    // NumPy's magic, and a header whose length is a multiple of 64 bytes.
     assert!(bytes.starts_with(b"\x93NUMPY") && poses > 100);
     assert!((bytes.len() - 4 * pairs).is_multiple_of(64) && bytes.len() < 4 * pairs + 256);
     assert!(!path(".sinew-part").exists());
@@ -73,8 +73,8 @@ fn distances_are_written_for_numpy_whole_or_not_at_all() {
 
     for (more, part) in [
         (&["--out", "a.txt"][..], "--out a.txt: expected a file named *.npy"),
-        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected with"),
-        (&["--out", "/nowhere/a.npy"], "/nowhere: expected a folder that is there"),
+        (&["--out", "a.npy", "--metric", "angles", "--steps", "5"], "--steps: expected only with"),
+        (&["--out", "/nowhere/a.npy"], "/nowhere: expected an existing folder"),
     ] {
         let output = study(&[&["distances", "--quick"], more].concat());
         let told = String::from_utf8_lossy(&output.stderr);

@@ -1,5 +1,6 @@
 //! The studies of spatial measures of poses, on small seeded subsets: their printed tables as committed snapshots.
-//! `INSTA_UPDATE=always` with these tests accepts a change.
+//!
+//! Run these tests with `INSTA_UPDATE=always` to accept a change.
 
 use std::path::PathBuf;
 
@@ -8,14 +9,14 @@ use sinew_studies::recordings::{Recordings, broad};
 use sinew_studies::spatial::classes::TwoClasses;
 use sinew_studies::spatial::{classify, cluster, components, geodesic_ratio};
 
-/// Frames that are taken of every recording: enough to tell changes, few enough for a debug build.
+/// Number of frames of every recording: enough to detect changes, few enough for a debug build.
 const FRAMES: usize = 60;
 
 fn data() -> PathBuf {
     PathBuf::from(std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data"))
 }
 
-/// Some recordings, their first frames.
+/// Returns some of the recordings, cut to their first frames.
 fn some(mut recordings: Recordings, each: usize) -> Recordings {
     let mut number = 0..;
     recordings.sequences.retain(|_| number.next().is_some_and(|number| number % each == 0));
@@ -42,7 +43,7 @@ fn shares(walking: &Recordings, walks: [&str; 2], broad: &[Recordings]) -> Strin
     components::tables(&plan, &study)
 }
 
-/// Some sequences of both classes, the first poses of each.
+/// Returns some sequences of both classes, cut to their first poses.
 fn two_classes(recordings: &Recordings, each: usize) -> TwoClasses {
     let mut classes = TwoClasses::of(recordings).expect("no sequence is empty");
     classes.sequences = classes.sequences.into_iter().step_by(each).collect();

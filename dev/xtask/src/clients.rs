@@ -1,5 +1,5 @@
-//! Programs that we did not write, against our simulated servos, and our side of a rig against servos that we did not
-//! write. What each does: `crates/servo-bus/tests/clients/README.md`.
+//! Tests foreign programs with our simulated servos, and our side of a rig with foreign simulated servos. Each test
+//! is described in `crates/servo-bus/tests/clients/README.md`.
 
 use std::fs::File;
 use std::io::{BufRead as _, BufReader};
@@ -13,7 +13,7 @@ use crate::nextest;
 use crate::python::Venv;
 use sinew_steps::step;
 
-/// What pip installs together. The versions that were tried.
+/// Packages that pip installs together, in tested versions.
 const PACKAGES: [&str; 7] = [
     "pyserial==3.5",
     "numpy>=2,<3",
@@ -23,12 +23,12 @@ const PACKAGES: [&str; 7] = [
     "rustypot==1.13.1",
     "feetech-cli==0.1.8",
 ];
-/// These have one module of the same name: each is chosen by PYTHONPATH.
+/// These packages have a module of the same name, so PYTHONPATH selects one of them.
 const FEETECH_SDKS: [&str; 3] =
     ["feetech-servo-sdk==1.0.0", "ftservo-python-sdk==2.0.1", "vassar-feetech-servo-sdk==1.5.0"];
-/// Its motor buses are used without torch, so without what it depends on.
+/// Only its motor buses are used, without torch, so it is installed without dependencies.
 const LEROBOT: &str = "lerobot==0.4.4";
-/// Random exchanges of each program.
+/// Number of random exchanges of each program.
 const EXCHANGES: &str = "1000";
 
 pub(crate) fn run() -> Result<()> {
@@ -43,7 +43,7 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// Where everything is.
+/// Paths of the environment, the scripts and our programs.
 struct Clients {
     venv: Venv,
     scripts: PathBuf,
@@ -51,7 +51,7 @@ struct Clients {
 }
 
 impl Clients {
-    /// Installs what is not there. A list of what was installed tells whether it is the same.
+    /// Installs what is missing. The list of installed packages shows whether the environment is up to date.
     fn install() -> Result<Self> {
         let own = std::env::current_exe()?;
         let list = [&PACKAGES[..], &FEETECH_SDKS, &[LEROBOT]].concat().join("\n");
@@ -66,7 +66,7 @@ impl Clients {
         Ok(Self {
             venv,
             scripts: step::root().join("crates/servo-bus/tests/clients"),
-            // Where cargo has put this program, it puts the others.
+            // Cargo puts the other programs beside this one.
             programs: own.parent().context("xtask lies in a folder")?.to_owned(),
         })
     }
@@ -75,7 +75,7 @@ impl Clients {
         self.venv.python(&self.scripts.join(script))
     }
 
-    /// Our control tables against those inside dynamixel-sdk.
+    /// Compares our control tables with those in dynamixel-sdk.
     fn compare_tables(&self) -> Result<()> {
         let ours = step::output(&mut Command::new(self.programs.join("examples/tables")));
         let tables = self.venv.folder.join("tables.tsv");
@@ -111,8 +111,8 @@ impl Clients {
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// One program and servos, by kind and more options of `sinew servo simulate`, that nobody has used: what one
-    /// leaves in their registers would move them for the next.
+    /// Runs a program with new simulated servos of a kind, and more options of `sinew servo simulate`. New servos are
+    /// needed because a program's registers would move them in the next test.
     fn talk(
         &self,
         title: &str,
@@ -131,7 +131,7 @@ impl Clients {
         step::run(title, &mut client)
     }
 
-    /// Our side of a rig against feetech-cli's own servos.
+    /// Tests our side of a rig with feetech-cli's own simulated servos.
     fn be_talked_to(&self) -> Result<()> {
         let link = self.venv.folder.join("device").display().to_string();
         let mut device = self.python("device.py");
@@ -142,20 +142,20 @@ impl Clients {
     }
 }
 
-/// The folder of a package of its own.
+/// Returns the separate folder of a package.
 fn package(venv: &Venv, package: &str) -> String {
     let name = package.split("==").next().unwrap_or(package);
     venv.folder.join("packages").join(name).display().to_string()
 }
 
-/// A program that serves a port until this is dropped.
+/// A program that serves a port until this value is dropped.
 struct Server {
     child: Child,
     link: PathBuf,
 }
 
 impl Server {
-    /// Starts it, and waits until it says that it is ready.
+    /// Starts the program, and waits until it reports that it is ready.
     fn start(what: &str, mut command: Command, link: &str) -> Result<Self> {
         let mut child = command.stdout(Stdio::piped()).spawn().with_context(|| what.to_owned())?;
         let output = child.stdout.take().context("its output is piped")?;
@@ -173,7 +173,7 @@ impl Drop for Server {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-        // What is killed leaves its link.
+        // A killed program does not remove its link.
         let _ = std::fs::remove_file(&self.link);
     }
 }

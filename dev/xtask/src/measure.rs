@@ -1,5 +1,5 @@
-//! Starts `sinew-measure`, which reads images. It is apart, since what reads them takes longer to build than all else
-//! that `xtask` needs.
+//! Runs `sinew-measure`, which reads images. It is a separate program because its libraries take longer to build than
+//! all other dependencies of `xtask`.
 
 use anyhow::Result;
 use sinew_steps::step;

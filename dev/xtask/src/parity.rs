@@ -12,7 +12,7 @@ use crate::firmware::Variable;
 use crate::nextest;
 use crate::targets::X86_32;
 
-/// The program for emulated boards; hosts' is of the same name.
+/// The program for emulated boards. Programs for hosts have the same name.
 const IMAGE: Image = Image { package: "sinew-bit-parity", name: "parity", feature: None };
 
 /// Builds the programs and runs the test.
@@ -31,8 +31,8 @@ fn test() -> Result<Command> {
     Ok(test)
 }
 
-/// Builds a program for every machine, and returns where tests find it; an empty path for one that cannot be built
-/// here.
+/// Builds a program for every machine, and returns the variables with their paths for the tests; the path is empty if
+/// a program cannot be built here.
 pub(crate) fn build() -> Result<Vec<Variable>> {
     let mut programs = Vec::new();
     for (variable, target) in
@@ -52,7 +52,7 @@ pub(crate) fn build() -> Result<Vec<Variable>> {
     Ok(programs)
 }
 
-/// The release program for this machine, or for a target that it can run.
+/// Builds the release program for this machine, or for a target that this machine can run.
 fn host(target: Option<&str>) -> Result<PathBuf> {
     let mut folder = step::root().join("target");
     let mut cargo = step::cargo();

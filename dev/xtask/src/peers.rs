@@ -1,4 +1,4 @@
-//! Libraries of other people that the core is timed beside: programs of a few lines over each (`dev/bench/peers`).
+//! Benchmarks foreign libraries beside the core: a short program for each (`dev/bench/peers`).
 
 use std::env;
 use std::ffi::OsString;
@@ -9,9 +9,9 @@ use anyhow::{Context as _, Result};
 use crate::python::Venv;
 use sinew_steps::step;
 
-/// They bring C++ headers and libraries. The versions that were tried.
+/// Packages with C++ headers and libraries, in tested versions.
 const PACKAGES: [&str; 3] = ["pin==4.1.0", "cmeel-eigen==3.4.1", "mujoco==4.0.0"];
-/// What Pinocchio's own build files define for those who use its headers.
+/// Definitions that Pinocchio's build files set for users of its headers.
 const DEFINITIONS: [&str; 4] = [
     "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
     "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
@@ -46,7 +46,7 @@ pub(crate) fn run() -> Result<()> {
     step::run("the core beside others", &mut bench)
 }
 
-/// Compiles one for any machine of the target, as ours is.
+/// Compiles a program for a generic machine of the target, like our own programs.
 fn compiled(venv: &Venv, name: &str, source: &str, options: &[OsString]) -> Result<PathBuf> {
     let program = venv.folder.join(name);
     let source = step::root().join("dev/bench/peers").join(source);
@@ -57,7 +57,7 @@ fn compiled(venv: &Venv, name: &str, source: &str, options: &[OsString]) -> Resu
     Ok(program)
 }
 
-/// Where pip has put the packages.
+/// Returns the folder in which pip has installed the packages.
 fn packages(venv: &Venv) -> Result<PathBuf> {
     let lib = venv.folder.join("lib");
     let entry =
@@ -65,7 +65,7 @@ fn packages(venv: &Venv) -> Result<PathBuf> {
     Ok(entry?.path().join("site-packages"))
 }
 
-/// MuJoCo's library has its version in its name.
+/// Returns MuJoCo's library, whose name contains its version.
 fn library(folder: &Path) -> Result<PathBuf> {
     let entries = std::fs::read_dir(folder)?.filter_map(Result::ok).map(|entry| entry.path());
     let mut found = entries.filter(|path| {

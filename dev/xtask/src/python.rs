@@ -1,4 +1,4 @@
-//! Virtual environments of Python, for programs that we did not write.
+//! Virtual environments of Python, for foreign programs.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -15,8 +15,8 @@ pub(crate) struct Venv {
 }
 
 impl Venv {
-    /// Makes one with what pip installs together, or finds it: `list` tells whether it is the same. `more` installs
-    /// what must lie apart.
+    /// Creates an environment with packages that pip installs together, or reuses it if `list` is unchanged. `more`
+    /// installs packages in separate folders.
     pub(crate) fn install(
         name: &str,
         packages: &[&str],
@@ -47,7 +47,7 @@ impl Venv {
         )
     }
 
-    /// Its Python, with a script.
+    /// Returns the environment's Python with a script.
     pub(crate) fn python(&self, script: &Path) -> Command {
         let mut python = Command::new(self.folder.join("bin/python"));
         python.arg(script);

@@ -1,5 +1,5 @@
-//! Clips on robots, scored by a program that we did not write, beside another program's. What is scored:
-//! `crates/retarget/tests/gmr/README.md`.
+//! Scores clips on robots with a foreign program, beside the scores of another program.
+//! `crates/retarget/tests/gmr/README.md` describes the scores.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,14 +10,14 @@ use crate::nextest;
 use crate::python::Venv;
 use sinew_steps::step;
 
-/// What the scoring script imports. The versions that were tried.
+/// Packages that the scoring script imports, in tested versions.
 const PACKAGES: [&str; 3] = ["numpy==2.4.6", "scipy==1.17.1", "mujoco==4.0.0"];
-/// Where the scores are committed.
+/// File of the committed scores.
 const SCORES: &str = "docs/retargeting.csv";
-/// The folder that has the scoring script.
+/// Variable with the folder of the scoring script.
 pub(crate) const REFERENCE: &str = "SINEW_REFERENCE";
 
-/// Scores, and compares with what is committed, or with `accept` writes it.
+/// Computes scores, and compares them with the committed ones. With `accept`, writes them instead.
 pub(crate) fn run(accept: bool) -> Result<()> {
     let folder = |variable| -> Result<OsString> {
         std::env::var_os(variable).with_context(|| format!("{variable} is not set"))

@@ -1,10 +1,10 @@
-//! How much a run of checks and tests has.
+//! The extent of a run of checks and tests.
 
-/// How much is checked.
+/// Extent of checks and tests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
     /// The checks that every change must pass.
     Gate,
-    /// Everything but what takes an hour.
+    /// Everything except steps that take an hour.
     All,
 }

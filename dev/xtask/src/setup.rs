@@ -1,4 +1,4 @@
-//! Installs what is missing.
+//! Installs missing tools for developers.
 
 use std::process::Command;
 
@@ -10,7 +10,7 @@ use sinew_steps::step;
 
 pub(crate) fn run() -> Result<()> {
     eprintln!("== set-up");
-    // A wrong choice of compilers ends here, before anything is installed.
+    // An invalid choice of compilers fails here, before anything is installed.
     Toolchain::allowed()?;
     for (component, tool) in [("rustfmt", "fmt"), ("clippy", "clippy")] {
         let found = || step::output(step::cargo().args([tool, "--version"])).is_some();
@@ -20,7 +20,7 @@ pub(crate) fn run() -> Result<()> {
     }
     for target in [TARGET, SOFT_FLOAT] {
         let arm = || arm::toolchain_for(target).is_ok();
-        // Where rustup cannot reach its server, Debian's compiler does as well.
+        // If rustup cannot reach its server, Debian's compiler is used.
         need(target, arm, || (add_target(target) && arm()) || apt_install(&DEBIAN_PACKAGES))?;
     }
     eprintln!("   boards are built with {}", arm::toolchain()?.name());
@@ -35,14 +35,14 @@ pub(crate) fn run() -> Result<()> {
     python()
 }
 
-/// Python that can make a virtual environment: for real clients.
+/// Installs Python with virtual environments, for foreign programs.
 pub(crate) fn python() -> Result<()> {
     let found =
         || step::output(Command::new("python3").args(["-c", "import ensurepip, venv"])).is_some();
     need("Python with venv", found, || apt_install(&["python3-venv"]))
 }
 
-/// Another version of Rust, beside the one that runs this: whether it is there, or could be installed.
+/// Installs another version of Rust, beside the one that runs this program. Returns whether it is available.
 pub(crate) fn rust(version: &str) -> bool {
     let rustup = |arguments: &[&str]| {
         let mut command = step::command("rustup");
@@ -54,7 +54,7 @@ pub(crate) fn rust(version: &str) -> bool {
     found() || (succeeds(&mut rustup(&install)) && found())
 }
 
-/// The browser that reads the report in tests.
+/// Returns the browser that reads the report in tests.
 pub(crate) fn chromium() -> Option<String> {
     let chosen = std::env::var("SINEW_CHROMIUM").ok();
     let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);
@@ -62,7 +62,7 @@ pub(crate) fn chromium() -> Option<String> {
     chosen.into_iter().chain(known).find(found)
 }
 
-/// Says whether something is there, and installs it if it is not.
+/// Installs a tool if it is missing, and prints its state.
 fn need(what: &str, found: impl Fn() -> bool, install: impl FnOnce() -> bool) -> Result<()> {
     if found() {
         eprintln!("   {what}: found");
@@ -94,7 +94,7 @@ fn apt_install(packages: &[&str]) -> bool {
             command.arg("apt-get");
             command
         };
-        // The tools' progress is not the command's output: keep standard output clean.
+        // Standard output must contain only the command's own output, not the tools' progress.
         succeeds(command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive"))
     };
     let install = [&["install", "-y", "-qq", "--no-install-recommends"], packages].concat();

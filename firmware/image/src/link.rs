@@ -5,21 +5,22 @@ use std::path::Path;
 
 use crate::Board;
 
-/// The workspace's folder.
+/// Folder of the workspace.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
-/// The board whose memory is the workspace's `memory.x`.
+/// Name of the board whose memory is the workspace's `memory.x`.
 ///
-/// `link.x` includes `memory.x`, and linkers look for it in the working directory before any search path: that is the
-/// workspace, for every image. So the `memory.x` of another board does not replace that file but overrides its numbers.
+/// `link.x` includes `memory.x`, and linkers look for that file in the working directory before any search path. For
+/// every image the working directory is the workspace. The `memory.x` of another board therefore does not replace
+/// that file but overrides its numbers.
 const REFERENCE: &str = "nucleo_f446re";
 
-/// Passes what the images of the crate that is built need to be linked for a board, with `scripts` beside `link.x`.
+/// Passes the link arguments for a board to the images of the crate that is built, with `scripts` beside `link.x`.
 ///
-/// For a host there is nothing to do.
+/// Does nothing if the target is a host.
 ///
 /// # Panics
-/// If the board has no memory.
+/// Panics if the board has no memory.
 pub fn link(board: Board, scripts: &[&str]) {
     println!("cargo:rerun-if-changed=build.rs");
     if variable("CARGO_CFG_TARGET_OS") != "none" {
@@ -39,7 +40,7 @@ pub fn link(board: Board, scripts: &[&str]) {
     }
 }
 
-/// What cargo tells a build script.
+/// Returns a variable that cargo sets for a build script.
 pub(crate) fn variable(name: &str) -> String {
     env::var(name).unwrap_or_else(|_| panic!("cargo sets {name} for build scripts"))
 }

@@ -1,60 +1,61 @@
-//! What is believed of a servo's readings: no more than it can have turned.
+//! Plausibility check of a servo's readings: a servo cannot turn arbitrarily far in a tick.
 //!
-//! A reading is expected where the last one was, as far on as the servo turned before. It can be off by half of the
-//! play of its gear and steps of its encoder ([`REST_RAD`]), by what twice its stall torque does to its rotor alone
-//! ([`EFFORT`]), and by twice the way that was expected, since what it moves may bounce. A reading that is farther off
-//! is a jump, of an encoder, a horn or bytes: the servo counts as where it was expected, and the jump as an offset,
-//! which is taken off the readings behind it. Readings behind a jump that fit better without the offset end it. The
-//! tracker moves nothing for a jump then, whatever its size; [`Belief::is_jumped`] is found where it stays.
+//! A reading is expected at the last position plus the servo's previous movement. The tolerance is half of the play
+//! of its gear and steps of its encoder ([`REST_RAD`]), the effect of twice its stall torque on its rotor alone
+//! ([`EFFORT`]), and twice the expected movement, since the load may bounce. A reading outside of the tolerance is a
+//! jump: of an encoder, a horn or bytes. The servo is then assumed at its expected position, and the jump is stored
+//! as an offset, which is subtracted from the next readings. Readings after a jump that fit better without the offset
+//! end it. The tracker therefore moves nothing because of a jump, whatever its size. [`Belief::is_jumped`] reports a
+//! jump that stays.
 //!
-//! A jump that is smaller than what the servo can turn in a tick is not seen, and followed: 1 deg of an XL330 at 400
-//! Hz, 1.7 deg of an STS3215 at 100 Hz, if they stand.
+//! A jump that is smaller than the servo's possible movement in a tick is not detected, and the rig follows it: 1 deg
+//! for an XL330 at 400 Hz, 1.7 deg for an STS3215 at 100 Hz, at standstill.
 //!
-//! A servo by position follows its own encoder: before a board can know, it moves. It gets its goal with the offset as
-//! soon as its own speed says that the jump is of its encoder, and not of bytes, which it does not follow; else with
-//! the fault.
+//! A servo in position mode follows its own encoder: it moves before a board can know of the jump. It gets its goal
+//! with the offset as soon as its own speed shows that the encoder has jumped, and not bytes, which the servo does
+//! not follow; otherwise when the fault is detected.
 
 use sinew_servo_bus::{Command, Feedback};
 
 use super::settings::ServoSetup;
 use sinew_rig::servo::Servo;
 
-/// What a servo can be off at rest, rad: the play of a gear of 0.5 deg, and two steps of an encoder of 4096.
+/// Maximum deviation of a servo at rest, rad: a gear's play of 0.5 deg, and two steps of an encoder of 4096.
 const REST_RAD: f32 = 0.012;
-/// The same, in half its play and a step of its encoder.
+/// Factor from half the play of the gear and a step of its encoder to the maximum deviation at rest.
 const REST: f32 = 1.5;
-/// Torque that accelerates the rotor, in its stall torque: the motor's, and as much from outside.
+/// Torque that accelerates the rotor, as a multiple of the stall torque: the motor's, and as much from outside.
 const EFFORT: f32 = 2.0;
-/// Readings in a row with an offset, until it is a fault: as many as replies that may be missed.
+/// Number of consecutive readings with an offset after which it is a fault: the number of replies that may be missed.
 const MOST: u8 = 5;
-/// Readings behind a jump in which the servo's own speed, which has the jump in it, counts for nothing.
+/// Number of readings after a jump in which the servo's own speed is not used, since it contains the jump.
 const SETTLING: u8 = 30;
-/// What a profile is sped up by, so that it has an offset within 1 ms, 1/s.
+/// Increase of a profile's speed per offset, 1/s, so that the servo covers the offset within 1 ms.
 const HASTE_PER_S: f32 = 1000.0;
 
-/// One servo.
+/// Plausibility check of a servo.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Belief {
     rest_rad: f32,
-    /// The way that it gains in a tick, at most, rad.
+    /// Maximum increase of the movement per tick, rad.
     gained_rad: f32,
-    /// Its last way in a tick, rad.
+    /// Movement in the last tick, rad.
     way_rad: f32,
     offset_rad: f32,
-    /// Readings that were not believed, over all.
+    /// Total number of readings that were not believed.
     count: u16,
-    /// Readings with an offset, in a row.
+    /// Number of consecutive readings with an offset.
     jumped: u8,
-    /// Readings since the last jump.
+    /// Number of readings since the last jump.
     settled: u8,
-    /// Its own speed has the jump in it.
+    /// Whether the servo's own speed contains the jump.
     is_own: bool,
 }
 
 impl Belief {
     pub(super) fn new(servo: &Servo, setup: &ServoSetup, dt_s: f32) -> Self {
         let own = servo.settings();
-        // Of a rotor that is not known every way can be.
+        // If the rotor's inertia is not known, every movement is possible.
         let gained_rad = EFFORT * setup.stall_nm / own.rotor_inertia_kg_m2 * dt_s * dt_s;
         let rest_rad = REST_RAD.max(REST * setup.rest_rad * own.gear.abs());
         Self {
@@ -69,8 +70,8 @@ impl Belief {
         }
     }
 
-    /// What is believed of a reading, behind what was believed `before`. `late`: ticks that were left out. Without
-    /// torque (`is_on`) a jump is told for a while, and then believed.
+    /// Returns the believed value of a reading that follows the believed reading `before`. `late` is the number of
+    /// ticks that were left out. Without torque (`is_on` is false) a jump is reported for a while, and then believed.
     pub(super) fn step(
         &mut self,
         before: Option<Feedback>,
@@ -105,7 +106,7 @@ impl Belief {
                 self.count = self.count.saturating_add(1);
             }
         } else {
-            // NaN is no jump.
+            // NaN does not count as a jump.
             if self.jumped > 0 {
                 self.settled = 0;
             }
@@ -118,22 +119,23 @@ impl Belief {
         Feedback { position_rad, velocity_rad_s, ..read }
     }
 
-    /// Whether it has jumped, and stays there.
+    /// Returns whether the servo has jumped, and stays there.
     pub(super) fn is_jumped(&self) -> bool {
         self.jumped >= MOST
     }
 
-    /// Readings that were not believed, over all.
+    /// Returns the total number of readings that were not believed.
     pub(super) fn count(&self) -> u32 {
         self.count.into()
     }
 
-    /// A command for a servo whose encoder has jumped: its goal, too, is in its encoder's counts.
+    /// Returns the command for a servo whose encoder may have jumped: its goal is also in its encoder's counts.
     pub(super) fn sent(&self, command: Command) -> Command {
         if self.jumped == 0 || !(self.is_own || self.is_jumped()) {
             return command;
         }
-        // For a tick it is sent as far to the other side: as it was pushed it is stopped.
+        // For one tick the offset is doubled: the servo was accelerated by the jump, and is decelerated by the same
+        // amount.
         let is_first = self.is_own && self.settled == 0;
         let offset_rad = if is_first { 2.0 * self.offset_rad } else { self.offset_rad };
         match command {

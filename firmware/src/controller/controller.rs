@@ -1,4 +1,4 @@
-//! The controller: one tick in two halves, with the board's wire between them.
+//! The controller: a tick in two halves, with the board's bus exchange between them.
 
 use heapless::Vec;
 use sinew_core::tracker::Timing;
@@ -12,7 +12,7 @@ use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
 use super::output::Output;
 use super::path::Path;
-use super::performance::Performance;
+use super::performance::{Carried, Performance};
 use super::pose::Pose;
 use super::registers::Comparison;
 use super::report::{DofReport, Report, ServoReport, filled};
@@ -22,40 +22,62 @@ use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
     Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Overload, Permission,
-    Registers, Source, State, Supervisor,
+    Registers, Settings, Source, State, Supervisor,
 };
 use crate::watchdog::Complete;
 
-/// Bytes of a packet that switches the torque of all servos, at most: head, and two for each.
+/// Maximum length of a packet that switches the torque of all servos, bytes: fixed part, and part per servo.
 const SWITCH: (u32, u32) = (14, 2);
 
-/// Parts of the way to a show's first pose, at whose ends the rig must be held.
+/// Parts of the way to a show's first pose. The rig must be held at both ends of each part.
 const WAY: u8 = 4;
 
-/// What a tick brings from outside.
+/// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
+/// suddenly.
+const PACE: f32 = 0.7;
+/// Ratio of a lowered goal's speed to that target speed, so that a servo that sticks can catch up.
+const LED: f32 = 0.7;
+/// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
+const BACK_PER_S: f32 = 3.0;
+/// Minimum of the released part of a weight. Negative, so that up to half more than the weight by the model may be
+/// carried: a rig may be heavier.
+const LEAST_LOWERED: f32 = -0.25;
+/// Ratio to the target speed below which a joint rests. The rig is down after all joints have rested for a third of
+/// the fading time.
+const RESTS: f32 = 0.1;
+const RESTED: f32 = 1.33;
+/// Maximum distance of a lowered goal ahead of its servo, rad.
+const LEAD_RAD: f32 = 0.07;
+/// Weight below which a joint's goal is lowered more slowly: a part of its maximum effort, and a maximum in N m or N.
+const SLIGHT: f32 = 0.003;
+const SLIGHT_MOST: f32 = 0.03;
+/// Minimum of that weight, N m or N.
+const LEAST_NM: f32 = 1e-6;
+
+/// Inputs of a tick from outside of the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inputs {
-    /// Time since the board's start, µs; it never goes back.
+    /// Time since the board's start, µs. It never decreases.
     pub now_us: u64,
-    /// A valid and *new* message of the host came since the last tick.
+    /// Whether a valid and *new* message of the host arrived since the last tick.
     pub heard: bool,
-    /// A command, if one came. Others wait for their own tick.
+    /// A command, if one arrived. Only one command is handled in a tick.
     pub command: Option<Command>,
-    /// Faults that the board finds: the line of the emergency stop, settings that cannot be read.
+    /// Faults that the board detects: the line of the emergency stop, settings that cannot be read.
     pub found: FaultSet,
-    /// The joint that somebody moves.
+    /// The joint that a user moves.
     pub jog: Option<Jog>,
 }
 
-/// A tick that has begun: to be given to [`MotionController::end`].
+/// A tick in progress, to be passed to [`MotionController::end`].
 #[derive(Debug)]
 #[must_use = "a tick that is not ended is not whole"]
 pub struct Begun {
     result: Result<(), Incomplete>,
 }
 
-/// The loop of a rig of at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. All memory is
-/// in here: put it in a static.
+/// The control loop of a rig with at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. It
+/// contains all of its memory: put it in a static.
 #[derive(Debug)]
 pub struct MotionController<
     'a,
@@ -68,7 +90,7 @@ pub struct MotionController<
     rig_crc: u32,
     dt_s: f32,
     tick_us: u32,
-    /// Time of the last tick, and ticks that were left out before it.
+    /// Time of the last tick, µs, and number of ticks that were left out before it.
     last: (u64, u32),
     supervisor: Supervisor,
     watch: Watch<DOFS, SERVOS>,
@@ -82,29 +104,32 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
-    /// Faults of the tick before, or of the board's start: found in the next tick.
+    /// By dof, released part of its weight while the rig is lowered.
+    lowered: [f32; DOFS],
+    /// Faults of the tick before, or of the board's start, to be reported in the next tick.
     pending: FaultSet,
     was_late: bool,
     report: Report<DOFS, SERVOS>,
 }
 
-/// What servos said in the tick before.
+/// Readings of the servos from the tick before.
 #[derive(Debug)]
 pub(super) struct Readings<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     pub(super) healths: Vec<Health, SERVOS>,
-    /// As they are believed.
+    /// Conditions with the believed readings.
     pub(super) conditions: Vec<Condition, SERVOS>,
     pub(super) beliefs: Vec<Belief, SERVOS>,
     dofs: Vec<Option<Measured>, DOFS>,
-    /// Positions and speeds; what is not measured is where it was commanded.
+    /// Measured positions and velocities; dofs without a measurement have their commanded values.
     pose: Pose<DOFS, COORDS>,
-    /// The same for the tracker: a joint whose servo closes its own loop is where it was commanded. The tracker cannot
-    /// correct it; what it would do about it would be in the efforts of the others, for accelerations that never come.
+    /// The measured pose for the tracker. Joints whose servos close their own loop have their commanded position: the
+    /// tracker cannot correct them, and its corrections would add efforts in other joints for accelerations that
+    /// never happen.
     tracked: Pose<DOFS, COORDS>,
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS, SERVOS, COORDS> {
-    /// Before any.
+    /// Creates readings before the first tick.
     #[inline(never)]
     fn new(dofs: usize, pose: &Pose<DOFS, COORDS>) -> Self {
         Self {
@@ -121,11 +146,11 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS,
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     MotionController<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// A controller at the board's start: torque is off. `schedule`: of the bus that it will be given; its servos are
+    /// Creates a controller at the board's start; torque is off. `schedule` is that of the bus, whose servos must be
     /// the rig's, in its order.
     ///
     /// # Errors
-    /// [`ControllerError`] says in words what does not fit: the rig, the rate, a setting.
+    /// [`ControllerError`] names the part that does not fit: the rig, the rate, a setting.
     pub fn new(
         rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &ControllerSettings,
@@ -142,7 +167,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     #[inline(never)]
     pub(crate) fn uninit(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         let mut supervisor = Supervisor::default();
-        // Nothing is heard yet, and nothing asked: what is permitted before the first tick.
+        // No message was received yet, and no command given: this is the permission before the first tick.
         let Outcome { state, permission, .. } = supervisor.step(&Supervised::default());
         let path = Path::uninit();
         Self {
@@ -163,6 +188,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
+            lowered: [0.0; DOFS],
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -188,7 +214,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         check_budget(settings.compute_us, schedule, servos.len())?;
         let groups = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
         let timing = Timing { dt_s, latency_ticks: groups };
-        // By itself: it takes most of the stack that all of this takes.
+        // In a separate call: it takes most of the stack of this function.
         self.performance.init(settings, servos, timing)?;
         (self.rig_crc, self.dt_s, self.tick_us) = (settings.rig_crc, dt_s, schedule.tick_us());
         self.init_others(settings, servos, start)
@@ -221,10 +247,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         Ok(())
     }
 
-    /// The same with another rest pose than the rig's home.
+    /// Sets another rest pose than the rig's home.
     ///
     /// # Errors
-    /// [`ControllerError::Rest`] if there is not a number from -1e6 to 1e6 for each coordinate,
+    /// [`ControllerError::Rest`] if the number of coordinates is wrong, or one is not from -1e6 to 1e6;
     /// [`ControllerError::RestRange`] if one is outside of its joint's range.
     pub fn with_rest(mut self, q: &[f32]) -> Result<Self, ControllerError> {
         let rest = self.sources.rest.q_mut();
@@ -236,36 +262,36 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         if !self.sources.rest.is_finite() {
             return Err(refused);
         }
-        // Half a millionth of a turn is rounding of whoever wrote it.
+        // The tolerance of half a millionth of a turn allows for rounding in the caller.
         match self.path.beyond(q, 3e-6) {
             Some(dof) => Err(ControllerError::RestRange { dof }),
             None => Ok(self),
         }
     }
 
-    /// Another show, read where it lies, or none. The one before is let go of in any case; if it plays, the rig holds.
-    /// O(size).
+    /// Loads another show, which is read in place, or none. The previous show is released in any case; if it is
+    /// playing, the rig holds. O(size).
     ///
     /// # Errors
-    /// [`ShowError`] if it cannot be read, or is of another rig. While a show plays that is a fault besides.
+    /// [`ShowError`] if the show cannot be read, or is for another rig. While a show plays this is also a fault.
     pub fn load_show(&mut self, bytes: Option<&'a [u8]>) -> Result<(), ShowError> {
         let plays = plays_show(self.state, self.permission.source);
         self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)
     }
 
-    /// Another show, which [`open_show`](super::open_show) has opened in the background, or none. If one plays, it ends,
-    /// and the rig holds. O(1).
+    /// Sets another show, which [`open_show`](super::open_show) has opened in the background, or none. If a show is
+    /// playing, it ends, and the rig holds. O(1).
     pub fn put_show(&mut self, show: Option<ShowFrames<'a, COORDS>>) {
         self.sources.put(show, plays_show(self.state, self.permission.source));
     }
 
-    /// Time between two ticks, s.
+    /// Returns the duration of a tick, s.
     pub fn dt_s(&self) -> f32 {
         self.dt_s
     }
 
-    /// The first half of a tick: what servos said in the tick before, what is wrong, what may be done, and commands for
-    /// the bus, which are to be [exchanged](super::exchange) now. O(dofs).
+    /// Runs the first half of a tick: evaluates the readings of the tick before, detects faults, decides the
+    /// permission, and gives commands to the bus, which must be [exchanged](super::exchange) next. O(dofs).
     pub fn begin(
         &mut self,
         inputs: &Inputs,
@@ -275,7 +301,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let since_us = inputs.now_us.saturating_sub(self.last.0);
         let late = since_us.checked_div(self.tick_us.into()).unwrap_or(0).saturating_sub(1);
         let late = u32::try_from(late).unwrap_or(u32::MAX);
-        // What is read now is of the tick before: so is how late it was.
+        // Readings of this tick are from the tick before, and so is its number of missing ticks.
         let last = core::mem::replace(&mut self.last, (inputs.now_us, late));
         let is_finite = self.read(bus, last.1);
         let mut findings = self.find(inputs, is_finite);
@@ -292,6 +318,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let outcome = self.supervise(inputs, jog, findings);
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
+        if self.state != State::Lowering {
+            self.lowered = [0.0; DOFS];
+        }
         self.tell(&outcome);
         if self.permission.torque {
             self.comparison.stop(bus);
@@ -301,11 +330,11 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
         let mut result = self.change_source(&before);
         if result.is_ok() {
-            let is_led = self.permission.source == Source::Led;
-            result = if is_led { self.carry(bus) } else { self.perform(jog, bus) };
+            let is_carried = matches!(self.state, State::Floating | State::Lowering);
+            result = if is_carried { self.carry(bus) } else { self.perform(jog, bus) };
         }
         if let Err(why) = result {
-            // In this very tick, and as a fault in the next.
+            // Torque is switched off in this tick, and the next tick reports the fault.
             if why == Incomplete::NotFinite {
                 self.pending = self.pending.with(Fault::NotFinite);
             }
@@ -314,10 +343,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         Begun { result }
     }
 
-    /// The second half of a tick, behind the exchange. `took_us`: from its beginning until now.
+    /// Runs the second half of a tick, after the exchange. `took_us` is the time since the beginning of the tick.
     ///
     /// # Errors
-    /// [`Incomplete`] says what was missing. The watchdog is not fed then.
+    /// [`Incomplete`] is the reason why the tick was not complete. The watchdog is not fed then.
     #[expect(clippy::needless_pass_by_value, reason = "a tick ends once")]
     pub fn end(
         &mut self,
@@ -333,7 +362,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         result.map(|()| Complete::new())
     }
 
-    /// Somebody has talked to servos beside the loop: what was known of their registers counts no more.
+    /// Discards the results of comparing registers, after another program has sent packets to servos.
     pub fn forget_registers(&mut self, bus: &mut impl ServoBus) {
         self.comparison.stop(bus);
     }
@@ -348,32 +377,34 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.report.servos.get(self.watch.servo(dof)?)
     }
 
-    /// The supervisor, with the log of faults.
+    /// Returns the supervisor, which contains the log of faults.
     pub fn supervisor(&self) -> &Supervisor {
         &self.supervisor
     }
 
-    /// What drives may do.
+    /// Returns the current permission for the drives.
     pub fn permission(&self) -> &Permission {
         &self.permission
     }
 
-    /// The pose that is commanded, in the rig's coordinates: positions, and speeds of the dofs.
+    /// Returns the commanded pose in the rig's coordinates, and the speeds of the dofs.
     pub fn commanded(&self) -> (&[f32], &[f32]) {
         (self.path.now().q(), self.path.now().qd())
     }
 
-    /// The pose that was measured last, in the rig's coordinates; what no servo tells is where it was commanded.
+    /// Returns the last measured pose in the rig's coordinates. Dofs without a measurement have their commanded
+    /// position.
     pub fn measured(&self) -> &[f32] {
         self.readings.pose.q()
     }
 
-    /// Takes what the bus knows; says whether all of it are numbers. `late`: ticks that were left out.
+    /// Reads the servos' data from the bus. Returns whether all numbers are finite. `late` is the number of ticks that
+    /// were left out.
     fn read(&mut self, bus: &impl ServoBus, late: u32) -> bool {
         let Readings { healths, conditions, beliefs, dofs, pose, tracked } = &mut self.readings;
         let is_on = self.permission.torque;
         healths.clear();
-        // Servos of a rig are counted: there is room.
+        // There is room: `SERVOS` is the maximum number of servos.
         let _ = conditions.resize(beliefs.len(), Condition::default());
         for (servo, (condition, belief)) in conditions.iter_mut().zip(beliefs).enumerate() {
             let before = condition.feedback;
@@ -408,8 +439,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             let measured_effort = measured.and_then(|measured| measured.effort);
             *report = DofReport { error, measured_effort, ..DofReport::default() };
         }
-        let Permission { torque, effort, .. } = self.permission;
-        let (is_held, report) = (torque && effort >= 1.0, &mut self.report.dofs);
+        let torque = self.permission.torque;
+        // A rig that is lowered is intended to sink.
+        let is_held = torque && self.state != State::Lowering;
+        let report = &mut self.report.dofs;
         let following = self.watch.dofs(
             self.rig.dofs(),
             self.path.now().qd(),
@@ -430,14 +463,14 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
 
     fn supervise(&mut self, inputs: &Inputs, jog: Option<Jog>, mut findings: Findings) -> Outcome {
         let plays_show = plays_show(self.state, self.permission.source);
-        // What was wrong with a show that plays no more is no fault.
+        // An error of a show that no longer plays is not a fault.
         if let Some(fault) = self.sources.take_fault().filter(|_| plays_show) {
             findings.note(fault);
         }
         let registers =
             if self.permission.torque { Registers::Unread } else { self.comparison.result() };
         self.report.registers = registers;
-        // With torque on it moves because it is to.
+        // With torque on, movement is intended.
         let moving = if self.permission.torque {
             None
         } else {
@@ -464,7 +497,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         })
     }
 
-    /// What cannot be held where the rig is, in the first pose of its show, or at some places between.
+    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them.
     #[inline(never)]
     fn overload(&mut self) -> Option<Overload> {
         let Self { sources, path, watch, performance, .. } = self;
@@ -488,7 +521,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         report.overruns = self.watch.overrun.count();
     }
 
-    /// Torque comes on where the rig is; or another source begins where the last one is left.
+    /// Handles a change of the source: torque is switched on at the measured pose, or another source begins at the
+    /// end of the last one.
     fn change_source(&mut self, before: &Permission) -> Result<(), Incomplete> {
         let source = self.permission.source;
         let measured = self.readings.pose.q();
@@ -533,25 +567,84 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.output.send(bus, (commands, conditions, beliefs), permission, switch_on, servos)
     }
 
-    /// The rig carries itself, and what is commanded follows it: as long as it is no faster than it may be, so that
-    /// what runs away is found by its following error.
-    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
-        let (permission, readings) = (&self.permission, &self.readings);
-        let led = self.sources.lead(readings.pose.q());
-        if !led.is_finite() {
-            return Err(Incomplete::NotFinite);
+    /// Releases the weight of each joint while it is slow, and carries more of it while it is fast. Goals of servos
+    /// in position mode are moved down, at most a limited distance ahead of their servo. Writes the speed of each
+    /// dof: the trusted measured speed for dofs that are braked, the goal's speed for dofs with a goal. The weight of
+    /// a dof without a trusted reading is released by time.
+    // Not inlined into its caller, which has a large stack frame.
+    #[inline(never)]
+    fn lower(&mut self, speeds: &mut [f32; DOFS]) {
+        let Self { rig, path, sources, performance, readings, watch, lowered, dt_s, .. } = self;
+        let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
+        let pace = PACE * lower_rad_s;
+        let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
+        path.positions(readings.tracked.q(), &mut to);
+        self.is_there = true;
+        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds).zip(lowered);
+        for (index, (((dof, measured), speed), lowered)) in dofs.enumerate() {
+            let measured = measured.filter(|measured| watch.is_fresh(measured));
+            if performance.corrects(index) {
+                *speed = measured.map_or(0.0, |measured| measured.velocity);
+            } else {
+                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
+                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
+                let at = number(&to, index);
+                let ahead = measured.map_or(0.0, |measured| at - measured.position);
+                let is_held = ahead * down > LEAD_RAD * down.abs();
+                let down = if is_held { 0.0 } else { LED * pace * down };
+                put(&mut led, index, down);
+                put(&mut to, index, at + *dt_s * down);
+                *speed = number(path.now().qd(), index);
+            }
+            let share = path.share(index, *speed, pace);
+            // From 1 on nothing is carried: the joint must rest for a while longer.
+            let most = if share < RESTS { RESTED } else { 1.0 };
+            // A joint that moves up, pushed by a hand for example, gets no help.
+            let left = if *speed * performance.weight(index) > 0.0 { 1.0 } else { 1.0 - share };
+            let is_slow = left > 0.0 && *lowered >= 0.0;
+            let rate = if is_slow { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
+            *lowered = (*lowered + *dt_s * rate * left).clamp(LEAST_LOWERED, most);
+            self.is_there &= *lowered >= RESTED;
         }
-        self.is_there = self.path.step(led, 1.0, permission.speed_rad_s);
-        let mut walls = [0.0; DOFS];
-        self.path.walls(readings.pose.q(), &mut walls);
+        let goal = sources.lower();
+        path.coordinates(&to, goal.q_mut());
+        let [_, qd, _] = goal.all_mut();
+        qd.iter_mut().zip(led).for_each(|(qd, led)| *qd = led);
+        path.step(goal, 1.0, Some(pace));
+    }
+
+    /// Lets the rig carry itself, or lowers it. The commanded pose follows the rig no faster than the permitted
+    /// speed, so that a runaway is detected by its following error.
+    fn carry(&mut self, bus: &mut impl ServoBus) -> Result<(), Incomplete> {
+        let (mut speeds, mut walls) = ([0.0; DOFS], [0.0; DOFS]);
+        if self.state == State::Lowering {
+            self.lower(&mut speeds);
+        } else {
+            let led = self.sources.lead(self.readings.pose.q());
+            if !led.is_finite() {
+                return Err(Incomplete::NotFinite);
+            }
+            self.is_there = self.path.step(led, 1.0, self.permission.speed_rad_s);
+            self.path.walls(self.readings.pose.q(), &mut walls);
+        }
+        let (permission, readings) = (&self.permission, &self.readings);
+        let count = self.rig.dofs().len();
+        let carried = Carried {
+            q: readings.pose.q(),
+            to: readings.tracked.q(),
+            qd: speeds.get(..count).unwrap_or_default(),
+            walls: &walls,
+            lowered: &self.lowered,
+            weight: permission.effort,
+        };
         let watch = &self.watch;
         let commands = self
             .performance
             .carry(
                 &self.path,
-                (readings.pose.q(), &walls),
+                &carried,
                 &readings.conditions,
-                |servo| permission.effort * watch.share(servo),
+                |servo| watch.share(servo),
                 &mut self.report.dofs,
             )
             .map_err(|_| Incomplete::NotFinite)?;
@@ -561,7 +654,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     }
 }
 
-/// The pose of what is measured of the dofs that count; the others are where they were commanded.
+/// Computes a pose from the measured dofs that `counts` selects; other dofs have their commanded position.
 fn read_pose<const DOFS: usize, const COORDS: usize>(
     path: &Path<DOFS, COORDS>,
     dofs: &[Option<Measured>],
@@ -582,11 +675,11 @@ fn read_pose<const DOFS: usize, const COORDS: usize>(
     path.coordinates(&at, q);
 }
 
-/// That a tick has time for a bus with all its servos switched, and for what it takes the board, µs. The one check: of
-/// a controller, and of a rig before a board stores it. O(1).
+/// Checks that a tick has time for the bus, with all servos switched, and for the board's computation, µs. Used for a
+/// controller, and for a rig before a board stores it. O(1).
 ///
 /// # Errors
-/// [`ControllerError::Budget`] names all three times.
+/// [`ControllerError::Budget`] contains all three times.
 pub fn check_budget(
     compute_us: u32,
     schedule: &Schedule,

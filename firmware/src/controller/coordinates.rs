@@ -1,19 +1,19 @@
-//! Coordinates of a rig in parts: numbers, and rotations.
+//! Access to a rig's coordinates by parts: numbers and rotations.
 
 use heapless::Vec;
 use sinew_core::glam::{Quat, Vec3};
 use sinew_core::{JointKind, Tree, math};
 
-/// A part of the coordinates. A ball joint is a turn, a free one a turn and three numbers.
+/// A part of the coordinates. A ball joint is a `Turn`, a free joint is a `Turn` and three `Number`s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum JointIndices {
-    /// One number for one dof; where they are.
+    /// A number for a dof, with its indices in `q` and among the dofs.
     Number { q: usize, v: usize },
-    /// A quaternion for three dofs; where they begin.
+    /// A quaternion for three dofs, with the first index in `q` and among the dofs.
     Turn { q: usize, v: usize },
 }
 
-/// All parts of a tree's coordinates; none if there are more dofs than `DOFS`.
+/// Returns all parts of a tree's coordinates, or `None` if there are more dofs than `DOFS`.
 pub(super) fn parts<const N: usize, const DOFS: usize>(
     tree: &Tree<N>,
 ) -> Option<Vec<JointIndices, DOFS>> {
@@ -36,19 +36,19 @@ pub(super) fn parts<const N: usize, const DOFS: usize>(
     (v <= DOFS).then_some(parts)
 }
 
-/// The number at a place.
+/// Returns the number at an index, or 0.
 pub(super) fn number(numbers: &[f32], at: usize) -> f32 {
     numbers.get(at).copied().unwrap_or(0.0)
 }
 
-/// Puts a number at a place.
+/// Stores a number at an index.
 pub(super) fn put(numbers: &mut [f32], at: usize, number: f32) {
     if let Some(slot) = numbers.get_mut(at) {
         *slot = number;
     }
 }
 
-/// Three numbers from a place on.
+/// Returns three numbers, from an index on.
 pub(super) fn three(numbers: &[f32], at: usize) -> Vec3 {
     match numbers.get(at..at.saturating_add(3)) {
         Some(&[x, y, z]) => Vec3::new(x, y, z),
@@ -56,14 +56,14 @@ pub(super) fn three(numbers: &[f32], at: usize) -> Vec3 {
     }
 }
 
-/// Puts three numbers from a place on.
+/// Stores three numbers, from an index on.
 pub(super) fn put_three(numbers: &mut [f32], at: usize, of: Vec3) {
     if let Some(slots) = numbers.get_mut(at..at.saturating_add(3)) {
         slots.iter_mut().zip(of.to_array()).for_each(|(slot, number)| *slot = number);
     }
 }
 
-/// The rotation from a place on.
+/// Returns the rotation whose quaternion starts at an index.
 pub(super) fn turn(numbers: &[f32], at: usize) -> Quat {
     match numbers.get(at..at.saturating_add(4)) {
         Some(&[x, y, z, w]) => math::unit(Quat::from_xyzw(x, y, z, w)),
@@ -71,14 +71,14 @@ pub(super) fn turn(numbers: &[f32], at: usize) -> Quat {
     }
 }
 
-/// Puts a rotation from a place on.
+/// Stores a rotation as a quaternion, from an index on.
 pub(super) fn put_turn(numbers: &mut [f32], at: usize, of: Quat) {
     if let Some(slots) = numbers.get_mut(at..at.saturating_add(4)) {
         slots.iter_mut().zip(of.to_array()).for_each(|(slot, number)| *slot = number);
     }
 }
 
-/// The way from one rotation to another, a rotation vector in body axes, rad: the shorter one.
+/// Returns the shorter rotation from one orientation to another, as a rotation vector in body axes, rad.
 pub(super) fn between(from: Quat, to: Quat) -> Vec3 {
     math::log(math::unit(from.conjugate() * to))
 }

@@ -1,4 +1,4 @@
-//! Why there is no controller, and why a tick was not whole.
+//! Errors at the creation of a controller, and reasons for an incomplete tick.
 
 use core::fmt;
 
@@ -8,57 +8,57 @@ use sinew_servo_bus::{CommandError, EncodeError};
 use crate::SettingError;
 use crate::drives::SetupError;
 
-/// Why there is no controller.
+/// A reason why a controller cannot be created.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ControllerError {
-    /// There is not a setup for each servo.
+    /// The number of setups differs from the number of servos.
     Servos {
-        /// Servos of the rig.
+        /// Number of servos in the rig.
         expected: usize,
-        /// Setups that there are.
+        /// Number of setups.
         found: usize,
     },
-    /// The rig has more coordinates than there is room for.
+    /// The rig has more coordinates than the board holds.
     Capacity {
-        /// How many it has.
+        /// Number of coordinates in the rig.
         found: usize,
-        /// How many there is room for.
+        /// Maximum number of coordinates.
         holds: usize,
     },
-    /// Bus and board together take longer than a tick.
+    /// Bus and computation together take longer than a tick.
     Budget {
-        /// The bus, with torque switched, µs.
+        /// Time of the bus in a tick in which torque is switched, µs.
         bus_us: u32,
-        /// The board, µs.
+        /// Computation time of the board, µs.
         compute_us: u32,
-        /// A tick, µs.
+        /// Duration of a tick, µs.
         tick_us: u32,
     },
-    /// A rest pose is not one number for each coordinate, or not of numbers.
+    /// The length of a rest pose differs from the number of coordinates, or a number is invalid.
     Rest {
-        /// Coordinates of the rig.
+        /// Number of coordinates in the rig.
         expected: usize,
-        /// Numbers that there are.
+        /// Number of numbers in the rest pose.
         found: usize,
     },
-    /// A rest pose is where a joint cannot be.
+    /// A rest pose is outside of a joint's range.
     RestRange {
-        /// The joint's dof.
+        /// Index of the dof.
         dof: usize,
     },
-    /// A setting.
+    /// A setting is invalid.
     Setting(SettingError),
-    /// A setting of a servo.
+    /// A setting of a servo is invalid.
     Servo {
         /// Index of the servo.
         servo: usize,
-        /// Which, and why.
+        /// Name of the setting, and the reason.
         why: SettingError,
     },
-    /// The tracker.
+    /// The tracker cannot be created.
     Tracker(TrackerError),
-    /// The drives.
+    /// The drives cannot be created.
     Drives(SetupError),
 }
 
@@ -107,15 +107,15 @@ impl From<SettingError> for ControllerError {
     }
 }
 
-/// Why a tick was not whole: the watchdog is not fed.
+/// A reason why a tick was incomplete. The watchdog is not fed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Incomplete {
-    /// A number was refused on the way to the servos; torque off went out in its place.
+    /// A number was refused before it reached the servos; torque off was sent instead.
     NotFinite,
     /// The bus refused a command.
     Command(CommandError),
-    /// The packets did not go out.
+    /// The packets were not sent.
     Exchange(EncodeError),
 }
 

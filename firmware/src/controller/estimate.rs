@@ -1,19 +1,20 @@
-//! How long a tick takes a board, by an estimate.
+//! Estimate of a board's computation time per tick.
 
-/// Cycles of a tick of the loop on a Cortex-M4F: so many, and so many for each servo. It is the line over what
-/// `budget.toml` has of 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: by current, `recommended`, all read
-/// in every tick), which a test of `xtask` compares: instructions by the manual's cycles, without wait states of the
-/// flash.
+/// Cycles of the loop's tick on a Cortex-M4F: a fixed number, and a number for each servo. They are a straight line
+/// through the values of `budget.toml` for 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: current mode,
+/// `recommended`, all servos read in every tick). A test of `xtask` compares them. Cycles are the manual's cycles per
+/// instruction, without wait states of the flash.
 pub const TICK_CYCLES: [u32; 2] = [21_000, 15_900];
 
-/// Boards' images are optimized for size, those that [`TICK_CYCLES`] are of for speed. So many per cent of their
-/// instructions a tick takes: 220 and 208 of arms of 3 and 6 servos on the emulated F446, 186 of 20 servos in QEMU.
+/// Ratio of instructions per tick in a board's image to those of [`TICK_CYCLES`], percent: a board's image is
+/// optimized for size, the image of the estimate for speed. Measured: 220 and 208 for arms of 3 and 6 servos on the
+/// emulated F446, 186 for 20 servos in QEMU.
 const SMALL_PERCENT: u64 = 210;
 
-/// What a tick takes a board besides its bus, µs, by [`TICK_CYCLES`] and the size of its image, at the clock of its
-/// processor, Hz. O(1).
+/// Returns the computation time of a tick, without the bus, µs. It follows from [`TICK_CYCLES`], `SMALL_PERCENT`
+/// and the processor's clock, Hz. O(1).
 ///
-/// An estimate: a board measures its own. It is what `ControllerSettings::compute_us` should be at least.
+/// This is an estimate: a board measures its own time. `ControllerSettings::compute_us` should be at least as large.
 pub fn estimated_us(servos: usize, clock_hz: u32) -> u32 {
     let [fixed, each] = TICK_CYCLES.map(u64::from);
     let servos = u64::try_from(servos).unwrap_or(u64::MAX);

@@ -1,55 +1,55 @@
-//! Where poses come from: a show, a live stream, somebody who jogs, a pose that stands.
+//! Sources of poses: a show, a live stream, a jog, and a pose that stays the same.
 
-use sinew_core::tracker::FrameSource;
-use sinew_rig::board::BoardRig;
+use sinew_core::tracker::{Frame, FrameSource};
+use sinew_rig::board::{BoardDof, BoardRig};
 use sinew_show::{Position, Show, ShowError, ShowFrames};
 
-use super::path::Path;
+use super::path::{Path, THERE};
 use super::pose::Pose;
 use crate::supervisor::{Fault, FaultSet, Feed, Feeds, Permission, Settings, Source, State};
 
-/// A live stream, behind its jitter buffer.
+/// A live stream, after its jitter buffer.
 pub trait LiveSource {
-    /// Writes the target of a tick in the rig's coordinates (nq positions, nv speeds and accelerations), and says
-    /// whether there is one: of a stream that is late there is none, and the rig holds. It does not wait.
+    /// Writes the target of a tick in the rig's coordinates (nq positions, nv velocities and accelerations). Returns
+    /// whether there is a target: a late stream has none, and the rig holds. Does not wait.
     fn target(&mut self, now_us: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool;
 }
 
-/// No stream.
+/// A source without a stream.
 impl LiveSource for () {
     fn target(&mut self, _: u64, _: &mut [f32], _: &mut [f32], _: &mut [f32]) -> bool {
         false
     }
 }
 
-/// Perhaps a stream.
+/// An optional stream.
 impl<L: LiveSource> LiveSource for Option<L> {
     fn target(&mut self, now_us: u64, q: &mut [f32], qd: &mut [f32], qdd: &mut [f32]) -> bool {
         self.as_mut().is_some_and(|stream| stream.target(now_us, q, qd, qdd))
     }
 }
 
-/// A joint that somebody moves, as long as it comes in every tick.
+/// A joint that a user moves. It moves only in ticks in which this input is present.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Jog {
     /// Index of the dof.
     pub dof: u16,
-    /// How fast, rad/s or m/s; held to what the state allows.
+    /// Speed, rad/s or m/s; limited to the maximum of the state.
     pub speed: f32,
 }
 
-/// How a show begins that is faster than a rig may be from standing still.
+/// Settings for a show that starts faster than a rig may move from standstill.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct SoftStart {
-    /// The fastest joint from standing still, rad/s.
+    /// Maximum speed of a joint from standstill, rad/s.
     rad_s: f32,
-    /// How long such a show takes to gain its pace, ticks; even.
+    /// Number of ticks in which a show reaches its pace; even.
     ticks: u32,
 }
 
 impl SoftStart {
-    /// At the supervisor's soft speed, in the time of its blends.
+    /// Uses the supervisor's soft speed, and the duration of its blends.
     pub(super) fn new(settings: &Settings, dt_s: f32) -> Self {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
         let half = (0.5 * settings.blend_s / dt_s) as u32;
@@ -57,25 +57,25 @@ impl SoftStart {
     }
 }
 
-/// All sources, and where each of them is.
+/// All sources, with their positions in time.
 #[derive(Debug)]
 pub(super) struct Sources<'a, const DOFS: usize, const COORDS: usize> {
     show: Option<ShowFrames<'a, COORDS>>,
-    /// Ticks that the show has run.
+    /// Number of ticks that the show has run.
     ticks: u32,
-    /// In so many of them, an even number, a show that starts at speed gains its pace from standing still.
+    /// Number of ticks, even, in which a show that starts at speed reaches its pace from standstill.
     run_in: u32,
     soft: SoftStart,
-    /// What is wrong with the show that played, until it was told.
+    /// Fault of the show that played, until it is reported.
     fault: Option<Fault>,
-    /// A good show came.
+    /// Whether a valid show arrived.
     uploaded: bool,
-    /// The show that played is there no more: its feed is silent for a tick, and the rig holds.
+    /// Whether the show that played is gone: its feed is silent for a tick, and the rig holds.
     changed: bool,
     pub(super) rest: Pose<DOFS, COORDS>,
     live: Pose<DOFS, COORDS>,
     has_live: bool,
-    /// The pose of the source that is followed now.
+    /// Pose of the current source.
     goal: Pose<DOFS, COORDS>,
 }
 
@@ -97,7 +97,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Another show, or none. Of one that is refused nothing is left.
+    /// Loads another show, or none. A refused show is not kept.
     pub(super) fn load<const BODIES: usize, const SERVOS: usize>(
         &mut self,
         bytes: Option<&'a [u8]>,
@@ -123,32 +123,32 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Another show that was checked, or none.
+    /// Sets another show that was checked already, or none.
     pub(super) fn put(&mut self, show: Option<ShowFrames<'a, COORDS>>, plays: bool) {
         self.uploaded |= show.is_some();
         (self.show, self.ticks) = (show, 0);
         self.changed |= plays;
     }
 
-    /// What good shows have mended that came since this was asked.
+    /// Returns the faults that valid shows have cleared since the last call.
     pub(super) fn take_uploaded(&mut self) -> FaultSet {
         if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
     }
 
-    /// What is wrong with the show that plays, told once.
+    /// Returns the fault of the show that plays. It is returned only once.
     pub(super) fn take_fault(&mut self) -> Option<Fault> {
         self.fault.take()
     }
 
-    /// Takes the stream's target; says whether all of it are numbers.
+    /// Reads the stream's target. Returns whether all of its numbers are finite.
     pub(super) fn listen(&mut self, now_us: u64, live: &mut impl LiveSource) -> bool {
         let [q, qd, qdd] = self.live.all_mut();
         self.has_live = live.target(now_us, q, qd, qdd);
         !self.has_live || self.live.is_finite()
     }
 
-    /// Which feeds give poses. A show that is over gives none, until another begins; a loop is over when its ticks
-    /// cannot be counted any more: after 2³¹, 50 days at 500 Hz.
+    /// Returns the feeds that have poses. A show that has ended has none until it begins again. A loop ends when its
+    /// ticks can no longer be counted: after 2³¹ ticks, 50 days at 500 Hz.
     pub(super) fn feeds(&mut self, jog: Option<Jog>, plays_show: bool) -> Feeds {
         let has_changed = core::mem::take(&mut self.changed);
         let is_over = |frames: &ShowFrames<'a, COORDS>| {
@@ -160,7 +160,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         Feeds { show, live: self.has_live, jog: jog.is_some() }
     }
 
-    /// Where the show is.
+    /// Returns the position in the show.
     pub(super) fn position(&self) -> Option<Position> {
         self.show.as_ref().map(|frames| self.at(frames))
     }
@@ -173,25 +173,25 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// The frame behind the run-in, which has taken half of its time from the show.
+    /// Returns the frame after the run-in, which has taken half of its duration from the show.
     fn index(&self) -> i32 {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }
 
-    /// The first pose of the show, at rest.
+    /// Returns the first pose of the show, at rest.
     pub(super) fn first(&mut self) -> Option<&[f32]> {
         self.goal.take(self.show.as_mut()?.frame(-1));
         Some(self.goal.q())
     }
 
-    /// Whether a joint of the show's first frame is faster than from standing still it may be.
+    /// Returns whether a joint in the show's first frame is faster than permitted from standstill.
     fn starts_at_speed(&mut self, path: &Path<DOFS, COORDS>) -> bool {
         let Some(frames) = &mut self.show else { return false };
         self.goal.take(frames.frame(0));
         path.moving(self.goal.qd(), self.soft.rad_s).is_some()
     }
 
-    /// A source begins. `here`: where the rig comes to stand; `measured`: where it is.
+    /// Starts a source. `here` is the pose in which the rig comes to rest; `measured` is its current pose.
     pub(super) fn begin(&mut self, source: Source, here: &Pose<DOFS, COORDS>, measured: &[f32]) {
         self.ticks = 0;
         self.goal.clone_from(if source == Source::Rest { &self.rest } else { here });
@@ -200,13 +200,19 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// The rig is led: its goal is where it was measured.
+    /// Returns the goal at rest, for a rig that is lowered.
+    pub(super) fn lower(&mut self) -> &mut Pose<DOFS, COORDS> {
+        self.goal.rest();
+        &mut self.goal
+    }
+
+    /// Sets the goal to the measured pose, for a rig that is led by hand.
     pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<DOFS, COORDS> {
         self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);
         &self.goal
     }
 
-    /// The pose to be followed in a tick. A source that has just fallen silent stands.
+    /// Returns the pose to be followed in this tick. A source that has just fallen silent keeps its last pose.
     pub(super) fn goal(
         &mut self,
         permission: &Permission,
@@ -229,7 +235,8 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         &self.goal
     }
 
-    /// Before the show runs, the rig rests in its first frame: the frame before that stands there.
+    /// Sets the goal of the show. Before the show runs, the goal is the frame before the first, with which the rig
+    /// comes to rest in the first frame.
     fn show_goal(&mut self, runs: bool, path: &Path<DOFS, COORDS>) {
         if runs && self.ticks == 0 {
             self.run_in = if self.starts_at_speed(path) { self.soft.ticks } else { 0 };
@@ -250,10 +257,10 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
     }
 }
 
-/// Opens a show of a rig where it lies, and checks all of it, for ticks of `dt_s`. For the background task: O(size).
+/// Opens a rig's show in place, and checks all of it for ticks of `dt_s`. For the background task: O(size).
 ///
 /// # Errors
-/// [`ShowError`] if it cannot be read, or is of another rig.
+/// [`ShowError`] if the show cannot be read, or is for another rig.
 pub fn open_show<
     'a,
     const BODIES: usize,
@@ -269,10 +276,39 @@ pub fn open_show<
     let show = Show::open(bytes)?;
     show.check_rig(rig_crc)?;
     show.check_joints(rig.tree().bodies().iter().map(|body| body.joint))?;
-    ShowFrames::new(show, dt_s)
+    let mut frames = ShowFrames::new(show, dt_s)?;
+    check_first_pose(rig, &mut frames)?;
+    Ok(frames)
 }
 
-/// Whether a show is what plays.
+/// Refuses a show whose first pose is beyond a range: the rig would wait for it without end. Ball joints have no ends.
+fn check_first_pose<
+    const BODIES: usize,
+    const DOFS: usize,
+    const SERVOS: usize,
+    const COORDS: usize,
+>(
+    rig: &BoardRig<BODIES, DOFS, SERVOS>,
+    frames: &mut ShowFrames<'_, COORDS>,
+) -> Result<(), ShowError> {
+    let Frame::Coordinates { q, .. } = frames.frame(0) else { return Ok(()) };
+    let (mut q, mut dofs) = (q.iter(), rig.dofs().iter().enumerate());
+    for joint in rig.tree().bodies().iter().map(|body| body.joint) {
+        // A ball joint has a coordinate more than dofs: the pairs end with it.
+        let own = q.by_ref().take(joint.coordinate_count());
+        for (found, (dof, BoardDof { range: [least, most], .. })) in
+            own.zip(dofs.by_ref().take(joint.dof_count()))
+        {
+            let is_ball = joint.coordinate_count() > joint.dof_count();
+            if !is_ball && (found.max(*least).min(*most) - found).abs() > THERE {
+                return Err(ShowError::Range { dof, found: *found, least: *least, most: *most });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether a show is playing.
 pub(super) fn plays_show(state: State, source: Source) -> bool {
     state == State::Playing && source == Source::Feed(Feed::Show)
 }

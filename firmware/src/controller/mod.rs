@@ -1,4 +1,4 @@
-//! The loop: what joins frames, tracker, drives, supervisor and guard to a bus of servos, one tick a call.
+//! The control loop. It connects frames, tracker, drives, supervisor and guard to a bus of servos, one tick per call.
 //!
 //! ```text
 //!             ┌───────────────────────────── begin ──────────────────────────────┐
@@ -10,29 +10,28 @@
 //! ```
 //!
 //! # A tick
-//! 1. [`MotionController::begin`] looks at what the servos said in the tick before, decides, and gives commands to the
-//!    bus. A fault that it finds acts here: torque off is in the packets of this very tick.
-//! 2. [`exchange`] puts these packets on the board's [`Wire`], and takes what comes back.
-//! 3. [`MotionController::end`] says whether the tick was whole. Only then there is a
-//!    [`Complete`](crate::watchdog::Complete), and a board feeds its watchdog with nothing else.
+//! 1. [`MotionController::begin`] evaluates the servos' readings of the tick before, decides, and gives commands to
+//!    the bus. A fault that it detects takes effect at once: torque off is in the packets of this very tick.
+//! 2. [`exchange`] sends these packets on the board's [`Wire`], and reads the replies.
+//! 3. [`MotionController::end`] returns a [`Complete`](crate::watchdog::Complete) only if the tick was complete. A
+//!    board feeds its watchdog with nothing else.
 //!
-//! As long as torque is not permitted, torque off goes out to all servos in every tick: one lost packet changes
-//! nothing. Torque on goes out in every tick of arming, behind a first goal where the servo was measured.
+//! While torque is not permitted, torque off is sent to all servos in every tick, so a lost packet changes nothing.
+//! Torque on is sent in every tick of arming, after a first goal at the servo's measured position.
 //!
 //! # The test of the way to stop
-//! A rig is armed only after torque off has gone out, every servo that tells was read in a later tick, and none of them
-//! drew current. It begins anew whenever torque was on.
+//! A rig is armed only after torque off was sent, every servo that reports was read in a later tick, and none of them
+//! drew current. The test starts again whenever torque was on.
 //!
 //! # Registers
 //! A rig is armed only after the registers of every servo were read since torque was on, and since the servo was
 //! silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::requirements`] and
-//! [`sinew_servo_bus::settings`] say.
-//! As long as torque is off they are read round and round, a few bytes a tick; while it is on, never. A difference is
-//! in [`Report::registers`] and refuses. Nothing is written: that is `sinew servo apply`.
-//!
-//! # Not here
-//! It reads no clock and waits for nothing. What a servo's own watchdog does, and a register of torque that is read
-//! back, are not in [`ServoBus`](sinew_servo_bus::ServoBus).
+//! [`sinew_servo_bus::settings`] define. While torque is off they are read repeatedly, a few bytes per tick; while
+//! torque is on, never. A difference is stored in [`Report::registers`], and arming is refused. Nothing is written:
+//! `sinew servo apply` does that.
+//! # Outside of this module
+//! The controller reads no clock and waits for nothing. A servo's own watchdog, and its register of torque, are not
+//! part of [`ServoBus`](sinew_servo_bus::ServoBus).
 
 #![warn(
     clippy::unwrap_used,

@@ -1,4 +1,4 @@
-//! The last step: commands through the guards to the bus.
+//! The last step: commands pass through the guards to the bus.
 
 use heapless::Vec;
 use sinew_servo_bus::{Command, ServoBus};
@@ -11,7 +11,7 @@ use crate::drives::{Condition, ServoCommand};
 use crate::supervisor::{Guard, GuardReason, GuardSettings, Permission};
 use sinew_rig::board::BoardServo;
 
-/// The guards of all servos.
+/// Guards of all servos.
 #[derive(Debug, Default)]
 pub(super) struct Output<const SERVOS: usize> {
     guards: Vec<Guard, SERVOS>,
@@ -28,14 +28,14 @@ impl<const SERVOS: usize> Output<SERVOS> {
         for (index, (servo, setup)) in servos.iter().zip(setups).enumerate() {
             let guard = Guard::new(GuardSettings::of(&servo.servo, &setup.drive), dt_s)
                 .map_err(|why| ControllerError::Servo { servo: index, why })?;
-            // Servos of a rig are counted: there is room.
+            // There is room: `SERVOS` is the maximum number of servos.
             let _ = guards.push(guard);
         }
         Ok(Self { guards })
     }
 
-    /// Commands of a tick. `switch_on`: torque comes on, behind the first goal, which the guard lets pass only where
-    /// the servo was measured.
+    /// Sends the commands of a tick. If `switch_on`, torque is switched on after the first goal, which the guard
+    /// permits only at the servo's measured position.
     pub(super) fn send(
         &mut self,
         bus: &mut impl ServoBus,
@@ -55,7 +55,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
             }
             let Some(command) = guarded.command else { continue };
             if switch_on {
-                // First, since a Feetech takes no goal before; buses send it behind the goals.
+                // Given first, since a Feetech accepts no goal before; buses send it after the goals.
                 bus.command(index, Command::Torque(true)).map_err(Incomplete::Command)?;
             }
             bus.command(index, belief.sent(command)).map_err(Incomplete::Command)?;
@@ -63,7 +63,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
         Ok(())
     }
 
-    /// Torque off, for all.
+    /// Switches torque off on all servos.
     pub(super) fn release(
         &mut self,
         bus: &mut impl ServoBus,
@@ -73,7 +73,7 @@ impl<const SERVOS: usize> Output<SERVOS> {
         let mut result = Ok(());
         for (index, guard) in self.guards.iter_mut().enumerate() {
             guard.check(off, &Condition::default(), permission);
-            // Whatever one servo says, the others are to be off.
+            // Whatever one servo's result is, the others must be off.
             result = result.and(bus.command(index, off).map_err(Incomplete::Command).map(|_| ()));
         }
         result

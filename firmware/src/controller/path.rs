@@ -1,4 +1,4 @@
-//! What is commanded: sources blended, within range, speed and acceleration of the joints.
+//! The commanded pose: blends sources within the joints' range, speed and acceleration.
 
 use heapless::Vec;
 use sinew_core::math;
@@ -12,47 +12,47 @@ use super::pose::Pose;
 use crate::drives::follower::Follower;
 use crate::supervisor::Moving;
 
-/// How far before an end of its range a joint that is led feels a wall, rad, and as a part of the range.
+/// Width of the wall at an end of a led joint's range: maximum in rad, and as a part of the range.
 const WALL: (f32, f32) = (0.087, 0.1);
 
-/// Part of a joint's effort that a wall has at the end itself.
+/// Effort of a wall at the end of the range, as a part of the joint's maximum effort.
 const WALL_EFFORT: f32 = 0.5;
 
-/// A commanded pose this near to its source is there, rad or m.
-const THERE: f32 = 1e-3;
+/// Maximum distance at which a commanded pose counts as equal to its source, rad or m.
+pub(super) const THERE: f32 = 1e-3;
 
-/// The commanded pose, from tick to tick.
+/// The commanded pose, advanced tick by tick.
 #[derive(Debug, Clone)]
 pub(super) struct Path<const DOFS: usize, const COORDS: usize> {
     parts: Vec<JointIndices, DOFS>,
     dofs: Vec<Axis, DOFS>,
     dt_s: f32,
-    /// Where the source was left that was followed before.
+    /// Pose at which the previous source ended.
     from: Pose<DOFS, COORDS>,
     now: Pose<DOFS, COORDS>,
 }
 
-/// One dof.
+/// Limits and follower of a dof.
 #[derive(Debug, Clone, Copy)]
 struct Axis {
     follower: Follower,
-    /// The largest speed, rad/s or m/s.
+    /// Maximum speed, rad/s or m/s.
     speed: f32,
-    /// The largest effort, N m or N; infinite for no limit.
+    /// Maximum effort, N m or N; infinite for no limit.
     effort: f32,
     range: [f32; 2],
-    /// The fastest shaft of its drive, in rad for a rad or m of it; at least 1.
+    /// Speed of the drive's fastest shaft per speed of this dof, in rad per rad or m; at least 1.
     shaft: f32,
 }
 
 impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
-    /// Creates a path of no dofs.
+    /// Creates a path without dofs.
     pub(super) fn uninit() -> Self {
         let nowhere = Pose::new(0, 0);
         Self { parts: Vec::new(), dofs: Vec::new(), dt_s: 0.0, from: nowhere.clone(), now: nowhere }
     }
 
-    /// At the rig's home; none if it has more coordinates than there is room for.
+    /// Creates a path at the rig's home, or `None` if the rig has more coordinates than there is room for.
     #[inline(never)]
     pub(super) fn new<const BODIES: usize, const SERVOS: usize>(
         rig: &BoardRig<BODIES, DOFS, SERVOS>,
@@ -80,12 +80,12 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         Some(path)
     }
 
-    /// The commanded pose.
+    /// Returns the commanded pose.
     pub(super) fn now(&self) -> &Pose<DOFS, COORDS> {
         &self.now
     }
 
-    /// Coordinates of positions by dof, of a ball joint its rotation vector.
+    /// Converts positions by dof to coordinates; a ball joint's position is its rotation vector.
     pub(super) fn coordinates(&self, dofs: &[f32], q: &mut [f32]) {
         for part in &self.parts {
             match *part {
@@ -95,7 +95,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// The position of each dof in a pose, of a ball joint its rotation vector.
+    /// Converts a pose to positions by dof; a ball joint's position is its rotation vector.
     pub(super) fn positions(&self, q: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             match *part {
@@ -107,7 +107,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// How far the commanded pose is from another, by dof: of a ball joint in body axes.
+    /// Computes the commanded pose minus another pose, by dof; for a ball joint in body axes.
     pub(super) fn errors(&self, q: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             match *part {
@@ -121,8 +121,8 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// The first number of a pose that is farther beyond its range than `slack`: its dof. From there the rig cannot
-    /// be armed where it is.
+    /// Returns the dof of the first number of a pose that is outside of its range by more than `slack`. A rig in this
+    /// pose cannot be armed.
     pub(super) fn beyond(&self, pose: &[f32], slack: f32) -> Option<usize> {
         self.parts.iter().find_map(|part| match *part {
             JointIndices::Number { q, v } => {
@@ -134,7 +134,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         })
     }
 
-    /// The dof that moves farthest beyond `most_rad_s` of the fastest shaft of its drive, if any does.
+    /// Returns the dof that most exceeds a speed of `most_rad_s` at the fastest shaft of its drive, if any does.
     pub(super) fn moving(&self, qd: &[f32], most_rad_s: f32) -> Option<Moving> {
         let (mut farthest, mut found) = (1.0, None);
         for (dof, (axis, rad_s)) in self.dofs.iter().zip(qd).enumerate() {
@@ -147,7 +147,13 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         found
     }
 
-    /// By dof, what pushes a pose back from the ends of its ranges, N m or N. Ball joints have no walls.
+    /// Returns the ratio of a dof's speed to `most_rad_s` at the fastest shaft of its drive.
+    pub(super) fn share(&self, dof: usize, speed: f32, most_rad_s: f32) -> f32 {
+        speed.abs() * self.dofs.get(dof).map_or(1.0, |axis| axis.shaft) / most_rad_s
+    }
+
+    /// Computes by dof the effort that pushes a pose back from the ends of its ranges, N m or N. Ball joints have no
+    /// walls.
     pub(super) fn walls(&self, pose: &[f32], out: &mut [f32]) {
         for part in &self.parts {
             if let JointIndices::Number { q, v } = *part {
@@ -156,7 +162,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// A pose on the way from where it stands to another, so much of it.
+    /// Writes a pose on the way from the current pose to another. `part` is the share of the way, 0 to 1.
     pub(super) fn between(&self, to: &[f32], part: f32, q: &mut [f32]) {
         let from = self.now.q();
         for own in &self.parts {
@@ -172,7 +178,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// Stands in a pose, or where the ranges are next to it.
+    /// Stops in a pose, clamped to the ranges.
     pub(super) fn place(&mut self, q: &[f32]) {
         let Self { parts, dofs, now, from, .. } = self;
         now.rest();
@@ -190,7 +196,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         from.clone_from(now);
     }
 
-    /// Another source begins: the last one is left where the joints can stand. Ball joints stand at once.
+    /// Starts another source: the last one ends where the joints can stop. Ball joints stop at once.
     pub(super) fn depart(&mut self) -> &Pose<DOFS, COORDS> {
         let Self { parts, dofs, now, from, .. } = self;
         from.clone_from(now);
@@ -205,7 +211,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         from
     }
 
-    /// Turns one dof of a pose on by so much; a pose of numbers stays within its range.
+    /// Moves a dof of a pose by an amount; a numeric coordinate stays within its range.
     pub(super) fn jog(&self, dof: usize, by: f32, q: &mut [f32]) {
         let Some(axis) = self.dofs.get(dof) else { return };
         for part in &self.parts {
@@ -223,8 +229,9 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// A tick: nearer to a goal, which counts `weight` against where the last source was left. Says whether it is
-    /// there. `speed_rad_s`: the fastest joint; none for what the joints' own limits say. O(dofs).
+    /// Advances by a tick towards a goal, which has the weight `weight` against the end of the last source. Returns
+    /// whether the goal is reached. `speed_rad_s` is the maximum speed of a joint; with `None` only the joints' own
+    /// limits apply. O(dofs).
     pub(super) fn step(
         &mut self,
         goal: &Pose<DOFS, COORDS>,
@@ -275,7 +282,7 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
 }
 
 impl Axis {
-    /// What pushes it back from the ends of its range: it grows evenly.
+    /// Returns the effort that pushes the dof back from the ends of its range. It increases linearly.
     fn wall(&self, at: f32) -> f32 {
         let [least, most] = self.range;
         let (wide, part) = WALL;
@@ -286,14 +293,14 @@ impl Axis {
         if effort.is_finite() { effort } else { 0.0 }
     }
 
-    /// Its largest speed: its own, and that of its shafts.
+    /// Returns the maximum speed of the dof: its own, and that of its shafts.
     fn most(&self, speed_rad_s: Option<f32>) -> f32 {
         speed_rad_s.map_or(self.speed, |speed| self.speed.min(speed / self.shaft))
     }
 }
 
-/// How fast the shafts of drives turn for a joint's speed, in the home pose. Where several joints turn one shaft, each
-/// may have all of it: their sum is within.
+/// Computes the ratio of the shafts' speed to a joint's speed in the home pose. If several joints turn a shaft, each
+/// of them may use its full speed: the ratio is for the sum.
 fn set_shafts<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     rig: &BoardRig<BODIES, DOFS, SERVOS>,
     axes: &mut [Axis],
@@ -302,7 +309,7 @@ fn set_shafts<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
         let mut home = Numbers::new();
         for dof in &drive.dofs {
             let dof = rig.dofs().get(usize::from(*dof));
-            // Dofs of a drive are counted: there is room.
+            // There is room: a drive's number of dofs is limited.
             let _ = home.push(dof.map_or(0.0, |dof| dof.home));
         }
         let Ok(pose) = drive.drive.at_joints(&home) else { continue };

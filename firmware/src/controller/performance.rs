@@ -1,4 +1,4 @@
-//! From a pose to commands of servos: the tracker, and the drives.
+//! Conversion of a pose to servo commands by the tracker and the drives.
 
 use heapless::Vec;
 use sinew_core::coordinates::DofCommand;
@@ -8,7 +8,7 @@ use sinew_core::{JointStates, Twist, Wrench};
 use sinew_rig::board::BoardRig;
 use sinew_rig::drive::Numbers;
 
-use super::coordinates::number;
+use super::coordinates::{number, put};
 use super::error::ControllerError;
 use super::path::Path;
 use super::pose::Pose;
@@ -17,11 +17,30 @@ use super::settings::{ControllerSettings, ServoSetup};
 use crate::drives::{Class, Condition, Drives, Limit, ServoCommand, ServoDrive};
 use crate::supervisor::Overload;
 
-/// One more than the longest latency in ticks.
+/// Maximum latency in ticks, plus one.
 const DELAYS: usize = 8;
 
-/// A number on the way was refused: there are no commands.
+/// The error that a number was refused: there are no commands.
 pub(super) struct NotFinite;
+
+/// Input for carrying a rig without a goal.
+pub(super) struct Carried<'p> {
+    /// Measured pose of the rig.
+    pub(super) q: &'p [f32],
+    /// Target position of each dof, by coordinates: dofs that correct no error have their own goal.
+    pub(super) to: &'p [f32],
+    /// Speed of each dof, which is to be braked; for dofs that correct no error, the speed of their goal.
+    pub(super) qd: &'p [f32],
+    /// By dof, effort that pushes the rig back from the ends of its ranges.
+    pub(super) walls: &'p [f32],
+    /// By dof, released part of its weight.
+    pub(super) lowered: &'p [f32],
+    /// Maximum part of the weight that is carried.
+    pub(super) weight: f32,
+}
+
+/// Damping of movements while the rig is carried, 1/s: that of the tracker's gains, which gears can stand.
+const BRAKE_PER_S: f32 = 28.0;
 
 /// Tracker and drives of a rig.
 #[derive(Debug)]
@@ -29,7 +48,7 @@ pub(super) struct Performance<'a, const BODIES: usize, const DOFS: usize, const 
     rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     tracker: Tracker<BODIES, DELAYS>,
     pub(super) drives: Drives<'a, BODIES, DOFS, SERVOS>,
-    /// By dof: whether its servos take what the tracker makes of an error.
+    /// By dof, whether its servos use the tracker's feedback effort.
     corrects: Vec<bool, DOFS>,
     commands: Vec<DofCommand, DOFS>,
     out: Vec<Option<ServoCommand>, SERVOS>,
@@ -63,7 +82,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let mut of_drives: Vec<_, SERVOS> = Vec::new();
         of_drives.extend(servos.iter().map(|servo| servo.drive).take(SERVOS));
         drives.init(&of_drives, timing).map_err(ControllerError::Drives)?;
-        // Dofs and servos of a rig are counted: there is room.
+        // There is room: `DOFS` and `SERVOS` are the maximum numbers.
         let _ = commands.resize(rig.dofs().len(), DofCommand::default());
         let _ = out.resize(rig.servos().len(), None);
         let _ = corrects.resize(rig.dofs().len(), false);
@@ -81,7 +100,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.fit_gears(servos, observes).map_err(ControllerError::Tracker)
     }
 
-    /// Sets what the gears of each joint allow: its observer's bandwidth, if the tracker observes, and its rest zone.
+    /// Sets the values that depend on each joint's gears: its observer's bandwidth, if the tracker has an observer,
+    /// and its rest zone.
     #[inline(never)]
     fn fit_gears(&mut self, servos: &[ServoSetup], observes: bool) -> Result<(), TrackerError> {
         let bodies = self.rig.tree().bodies();
@@ -95,7 +115,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             }
             for dof in &drive.dofs {
                 let mut next = 0_usize;
-                // The joint that has this dof.
+                // The joint to which this dof belongs.
                 let joint = bodies.iter().position(|body| {
                     next = body.joint.dof_count().saturating_add(next);
                     usize::from(*dof) < next
@@ -105,7 +125,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                     (bandwidths.get_mut(joint), rests.get_mut(joint))
                 {
                     let least = if least.is_finite() { least } else { 0.0 };
-                    // A ball joint may have several drives: 0 is none yet.
+                    // A ball joint may have several drives: 0 means that no drive has set the value yet.
                     *bandwidth = if *bandwidth > 0.0 { bandwidth.min(least) } else { least };
                     *rest = rest.max(sum);
                 }
@@ -119,17 +139,22 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.set_rest(rests.get(..bodies.len()).unwrap_or_default())
     }
 
-    /// Whether the servos of a dof take what the tracker makes of an error.
+    /// Returns whether the servos of a dof use the tracker's feedback effort.
     pub(super) fn corrects(&self, dof: usize) -> bool {
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// Whether every servo takes an effort: else the rig cannot carry itself.
+    /// Returns the weight by the model of a dof that corrects no error, from the last tick in which it was carried.
+    pub(super) fn weight(&self, dof: usize) -> f32 {
+        self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
+    }
+
+    /// Returns whether every servo accepts an effort: otherwise the rig cannot carry itself.
     pub(super) fn carries(&self) -> bool {
         self.drives.servos().iter().all(|servo| servo.class().corrects())
     }
 
-    /// Begins where the rig is, at rest.
+    /// Restarts at the rig's current pose, at rest.
     pub(super) fn begin<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -139,7 +164,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.resume(pose)
     }
 
-    /// The tracker begins where the rig is, at rest; drives go on.
+    /// Restarts the tracker at the rig's current pose, at rest; the drives continue.
     pub(super) fn resume<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -148,7 +173,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
-    /// A tick: commands of all servos. `share`: what part of its effort each servo may give. O(dofs).
+    /// Computes the commands of all servos for a tick. `share` returns the permitted part of a servo's effort.
+    /// O(dofs).
     pub(super) fn step<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -173,14 +199,14 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// A tick without a goal: what carries the rig where it is (`q`) by its model, and `walls`. Friction is left to the
-    /// servos: it holds the rig where a hand has left it. O(dofs).
-    // Not within its caller, whose frame on the stack every other tick would pay for.
+    /// Computes the commands of a tick without a goal: the efforts that carry the rig in its pose by its model, and
+    /// that brake it. Friction is not compensated: it holds the rig where a hand has left it. O(dofs).
+    // Not inlined into its caller, whose stack frame would be larger in every other tick.
     #[inline(never)]
     pub(super) fn carry<const COORDS: usize>(
         &mut self,
         path: &Path<DOFS, COORDS>,
-        (q, walls): (&[f32], &[f32]),
+        carried: &Carried<'_>,
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
         report: &mut [DofReport],
@@ -188,15 +214,34 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         let count = self.rig.dofs().len();
         let mut efforts = [0.0; DOFS];
         let efforts = efforts.get_mut(..count).unwrap_or_default();
-        path.positions(q, efforts);
-        for (command, position) in self.commands.iter_mut().zip(&*efforts) {
-            // It is where it should be: no friction is fed forward for a way back.
+        path.positions(carried.to, efforts);
+        let mut speeds = [0.0; DOFS];
+        let speeds = speeds.get_mut(..count).unwrap_or_default();
+        for (dof, (command, position)) in self.commands.iter_mut().zip(&*efforts).enumerate() {
+            let qd = number(carried.qd, dof);
+            // The target is the current position: no friction is fed forward for a way back.
             *command = DofCommand { position: *position, ..DofCommand::default() };
+            if self.corrects.get(dof) == Some(&true) {
+                put(speeds, dof, qd);
+            } else {
+                command.velocity = qd;
+            }
         }
-        self.weights(q, efforts)?;
+        let mut brakes = [0.0; DOFS];
+        let brakes = brakes.get_mut(..count).unwrap_or_default();
+        self.weights((carried.q, speeds), efforts, brakes)?;
         for (index, (command, dof)) in self.commands.iter_mut().zip(self.rig.dofs()).enumerate() {
-            let weight = number(efforts, index).max(-dof.effort).min(dof.effort);
-            (command.feedforward_effort, command.feedback_effort) = (weight, number(walls, index));
+            let weight = number(efforts, index);
+            let brake = number(brakes, index) - weight;
+            let weight = weight.max(-dof.effort).min(dof.effort);
+            // A servo in position mode holds its position by itself: its whole weight is compensated until the end.
+            let part = if self.corrects.get(index) == Some(&true) {
+                (1.0 - number(carried.lowered, index).min(1.0)).min(carried.weight)
+            } else {
+                1.0
+            };
+            command.feedforward_effort = part * weight;
+            command.feedback_effort = brake + number(carried.walls, index);
         }
         for (command, report) in self.commands.iter().zip(report) {
             report.effort = command.effort();
@@ -204,32 +249,46 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// By dof, what holds a pose by the rig's model, N m or N. O(dofs).
+    /// Computes the efforts that hold a pose by the rig's model, and those that brake it too, by dof, N m or N. Empty
+    /// `brakes` are not computed. O(dofs).
     #[inline(never)]
-    fn weights(&self, q: &[f32], efforts: &mut [f32]) -> Result<(), NotFinite> {
+    fn weights(
+        &self,
+        (q, speeds): (&[f32], &[f32]),
+        efforts: &mut [f32],
+        brakes: &mut [f32],
+    ) -> Result<(), NotFinite> {
         let tree = self.rig.tree();
         let mut states = JointStates::rest(tree);
-        let resting = [0.0; DOFS];
-        let resting = resting.get(..efforts.len()).unwrap_or_default();
-        states.set_coordinates(tree, q, resting).map_err(|_| NotFinite)?;
+        states.set_coordinates(tree, q, speeds).map_err(|_| NotFinite)?;
         let (mut motions, mut wrenches) = ([BodyMotion::default(); BODIES], [Wrench::ZERO; BODIES]);
-        let (bodies, at_rest) = (tree.bodies(), [Twist::ZERO; BODIES]);
+        let (bodies, mut braked) = (tree.bodies(), [Twist::ZERO; BODIES]);
+        for (braked, state) in braked.iter_mut().zip(states.as_slice()) {
+            let Twist { angular, linear } = state.velocity;
+            *braked = Twist { angular: angular * -BRAKE_PER_S, linear: linear * -BRAKE_PER_S };
+        }
         let gravity = self.tracker.controller().gravity_m_s2();
-        inverse_dynamics(
-            bodies,
-            states.as_slice(),
-            &at_rest,
-            gravity,
-            &[],
-            &mut motions,
-            &mut wrenches,
-        );
-        let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
-        tree.efforts(states.as_slice(), wrenches, efforts).map_err(|_| NotFinite)
+        for (accelerations, out) in [(&[Twist::ZERO; BODIES], efforts), (&braked, brakes)] {
+            if out.is_empty() {
+                break;
+            }
+            inverse_dynamics(
+                bodies,
+                states.as_slice(),
+                accelerations,
+                gravity,
+                &[],
+                &mut motions,
+                &mut wrenches,
+            );
+            let wrenches = wrenches.get(..bodies.len()).unwrap_or_default();
+            tree.efforts(states.as_slice(), wrenches, out).map_err(|_| NotFinite)?;
+        }
+        Ok(())
     }
 
-    /// What servos or supply cannot hold of a pose: the joint that asks most of a servo, or else the sum of currents.
-    /// `stall_a`: of each servo; `supply_a`: 0 where it is not known. Friction is left out. O(dofs).
+    /// Returns what servos or supply cannot hold in a pose: the joint with the greatest load of a servo, or else the sum
+    /// of currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out. O(dofs).
     #[inline(never)]
     pub(super) fn overload<const COORDS: usize>(
         &self,
@@ -240,7 +299,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     ) -> Option<Overload> {
         let (mut efforts, mut at) = ([0.0; DOFS], [0.0; DOFS]);
         let efforts = efforts.get_mut(..self.rig.dofs().len()).unwrap_or_default();
-        self.weights(q, efforts).ok()?;
+        let resting = at.get(..efforts.len()).unwrap_or_default();
+        self.weights((q, resting), efforts, &mut []).ok()?;
         path.positions(q, &mut at);
         let (mut most, mut found) = (1.0, None);
         let (mut sum_a, mut most_a, mut thirstiest) = (0.0, 0.0, 0);
@@ -262,7 +322,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
                     let [mnm, most_mnm] = [nm, own.torque_nm].map(thousandths);
                     (most, found) = (share, Some(Overload::Servo { dof, mnm, most_mnm }));
                 }
-                // At stall it draws its stall current from the supply, with less torque less of its voltage, too.
+                // At stall a servo draws its stall current from the supply. With less torque its voltage is lower, too.
                 let a = nm / own.torque_constant_nm_a;
                 own_a += a * a / stall_a(index);
             }
@@ -276,15 +336,16 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         found.or(is_much.then_some(Overload::Supply { dof: thirstiest, ma, most_ma }))
     }
 
-    /// What the servos are commanded, and what part of their currents they get.
+    /// Computes the servos' commands, and limits their currents to the permitted parts.
     fn drive(
         &mut self,
         conditions: &[Condition],
         share: impl Fn(usize) -> f32,
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
-        // A current is cut to its share below. In position mode the offset is cut, which is what the servo gives beyond
-        // its target; in PWM mode the effort is, since the part of the voltage that holds against back-EMF gives none.
+        // A current is limited to its permitted part below. In position mode the offset is limited, which is the
+        // effort beyond the target; in PWM mode the effort is, since the part of the voltage against the back-EMF
+        // gives no effort.
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
             if !matches!(class, Some(Class::Position | Class::Voltage)) {
@@ -300,7 +361,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             }
         }
         drives.step(commands, conditions, out).map_err(|_| NotFinite)?;
-        // Most ticks have none: they do without the pass over drives.
+        // Most ticks have no such servo, and skip the pass over the drives.
         if out.iter().flatten().any(gives_its_most) {
             for drive in rig.drives() {
                 let of_drive = drive.servos.iter().filter_map(|servo| out.get(usize::from(*servo)));
@@ -319,8 +380,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     }
 }
 
-/// Whether a servo cannot give more. A hot one does not count: from heat the observer learns, or a joint would sag
-/// further with each tick of less current.
+/// Returns whether a servo cannot give more. A hot servo does not count: the observer must learn from heat, or a
+/// joint would sag further with each tick of less current.
 fn gives_its_most(servo: &ServoCommand) -> bool {
     matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Voltage | Limit::Stale))
 }
@@ -344,7 +405,7 @@ mod tests {
     use crate::drives::{CurrentSettings, CutOff, DriveSettings, Encoder};
     use crate::supervisor::detect::{HeatSettings, SupplySettings, WindingSettings};
 
-    /// Two servos that face each other on one joint, of which one was never read.
+    /// Two servos that face each other on a joint. One of them was never read.
     const PAIR: &str = r#"
 name = "pair"
 [[body]]
@@ -410,10 +471,12 @@ matrix = { rows = [[0.5, -0.5]] }
         let conditions = [Condition { feedback: Some(read), ..known }, known];
         for _ in 0..100 {
             let mut reports = [DofReport::default()];
-            let out = performance.carry(&path, (&q, &[0.0]), &conditions, |_| 1.0, &mut reports);
+            let carried =
+                Carried { q: &q, to: &q, qd: &[0.0], walls: &[0.0], lowered: &[0.0], weight: 1.0 };
+            let out = performance.carry(&path, &carried, &conditions, |_| 1.0, &mut reports);
             let out = out.map_err(|_| ()).unwrap();
             for servo in out.iter().flatten() {
-                // Its axis is upright: it weighs nothing.
+                // The joint's axis is vertical, so its weight needs no torque.
                 let a = if let Command::Current(a) = servo.command { a } else { f32::NAN };
                 assert!(a.abs() < 1e-4, "{servo:?}");
             }

@@ -1,11 +1,11 @@
-//! Where a rig is, how fast, and how fast that changes.
+//! State of a rig: positions, velocities and accelerations.
 
 use sinew_core::tracker::{Frame, FrameSource};
 
-/// The largest number that is taken, as in `sinew-core`'s coordinates.
+/// Largest accepted absolute value, as in `sinew-core`'s coordinates.
 const LARGEST: f32 = 1e6;
 
-/// A state in a rig's coordinates: `COORDS` at most, of `DOFS` dofs at most.
+/// A state in a rig's coordinates, with at most `COORDS` coordinates and `DOFS` dofs.
 #[derive(Debug, Clone)]
 pub(super) struct Pose<const DOFS: usize, const COORDS: usize> {
     coordinates: usize,
@@ -16,7 +16,7 @@ pub(super) struct Pose<const DOFS: usize, const COORDS: usize> {
 }
 
 impl<const DOFS: usize, const COORDS: usize> Pose<DOFS, COORDS> {
-    /// At zero. Counts beyond the capacities are held to them.
+    /// Creates a pose at zero. Counts above the capacities are limited to them.
     pub(super) fn new(coordinates: usize, dofs: usize) -> Self {
         let (coordinates, dofs) = (coordinates.min(COORDS), dofs.min(DOFS));
         Self { coordinates, dofs, q: [0.0; COORDS], qd: [0.0; DOFS], qdd: [0.0; DOFS] }
@@ -38,7 +38,7 @@ impl<const DOFS: usize, const COORDS: usize> Pose<DOFS, COORDS> {
         self.q.get_mut(..self.coordinates).unwrap_or_default()
     }
 
-    /// Positions, speeds, accelerations.
+    /// Returns positions, velocities and accelerations.
     pub(super) fn all_mut(&mut self) -> [&mut [f32]; 3] {
         [
             self.q.get_mut(..self.coordinates).unwrap_or_default(),
@@ -47,12 +47,12 @@ impl<const DOFS: usize, const COORDS: usize> Pose<DOFS, COORDS> {
         ]
     }
 
-    /// At rest in the positions that are there.
+    /// Sets velocities and accelerations to zero.
     pub(super) fn rest(&mut self) {
         (self.qd, self.qdd) = ([0.0; DOFS], [0.0; DOFS]);
     }
 
-    /// Takes a frame of coordinates; says whether it was one of this rig.
+    /// Copies a frame of coordinates. Returns whether the frame's lengths are those of this rig.
     pub(super) fn take(&mut self, frame: Frame<'_>) -> bool {
         let Frame::Coordinates { q, qd, qdd } = frame else { return false };
         let mut fits = true;
@@ -63,14 +63,14 @@ impl<const DOFS: usize, const COORDS: usize> Pose<DOFS, COORDS> {
         fits
     }
 
-    /// Whether all are numbers of a usual size.
+    /// Returns whether all numbers are finite and at most 1e6 in absolute value.
     pub(super) fn is_finite(&self) -> bool {
         let mut all = self.q().iter().chain(self.qd()).chain(self.qdd());
         all.all(|x| (-LARGEST..=LARGEST).contains(x))
     }
 }
 
-/// One pose, whatever the frame's number: the path has counted already.
+/// Returns the same pose for any frame number: the path has already advanced to it.
 impl<const DOFS: usize, const COORDS: usize> FrameSource for &Pose<DOFS, COORDS> {
     fn frame(&mut self, _: i32) -> Frame<'_> {
         Frame::Coordinates { q: self.q(), qd: self.qd(), qdd: self.qdd() }

@@ -1,4 +1,4 @@
-//! What servos hold in their registers, against what the rig asks: before it is armed.
+//! Comparison of the servos' registers with the rig's requirements, before the rig is armed.
 
 use heapless::Vec;
 use sinew_rig::board::BoardServo;
@@ -8,15 +8,15 @@ use sinew_servo_bus::{Compared, Difference, ServoBus};
 use super::settings::ServoSetup;
 use crate::supervisor::{RegisterDiffers, Registers};
 
-/// Compares servo after servo, again and again, as long as torque is off. When torque was on, and when a servo was
-/// silent, nothing is known any more: it may have started anew.
+/// Compares one servo after another, repeatedly, while torque is off. After torque was on, or a servo was silent, the
+/// earlier results are discarded: the servo may have restarted.
 #[derive(Debug, Default)]
 pub(super) struct Comparison<const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
-    /// Which one the bus compares, or will.
+    /// Index of the servo that the bus compares now or next.
     at: usize,
     is_asked: bool,
-    /// Something may be known.
+    /// Whether a result may be stored.
     is_begun: bool,
 }
 
@@ -32,7 +32,7 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
     pub(super) fn new(servos: &[BoardServo], setups: &[ServoSetup]) -> Self {
         let required =
             servos.iter().zip(setups).map(|(servo, setup)| setup.requirements(&servo.servo));
-        // Servos of a rig are counted: there is room.
+        // There is room: `SERVOS` is the maximum number of servos.
         let servos = required
             .map(|requirements| Servo { requirements, found: None, was_silent: false })
             .take(SERVOS)
@@ -40,7 +40,7 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
         Self { servos, at: 0, is_asked: false, is_begun: false }
     }
 
-    /// A tick without torque.
+    /// Advances the comparison in a tick without torque.
     pub(super) fn step(&mut self, bus: &mut impl ServoBus, is_silent: impl Fn(usize) -> bool) {
         self.is_begun = true;
         for (index, servo) in self.servos.iter_mut().enumerate() {
@@ -48,15 +48,15 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
             let was_silent = core::mem::replace(&mut servo.was_silent, is_silent);
             if is_silent && !was_silent {
                 servo.found = None;
-                // What was read of it before counts no more.
+                // Results that were read before the silence are discarded.
                 self.is_asked &= index != self.at;
             }
         }
-        // As many as are known at once, which are those without registers.
+        // Servos without registers have a result at once, so several may be done in a tick.
         for _ in 0..self.servos.len() {
             let Some(servo) = self.servos.get_mut(self.at) else { return };
             if servo.was_silent {
-                // The others are looked at all the same.
+                // The other servos are still compared.
                 self.go_on();
                 continue;
             }
@@ -76,7 +76,7 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
         self.is_asked = false;
     }
 
-    /// Torque is on, or somebody else talks to servos: nothing is compared, and nothing known.
+    /// Stops the comparison and discards all results: torque is on, or another program sends packets to the servos.
     pub(super) fn stop(&mut self, bus: &mut impl ServoBus) {
         if core::mem::take(&mut self.is_begun) {
             bus.compare(None);
@@ -85,13 +85,13 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
         }
     }
 
-    /// The first servo whose register of torque says that it is on.
+    /// Returns the first servo whose register reports that torque is on.
     pub(super) fn torque_stuck(&self) -> Option<u16> {
         let is_stuck = |servo: &Servo| matches!(servo.found, Some(Compared::Differs(difference)) if difference.is_torque());
         u16::try_from(self.servos.iter().position(is_stuck)?).ok()
     }
 
-    /// What is known of all servos: of several that differ, the first.
+    /// Returns the result for all servos. If several differ, returns the first.
     pub(super) fn result(&self) -> Registers {
         let differs = self.servos.iter().enumerate().find_map(|(index, servo)| match servo.found {
             Some(Compared::Differs(difference)) => Some((index, difference)),

@@ -1,4 +1,4 @@
-//! What became of a tick.
+//! The report of a tick.
 
 use heapless::Vec;
 use sinew_show::Position;
@@ -7,39 +7,39 @@ use crate::drives::Limit;
 use crate::supervisor::detect::Concern;
 use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source, State};
 
-/// The report of a tick: of `DOFS` dofs and `SERVOS` servos at most.
+/// Report of a tick, with at most `DOFS` dofs and `SERVOS` servos.
 #[derive(Debug, Clone)]
 pub struct Report<const DOFS: usize, const SERVOS: usize> {
-    /// The state.
+    /// State of the supervisor.
     pub state: State,
-    /// Where the pose comes from.
+    /// Source of the pose.
     pub source: Source,
-    /// Where the show is that is loaded.
+    /// Position in the loaded show.
     pub show: Option<Position>,
-    /// What became of the command.
+    /// Answer to the command of this tick.
     pub answer: Option<Answer>,
-    /// Faults whose condition is there.
+    /// Faults whose condition is present.
     pub present: FaultSet,
-    /// Faults, and warnings, that came in this tick.
+    /// Faults and warnings that were raised in this tick.
     pub raised: FaultSet,
-    /// Faults that wait to be cleared.
+    /// Faults that must be cleared.
     pub latched: FaultSet,
-    /// What servos hold in their registers; while torque is on nothing is known of it.
+    /// Result of the comparison of servos' registers; unknown while torque is on.
     pub registers: Registers,
-    /// While torque is off, the joint that moves too fast for the rig to be armed.
+    /// The joint that moves too fast for the rig to be armed, while torque is off.
     pub moving: Option<Moving>,
-    /// How far the rig is from where it should be; none while torque is off.
+    /// Distance of the rig from its commanded pose; `None` while torque is off.
     pub following: Option<Following>,
-    /// By dof.
+    /// Reports of the dofs.
     pub dofs: Vec<DofReport, DOFS>,
-    /// By servo.
+    /// Reports of the servos.
     pub servos: Vec<ServoReport, SERVOS>,
-    /// Ticks that took too long, since the start.
+    /// Number of ticks since the start that took too long.
     pub overruns: u32,
 }
 
 impl<const DOFS: usize, const SERVOS: usize> Report<DOFS, SERVOS> {
-    /// Before the first tick.
+    /// Creates the report before the first tick.
     #[inline(never)]
     pub(super) fn new(state: State, source: Source, dofs: usize, servos: usize) -> Self {
         Self {
@@ -60,37 +60,37 @@ impl<const DOFS: usize, const SERVOS: usize> Report<DOFS, SERVOS> {
     }
 }
 
-/// How far measured dofs are from what was commanded in the tick before, rad; of slides, m.
+/// Distance of the measured dofs from the commands of the tick before, rad; for prismatic joints, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Following {
-    /// Mean of the sizes.
+    /// Mean of the absolute values.
     pub mean_rad: f32,
-    /// The largest.
+    /// Largest absolute value.
     pub most_rad: f32,
-    /// The dof that has it.
+    /// Index of the dof with the largest value.
     pub dof: u16,
 }
 
-/// One dof.
+/// Report of a dof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DofReport {
-    /// Commanded less measured; rad or m.
+    /// Commanded minus measured position, rad or m.
     pub error: f32,
-    /// What the tracker asked for, N m or N.
+    /// Effort that the tracker requested, N m or N.
     pub effort: f32,
-    /// What its servos give by their currents, N m or N.
+    /// Effort of the dof's servos, computed from their currents, N m or N.
     pub measured_effort: Option<f32>,
-    /// What limited the effort.
+    /// Reason for a limited effort.
     pub limit: Option<sinew_core::control::LimitReason>,
-    /// Whether it swings, or did within the last 5 s.
+    /// Whether the dof swings, or did within the last 5 s.
     pub swings: bool,
-    /// What part of its feedback it gets: less than 1 while it swings, if a setting says so.
+    /// Factor of the dof's feedback effort: less than 1 while the dof swings, if a setting requires it.
     pub gain: f32,
 }
 
-/// Of a dof that was never read.
+/// Report of a dof that was never read.
 impl Default for DofReport {
     fn default() -> Self {
         Self {
@@ -104,34 +104,34 @@ impl Default for DofReport {
     }
 }
 
-/// One servo.
+/// Report of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ServoReport {
-    /// What limited its drive.
+    /// Limit that its drive reached.
     pub limit: Option<Limit>,
-    /// What the guard held, which drives should have.
+    /// Reason for which the guard changed a command; a correct drive causes none.
     pub guard: Option<GuardReason>,
-    /// What part of its effort it may give, 0 to 1.
+    /// Permitted part of its effort, 0 to 1.
     pub share: f32,
-    /// Why that is less, or soon will be.
+    /// Reason why that part is reduced, or soon will be.
     pub concern: Option<Concern>,
-    /// Temperature, degC.
+    /// Temperature of the servo, degC.
     pub temperature_c: Option<f32>,
     /// Heat of its winding by the model, 1 at the limit.
     pub heat: f32,
-    /// Its supply, filtered, V.
+    /// Filtered supply voltage of the servo, V.
     pub voltage_v: Option<f32>,
-    /// Replies that did not come, over all.
+    /// Total number of missing replies.
     pub missed: u32,
-    /// Readings that were not believed, over all.
+    /// Total number of readings that were not believed.
     pub not_believed: u32,
-    /// The last error number of a reply; 0 for none.
+    /// Last error number of a reply; 0 for none.
     pub last_error: u8,
 }
 
 impl ServoReport {
-    /// Of a servo that was never read.
+    /// Report of a servo that was never read.
     const NOTHING: Self = Self {
         limit: None,
         guard: None,
@@ -146,10 +146,10 @@ impl ServoReport {
     };
 }
 
-/// So many of one thing; what does not fit is left out.
+/// Returns `count` copies of a value; copies that do not fit are left out.
 pub(super) fn filled<T: Clone, const K: usize>(count: usize, of: T) -> Vec<T, K> {
     let mut all = Vec::new();
-    // Held to the capacity: there is room.
+    // There is room: the count is limited to the capacity.
     let _ = all.resize(count.min(K), of);
     all
 }

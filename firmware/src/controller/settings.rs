@@ -1,4 +1,4 @@
-//! What a controller is made of.
+//! Settings of a controller, and the inputs at its start.
 
 use sinew_rig::servo::Servo;
 use sinew_servo_bus::Schedule;
@@ -12,38 +12,38 @@ use crate::supervisor::detect::{
 };
 use crate::supervisor::{FaultLog, FaultSet, LOGGED, Settings};
 
-/// Numbers of the loop. What a rig's servos bear is in [`ServoSetup`].
+/// Settings of the control loop. Settings of a rig's servos are in [`ServoSetup`].
 #[derive(Debug, Clone)]
 pub struct ControllerSettings {
     /// Times and speeds of the supervisor.
     pub supervisor: Settings,
-    /// Method, gains and observer.
+    /// Method, gains and observer of the tracker.
     pub tracker: sinew_core::tracker::Settings,
-    /// When a servo does not follow.
+    /// Limits of the following error.
     pub following: FollowingSettings,
-    /// When a servo does not answer.
+    /// Limit of missing replies.
     pub silence: Silence,
-    /// How many ticks may take too long.
+    /// Limit of late ticks.
     pub overrun: OverrunSettings,
-    /// A reading that is older is not valid, s. Every servo must be read more often.
+    /// Maximum age of a valid reading, s. Every servo must be read more often.
     pub stale_s: f32,
-    /// A servo whose voltage and temperature were not read for longer is silent, s. They are read in turn, one servo a
-    /// tick, where there is time.
+    /// Time without a reading of voltage and temperature after which a servo is silent, s. They are read in turn, one
+    /// servo per tick, when there is time.
     pub blind_s: f32,
-    /// How far beyond its range a servo may be measured, rad: what it overshoots.
+    /// Maximum distance of a servo's measured position from its range, rad: an allowance for overshoot.
     pub beyond_rad: f32,
-    /// The feedback of a joint that swings is lowered to this part, from 0.1 to 1: 1 for nothing.
+    /// Factor to which the feedback of a swinging joint is reduced, from 0.1 to 1. With 1 it is not reduced.
     pub swing_gain: f32,
-    /// What the supply gives, A: a rig that takes more to be held is not armed. 0 if it is not known.
+    /// Current of the supply, A: a rig that needs more to be held is not armed. 0 if it is not known.
     pub supply_a: f32,
-    /// What a tick takes the board besides its bus, µs.
+    /// Computation time of the board per tick, without the bus, µs.
     pub compute_us: u32,
-    /// The last four bytes of the rig's compact form, which a show must carry.
+    /// CRC at the end of the rig's compact form, which a show must carry.
     pub rig_crc: u32,
 }
 
-/// Recommended tracking, readings up to 0.1 s, health up to 2 s, 3 deg beyond a range, 500 µs a tick, a rig without a
-/// CRC.
+/// Recommended tracking, readings up to 0.1 s, voltage and temperature up to 2 s, 3 deg beyond a range, 500 µs per
+/// tick, a rig without a CRC.
 impl Default for ControllerSettings {
     fn default() -> Self {
         Self {
@@ -64,15 +64,15 @@ impl Default for ControllerSettings {
 }
 
 impl ControllerSettings {
-    /// What can be said of settings before the rig is known: the one check, at a start and of what a host writes.
+    /// Checks the settings as far as possible without the rig. Used at a start, and for settings that a host writes.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting, and what it must be; of a reading's age that depends on the bus.
+    /// [`SettingError`] names the setting and its bounds; the bounds of a reading's age depend on the bus.
     pub fn check(&self, schedule: &Schedule) -> Result<(), SettingError> {
         self.supervisor.check()?;
         Following::new(self.following, 1e-6 * schedule.tick_us() as f32)?;
         Overrun::new(self.overrun)?;
-        // Before it is read again, no reading is old. Without reads none is new enough.
+        // A reading must not count as old before the servo is read again. Without reads none is new enough.
         let least_s = (1.0 / schedule.read_hz()).max(1e-3);
         SettingError::check("stale_s", self.stale_s, [least_s, 10.0])?;
         SettingError::check("blind_s", self.blind_s, [0.1, 60.0])?;
@@ -81,42 +81,43 @@ impl ControllerSettings {
         SettingError::check("supply_a", self.supply_a, [0.0, 1e3])
     }
 
-    /// The fastest joint with which a rig is armed, rad/s: the soft speed, since nothing moves faster while it is
-    /// armed; and no faster than that it is off by the following error's limit after that limit's time. Brought to
-    /// rest evenly within twice that time, it is off by no more.
+    /// Returns the maximum speed of a joint at which a rig is armed, rad/s: the soft speed, since nothing moves
+    /// faster during arming, and at most the speed that causes the maximum following error within its permitted time.
+    /// A joint that is stopped evenly within twice that time has at most this error.
     pub(super) fn rest_rad_s(&self) -> f32 {
         let FollowingSettings { most_rad, time_s } = self.following;
         self.supervisor.soft_rad_s.min(most_rad / time_s)
     }
 }
 
-/// How one servo is driven, and what it bears.
+/// Settings of a servo for the controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoSetup {
-    /// Its class, with settings.
+    /// Class of the servo's drive, with its settings.
     pub drive: DriveSettings,
-    /// Bandwidth of its joint's observer by its gear and load, rad/s; 0 for that of the tracker's settings. Of several
-    /// servos at a joint the least counts. Of a servo by current or voltage alone.
+    /// Bandwidth of the joint's observer for its gear and load, rad/s; 0 for that of the tracker's settings. The
+    /// minimum of all servos at a joint is used. Only for servos in current or PWM mode.
     pub bandwidth_rad_s: f32,
-    /// Half the play of its gear and a step of its encoder, at its joint, rad (of slides, m); 0 for no rest zone. Those
-    /// of all servos at a joint add up. Of a servo by current or voltage alone.
+    /// Half the play of the gear and a step of the encoder, at the joint, rad (m for a prismatic joint); 0 for no
+    /// rest zone. The values of all servos at a joint are added. Only for servos in current or PWM mode.
     pub rest_rad: f32,
-    /// Temperatures.
+    /// Limits of the temperature.
     pub heat: HeatSettings,
-    /// Voltages; of each servo, since a plug may be loose.
+    /// Limits of the voltage, for each servo, since a plug may be loose.
     pub supply: SupplySettings,
-    /// Its winding.
+    /// Limits of the winding.
     pub winding: WindingSettings,
-    /// Current at stall, A: of a servo by position that tells its load alone, load is a part of it.
+    /// Stall current, A. If a servo in position mode reports only its load, the current is this multiplied by the
+    /// load.
     pub stall_a: f32,
-    /// Torque at stall, N m: where the rig asks for less, its own limit must be lower.
+    /// Stall torque, N m. If the rig requires less, the servo's own limit must be lower.
     pub stall_nm: f32,
-    /// Where its kind switches itself off, degC: its own limit must be that.
+    /// Temperature at which this kind of servo switches itself off, degC. The servo's own limit must be equal.
     pub shutdown_c: f32,
 }
 
 impl ServoSetup {
-    /// What this servo must hold in its registers: with anything else the rig is not armed.
+    /// Returns the required registers of this servo. With different registers the rig is not armed.
     pub fn requirements(&self, servo: &Servo) -> ServoRequirements {
         let servo = servo.settings();
         let (mode, encoder, gain_ratio) = match &self.drive {
@@ -139,18 +140,18 @@ impl ServoSetup {
     }
 }
 
-/// What is known when the board starts.
+/// Data that is known when the board starts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Start {
-    /// Starts of the board, counted.
+    /// Number of the board's start.
     pub count: u32,
-    /// Why it starts, if that is a fault: watchdog, brown-out, panic.
+    /// Reasons for the start that are faults: watchdog, brown-out, panic.
     pub causes: FaultSet,
-    /// Faults that storage has kept.
+    /// Faults from storage.
     pub log: FaultLog<LOGGED>,
 }
 
-/// The first start, by power.
+/// The first start, by power-on.
 impl Default for Start {
     fn default() -> Self {
         Self { count: 0, causes: FaultSet::EMPTY, log: FaultLog::default() }

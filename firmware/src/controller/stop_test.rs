@@ -1,14 +1,14 @@
-//! The test of the way to stop: torque off goes out, and no servo draws current after that. That each servo's register
-//! of torque says so, too, is a part of the comparison of registers (`registers.rs`).
+//! Test of the way to stop: torque off is sent, and afterwards no servo draws current. The comparison of registers
+//! (`registers.rs`) checks in addition that each servo's register reports torque off.
 
 use sinew_servo_bus::Effort;
 
 use crate::drives::Condition;
 
-/// What a servo whose torque is off may still tell, as a part of its most: noise, and a hand that turns it.
+/// Maximum effort that a servo without torque may report, as a part of its maximum: noise, and a hand that turns it.
 const IDLE: f32 = 0.05;
 
-/// Counts the ticks of torque off, and looks at what is read behind them.
+/// Counts the ticks with torque off, and checks the readings after them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct StopTest {
     ticks: u32,
@@ -16,7 +16,7 @@ pub(super) struct StopTest {
 }
 
 impl StopTest {
-    /// A tick has gone out whole, with torque off for all servos or not.
+    /// Records that a tick was sent completely, with torque off for all servos or not.
     pub(super) fn sent(&mut self, off: bool) {
         if off {
             self.ticks = self.ticks.saturating_add(1);
@@ -25,7 +25,7 @@ impl StopTest {
         }
     }
 
-    /// Readings of a tick: of each servo that tells, and its stall current.
+    /// Checks the readings of a tick: the condition and the stall current of each servo that reports.
     pub(super) fn look(&mut self, mut servos: impl Iterator<Item = (Condition, f32)>) {
         let ticks = self.ticks;
         self.is_passed |= ticks > 1 && servos.all(|(servo, stall_a)| is_off(servo, stall_a, ticks));
@@ -36,7 +36,8 @@ impl StopTest {
     }
 }
 
-/// Read in a later tick than torque off first went out, and idle. What is read in the same tick was measured before.
+/// Returns whether a servo was read in a tick after the first torque off, and is idle. A reading of that first tick
+/// was measured before.
 fn is_off(servo: Condition, stall_a: f32, ticks: u32) -> bool {
     servo.feedback.is_some_and(|read| {
         let share = match read.effort {

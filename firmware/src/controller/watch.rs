@@ -17,10 +17,10 @@ use crate::supervisor::detect::{
 };
 use crate::supervisor::{Fault, Findings, GuardSettings};
 
-/// A target stands after this, s: an error that a move has left is gone.
+/// Time after which an unchanged target counts as standing still, s: the error of a movement has then decayed.
 const STANDS_S: f32 = 0.5;
 
-/// Looks at every servo and dof, once a tick.
+/// Checks every servo and dof, once per tick.
 #[derive(Debug, Default)]
 pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
@@ -32,24 +32,24 @@ pub(super) struct Watch<const DOFS: usize, const SERVOS: usize> {
     blind_ticks: u32,
     stands_ticks: u16,
     beyond_rad: f32,
-    /// The fastest joint with which a rig is armed, rad/s.
+    /// Maximum speed of a joint at which a rig is armed, rad/s.
     pub(super) rest_rad_s: f32,
-    /// What the supply gives, A; 0 if it is not known.
+    /// Maximum current of the supply, A; 0 if it is not known.
     pub(super) supply_a: f32,
 }
 
-/// One dof, and what is found of it.
+/// Detectors of a dof.
 #[derive(Debug, Clone)]
 struct Dof {
     following: Following,
     swing: Swing,
-    /// Its first servo.
+    /// Index of its first servo.
     servo: u16,
-    /// For so many ticks its target has stood.
+    /// Number of ticks for which its target has stood still.
     stood_ticks: u16,
 }
 
-/// One servo, and what is found of it.
+/// Detectors of a servo.
 #[derive(Debug)]
 struct Servo {
     guard: GuardSettings,
@@ -75,12 +75,12 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
             SettingError::check("stall_nm", setup.stall_nm, [1e-3, 1e4]).map_err(of)?;
             SettingError::check("shutdown_c", setup.shutdown_c, [0.0, 150.0]).map_err(of)?;
             if let Some(drive) = setup.drive.effort() {
-                // Else it would fall at the fault that lets it down.
+                // Otherwise the rig would fall when the fault starts to lower it.
                 let least = setup.heat.off_c;
                 SettingError::check("cut_off.warm_c", drive.cut_off.warm_c, [least, 150.0])
                     .map_err(of)?;
             }
-            // Servos of a rig are counted: there is room.
+            // There is room: `SERVOS` is the maximum number of servos.
             let _ = servos.push(Servo {
                 guard: GuardSettings::of(&servo.servo, &setup.drive),
                 stall_a: setup.stall_a,
@@ -120,27 +120,27 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         })
     }
 
-    /// The rig is armed: nothing was off until now.
+    /// Restarts the detectors of dofs when the rig is armed.
     pub(super) fn begin(&mut self) {
         self.dofs.iter_mut().for_each(Dof::begin);
     }
 
-    /// What part of its effort a servo may give.
+    /// Returns the permitted part of a servo's effort.
     pub(super) fn share(&self, servo: usize) -> f32 {
         self.servos.get(servo).map_or(0.0, |servo| servo.derated.share)
     }
 
-    /// The current of a servo at stall, A.
+    /// Returns the stall current of a servo, A.
     pub(super) fn stall_a(&self, servo: usize) -> f32 {
         self.servos.get(servo).map_or(f32::INFINITY, |servo| servo.stall_a)
     }
 
-    /// The first servo of a dof.
+    /// Returns the first servo of a dof.
     pub(super) fn servo(&self, dof: usize) -> Option<usize> {
         self.dofs.get(dof).map(|dof| dof.servo.into())
     }
 
-    /// Whether every servo that tells has a reading that is new enough.
+    /// Returns whether every servo that reports has a reading that is new enough.
     pub(super) fn is_measured(&self, conditions: &[Condition]) -> bool {
         self.servos.iter().zip(conditions).all(|(servo, condition)| {
             let read = condition.feedback;
@@ -148,12 +148,17 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         })
     }
 
-    /// Whether a servo is silent, as far as its replies say.
+    /// Returns whether a reading is new enough.
+    pub(super) fn is_fresh(&self, measured: &Measured) -> bool {
+        measured.age_ticks <= self.stale_ticks
+    }
+
+    /// Returns whether a servo is silent, judged by its replies.
     pub(super) fn is_silent(&self, health: &Health) -> bool {
         self.silence.step(health.missed_in_a_row).is_some()
     }
 
-    /// Servos that tell, with their stall currents.
+    /// Returns the servos that report, with their stall currents.
     pub(super) fn telling(
         &self,
         conditions: &[Condition],
@@ -162,7 +167,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         all.filter(|(servo, _)| servo.guard.tells()).map(|(servo, read)| (*read, servo.stall_a))
     }
 
-    /// Servos of a tick. `is_on`: with torque.
+    /// Checks the servos in a tick. `is_on` is whether torque is on.
     pub(super) fn servos<const COORDS: usize>(
         &mut self,
         is_on: bool,
@@ -207,7 +212,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
                 Effort::Current(a) => a,
                 Effort::Load(part) => {
                     let by_voltage = servo.guard.winding_a(part, &read, health.voltage_v);
-                    // Without torque nothing shorts the winding of a servo by voltage.
+                    // Without torque nothing shorts the winding of a servo in PWM mode.
                     let by_voltage = by_voltage.map(|a| if is_on { a } else { 0.0 });
                     by_voltage.unwrap_or(part * servo.stall_a)
                 }
@@ -236,7 +241,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// A joint beyond its range: of its first servo.
+    /// Adds a fault if a joint is beyond its range, for its first servo.
     pub(super) fn range<const COORDS: usize>(
         &self,
         path: &Path<DOFS, COORDS>,
@@ -248,8 +253,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// Looks how far the measured dofs are from what was commanded (`report`), at the commanded speeds `qd`, and
-    /// whether they swing. `is_held`: they have all their effort to be there.
+    /// Checks the distance of the measured dofs from the commands (`report`), at the commanded speeds `qd`, and
+    /// whether they swing. `is_held` is whether they have their full effort.
     pub(super) fn dofs(
         &mut self,
         own: &[BoardDof],
@@ -291,7 +296,7 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
 }
 
 impl Dof {
-    /// Nothing was off until now.
+    /// Restarts the detectors.
     fn begin(&mut self) {
         self.following.begin();
         self.swing = Swing::default();

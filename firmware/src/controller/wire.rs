@@ -1,27 +1,28 @@
-//! What a board's line has to do in a tick.
+//! Interface to a board's bus line in a tick.
 
 use sinew_servo_bus::{EncodeError, ServoBus};
 
-/// A line with servos on it.
+/// A bus line with servos.
 ///
-/// **Duty**: whatever servos do or do not, every call comes back within its time.
+/// **Duty**: whatever servos do, every call returns within its time.
 pub trait Wire {
-    /// Empties its input, sends `bytes`, and gives what comes to `reply`, as it comes, until that says that it has all
-    /// or `wait_us` are over since the first byte out.
+    /// Empties the input, sends `bytes`, and passes received bytes to `reply` as they arrive, until that returns true
+    /// or `wait_us` have passed since the first byte was sent.
     fn exchange(&mut self, bytes: &[u8], wait_us: u32, reply: impl FnMut(&[u8]) -> bool);
 
-    /// What is left of the tick, µs.
+    /// Returns the remaining time of the tick, µs.
     fn left_us(&self) -> u32;
 
-    /// At what rate a line of servos talks, bit/s, if there is one that takes [bytes of a host](Self::pass).
+    /// Returns the bit rate of a line of servos, bit/s, if the line accepts [bytes of a host](Self::pass).
     fn rate(&self, _line: u8) -> Option<u32> {
         None
     }
 
-    /// Bytes of a host to the servos of a line, while torque is off: empties its input, talks at `baud` bit/s (0: as
-    /// always), and gives what comes to `reply` until `wait_us` are over since the first byte out. Then the line is as
-    /// before. Says when the last byte came, µs behind the first one out, 0 if none did; nothing if there is no such
-    /// line or rate, and then nothing was sent.
+    /// Sends bytes of a host to the servos of a line, while torque is off: empties the input, uses `baud` bit/s (0:
+    /// the line's own rate), and passes received bytes to `reply` until `wait_us` have passed since the first byte
+    /// was sent. Afterwards the line is as before. Returns the time from the first byte sent to the last byte
+    /// received, µs, or 0 if none was received. Returns `None` if there is no such line or rate; then nothing was
+    /// sent.
     fn pass(
         &mut self,
         _line: u8,
@@ -34,11 +35,11 @@ pub trait Wire {
     }
 }
 
-/// The exchange of a tick: packets out and replies in, as long as the bus wants more and there is time. `out`: room for
-/// the longest packets.
+/// Makes the exchange of a tick: sends packets and reads replies, as long as the bus has packets and there is time.
+/// `out` is room for the longest packets.
 ///
 /// # Errors
-/// [`EncodeError`] if there is no room in `out`: that packet did not go out, and none behind it.
+/// [`EncodeError`] if a packet has no room in `out`: this packet was not sent, and no later one either.
 pub fn exchange(
     bus: &mut impl ServoBus,
     wire: &mut impl Wire,

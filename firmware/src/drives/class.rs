@@ -1,25 +1,25 @@
-//! The classes of drive, and which one a servo's mode asks for.
+//! The classes of drive, and the class for a servo's operating mode.
 
 use core::fmt;
 
 use sinew_servo_bus::{dynamixel, feetech};
 
-/// The classes of drive.
+/// The class of a drive: the kind of command that its servo accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Class {
-    /// [`CurrentDrive`](super::CurrentDrive).
+    /// A servo in current mode, see [`CurrentDrive`](super::CurrentDrive).
     Current,
-    /// [`VoltageDrive`](super::VoltageDrive).
+    /// A servo in PWM mode, see [`VoltageDrive`](super::VoltageDrive).
     Voltage,
-    /// [`PositionDrive`](super::PositionDrive).
+    /// A servo in position mode, see [`PositionDrive`](super::PositionDrive).
     Position,
-    /// [`TargetDrive`](super::TargetDrive).
+    /// A servo that gets only its target, see [`TargetDrive`](super::TargetDrive).
     Target,
 }
 
 impl Class {
-    /// The least rate, Hz.
+    /// Returns the minimum control rate of the class, Hz.
     pub const fn least_hz(self) -> f32 {
         match self {
             Self::Current | Self::Voltage => 200.0,
@@ -27,15 +27,16 @@ impl Class {
         }
     }
 
-    /// Whether the tracker closes the loop: servos of this class take what it makes of an error.
+    /// Returns whether the tracker closes the loop: servos of this class receive the tracker's feedback effort.
     pub(crate) const fn corrects(self) -> bool {
         matches!(self, Self::Current | Self::Voltage)
     }
 
-    /// The class of a Dynamixel in an operating mode.
+    /// Returns the class of a Dynamixel in an operating mode.
     ///
     /// # Errors
-    /// [`ClassError`] of a model without a current sensor in current mode, and of a mode for which there is no class.
+    /// [`ClassError`] if the model has no current sensor and the mode is current mode, or if there is no class for
+    /// the mode.
     pub fn of_dynamixel(
         model: &dynamixel::table::Model,
         mode: dynamixel::Mode,
@@ -50,10 +51,10 @@ impl Class {
         }
     }
 
-    /// The class of a Feetech in a mode.
+    /// Returns the class of a Feetech in an operating mode.
     ///
     /// # Errors
-    /// [`ClassError::FeetechPwm`].
+    /// [`ClassError::FeetechPwm`] in PWM mode.
     pub fn of_feetech(mode: feetech::Mode) -> Result<Self, ClassError> {
         match mode {
             feetech::Mode::Position => Ok(Self::Position),
@@ -73,16 +74,16 @@ impl fmt::Display for Class {
     }
 }
 
-/// Why there is no class for a servo's mode.
+/// A reason why there is no class for a servo's mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ClassError {
-    /// The model measures no current, so that it has no current mode.
+    /// The model does not measure its current, so it has no current mode.
     NoCurrentSensor,
-    /// Position with a limit of current: the stiffness of a servo in this mode is not published.
+    /// Position with a limit of current: the servo's stiffness in this mode is not published.
     CurrentPosition,
-    /// PWM of a Feetech: what its motor makes of it is not known, and its bus is slow.
+    /// PWM of a Feetech: the effect on its motor is not known, and its bus is slow.
     FeetechPwm,
 }
 

@@ -1,33 +1,33 @@
-//! How a servo is, and when a drive lets go of it.
+//! The measured condition of a servo, and the conditions under which a drive reduces its output.
 
 use sinew_servo_bus::{Effort, Feedback, Health, ServoBus};
 
 use super::{InputError, Limit};
 use crate::SettingError;
 
-/// How a servo is, as far as its bus knows.
+/// The last readings of a servo's bus.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Condition {
-    /// Its last reading; none if there never was one.
+    /// The last reading of position, velocity and effort; `None` if there never was one.
     pub feedback: Option<Feedback>,
-    /// Its temperature, degC; none if it was not read yet.
+    /// Temperature of the servo, degC; `None` if it was not read yet.
     pub temperature_c: Option<f32>,
-    /// Its supply, V; none if it was not read yet.
+    /// Supply voltage of the servo, V; `None` if it was not read yet.
     pub supply_v: Option<f32>,
 }
 
 impl Condition {
-    /// Of a servo on a bus.
+    /// Returns the condition of a servo on a bus.
     pub fn of(bus: &impl ServoBus, servo: usize) -> Self {
         Self::new(bus.feedback(servo), bus.health(servo).unwrap_or_default())
     }
 
-    /// Of what was read.
+    /// Creates a condition from a reading.
     pub(crate) fn new(feedback: Option<Feedback>, health: Health) -> Self {
         Self { feedback, temperature_c: health.temperature_c, supply_v: health.voltage_v }
     }
 
-    /// Refuses conditions that are not one for each servo, or not of numbers.
+    /// Returns an error unless there is a condition for each servo, with valid numbers.
     pub(super) fn check_all(servos: usize, conditions: &[Self]) -> Result<(), InputError> {
         InputError::check_count("conditions", servos, conditions.len())?;
         for (index, condition) in conditions.iter().enumerate() {
@@ -44,20 +44,21 @@ impl Condition {
     }
 }
 
-/// When a drive gives less, and nothing.
+/// The limits at which a drive reduces its output, and at which it stops it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CutOff {
-    /// Age of a reading from which on it counts no more, s. Longer than a servo's turn comes round on its bus:
-    /// [`Schedule::read_hz`](sinew_servo_bus::Schedule::read_hz).
+    /// Maximum age of a reading, s. An older reading is not used. It must be longer than the interval at which the
+    /// bus reads each servo: [`Schedule::read_hz`](sinew_servo_bus::Schedule::read_hz).
     pub stale_s: f32,
-    /// Temperature from which on less is given, degC.
+    /// Temperature above which the output is reduced, degC.
     pub warm_c: f32,
-    /// Temperature from which on nothing is given, degC: some degrees below where the servo switches itself off.
+    /// Temperature above which there is no output, degC: some degrees below the temperature at which the servo
+    /// switches itself off.
     pub hot_c: f32,
 }
 
-/// 0.1 s; 55 and 65 degC, for servos that switch off at 70.
+/// 0.1 s, 55 degC and 65 degC, for servos that switch off at 70 degC.
 impl Default for CutOff {
     fn default() -> Self {
         Self { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 }
@@ -71,7 +72,7 @@ impl CutOff {
         SettingError::check("hot_c", self.hot_c, [self.warm_c + 1.0, 151.0])
     }
 
-    /// What part of all may be given, 0 to 1, and why it is not all.
+    /// Returns the permitted part of the output, 0 to 1, and the reason if it is below 1.
     pub(super) fn share(self, condition: &Condition, dt_s: f32) -> (f32, Option<Limit>) {
         let fresh = condition
             .feedback

@@ -1,4 +1,4 @@
-//! Servos that take the whole effort: as a current, or (`voltage`) as the voltage that drives that current.
+//! Servos that accept the whole effort: as a current, or (see `voltage`) as the voltage that drives this current.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::limited::Limited;
@@ -8,37 +8,40 @@ use sinew_servo_bus::Command;
 use super::{Class, Condition, CutOff, Encoder, Limit, Refused, ServoCommand, ShaftTarget};
 use crate::SettingError;
 
-/// What is less than this is no torque constant of a geared servo, N m/A: the smallest hobby servo has 0.3.
+/// Smallest valid torque constant of a geared servo, N m/A: the smallest hobby servo has 0.3.
 const LEAST_CONSTANT_NM_A: f32 = 0.01;
-/// Time in which the current comes and goes where it is cut off, s.
+/// Time in which the current fades out or in at a cut-off, s.
 const FADE_S: f32 = 0.2;
-/// How fast the shaft is to return, 1/s: an error of the tracker's gains (200 /s², critically damped) decays so.
+/// Rate at which the shaft returns to its target, 1/s: errors decay at this rate with the tracker's gains (200 /s²,
+/// critically damped).
 const RETURN_PER_S: f32 = 7.07;
 
-/// How a servo in current mode is driven.
+/// Settings of a servo in current mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CurrentSettings {
-    /// Its encoder.
+    /// Encoder of the servo.
     pub encoder: Encoder,
-    /// How far the shaft may be from its target before friction on the way back is fed forward, rad at the servo: half
-    /// the play of its gear and a step of its encoder. 10 for a play that is not known: no error is as large.
+    /// Maximum distance of the shaft from its target, rad at the servo, for which friction on the way back is not fed
+    /// forward: half the play of the gear and a step of the encoder. If the play is not known, use 10: no error is as
+    /// large.
     pub blind_rad: f32,
-    /// The most current either way, A.
+    /// Maximum current in either direction, A.
     pub current_a: f32,
-    /// When it gives less.
+    /// Limits at which the current is reduced.
     pub cut_off: CutOff,
 }
 
-/// Current control: feed-forward and feedback effort, and the friction at the wanted speed
-/// ([`Servo::shaft_friction`]), through the gear and over the torque constant.
+/// Current control: the sum of feed-forward effort, feedback effort and friction at the wanted speed
+/// ([`Servo::shaft_friction`]) is converted by the gear and divided by the torque constant.
 ///
-/// The wanted speed is that of the target, and of the way back to it: 7 /s of the error beyond what the encoder tells
-/// (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot Manipulators", 1987). So stiction does
-/// not hold a joint that is off until the observer has learnt it.
+/// The wanted speed is the target's speed plus the speed of the return to the target: 7 /s of the error beyond the
+/// encoder's uncertainty (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot Manipulators",
+/// 1987). Because of it, stiction does not hold a joint away from its target until the observer has learnt the
+/// friction.
 ///
-/// Beyond an end of its range it gives no torque outwards. Without fresh readings, and where it is hot, the current
-/// fades to nothing: the loop is closed by the tracker, and a servo in current mode holds nothing by itself. O(1).
+/// Beyond an end of its range the drive gives no torque outwards. Without fresh readings, and if the servo is hot,
+/// the current fades to zero: the tracker closes the loop, and a servo in current mode holds nothing by itself. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurrentDrive {
     servo: Servo,
@@ -48,21 +51,21 @@ pub struct CurrentDrive {
 }
 
 impl CurrentDrive {
-    /// At one tick of latency, which a bus takes: what the tracker's recommended setting bears, see
-    /// [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
+    /// Minimum control rate, Hz, at a tick of latency, which a bus takes. It follows from the maximum delay of the
+    /// tracker's recommended setting, see [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
     pub const LEAST_HZ: f32 = Class::Current.least_hz();
 
-    /// A drive of a servo. `timing`: the tracker's. What is read in one tick acts in the next, so its latency is at
-    /// least one tick; where a bus reads each servo every n ticks it is n.
+    /// Creates the drive of a servo. `timing` is the tracker's timing. A reading of a tick takes effect in the next
+    /// tick, so its latency is at least one tick; where a bus reads each servo every n ticks, the latency is n.
     ///
     /// # Errors
-    /// [`Refused`] if readings come too late for the tracker's loop, the torque constant is not known, the range goes
-    /// over the encoder's seam, or a number cannot be.
+    /// [`Refused`] if readings arrive too late for the tracker's loop, the torque constant is not known, the range
+    /// crosses the encoder's seam, or a number is invalid.
     pub fn new(servo: &Servo, settings: &CurrentSettings, timing: Timing) -> Result<Self, Refused> {
         Self::of_class(Class::Current, servo, settings, timing)
     }
 
-    /// The same of a class that turns the current into something else.
+    /// Creates the drive for a class that converts the current into another command.
     pub(super) fn of_class(
         class: Class,
         servo: &Servo,
@@ -84,12 +87,12 @@ impl CurrentDrive {
         Ok(Self { servo: *servo, settings: *settings, dt_s: timing.dt_s, share: 0.0 })
     }
 
-    /// Begins anew: the current rises from nothing.
+    /// Restarts the drive: the current rises from zero.
     pub fn begin(&mut self) {
         self.share = 0.0;
     }
 
-    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    /// Computes the command of a tick. Numbers must be finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         let (mut current_a, mut limit) = self.current(target, condition);
         let (share, cut) = self.share(condition);
@@ -99,7 +102,7 @@ impl CurrentDrive {
         ServoCommand { command: Command::Current(current_a * share), limit: cut.or(limit) }
     }
 
-    /// The current that gives the effort, A, and what limits it.
+    /// Returns the current for the effort, A, and the limit that was reached.
     pub(super) fn current(
         &self,
         target: &ShaftTarget,
@@ -120,8 +123,8 @@ impl CurrentDrive {
         (current_a, limit)
     }
 
-    /// Returns what part of the current age of readings and heat allow, 0 to 1, and why it is not all; it fades. Called
-    /// once a tick.
+    /// Returns the permitted part of the current, 0 to 1, and the reason if it is below 1. It depends on the age of
+    /// readings and on heat, and changes gradually. Called once per tick.
     pub(super) fn share(&mut self, condition: &Condition) -> (f32, Option<Limit>) {
         let (share, cut) = self.settings.cut_off.share(condition, self.dt_s);
         let step = self.dt_s / FADE_S;
@@ -129,7 +132,7 @@ impl CurrentDrive {
         (self.share, cut)
     }
 
-    /// The speed at which the shaft is to return to its target.
+    /// Returns the speed at which the shaft is to return to its target, rad/s.
     fn way_back_rad_s(&self, target: &ShaftTarget, condition: &Condition) -> f32 {
         let Some(read) = condition.feedback else { return 0.0 };
         let own_rad = read.position_rad - self.settings.encoder.zero_rad;
@@ -138,7 +141,7 @@ impl CurrentDrive {
         RETURN_PER_S * (off_rad - off_rad.max(-blind_rad).min(blind_rad))
     }
 
-    /// Whether a current or a voltage drives the servo on, beyond an end of its range.
+    /// Returns whether a current or a voltage drives the servo outwards beyond an end of its range.
     pub(super) fn is_outwards(&self, wanted: f32, condition: &Condition) -> bool {
         let [least, most] = self.servo.settings().range_rad;
         condition.feedback.is_some_and(|feedback| {

@@ -1,4 +1,4 @@
-//! The drive of one servo, of any class.
+//! The drive of a servo, of any class.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::{Address, Servo};
@@ -8,22 +8,22 @@ use super::{
     Refused, ServoCommand, ShaftTarget, TargetDrive, TargetSettings, VoltageDrive, VoltageSettings,
 };
 
-/// How a servo is driven: the class, and its settings.
+/// The class of a servo's drive, with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DriveSettings {
-    /// By current.
+    /// Current mode.
     Current(CurrentSettings),
-    /// By position, with an offset.
+    /// Position mode, with an offset for the effort.
     Position(PositionSettings),
-    /// By position alone.
+    /// Position mode or pulses, without an offset.
     Target(TargetSettings),
-    /// By voltage.
+    /// PWM mode.
     Voltage(VoltageSettings),
 }
 
 impl DriveSettings {
-    /// Settings of the effort, if it takes one.
+    /// Returns the settings of the current if the drive converts the effort into a current.
     pub(crate) fn effort(&self) -> Option<&CurrentSettings> {
         match self {
             Self::Current(own) => Some(own),
@@ -33,24 +33,24 @@ impl DriveSettings {
     }
 }
 
-/// The drive of one servo.
+/// The drive of a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ServoDrive {
-    /// By current.
+    /// Current mode.
     Current(CurrentDrive),
-    /// By position, with an offset.
+    /// Position mode, with an offset for the effort.
     Position(PositionDrive),
-    /// By position alone.
+    /// Position mode or pulses, without an offset.
     Target(TargetDrive),
-    /// By voltage.
+    /// PWM mode.
     Voltage(VoltageDrive),
 }
 
 impl ServoDrive {
-    /// A drive of a servo. `timing`: the tracker's, see [`CurrentDrive::new`].
+    /// Creates the drive of a servo. `timing` is the tracker's timing, see [`CurrentDrive::new`].
     ///
     /// # Errors
-    /// [`Refused`] where the class is not for this servo at this rate, or a number cannot be.
+    /// [`Refused`] if the class is not possible for this servo at this rate, or a number is invalid.
     pub fn new(servo: &Servo, settings: &DriveSettings, timing: Timing) -> Result<Self, Refused> {
         Ok(match settings {
             DriveSettings::Current(own) => Self::Current(CurrentDrive::new(servo, own, timing)?),
@@ -60,7 +60,7 @@ impl ServoDrive {
         })
     }
 
-    /// Its class.
+    /// Returns the class of the drive.
     pub fn class(&self) -> Class {
         match self {
             Self::Current(_) => Class::Current,
@@ -70,7 +70,7 @@ impl ServoDrive {
         }
     }
 
-    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    /// Computes the command of a tick. Numbers must be finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         match self {
             Self::Current(drive) => drive.command(target, condition),
@@ -80,7 +80,7 @@ impl ServoDrive {
         }
     }
 
-    /// Begins anew at an own position, rad.
+    /// Restarts the drive at a position of the servo's own shaft, rad.
     pub fn begin(&mut self, own_rad: f32) {
         match self {
             Self::Current(drive) => drive.begin(),
@@ -90,7 +90,7 @@ impl ServoDrive {
         }
     }
 
-    /// The own position that it was last sent to, rad; 0 of one that is sent none.
+    /// Returns the last commanded position of the servo's own shaft, rad; 0 if the drive commands no position.
     pub(super) fn sent_rad(&self) -> f32 {
         match self {
             Self::Current(_) | Self::Voltage(_) => 0.0,
@@ -99,7 +99,7 @@ impl ServoDrive {
         }
     }
 
-    /// Refuses pulses where a bus is needed.
+    /// Returns an error if the class needs a bus and the servo accepts only pulses.
     pub(super) fn check_address(&self, address: Address) -> Result<(), Refused> {
         match (self, address) {
             (Self::Current(_) | Self::Voltage(_) | Self::Position(_), Address::Channel(_)) => {
@@ -118,7 +118,7 @@ impl ServoDrive {
         }
     }
 
-    /// Converts a position that the servo's encoder read to one of its shaft, rad.
+    /// Converts a reading of the servo's encoder to a position of the drive's shaft, rad.
     pub(super) fn shaft_position(&self, read_rad: f32) -> f32 {
         self.servo().shaft_position(read_rad - self.encoder().zero_rad)
     }

@@ -1,4 +1,4 @@
-//! Why drives cannot be made, or take no input.
+//! Errors at the creation of drives, and for invalid input.
 
 use core::fmt;
 
@@ -7,61 +7,61 @@ use sinew_core::tracker::Timing;
 use super::class::Class;
 use crate::SettingError;
 
-/// The largest number that is taken, as in `sinew-core`'s coordinates.
+/// Largest accepted absolute value, as in `sinew-core`'s coordinates.
 const LARGEST: f32 = 1e6;
 
-/// Why there are no drives of a rig.
+/// A reason why a rig's drives cannot be created.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SetupError {
-    /// There are not settings for each servo.
+    /// The number of settings differs from the number of servos.
     Count {
-        /// Servos of the rig.
+        /// Number of servos in the rig.
         expected: usize,
-        /// Settings that there are.
+        /// Number of settings.
         found: usize,
     },
-    /// A servo cannot be driven so.
+    /// A servo cannot be driven with these settings.
     Servo {
         /// Index of the servo.
         servo: usize,
-        /// Why.
+        /// The reason for this servo.
         why: Refused,
     },
-    /// Servos of one drive are of two classes: they would work against each other.
+    /// A drive has servos of two classes, which would work against each other.
     Mixed {
         /// Index of the drive.
         drive: usize,
     },
 }
 
-/// Why a servo cannot be driven so.
+/// A reason why a servo cannot be driven with its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Refused {
-    /// A number cannot be.
+    /// A number is invalid.
     Setting(SettingError),
-    /// The rate is below the least of the class, or what is read comes too late for it.
+    /// The rate is below the class's minimum, or readings arrive too late for it.
     TooSlow {
-        /// Which class.
+        /// Class of the drive.
         class: Class,
-        /// The least rate, Hz.
+        /// Minimum rate of the class, Hz.
         least_hz: f32,
     },
-    /// The range goes over the seam of the encoder.
+    /// The range crosses the seam of the encoder.
     Seam {
-        /// Least and most position on the bus, rad.
+        /// Minimum and maximum position on the bus, rad.
         range_rad: [f32; 2],
-        /// Where the encoder begins anew, rad.
+        /// Position at which the encoder starts again at zero, rad.
         turn_rad: f32,
     },
-    /// Its torque constant is not known, so that no current makes a wanted torque.
+    /// The torque constant is not known, so the current for a torque cannot be computed.
     NoTorqueConstant,
-    /// Its own stiffness is not known, so that no offset makes a wanted torque.
+    /// The servo's own stiffness is not known, so the offset for a torque cannot be computed.
     NoStiffness,
-    /// It takes pulses, and this class needs a bus.
+    /// The servo accepts only pulses, and this class needs a bus.
     NoBus(Class),
 }
 
@@ -72,7 +72,8 @@ impl From<SettingError> for Refused {
 }
 
 impl Refused {
-    /// Refuses a rate below the least of a class. A thousandth takes up the rounding of the period.
+    /// Returns an error if the rate is below the class's minimum. A tolerance of 0.1 % allows for the rounding of the
+    /// period.
     pub(super) fn check_rate(class: Class, timing: Timing) -> Result<(), Self> {
         SettingError::check("dt_s", timing.dt_s, [1e-4, 1.0])?;
         let least_hz = class.least_hz();
@@ -128,30 +129,30 @@ impl fmt::Display for SetupError {
 
 impl core::error::Error for SetupError {}
 
-/// Why a tick is refused. No drive has taken anything of it.
+/// A reason why a tick's input is refused. No drive has changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum InputError {
-    /// There is not one of these for each dof or servo.
+    /// The number of items differs from the number of dofs or servos.
     Count {
-        /// Of what.
+        /// Kind of the items.
         what: &'static str,
-        /// How many there must be.
+        /// Required number of items.
         expected: usize,
-        /// How many there are.
+        /// Number of items in the input.
         found: usize,
     },
-    /// A number is NaN, infinite or above 1e6 in size.
+    /// A number is NaN, infinite or above 1e6 in absolute value.
     Number {
-        /// The kind of value.
+        /// Kind of the number.
         what: &'static str,
         /// Index of the dof or servo.
         index: usize,
-        /// The number.
+        /// The invalid number.
         found: f32,
     },
-    /// A drive cannot take a number that follows from the others.
+    /// The input leads to a number that a drive cannot accept.
     Drive {
         /// Index of the drive.
         drive: usize,
@@ -168,7 +169,7 @@ impl InputError {
     }
 
     pub(super) fn check_number(what: &'static str, index: usize, found: f32) -> Result<(), Self> {
-        // NaN is not within.
+        // A range does not contain NaN.
         if (-LARGEST..=LARGEST).contains(&found) {
             Ok(())
         } else {

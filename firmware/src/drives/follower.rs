@@ -1,17 +1,19 @@
-//! A position that follows its target within range, speed and acceleration.
+//! A generator of positions that follow a target within limits of range, speed and acceleration.
 
 use sinew_core::math;
 use sinew_rig::servo::Servo;
 
 use super::Limit;
 
-/// A result this near to its target was not limited: the rounding of f32 at several turns.
+/// Maximum distance from the target, rad, at which the result counts as not limited: the rounding of f32 after
+/// several turns.
 const NEAR_RAD: f32 = 1e-5;
 
-/// Beyond so many ticks of braking, parts of a tick are below the rounding of f32.
+/// Number of braking ticks beyond which parts of a tick are below the rounding of f32.
 const MANY_TICKS: f32 = 1e5;
 
-/// Follows a target. It is at it as long as the limits allow, and brakes in time for the ends of the range.
+/// Follows a target. The position is equal to the target whenever the limits allow it, and brakes in time for the
+/// ends of the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Follower {
     range_rad: [f32; 2],
@@ -23,13 +25,13 @@ pub(crate) struct Follower {
 }
 
 impl Follower {
-    /// At rest at the servo's zero, or at the end of its range that is next to it.
+    /// Creates a follower at rest at the servo's zero, or at the nearest end of its range.
     pub(super) fn new(servo: &Servo, dt_s: f32) -> Self {
         let own = servo.settings();
         Self::within(own.range_rad, own.speed_rad_s, own.acceleration_rad_s2, dt_s)
     }
 
-    /// The same within any limits. Of a slide, rad stands for m.
+    /// Creates a follower with any limits. For a prismatic joint, all values are in m instead of rad.
     pub(crate) fn within(
         range_rad: [f32; 2],
         speed_rad_s: f32,
@@ -49,50 +51,51 @@ impl Follower {
         follower
     }
 
-    /// Another largest speed. It is slower at once: whoever asks for less does not wait for brakes.
+    /// Sets the maximum speed. A lower maximum applies at once, without braking: a caller that asks for less must not
+    /// wait.
     pub(crate) fn set_speed(&mut self, speed_rad_s: f32) {
         self.speed_rad_s = speed_rad_s;
         self.velocity_rad_s = self.velocity_rad_s.max(-speed_rad_s).min(speed_rad_s);
     }
 
-    /// Where it stands if it brakes from now on, rad.
+    /// Returns the position at which the follower would stop if it brakes from now on, rad.
     pub(crate) fn stop_rad(&self) -> f32 {
         let v = self.velocity_rad_s;
-        // Who stands stands, and an acceleration of zero has no way to brake.
+        // At rest, and with an acceleration of zero, the division is not finite: the braking distance is then zero.
         let way = 0.5 * v * v.abs() / self.acceleration_rad_s2;
         self.held(self.position_rad + if way.is_finite() { way } else { 0.0 })
     }
 
-    /// A position held within the range, rad.
+    /// Clamps a position to the range, rad.
     pub(crate) fn held(&self, position_rad: f32) -> f32 {
         let [least, most] = self.range_rad;
         position_rad.max(least).min(most)
     }
 
-    /// Where it is, rad.
+    /// Returns the current position, rad.
     pub(super) fn position_rad(&self) -> f32 {
         self.position_rad
     }
 
-    /// How fast it moves, rad/s.
+    /// Returns the current speed, rad/s.
     pub(crate) fn velocity_rad_s(&self) -> f32 {
         self.velocity_rad_s
     }
 
-    /// At rest at an own position, or at the end of the range that is next to it; rad.
+    /// Restarts at rest at a position, or at the nearest end of the range, rad.
     pub(crate) fn begin(&mut self, own_rad: f32) {
         let [least, most] = self.range_rad;
         self.position_rad = own_rad.max(least).min(most);
         self.velocity_rad_s = 0.0;
     }
 
-    /// A tick: where to be at its end, rad, and what limited it.
+    /// Advances by a tick. Returns the position at its end, rad, and the limit that was reached.
     pub(crate) fn step(&mut self, target_rad: f32, velocity_rad_s: f32) -> (f32, Option<Limit>) {
         let ([least, most], dt_s) = (self.range_rad, self.dt_s);
         let mut goal = Clamped { value: target_rad, limit: None };
         goal.within([least, most], Limit::Range);
         let moves_rad_s = if goal.limit.is_some() { 0.0 } else { velocity_rad_s };
-        // Relative to the target, which moves on.
+        // The distance is relative to the target, which keeps moving.
         let way_rad = goal.value - (self.position_rad + moves_rad_s * dt_s);
         let brakes = self.brakes(way_rad.abs());
         let mut speed = Clamped { value: way_rad / dt_s, limit: goal.limit };
@@ -111,8 +114,8 @@ impl Follower {
         (self.position_rad, speed.limit.filter(|_| !is_there))
     }
 
-    /// The fastest speed from which it still stops within a way, in whole ticks of full braking. With n of them,
-    /// `way = dt (n v - a dt n (n - 1) / 2)`.
+    /// Returns the maximum speed from which the follower can stop within a distance, in whole ticks of full braking.
+    /// With n ticks, `way = dt (n v - a dt n (n - 1) / 2)`.
     fn brakes(&self, way_rad: f32) -> f32 {
         if self.acceleration_rad_s2 == f32::INFINITY {
             return f32::INFINITY;
@@ -122,7 +125,7 @@ impl Follower {
         if ways.is_nan() || change <= 0.0 {
             return 0.0;
         }
-        // Of any number of ticks, whole or not; of many it makes no difference.
+        // The number of ticks need not be whole; for many ticks the rounding makes no difference.
         let ticks = math::sqrt(0.25 + 2.0 * ways) - 0.5;
         if ticks > MANY_TICKS {
             return change * ticks;
@@ -137,7 +140,7 @@ impl Follower {
     }
 }
 
-/// A value, and what held it last.
+/// A value with the last limit that changed it.
 struct Clamped {
     value: f32,
     limit: Option<Limit>,
@@ -192,7 +195,8 @@ mod tests {
             for (target, velocity) in targets.into_iter().chain(near) {
                 let (next, _) = follower.step(target, velocity);
                 prop_assert!((-1.0..=2.0).contains(&next));
-                // Rounding of a position next to 2 is 1.2e-7 rad; of a speed, that over a tick.
+                // Rounding of a position close to 2 is 1.2e-7 rad; rounding of a speed is that value divided by a
+                // tick.
                 let (moved, rounding) = ((next - at) / dt_s, 5e-7 / dt_s);
                 prop_assert!(moved.abs() <= speed + rounding, "{moved} rad/s");
                 let changed = (moved - before).abs();
@@ -203,13 +207,13 @@ mod tests {
 
         #[test]
         fn a_target_within_its_limits_is_met(phase in 0.0_f32..6.0, dt_s in 0.001_f32..0.02) {
-            // 0.8 rad at 2 rad/s: 1.6 rad/s and 3.2 rad/s².
+            // 0.8 rad at 2 rad/s give a maximum speed of 1.6 rad/s and a maximum acceleration of 3.2 rad/s².
             let mut follower = follower(3.0, 10.0, dt_s);
             for tick in 0..1000_u16 {
                 let angle = phase + 2.0 * dt_s * f32::from(tick);
                 let (target, velocity) = (0.5 + 0.8 * libm::sinf(angle), 1.6 * libm::cosf(angle));
                 let (at, limit) = follower.step(target, velocity);
-                // 3 s at most to catch up.
+                // The follower may take 3 s to catch up.
                 if f32::from(tick) * dt_s > 3.0 {
                     prop_assert!((at - target).abs() <= 1e-5, "{at} for {target}");
                     prop_assert_eq!(limit, None);

@@ -1,4 +1,4 @@
-//! From what servos measure to joints, by the same drives.
+//! Conversion of servos' readings to the state of joints, by the drives.
 
 use sinew_rig::board::BoardDrive;
 use sinew_rig::drive::{DRIVE_CAPACITY, DriveInputError, Numbers};
@@ -9,21 +9,23 @@ use super::{Condition, Drives, InputError};
 /// The measured state of one dof.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// rad or m; of a ball joint a component of the rotation vector.
+    /// Position, rad or m; for a ball joint a component of the rotation vector.
     pub position: f32,
-    /// rad/s or m/s; of a ball joint in body axes.
+    /// Velocity, rad/s or m/s; for a ball joint in body axes.
     pub velocity: f32,
-    /// What the motors give by their currents, friction among it, N m or N; none without current sensors.
+    /// Effort of the motors computed from their currents, including friction, N m or N; `None` without current
+    /// sensors.
     pub effort: Option<f32>,
-    /// Ticks since the oldest of the readings in it.
+    /// Age of the oldest reading that was used, in ticks.
     pub age_ticks: u32,
 }
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BODIES, DOFS, SERVOS> {
-    /// Returns the measured state of each dof; none where a servo of its drive was never read, or nothing drives it.
+    /// Returns the measured state of each dof; `None` if no drive moves the dof, or a servo of its drive was never
+    /// read.
     ///
     /// # Errors
-    /// [`InputError`] as of [`Self::step`].
+    /// [`InputError`], as in [`Self::step`].
     pub fn measured(
         &self,
         conditions: &[Condition],
@@ -39,7 +41,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
         Ok(())
     }
 
-    /// Returns where a drive's servos were read, at its shafts; none if one was never read.
+    /// Returns the measured positions of a drive's servos at its shafts; `None` if a servo was never read.
     pub(super) fn shaft_positions(
         &self,
         drive: &BoardDrive,
@@ -49,13 +51,13 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
         for index in &drive.servos {
             let index = usize::from(*index);
             let read = conditions.get(index)?.feedback?;
-            // There is room: servos are counted.
+            // There is room: a drive's number of servos is limited.
             let _ = positions.push(self.servos.get(index)?.shaft_position(read.position_rad));
         }
         Some(positions)
     }
 
-    /// Returns readings of a drive's servos at its shafts; none if one was never read.
+    /// Returns the readings of a drive's servos at its shafts; `None` if a servo was never read.
     fn shafts(&self, drive: &BoardDrive, conditions: &[Condition]) -> Option<Shafts> {
         let mut shafts = Shafts { torques: Some(Numbers::new()), ..Shafts::default() };
         for index in &drive.servos {
@@ -63,7 +65,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
             let read = conditions.get(index)?.feedback?;
             let drive = self.servos.get(index)?;
             let servo = drive.servo();
-            // There is room: servos are counted.
+            // There is room: a drive's number of servos is limited.
             let _ = shafts.positions.push(drive.shaft_position(read.position_rad));
             let _ = shafts.velocities.push(servo.shaft_velocity(read.velocity_rad_s));
             match (&mut shafts.torques, read.effort) {
@@ -79,7 +81,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> Drives<'_, BOD
     }
 }
 
-/// Readings of a drive's servos, at the shafts that it sees.
+/// Readings of a drive's servos, converted to the drive's shafts.
 #[derive(Debug, Default)]
 struct Shafts {
     positions: Numbers,

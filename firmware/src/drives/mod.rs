@@ -1,5 +1,5 @@
-//! Drives: from what a tracker asks of each joint to what each servo is commanded, and from what servos measure to
-//! joints.
+//! Drives convert the tracker's command for each joint to a command for each servo, and the servos' readings to the
+//! state of joints.
 //!
 //! ```text
 //! DofCommand of each dof ── rig's drive (matrix, curve, four-bar) ──> ShaftTarget of each servo ─ class ─> Command
@@ -12,21 +12,20 @@
 //! | [`VoltageDrive`] | servos in PWM mode | both efforts | that current's voltage and back-EMF over supply | 200 Hz |
 //! | [`PositionDrive`] | servos by position | target, feed-forward effort | target, effort over stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
-//!
 //! # Why a position servo gets no feedback effort
-//! It has a controller of its own, a thousand times a second, at the encoder. A feedback effort on top closes a second
-//! loop round that one: through the bus, several ticks later, from a position in steps. Two loops of like speed share
-//! one motor, and each sees the other's correction as a disturbance; the outer one has to be several times slower than
-//! the servo (2 to 4 Hz of bandwidth), so slow that it corrects nothing that moves. The feed-forward effort closes no
-//! loop: it depends on the model, not on the servo's error.
+//! A position servo has its own controller, which runs a thousand times per second at the encoder. A feedback effort
+//! on top would close a second loop around it: through the bus, several ticks later, with a position in steps. Two
+//! loops of similar speed would share the motor, and each would see the other's correction as a disturbance. The
+//! outer loop would have to be several times slower than the servo (2 to 4 Hz of bandwidth), so slow that it corrects
+//! nothing that moves. The feed-forward effort closes no loop: it depends on the model, not on the servo's error.
 //!
-//! No such outer loop is offered. At a fifth of a servo's bandwidth it would act within 0.3 s and more: that is a
-//! correction of gravity at rest, which the offset makes at once and without a phase.
+//! There is no outer loop. At a fifth of a servo's bandwidth it would take 0.3 s or more to act, so it could only
+//! correct gravity at rest. The offset corrects gravity at once and without phase delay.
 //!
-//! # What is refused
-//! [`SetupError`] says it at construction: a rate below the class's least, a range that crosses the encoder's seam, a
-//! current or voltage drive without a torque constant, a position drive without a stiffness, servos of two classes on
-//! one drive.
+//! # Refused settings
+//! Construction returns a [`SetupError`] if the rate is below the class's minimum, the range crosses the encoder's
+//! seam, a current or voltage drive has no torque constant, a position drive has no stiffness, or a drive has servos
+//! of two classes.
 //!
 //! ```
 //! use sinew_servo_bus::Command;
@@ -53,8 +52,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Not here
-//! Whether anything may move: that is for whoever calls. [`Command::Torque`] switches torque; no drive gives it.
+//! # Outside of this module
+//! The caller decides whether anything may move. [`Command::Torque`] switches torque; no drive returns it.
 //!
 //! [`Command::Torque`]: sinew_servo_bus::Command::Torque
 
@@ -96,49 +95,49 @@ pub use voltage::{VoltageDrive, VoltageSettings};
 use sinew_rig::limited::LimitReason;
 use sinew_servo_bus::Command;
 
-/// What the shaft of a servo has to do, as its drive sees it: before gear, offset and direction of the servo.
+/// The target of a servo's shaft on the side of the drive: before gear, offset and direction of the servo.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ShaftTarget {
-    /// Where to be, rad.
+    /// Position of the shaft, rad.
     pub position_rad: f32,
-    /// How fast, rad/s.
+    /// Velocity of the shaft, rad/s.
     pub velocity_rad_s: f32,
-    /// What the motion takes by the model, gravity among it, N m.
+    /// Torque that the motion needs by the model, including gravity, N m.
     pub feedforward_nm: f32,
-    /// What corrects the error, N m.
+    /// Torque that corrects the error, N m.
     pub feedback_nm: f32,
 }
 
-/// What a servo is commanded, and what limited it.
+/// The command of a servo, and the limit that was reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoCommand {
-    /// For [`ServoBus::command`](sinew_servo_bus::ServoBus::command).
+    /// Command for [`ServoBus::command`](sinew_servo_bus::ServoBus::command).
     pub command: Command,
-    /// What limited it, if anything did; of several the last in the way from target to command.
+    /// The limit that was reached, if any. If there are several, the last limit between target and command.
     pub limit: Option<Limit>,
 }
 
-/// What limited a command.
+/// A limit that changed a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Limit {
-    /// The end of the range.
+    /// End of the range.
     Range,
-    /// The largest speed.
+    /// Maximum speed.
     Speed,
-    /// The largest acceleration.
+    /// Maximum acceleration.
     Acceleration,
-    /// The largest torque.
+    /// Maximum torque.
     Torque,
-    /// The largest current.
+    /// Maximum current.
     Current,
-    /// The supply's voltage, or the part of it that the servo's own torque and speed take.
+    /// Supply voltage, or the part of it that the servo's own torque and speed need.
     Voltage,
-    /// The largest offset.
+    /// Maximum offset.
     Offset,
-    /// The fastest change of the offset.
+    /// Maximum rate of change of the offset.
     OffsetRate,
-    /// Nothing was read for too long, or never.
+    /// The last reading is too old, or there is none.
     Stale,
     /// The servo is hot.
     Heat,

@@ -1,4 +1,4 @@
-//! Servos in position mode: the target, and what gravity makes it sag taken off in advance.
+//! Servos in position mode: the target plus an offset that compensates the expected sag.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
@@ -8,35 +8,34 @@ use super::follower::Follower;
 use super::{Class, Condition, CutOff, Encoder, Limit, Refused, ServoCommand, ShaftTarget};
 use crate::SettingError;
 
-/// A profile is this much faster than the goal moves, so that the servo catches up after a packet that was lost.
+/// Ratio of a profile's speed to the goal's speed. Above 1, so that the servo catches up after a lost packet.
 const HASTE: f32 = 1.1;
 
-/// How a servo in position mode is driven.
+/// Settings of a servo in position mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PositionSettings {
-    /// Its encoder.
+    /// Encoder of the servo.
     pub encoder: Encoder,
-    /// The servo's P gain over that which its stiffness is known for, as it left the factory: it may be read from the
-    /// servo.
+    /// Ratio of the servo's P gain to the factory setting, for which its stiffness is known. The P gain can be read
+    /// from the servo.
     pub gain_ratio: f32,
-    /// Torque that a speed of the servo takes besides friction, N m s: the back-EMF of a motor at a voltage, which is
-    /// its torque at stall over its speed without load.
+    /// Torque per speed of the servo in addition to friction, N m s: the back-EMF of a motor at a voltage, which is
+    /// its stall torque divided by its speed without load.
     pub drag_nm_s: f32,
-    /// The largest offset either way, rad. 0 for none.
+    /// Maximum offset in either direction, rad. 0 switches the offset off.
     pub offset_rad: f32,
-    /// The fastest change of the offset, rad/s.
+    /// Maximum rate of change of the offset, rad/s.
     pub offset_rad_s: f32,
-    /// When the offset is cut off; the target stays.
+    /// Limits at which the offset is reduced; the target stays unchanged.
     pub cut_off: CutOff,
-    /// Whether each goal comes with a speed ([`Command::PositionAt`]), so that the servo's own profile makes a smooth
-    /// way of the steps of its encoder. The bus must have room for it:
-    /// [`Traffic::with_goal`](sinew_servo_bus::Traffic::with_goal).
+    /// Whether each goal has a speed ([`Command::PositionAt`]), so that the servo's own profile smooths the steps of
+    /// its encoder. The bus must have room for it: [`Traffic::with_goal`](sinew_servo_bus::Traffic::with_goal).
     pub profile: bool,
 }
 
-/// Offsets up to 0.35 rad (20 deg) at 5 rad/s, which friction asks for where a joint turns back, by profile, with the
-/// gain as shipped.
+/// Offsets up to 0.35 rad (20 deg) at 5 rad/s, which friction requires when a joint reverses, with profile and the
+/// factory's gain.
 impl Default for PositionSettings {
     fn default() -> Self {
         Self {
@@ -51,12 +50,13 @@ impl Default for PositionSettings {
     }
 }
 
-/// Position control by the servo itself: the target a tick ahead, within range, speed and acceleration, and an offset
-/// of the feed-forward effort, friction and back-EMF over the servo's own stiffness. A servo that holds `k` N m/rad
-/// sags by `effort / k`; sent as far beyond its target, it sags onto it.
+/// Position control by the servo itself. The goal is the target of the next tick, within range, speed and
+/// acceleration, plus an offset: feed-forward effort, friction and back-EMF divided by the servo's own stiffness. A
+/// servo with a stiffness of `k` N m/rad sags by `effort / k`. If its goal is that far beyond the target, it sags
+/// exactly to the target.
 ///
-/// There is no feedback effort in it: see [the module](super). Without fresh readings, and where it is hot, the offset
-/// fades to nothing at its own rate; the target stays. O(1).
+/// There is no feedback effort: see [the module](super). Without fresh readings, and if the servo is hot, the offset
+/// fades to zero at its own rate; the target stays. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PositionDrive {
     servo: Servo,
@@ -69,14 +69,14 @@ pub struct PositionDrive {
 }
 
 impl PositionDrive {
-    /// Ten times and more what servos follow by themselves: 2 to 4 Hz (`docs/drives.md`).
+    /// Minimum control rate, Hz: at least ten times the bandwidth of position servos, 2 to 4 Hz (`docs/drives.md`).
     pub const LEAST_HZ: f32 = Class::Position.least_hz();
 
-    /// A drive of a servo.
+    /// Creates the drive of a servo.
     ///
     /// # Errors
-    /// [`Refused`] if the rate is too low, the servo's stiffness is not known, the range goes over the encoder's seam,
-    /// or a number cannot be.
+    /// [`Refused`] if the rate is too low, the servo's stiffness is not known, the range crosses the encoder's seam,
+    /// or a number is invalid.
     pub fn new(
         servo: &Servo,
         settings: &PositionSettings,
@@ -105,7 +105,7 @@ impl PositionDrive {
         Ok(drive)
     }
 
-    /// Begins anew from where the servo is, its own position in rad: without an offset.
+    /// Restarts at the servo's own position, rad, without an offset.
     pub fn begin(&mut self, own_rad: f32) {
         self.follower.begin(own_rad);
         self.offset_rad = 0.0;
@@ -113,10 +113,10 @@ impl PositionDrive {
         self.goal_rad = own_rad.max(least).min(most);
     }
 
-    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    /// Computes the command of a tick. Numbers must be finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         let gear = self.servo.settings().gear;
-        // Where it is to be when the next goal comes: until then the servo has this one.
+        // Uses the position for the time at which the next goal arrives: the servo follows this goal until then.
         let ahead_rad = target.position_rad + target.velocity_rad_s * self.dt_s;
         let own_rad = gear * ahead_rad + self.servo.settings().offset_rad;
         let (at_rad, followed) = self.follower.step(own_rad, gear * target.velocity_rad_s);
@@ -142,7 +142,7 @@ impl PositionDrive {
         ServoCommand { command, limit }
     }
 
-    /// Brings the offset nearer to what the effort needs; says what limits it.
+    /// Moves the offset towards the value that the effort needs. Returns the limit that was reached.
     fn follow_offset(&mut self, shaft_nm: f32, condition: &Condition) -> Option<Limit> {
         let (share, mut limit) = self.settings.cut_off.share(condition, self.dt_s);
         let most = self.settings.offset_rad;
@@ -161,12 +161,12 @@ impl PositionDrive {
         limit
     }
 
-    /// How far beyond its target the servo is sent now, at its own shaft, rad.
+    /// Returns the current offset of the goal beyond the target, at the servo's own shaft, rad.
     pub fn offset_rad(&self) -> f32 {
         self.offset_rad
     }
 
-    /// Without its offset.
+    /// Returns the last commanded position without its offset, rad.
     pub(super) fn sent_rad(&self) -> f32 {
         self.follower.position_rad()
     }

@@ -11,10 +11,10 @@ use super::{
     Condition, DriveSettings, InputError, Limit, ServoCommand, ServoDrive, SetupError, ShaftTarget,
 };
 
-/// The drives of a rig: efforts and targets of its dofs to commands of its servos, and readings back.
+/// The drives of a rig. They convert efforts and targets of dofs to servo commands, and readings back to dofs.
 ///
-/// Targets of joints that turn come in [-π, π]. They are unwrapped: next to the middle of the joint's range, or, of a
-/// joint without one, next to the last target.
+/// Targets of revolute joints are in [-π, π]. They are unwrapped to the angle nearest to the middle of the joint's
+/// range or, for a joint without a range, nearest to the last target.
 #[derive(Debug, Clone)]
 pub struct Drives<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
     pub(super) rig: &'r BoardRig<BODIES, DOFS, SERVOS>,
@@ -25,11 +25,11 @@ pub struct Drives<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usiz
 impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     Drives<'r, BODIES, DOFS, SERVOS>
 {
-    /// Drives of a rig; `settings`: of each servo, in the rig's order. `timing`: the tracker's, see
-    /// [`CurrentDrive::new`](super::CurrentDrive::new).
+    /// Creates the drives of a rig. `settings` contains the settings of each servo, in the rig's order. `timing` is
+    /// the tracker's timing, see [`CurrentDrive::new`](super::CurrentDrive::new).
     ///
     /// # Errors
-    /// [`SetupError`] names the servo or the drive, and what is wrong with it.
+    /// [`SetupError`] names the servo or the drive, and the error.
     pub fn new(
         rig: &'r BoardRig<BODIES, DOFS, SERVOS>,
         settings: &[DriveSettings],
@@ -69,7 +69,7 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         Ok(())
     }
 
-    /// Servos of two classes on one drive would work against each other.
+    /// Checks that no drive has servos of two classes, which would work against each other.
     fn check_classes(&self) -> Result<(), SetupError> {
         for (index, drive) in self.rig.drives().iter().enumerate() {
             let mut classes = drive.servos.iter().filter_map(|servo| self.class(*servo));
@@ -85,18 +85,18 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.servos.get(usize::from(servo)).map(ServoDrive::class)
     }
 
-    /// The drive of each servo.
+    /// Returns the drive of each servo, in the rig's order.
     pub fn servos(&self) -> &[ServoDrive] {
         &self.servos
     }
 
-    /// At the rig's home pose: before anything was read or sent.
+    /// Starts at the rig's home pose, before anything was read or commanded.
     fn begin_at_home(&mut self) {
         for drive in self.rig.drives() {
             let mut homes = Numbers::new();
             for dof in &drive.dofs {
                 let home = self.rig.dofs().get(usize::from(*dof));
-                // Dofs and servos of a drive are counted: there is room.
+                // There is room: a drive's dofs and servos are limited in number.
                 let _ = homes.push(home.map_or(0.0, |dof| dof.home));
             }
             let Ok(home) = drive.drive.at_joints(&homes) else { continue };
@@ -109,8 +109,8 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         }
     }
 
-    /// Begins anew: each servo from where it was read, those that were not from where they were last sent, which is at
-    /// first the rig's home pose. Offsets and currents rise from nothing.
+    /// Restarts each servo at its measured position. A servo without a reading restarts at its last commanded
+    /// position, which is the rig's home pose at first. Offsets and currents rise from zero.
     pub fn begin(&mut self, conditions: &[Condition]) {
         let read = |servo: usize| conditions.get(servo).and_then(|condition| condition.feedback);
         for (index, servo) in self.servos.iter_mut().enumerate() {
@@ -118,7 +118,7 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             servo.begin(read_rad.filter(|rad| rad.is_finite()).unwrap_or(servo.sent_rad()));
         }
         for drive in self.rig.drives() {
-            // Where a servo goes on from what it was last sent, so does its joint: in the same turn.
+            // If a servo continues from its last commanded position, its joint stays in the same turn.
             if drive.servos.iter().any(|servo| read(usize::from(*servo)).is_none()) {
                 continue;
             }
@@ -133,12 +133,12 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         }
     }
 
-    /// A tick: what each servo is commanded; none where no drive moves it. `commands`: of each dof; `conditions`:
-    /// of each servo. O(servos).
+    /// Computes a tick's command for each servo; `None` if no drive moves it. `commands` are per dof, `conditions`
+    /// per servo. O(servos).
     ///
     /// # Errors
-    /// [`InputError`], and nothing is taken: a number is NaN, infinite or above 1e6 in size, or there is not one for
-    /// each dof or servo.
+    /// [`InputError`] if a number is NaN, infinite or above 1e6 in absolute value, or the number of items is not that
+    /// of the dofs or servos. Nothing changes then.
     pub fn step(
         &mut self,
         commands: &[DofCommand],
@@ -148,7 +148,7 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.check(commands, conditions)?;
         InputError::check_count("commands out", self.servos.len(), out.len())?;
         let mut targets: Vec<Option<(ShaftTarget, Option<Limit>)>, SERVOS> = Vec::new();
-        // There is room: servos are counted.
+        // There is room: `SERVOS` is the maximum number.
         let _ = targets.resize(self.servos.len(), None);
         let mut turns = self.turns.clone();
         for (index, drive) in self.rig.drives().iter().enumerate() {
@@ -183,8 +183,8 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         Ok(())
     }
 
-    /// What the shafts of a drive's servos have to do. Efforts are shared where the servos are, if all were read, else
-    /// where they should be.
+    /// Computes the targets of the shafts of a drive's servos. Efforts are distributed for the measured pose if all
+    /// servos were read, else for the target pose.
     fn targets(
         &self,
         drive: &BoardDrive,
@@ -203,7 +203,7 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
             let parts =
                 [position, command.velocity, command.feedforward_effort, command.feedback_effort];
             for (all, part) in numbers.iter_mut().zip(parts) {
-                // There is room: dofs are counted.
+                // There is room: a drive's number of dofs is limited.
                 let _ = all.push(part);
             }
         }

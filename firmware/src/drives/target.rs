@@ -1,4 +1,4 @@
-//! Servos that take a target and tell nothing: hobby servos.
+//! Servos that accept a target and report nothing: hobby servos.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
@@ -7,16 +7,17 @@ use sinew_servo_bus::Command;
 use super::follower::Follower;
 use super::{Class, Encoder, Refused, ServoCommand, ShaftTarget};
 
-/// How a servo without feedback is driven.
+/// Settings of a servo without feedback.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TargetSettings {
-    /// Its encoder, of a servo on a bus. None of a hobby servo: the range of its pulses is in its own positions.
+    /// Encoder of a servo on a bus. `None` for a hobby servo: the range of its pulses is defined in its own
+    /// positions.
     pub encoder: Option<Encoder>,
 }
 
-/// The target alone, within range, speed and acceleration: for hobby servos, which tell nothing, and for any other
-/// whose stiffness is not known. Nothing that such a servo does comes back, so no effort is turned into anything. O(1).
+/// Control by the target alone, within range, speed and acceleration. For hobby servos, which report nothing, and for
+/// servos of unknown stiffness. Efforts are not used. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetDrive {
     servo: Servo,
@@ -25,13 +26,13 @@ pub struct TargetDrive {
 }
 
 impl TargetDrive {
-    /// The rate of the pulses of an analog servo.
+    /// Minimum control rate, Hz: the pulse rate of an analog servo.
     pub const LEAST_HZ: f32 = Class::Target.least_hz();
 
-    /// A drive of a servo.
+    /// Creates the drive of a servo.
     ///
     /// # Errors
-    /// [`Refused`] if the rate is too low, or the range goes over the encoder's seam.
+    /// [`Refused`] if the rate is too low, or the range crosses the encoder's seam.
     pub fn new(servo: &Servo, settings: &TargetSettings, timing: Timing) -> Result<Self, Refused> {
         Refused::check_rate(Class::Target, timing)?;
         if let Some(encoder) = settings.encoder {
@@ -41,12 +42,12 @@ impl TargetDrive {
         Ok(Self { servo: *servo, settings: *settings, follower })
     }
 
-    /// Begins anew at an own position, rad: where the servo is, or was last sent.
+    /// Restarts at the servo's own position, rad: its measured position or its last commanded position.
     pub fn begin(&mut self, own_rad: f32) {
         self.follower.begin(own_rad);
     }
 
-    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    /// Computes the command of a tick. Numbers must be finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget) -> ServoCommand {
         let gear = self.servo.settings().gear;
         let own_rad = gear * target.position_rad + self.servo.settings().offset_rad;
@@ -63,7 +64,7 @@ impl TargetDrive {
     }
 
     pub(super) fn encoder(&self) -> Encoder {
-        // Positions of pulses are the servo's own.
+        // For pulses, positions on the bus are the servo's own positions.
         self.settings.encoder.unwrap_or(Encoder { zero_rad: 0.0, turn_rad: 0.0 })
     }
 }

@@ -1,23 +1,23 @@
-//! Which turn of a joint a target angle is in.
+//! Unwrapping of a joint's target angle.
 
 use heapless::Vec;
 use sinew_core::JointKind;
 use sinew_core::coordinates::nearest_turn;
 use sinew_rig::board::BoardRig;
 
-/// How the target of a dof is unwrapped.
+/// The rule by which the target of a dof is unwrapped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Turn {
-    /// It is no angle, or one of three that belong together.
+    /// The target is not an angle, or is part of a ball joint's three components.
     Not,
-    /// Next to this.
+    /// Nearest to this angle, the middle of the joint's range, rad.
     Middle(f32),
-    /// Next to the last target, which is this.
+    /// Nearest to the last target, which is this angle, rad.
     Last(f32),
 }
 
 impl Turn {
-    /// The angle in the turn that is meant, rad.
+    /// Returns the angle in its intended turn, rad.
     pub(super) fn unwrapped(&mut self, angle_rad: f32) -> f32 {
         match self {
             Self::Not => angle_rad,
@@ -30,7 +30,7 @@ impl Turn {
     }
 }
 
-/// Returns the turn of each dof of a rig.
+/// Returns the rule for each dof of a rig.
 pub(super) fn turns<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     rig: &BoardRig<BODIES, DOFS, SERVOS>,
 ) -> Vec<Turn, DOFS> {
@@ -42,7 +42,7 @@ pub(super) fn turns<const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         for dof in dofs.by_ref().take(body.joint.dof_count()) {
             let [least, most] = dof.range;
             let middle = 0.5 * (least + most);
-            // There is room: one for each dof.
+            // There is room: `DOFS` is the maximum number.
             let _ = turns.push(match (is_angle, middle.is_finite()) {
                 (false, _) => Turn::Not,
                 (true, true) => Turn::Middle(middle),

@@ -1,4 +1,4 @@
-//! Servos in PWM mode: the voltage that drives the current of the effort.
+//! Servos in PWM mode: the voltage that drives the current for the effort.
 
 use sinew_core::tracker::Timing;
 use sinew_rig::servo::Servo;
@@ -10,52 +10,52 @@ use super::{
 };
 use crate::SettingError;
 
-/// A supply that is measured below this part of what is expected is not believed: division by it would give all.
+/// Smallest plausible part of the expected supply. A lower reading is not used: division by it would give full duty.
 const LEAST_SUPPLY: f32 = 0.5;
 
-/// How a servo in PWM mode is driven.
+/// Settings of a servo in PWM mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VoltageSettings {
-    /// As in current mode: encoder, friction on the way back, the most current in the winding, heat.
+    /// Settings as in current mode: encoder, friction on the way back, maximum current in the winding, heat.
     pub current: CurrentSettings,
-    /// Resistance of motor and bridge: supply over stall current, ohm.
+    /// Resistance of motor and bridge: supply voltage divided by stall current, ohm.
     pub resistance_ohm: f32,
-    /// Back-EMF at its own shaft: supply over speed without load, V s/rad.
+    /// Back-EMF per speed of the servo's own shaft: supply voltage divided by speed without load, V s/rad.
     pub back_emf_v_s: f32,
-    /// The supply, as long as the servo does not tell it, V.
+    /// Supply voltage that is assumed until the servo reports it, V.
     pub supply_v: f32,
 }
 
-/// Voltage control: the current of a [`CurrentDrive`] through the winding's resistance, and the back-EMF at the wanted
-/// speed, over the supply.
+/// Voltage control: the current of a [`CurrentDrive`] multiplied by the winding's resistance, plus the back-EMF at
+/// the wanted speed, divided by the supply.
 ///
-/// The back-EMF of the *measured* speed is left to the motor: what a joint is faster than its target brakes it, within
-/// the winding and without a bus in between.
+/// The back-EMF of the *measured* speed is not compensated: a joint that is faster than its target is braked by the
+/// motor itself, without delay by the bus.
 ///
-/// The motor is asked for no more current than in current mode, by the speed that was read last; nor for more of the
-/// supply than its own torque and speed take. Where it is hot, its current fades to nothing: it gets the back-EMF of
-/// the speed that was read, and coasts. Without fresh readings the whole voltage fades, and beyond an end of its range
-/// there is none: the winding is shorted, and brakes. O(1).
+/// The last reading of speed limits the motor's current to that of current mode. The duty is limited to the part of
+/// the supply that the servo's own torque and speed need. If the servo is hot, its current fades to zero: it gets the
+/// back-EMF of the measured speed, and coasts. Without fresh readings the whole voltage fades, and beyond an end of
+/// the range it is zero: the winding is shorted, and brakes. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VoltageDrive {
     effort: CurrentDrive,
     resistance_ohm: f32,
     back_emf_v_s: f32,
     supply_v: f32,
-    /// The most voltage at standstill, V.
+    /// Maximum voltage at standstill, V.
     most_v: f32,
     most_duty: f32,
 }
 
 impl VoltageDrive {
-    /// The least rate, Hz: that of current mode, since the tracker closes the same loop.
+    /// Minimum control rate, Hz: the same as in current mode, since the tracker closes the same loop.
     pub const LEAST_HZ: f32 = Class::Voltage.least_hz();
 
-    /// A drive of a servo. `timing`: the tracker's, see [`CurrentDrive::new`].
+    /// Creates the drive of a servo. `timing` is the tracker's timing, see [`CurrentDrive::new`].
     ///
     /// # Errors
-    /// [`Refused`] as of [`CurrentDrive::new`].
+    /// [`Refused`], as in [`CurrentDrive::new`].
     pub fn new(servo: &Servo, settings: &VoltageSettings, timing: Timing) -> Result<Self, Refused> {
         let effort = CurrentDrive::of_class(Class::Voltage, servo, &settings.current, timing)?;
         SettingError::check("resistance_ohm", settings.resistance_ohm, [1e-3, 1e3])?;
@@ -70,16 +70,16 @@ impl VoltageDrive {
         Ok(Self { effort, resistance_ohm, back_emf_v_s, supply_v, most_v, most_duty })
     }
 
-    /// Begins anew: the current rises from nothing.
+    /// Restarts the drive: the current rises from zero.
     pub fn begin(&mut self) {
         self.effort.begin();
     }
 
-    /// A tick. Numbers are finite: [`Drives`](super::Drives) checks them.
+    /// Computes the command of a tick. Numbers must be finite: [`Drives`](super::Drives) checks them.
     pub fn command(&mut self, target: &ShaftTarget, condition: &Condition) -> ServoCommand {
         let (current_a, mut limit) = self.effort.current(target, condition);
         let (share, cut) = self.effort.share(condition);
-        // An old reading does not tell the back-EMF: then the voltage fades, and not the current.
+        // An old reading does not give the back-EMF, so the whole voltage is faded instead of the current.
         let [of_current, of_voltage] =
             if cut == Some(Limit::Stale) { [1.0, share] } else { [share, 1.0] };
         let wanted_rad_s = self.servo().settings().gear * target.velocity_rad_s;
@@ -87,7 +87,7 @@ impl VoltageDrive {
             self.resistance_ohm * of_current * current_a + self.back_emf_v_s * wanted_rad_s;
 
         if let Some(read) = condition.feedback {
-            // The winding takes the most current where the voltage differs from the back-EMF by so much.
+            // The current reaches its maximum if the voltage differs from the back-EMF by this much.
             let most_v = self.most_v * of_current;
             let emf_v = self.back_emf_v_s * read.velocity_rad_s;
             let [least_v, most_v] = [emf_v - most_v, emf_v + most_v];

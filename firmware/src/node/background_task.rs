@@ -21,37 +21,37 @@ use super::timing::Sum;
 use crate::controller::Jog;
 use crate::supervisor::FaultNews;
 
-/// Bytes that are taken from the line in a step.
+/// Maximum number of bytes that a step reads from the line.
 const AT_ONCE: usize = 64;
 
-/// What the board is to do behind a step.
+/// The board's action after a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[must_use = "new settings count after a restart"]
 pub enum Next {
-    /// The next step.
+    /// Continue with the next step.
     Step,
-    /// Reset itself: there are another rig or other settings, and they are read at the start. Torque is off.
+    /// Reset the board: another rig or other settings are stored, and they are read at the start. Torque is off.
     Restart,
 }
 
-/// What a node is made of, beside its storage.
+/// The parts of a node, except its storage.
 #[derive(Debug)]
 pub struct Setup<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
-    /// Who the host talks to. Rig and counts are filled in.
+    /// The description that the host receives. The node fills in rig and counts.
     pub about: About,
-    /// The settings that count now.
+    /// The current settings.
     pub settings: NodeSettings,
-    /// Whether what is stored of settings or rig is [bad](super::Found::is_bad).
+    /// Whether the stored settings or rig are [bad](super::Found::is_bad).
     pub is_bad: bool,
-    /// The rig of the loop, and its CRC; none if there is no loop.
+    /// The rig of the loop, and its CRC; `None` if there is no loop.
     pub rig: Option<(&'a BoardRig<BODIES, DOFS, SERVOS>, u32)>,
-    /// Time between two ticks, s.
+    /// Duration of a tick, s.
     pub tick_s: f32,
-    /// What the line to the host carries, bit/s.
+    /// Bit rate of the host link, bit/s.
     pub line_bps: u32,
 }
 
-/// A node's host link and storage. The control loop may interrupt it anywhere.
+/// A node's host link and storage. The control loop may interrupt this task anywhere.
 pub struct BackgroundTask<
     'a,
     F,
@@ -65,19 +65,19 @@ pub struct BackgroundTask<
     session: Session,
     decoder: Decoder<ToController>,
     pub(super) outbox: Outbox,
-    /// The command that the loop has now.
+    /// The command that the loop is processing.
     pub(super) waiting: Option<(CommandId, Pending)>,
     /// The slot of the show that the loop reads.
     pub(super) lent: Option<usize>,
     pub(super) upload: Option<Upload>,
     pub(super) telemeter: Telemeter<DOFS, SERVOS, COORDS>,
-    /// Cycles of its steps, with the ticks that interrupted them.
+    /// Processor cycles of the task's steps, including the ticks that interrupted them.
     pub(super) steps: Sum,
-    /// Of faults what storage has not taken yet.
+    /// Faults that are not stored yet.
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// The last warning since faults were cleared.
     pub(super) warning: Option<FaultRecord>,
-    /// What was stored counts after a restart: until then nobody arms.
+    /// Set when new data was stored: it takes effect after a restart, and the rig cannot be armed before.
     pub(super) kept: Option<Disarmed>,
 }
 
@@ -90,7 +90,7 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a task before any host has called. `first_session`: another number at each start.
+    /// Creates a task before any host has connected. `first_session` must differ at each start.
     pub fn new(
         store: Store<F>,
         mut setup: Setup<'a, BODIES, DOFS, SERVOS>,
@@ -114,13 +114,14 @@ impl<
         }
     }
 
-    /// The store.
+    /// Returns the storage.
     pub fn store(&mut self) -> &mut Store<F> {
         &mut self.store
     }
 
-    /// Bytes in, bytes out, and what is to be done between: at most one thing that writes flash. It may take as long as
-    /// a sector's erase, and only while torque is off; the loop goes on meanwhile, if it does not run from that flash.
+    /// Receives bytes, sends bytes, and does the work between them: at most one operation that writes flash. Such an
+    /// operation may take as long as the erase of a sector, and happens only while torque is off. The loop continues
+    /// meanwhile if its code is not in that flash.
     pub fn step(
         &mut self,
         port: &mut impl Port<'a>,
@@ -131,7 +132,8 @@ impl<
             self.said(id, said, mail);
         }
         self.keep_faults(mail);
-        // Also while nobody reads, and an answer has no room: a stop must be heard. Before a restart torque is off.
+        // Bytes are read even if the host does not read and there is no room for an answer: a stop must be received.
+        // Before a restart torque is off.
         if self.kept.is_none() {
             let mut bytes = [0; AT_ONCE];
             let came = port.receive(&mut bytes).min(AT_ONCE);
@@ -175,7 +177,7 @@ impl<
         }
     }
 
-    // Apart, as all here that takes much of the stack: it is free again before the rest.
+    // Not inlined, like all functions of this file that need much stack: their stack is free again before the rest.
     #[inline(never)]
     fn welcome(&mut self, hello: Hello, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         let busy = mail.with(|mail| mail.state.is_on());
@@ -188,7 +190,7 @@ impl<
         self.outbox.put(&ToHost::Welcome(welcome));
     }
 
-    /// What counts only while it is fresh.
+    /// Handles an item that is useful only while it is fresh.
     #[inline(never)]
     fn stream(
         &mut self,
@@ -224,7 +226,7 @@ impl<
         });
     }
 
-    /// Whether the host speaks and hears nothing, by a fresh message of it.
+    /// Returns whether the host sends but no longer receives, judged by a fresh message from it.
     fn is_deaf(&mut self, item: &Stream, now_us: u64) -> bool {
         let heard = if let Stream::Heard(number) = item { Some(*number) } else { None };
         let limit_s = self.setup.settings.controller.supervisor.link_limp_s;

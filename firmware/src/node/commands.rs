@@ -1,4 +1,4 @@
-//! What becomes of a command: done here, or given to the loop, whose answer comes later.
+//! Execution of a command: by the background task, or by the control loop, which answers later.
 
 use embedded_storage::nor_flash::NorFlash;
 use sinew_link::message::{
@@ -24,7 +24,7 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Carries a command out, or gives it to the loop: then its answer comes later.
+    /// Executes a command, or passes it to the loop: then the answer is sent later.
     #[inline(never)]
     pub(super) fn execute(
         &mut self,
@@ -37,7 +37,7 @@ impl<
             return self.order(order, id, mail);
         }
         let result = match command {
-            // Before the loop has answered, nobody knows which show it reads, or whether it arms.
+            // Until the loop has answered, it is not known which show it reads, or whether it arms.
             Command::LoadShow { .. } | Command::DeleteShow { .. } | Command::BeginUpload(_)
                 if self.waiting.is_some() =>
             {
@@ -54,7 +54,7 @@ impl<
                         mail,
                     );
                 }
-                // It may play.
+                // The loop may be playing this show.
                 Err(Refusal::State(text::state(state)))
             }
             Command::DeleteShow { slot } => self.delete(slot.into(), mail),
@@ -70,13 +70,13 @@ impl<
             Command::PassOn(pass) => return self.serve(LoopRequest::Pass(pass), id, mail),
             Command::ReadPassed { offset } => mail.with(|mail| mail.of_servos(offset)),
             Command::ReadHealth => return self.serve(LoopRequest::Health, id, mail),
-            // The supervisor's were given to it.
+            // The supervisor's commands were passed on above.
             _ => Err(Refusal::Unsupported),
         };
         Some(outcome(result))
     }
 
-    /// A show for the loop. Apart: shows take much of the stack.
+    /// Passes a show to the loop. Not inlined: shows need much stack.
     #[inline(never)]
     fn load(
         &mut self,
@@ -91,7 +91,7 @@ impl<
         }
     }
 
-    /// For the supervisor.
+    /// Passes a command to the supervisor.
     fn order(
         &mut self,
         order: supervisor::Command,
@@ -99,7 +99,7 @@ impl<
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
-            // There is no loop, and no torque.
+            // Without a rig there is no loop, and no torque.
             return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
         }
         if order == supervisor::Command::EStop {
@@ -109,7 +109,7 @@ impl<
         self.give(LoopRequest::Supervise(order), id, Pending::Supervisor, mail)
     }
 
-    /// For the loop behind its tick.
+    /// Passes a command to the loop, which serves it after its tick.
     fn serve(
         &mut self,
         order: LoopRequest<'a, COORDS>,
@@ -117,13 +117,13 @@ impl<
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Option<Outcome> {
         if self.setup.rig.is_none() {
-            // There is no loop.
+            // Without a rig there is no loop.
             return Some(Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number())));
         }
         self.give(order, id, Pending::Service, mail)
     }
 
-    /// Gives an order to the loop, if it has none.
+    /// Gives an order to the loop if the loop has none.
     fn give(
         &mut self,
         order: LoopRequest<'a, COORDS>,
@@ -139,14 +139,14 @@ impl<
         None
     }
 
-    /// The loop has answered.
+    /// Handles an answer of the loop.
     pub(super) fn said(
         &mut self,
         id: CommandId,
         said: LoopReply,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) {
-        // An emergency stop is not waited for.
+        // An emergency stop is not in `waiting`.
         let wait = self.waiting.take_if(|(of, _)| *of == id).map(|(_, wait)| wait);
         let outcome = match (said, wait) {
             (LoopReply::Supervised(Ok(state)), _) => {

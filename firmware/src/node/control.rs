@@ -20,13 +20,13 @@ use crate::controller::{
 };
 use crate::supervisor::{Command, Fault, FaultLog, FaultSet, LOGGED};
 
-/// Why there is no loop.
+/// A reason why a control loop cannot be created.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ControlError {
-    /// The controller.
+    /// The controller cannot be created.
     Controller(ControllerError),
-    /// A setting of the live stream cannot be.
+    /// A setting of the live stream is invalid.
     Live(LiveSetupError),
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for ControlError {
 
 impl core::error::Error for ControlError {}
 
-/// The loop of a node. It has a context of its own, which nothing but the bus may interrupt.
+/// The control loop of a node. It runs in its own context, which only the bus may interrupt.
 #[derive(Debug)]
 pub struct ControlLoop<
     'a,
@@ -52,14 +52,14 @@ pub struct ControlLoop<
 > {
     rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
     pub(super) controller: MotionController<'a, BODIES, DOFS, SERVOS, COORDS>,
-    /// None before [`init`](Self::init).
+    /// The live stream; `None` before [`init`](Self::init).
     live: Option<Live<COORDS>>,
-    /// The permit to erase flash. The loop has it while torque may be on.
+    /// The permission to erase flash. The loop has it while torque may be on.
     disarmed: Option<Disarmed>,
-    /// The command that this tick carries out.
+    /// The command that this tick executes.
     asked: Option<CommandId>,
     busy: Option<CommandId>,
-    /// What is done behind this tick.
+    /// The request that is served after this tick.
     pub(super) service: Option<(CommandId, ServiceRequest)>,
     pub(super) supply: MinSupply,
     jog: Option<(Jog, u64)>,
@@ -74,10 +74,10 @@ pub struct ControlLoop<
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     ControlLoop<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// The loop of a rig, with a [controller](MotionController::new) of these settings, servos and schedule.
+    /// Creates the loop of a rig, with a [controller](MotionController::new) of these settings, servos and schedule.
     ///
     /// # Errors
-    /// [`ControlError`] says in words what does not fit.
+    /// [`ControlError`] names the invalid setting.
     pub fn new(
         rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &NodeSettings,
@@ -90,8 +90,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         Ok(control)
     }
 
-    /// The same on the stack, where it stays while `act` has it. A loop is half of what a board has in RAM: one that is
-    /// handed up as a result is moved, and the board has no room for two.
+    /// Creates the loop on the stack, where it stays while `act` runs. A loop takes half of a board's RAM. As a
+    /// return value it would be moved, and the board has no room for two.
     pub fn with<R>(
         rig: &'a BoardRig<BODIES, DOFS, SERVOS>,
         settings: &NodeSettings,
@@ -106,7 +106,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     }
 
     /// Creates an unconfigured loop in place. Private: `init` must follow.
-    // Not within its caller, as all that makes a large part: the compiler then makes it in its place.
+    // Not inlined into its caller, like all functions that create a large part: the compiler then creates it in
+    // place.
     #[inline(never)]
     fn uninit(rig: &'a BoardRig<BODIES, DOFS, SERVOS>) -> Self {
         Self {
@@ -149,22 +150,22 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         Ok(())
     }
 
-    /// The controller.
+    /// Returns the controller.
     pub fn controller(&self) -> &MotionController<'a, BODIES, DOFS, SERVOS, COORDS> {
         &self.controller
     }
 
-    /// How long ticks, their exchanges and the loop's periods take, in [`Safety::cycles`].
+    /// Returns the durations of ticks, of their exchanges and of the loop's periods, in [`Safety::cycles`].
     pub fn timing(&mut self) -> &mut Timing {
         &mut self.timing
     }
 
-    /// A tick: orders in, one exchange on the bus, answers out. The watchdog is fed if, and only if, it was whole.
-    /// Behind it a host may talk to servos, if torque is off: that makes the tick longer.
-    /// `out`: room for the longest packets. O(dofs).
+    /// Runs a tick: reads requests, makes one exchange on the bus, and writes answers. The watchdog is fed if and
+    /// only if the tick was complete. After the tick a host's packets to servos are served if torque is off, which
+    /// makes the tick longer. `out` is room for the longest packets. O(dofs).
     ///
     /// # Errors
-    /// [`Incomplete`] says why the watchdog was not fed.
+    /// [`Incomplete`] is the reason why the watchdog was not fed.
     pub fn tick(
         &mut self,
         board: &mut impl Safety,
@@ -184,7 +185,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let asked_at = board.cycles();
         let exchanged = exchange(bus, wire, out);
         self.timing.bus(asked_at, board.cycles());
-        // Within the time that is measured, and outside of the mail.
+        // The snapshot is taken within the measured time, and outside of the mail's critical section.
         let snapshot = self.snapshot(board);
         let took_us = u32::try_from(board.now_us().saturating_sub(now_us)).unwrap_or(u32::MAX);
         self.times.add(took_us);
@@ -218,7 +219,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
     }
 
-    /// One command a tick; an emergency stop before all others.
+    /// Returns the command of this tick, at most one. An emergency stop goes before all others.
     fn command(&mut self, mail: &mut Mail<'a, DOFS, SERVOS, COORDS>) -> Option<Command> {
         if let Some(id) = mail.stop.take() {
             self.asked = Some(id);
@@ -226,7 +227,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
         match mail.order.take() {
             Some((id, LoopRequest::Supervise(command))) => {
-                // Nothing else leads to torque.
+                // Only this command leads to torque.
                 if command == Command::Arm && self.disarmed.is_none() {
                     self.disarmed = mail.disarmed.take();
                     if self.disarmed.is_none() {
@@ -240,7 +241,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             Some((id, LoopRequest::Show(show))) => {
                 self.show_hz = show.as_ref().map(|show| show.show().rate().hz());
                 self.controller.put_show(show);
-                // There is room: one command is under way, and a stop.
+                // There is room: at most one command is in progress, and a stop.
                 let _ = mail.answers.push_back((id, LoopReply::Shown));
                 None
             }
@@ -256,7 +257,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
     }
 
-    /// What this tick has found and commanded, if somebody asked.
+    /// Returns this tick's measurements and commands if the background task has requested them.
     fn snapshot(&mut self, board: &impl Safety) -> Option<Tick<DOFS, SERVOS, COORDS>> {
         if !core::mem::take(&mut self.wants_snapshot) {
             return None;
@@ -290,7 +291,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let log = self.controller.supervisor().log();
         if *log != self.reported_faults {
             let room = mail.faults.capacity().saturating_sub(mail.faults.len());
-            // All or none, so that none is told twice. There is room for all in an empty mail.
+            // All records are moved or none, so that none is reported twice. An empty mail has room for all.
             if log.news(&self.reported_faults).count() <= room {
                 for news in log.news(&self.reported_faults) {
                     let _ = mail.faults.push_back(news);

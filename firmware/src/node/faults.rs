@@ -1,4 +1,4 @@
-//! Faults on their way to the host and into flash.
+//! Transfer of faults to the host and into flash.
 
 use embedded_storage::nor_flash::NorFlash;
 use sinew_link::message::ToHost;
@@ -18,8 +18,9 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Tells faults to the host, and keeps them: in the order in which they came, with the notes between them that they
-    /// were cleared. So the first one in flash is the first since then, whatever waits.
+    /// Reports faults to the host and stores them, in the order in which they occurred, together with the notes that
+    /// faults were cleared. The first fault in flash after such a note is therefore the first since then, even if
+    /// others are still waiting.
     #[inline(never)]
     pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         while !self.faults.is_full()
@@ -29,7 +30,7 @@ impl<
                 let told = text::fault(&record);
                 self.outbox.put(&ToHost::Fault(told));
                 if told.is_warning() {
-                    // Not worth the flash's wear, nor the place of a fault.
+                    // A warning is not worth the wear of flash, nor the place of a fault.
                     self.warning = Some(told);
                     continue;
                 }
@@ -39,7 +40,7 @@ impl<
             } else {
                 self.warning = None;
             }
-            // There is room: asked above.
+            // There is room: the loop has checked it.
             let _ = self.faults.push_back(news);
         }
         if let Some(news) = self.faults.front().copied() {
@@ -50,7 +51,7 @@ impl<
                 FaultNews::Cleared => self.store.clear_faults(),
             };
             if let Err(Error::Untidy | Error::Full { .. }) = kept {
-                // There is no room while torque is on: it waits until that is off.
+                // While torque is on, storage cannot make room: the record waits until torque is off.
                 let Some(disarmed) = mail.with(|mail| mail.disarmed.take()) else { return };
                 let is_tidy = self.store.tidy(&disarmed).is_ok();
                 mail.with(|mail| mail.disarmed = Some(disarmed));
@@ -58,13 +59,13 @@ impl<
                     return;
                 }
             }
-            // It is there; or the flash refuses it, and the host knows it alone.
+            // The record is stored. Or flash refuses it, and only the host knows it.
             self.faults.pop_front();
         }
     }
 }
 
-/// A fault that comes and goes is written when it came once, 16 times, 256 times, 4096 times: flash wears.
+/// Returns whether the count of a repeated fault is stored: at 1, 16, 256 and 4096, to spare the flash.
 fn is_kept(times: u16) -> bool {
     [1, 16, 256, 4096].contains(&times)
 }

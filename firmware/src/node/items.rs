@@ -16,10 +16,10 @@ use crate::SettingError;
 use crate::controller::open_show;
 use crate::supervisor::Fault;
 
-/// Version of shows that this firmware reads.
+/// Version of the shows that this firmware reads.
 pub const SHOW_SCHEMA: u16 = 2;
 
-/// Who stands for a setting that a host has changed alone.
+/// Approver of a setting that a host has changed on its own.
 const BY_HOST: &str = "host, one setting";
 
 type Done = Result<Applied, Refusal>;
@@ -33,8 +33,9 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Does something that may erase: with the one permission, which the loop has while torque may be on. If what was
-    /// done `restarts` the board, the permission stays here: nobody arms before.
+    /// Runs an action that may erase flash. It needs the only permission, which the loop has while torque may be on.
+    /// If the action `restarts` the board, the permission stays with the background task: nobody can arm before the
+    /// restart.
     fn disarmed<R>(
         &mut self,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
@@ -54,7 +55,7 @@ impl<
         result
     }
 
-    /// A show, read where it lies.
+    /// Opens a show, which is read in place.
     pub(super) fn open(
         &mut self,
         slot: usize,
@@ -135,7 +136,7 @@ impl<
         Ok(Applied::Upload { next })
     }
 
-    /// What cannot be used does not replace what can.
+    /// Ends an upload. The content is checked first: unusable content does not replace usable content.
     #[inline(never)]
     pub(super) fn end<P: Port<'a>>(
         &mut self,
@@ -157,7 +158,7 @@ impl<
         Ok(Applied::Stored(Some(text::item(stored.descriptor()))))
     }
 
-    /// That a content is one that this node can use.
+    /// Checks that this node can use the content of an item.
     fn check<P: Port<'a>>(&self, kind: Kind, bytes: &[u8]) -> Result<(), Refusal> {
         match kind {
             Kind::Settings => self.setup.settings.read(bytes).map(|_| ()).map_err(settings_error),
@@ -178,7 +179,7 @@ impl<
         Ok(Applied::Setting(Value::Number(value)))
     }
 
-    /// One setting, as all settings anew. It counts from the restart on.
+    /// Changes one setting and stores all settings. The change takes effect after the restart.
     #[inline(never)]
     pub(super) fn write_setting(
         &mut self,
@@ -187,7 +188,7 @@ impl<
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,
     ) -> Done {
         if self.setup.is_bad {
-            // They would count from then on, though nobody has approved the others of them for this rig.
+            // The other settings would take effect, too, although nobody has approved them for this rig.
             return Err(Refusal::NeedsUpload(Fault::SettingsBad.number()));
         }
         let Value::Number(value) = *value else { return Err(Refusal::Value) };
@@ -203,7 +204,8 @@ impl<
         Ok(Applied::Setting(Value::Number(value)))
     }
 
-    /// 0 is the first since faults were cleared, then from the latest back. Behind them is the last warning since then.
+    /// Returns a stored fault. 0 is the first fault since faults were cleared; the next indices go back from the
+    /// latest fault. The index after them is the last warning since faults were cleared.
     #[inline(never)]
     pub(super) fn read_fault(&mut self, index: u16) -> Done {
         let faults = self.store.faults().map_err(|error| text::storage(&error))?;
@@ -216,7 +218,7 @@ impl<
         let record = record.and_then(text::kept).map(|record| text::fault(&record));
         let mut report = FaultReport { count, record };
         if self.warning.is_some() {
-            // What was before faults were cleared is not told.
+            // If no fault occurred since faults were cleared, older faults are not counted.
             let told = if faults.first.is_some() { count } else { 0 };
             report.count = told.saturating_add(1);
             if index == told {
@@ -238,7 +240,7 @@ fn check_show<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const
     opened.map(|_| ()).map_err(|error| text::show_error(&error))
 }
 
-// Apart, as all here that takes much of the stack: it is free again before the rest.
+// Not inlined, like all functions of this file that need much stack: their stack is free again before the rest.
 #[inline(never)]
 fn check_rig<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     bytes: &[u8],
@@ -264,7 +266,7 @@ fn settings_error(error: SettingsError) -> Refusal {
         SettingsError::Key { .. } => Refusal::Unknown,
         SettingsError::Value(SettingError { what, found, least, most }) => {
             match NodeSettings::key(what) {
-                // The link carries no other numbers.
+                // The link carries only finite numbers.
                 Some(key) if found.is_finite() => Refusal::Setting { key, found, least, most },
                 _ => Refusal::Value,
             }

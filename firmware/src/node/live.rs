@@ -1,4 +1,4 @@
-//! The stream's jitter buffer as a source of the controller.
+//! The live stream's jitter buffer, as a source of poses for the controller.
 
 use heapless::Vec;
 use sinew_core::glam::Quat;
@@ -9,16 +9,16 @@ use sinew_rig::board::BoardRig;
 
 use crate::controller::LiveSource;
 
-/// Frames that the buffer holds: 150 ms and 100 ms of jitter at 60 a second, and some more.
+/// Number of frames in the buffer: 150 ms of delay and 100 ms of jitter at 60 frames per second, and some more.
 const FRAMES: usize = 24;
 
-/// The largest speed that the buffer takes; what a rig has no limit for.
+/// Maximum speed that the buffer accepts, rad/s or m/s. It is used for joints without a limit.
 const FASTEST: f32 = 1e6;
 
-/// The least one: a joint that cannot move.
+/// Minimum speed that the buffer accepts, rad/s or m/s. It is used for a joint that cannot move.
 const SLOWEST: f32 = 1e-6;
 
-/// A stream of poses for a rig of `COORDS` coordinates at most.
+/// A stream of poses for a rig with at most `COORDS` coordinates.
 #[derive(Debug)]
 pub(super) struct Live<const COORDS: usize> {
     buffer: LiveBuffer<COORDS, FRAMES>,
@@ -29,7 +29,8 @@ pub(super) struct Live<const COORDS: usize> {
 }
 
 impl<const COORDS: usize> Live<COORDS> {
-    /// For the joints of a rig; one that floats cannot be streamed to, and counts as one that stands.
+    /// Creates the stream for the joints of a rig. A floating joint cannot be streamed to, and is treated as one that
+    /// stands still.
     #[inline(never)]
     pub(super) fn new<const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
         rig: &BoardRig<BODIES, DOFS, SERVOS>,
@@ -62,12 +63,12 @@ impl<const COORDS: usize> Live<COORDS> {
         Ok(Self { buffer, joints, before: None, tick_s: settings.tick_s, age_us: None })
     }
 
-    /// Takes a frame that came. What is refused is counted by the buffer.
+    /// Adds a frame that arrived. The buffer counts the frames that it refuses.
     pub(super) fn push(&mut self, frame: &LiveFrame, now_us: u64) {
         let _ = self.buffer.push(frame, now_us);
     }
 
-    /// Age of the newest frame, ms.
+    /// Returns the age of the newest frame, ms.
     pub(super) fn age_ms(&self) -> Option<u16> {
         self.age_us.map(|age| u16::try_from(age / 1000).unwrap_or(u16::MAX))
     }
@@ -86,7 +87,7 @@ impl<const COORDS: usize> LiveSource for Live<COORDS> {
         for ((to, q), from) in now.iter_mut().zip(q.iter_mut()).zip(target.q) {
             (*to, *q) = (*from, *from);
         }
-        // At its beginning it stands.
+        // In its first tick the stream has no velocity.
         let before = self.before.replace(now).unwrap_or(now);
         qd.fill(0.0);
         qdd.fill(0.0);

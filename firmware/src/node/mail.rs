@@ -8,35 +8,35 @@ use sinew_storage::Disarmed;
 use crate::controller::Jog;
 use crate::supervisor::{Answer, Command, FaultNews, LOGGED, Operator, State};
 
-/// Identifies a command: session and sequence number.
+/// Session and sequence number, which identify a command.
 pub(super) type CommandId = (u16, u16);
 
-/// Live frames that may wait for the next tick.
+/// Maximum number of live frames that wait for the next tick.
 pub(super) const LIVE_WAITING: usize = 4;
 
-/// Faults that may wait for storage, with the notes between them that they were cleared.
+/// Maximum number of faults that wait for storage, including the notes that faults were cleared.
 pub(super) const FAULTS_WAITING: usize = 16;
 const _: () = assert!(FAULTS_WAITING > LOGGED, "what the supervisor keeps has room at once");
 
-/// State shared by interrupt and background. On a board, a value protected by a critical section.
+/// State that interrupt and background task share. On a board, a value protected by a critical section.
 ///
-/// **Duty**: `act` has the value for itself, is never called within itself, and is short; so it cannot fail.
+/// **Duty**: `act` has exclusive access to the value, is never called within itself, and is short; so it cannot fail.
 pub trait Shared<T> {
-    /// Gives the value to `act`.
+    /// Calls `act` with the value.
     fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R;
 }
 
-/// The mailbox of a node: each context takes what the other has left.
+/// The mailbox of a node. Each context takes the items that the other has left.
 ///
-/// While torque is off, the one [`Disarmed`] is stored here. The control loop takes it away to arm, the background task
-/// to erase; whoever comes second does not get it.
+/// While torque is off, the only [`Disarmed`] is stored here. The control loop takes it to arm, the background task
+/// takes it to erase; the second one to ask does not get it.
 #[derive(Debug)]
 pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
-    /// A valid and new message came.
+    /// Whether a valid new message arrived.
     pub(super) heard: bool,
-    /// The host acknowledges nothing that it is told.
+    /// Whether the host acknowledges none of the messages to it.
     pub(super) is_deaf: bool,
-    /// An emergency stop goes before all else.
+    /// An emergency stop, which goes before all other commands.
     pub(super) stop: Option<CommandId>,
     pub(super) order: Option<(CommandId, LoopRequest<'a, COORDS>)>,
     pub(super) enable: Option<Operator>,
@@ -46,18 +46,18 @@ pub struct Mail<'a, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     pub(super) answers: Deque<(CommandId, LoopReply), 4>,
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     pub(super) snapshot: Option<Tick<DOFS, SERVOS, COORDS>>,
-    /// The servos' reply to the last packet of the host.
+    /// The servos' reply to the host's last packet.
     pub(super) of_servos: PassthroughReply,
     pub(super) health: Health,
     pub(super) state: State,
     pub(super) disarmed: Option<Disarmed>,
 }
 
-/// A request of the background task that the loop carries out.
+/// A request of the background task to the loop.
 #[derive(Debug)]
 pub(super) enum LoopRequest<'a, const COORDS: usize> {
     Supervise(Command),
-    /// Another show, or none.
+    /// A new show, or none.
     Show(Option<ShowFrames<'a, COORDS>>),
     /// Bytes for servos.
     Pass(Pass),
@@ -69,28 +69,28 @@ pub(super) enum LoopRequest<'a, const COORDS: usize> {
 pub(super) enum LoopReply {
     Supervised(Answer),
     Shown,
-    /// Servos were talked to: [`Mail::of_servos`] has their reply.
+    /// The packet was sent to servos: [`Mail::of_servos`] has their reply.
     Passed,
-    /// They were not, in this state.
+    /// The packet was not sent in this state.
     NotPassed(State),
-    /// There is no such line or rate.
+    /// There is no such line or bit rate.
     NoLine,
-    /// The bytes would take the line too long.
+    /// The transfer of the bytes would take too long.
     TooLong,
-    /// [`Mail::health`] is there.
+    /// The measurements are in [`Mail::health`].
     Measured,
-    /// Somebody is erasing.
+    /// The background task is erasing flash.
     Busy,
 }
 
-/// What servos said to a packet of the host.
+/// The servos' reply to a packet of the host.
 #[derive(Debug, Default)]
 pub(super) struct PassthroughReply {
     pub(super) bytes: Vec<u8, PASSED_MAX>,
     pub(super) took_us: u32,
 }
 
-/// What telemetry tells of a tick.
+/// A tick's data for telemetry.
 #[derive(Debug, Clone)]
 pub(super) struct Tick<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     pub(super) number: u32,
@@ -101,7 +101,7 @@ pub(super) struct Tick<const DOFS: usize, const SERVOS: usize, const COORDS: usi
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS, SERVOS, COORDS> {
-    /// Nothing yet, and torque is off.
+    /// Creates an empty mailbox; torque is off.
     pub fn new(disarmed: Disarmed) -> Self {
         Self {
             heard: false,

@@ -1,4 +1,4 @@
-//! A node: the whole of a controller's board, but for its hardware.
+//! A node: a complete controller board except for its hardware.
 //!
 //! ```text
 //!          main, step by step                               timer interrupt, tick by tick
@@ -7,28 +7,29 @@
 //!          Store (flash)                                     Safety: e-stop, OE, watchdog
 //! ```
 //!
-//! - [`start`] reads back what flash keeps, and says what is bad as numbered faults.
-//! - [`ControlLoop::tick`] runs in the timer interrupt: one tick, requests of the mail first. It alone feeds the
+//! - [`start`] reads the stored data from flash, and reports bad data as numbered faults.
+//! - [`ControlLoop::tick`] runs in the timer interrupt: one tick, with requests of the mail first. Only it feeds the
 //!   watchdog.
 //! - [`BackgroundTask::step`] runs in `main`: bytes of the host link, storage, the log of faults, telemetry.
-//! - [`Mail`] is all that both share; [`Shared`] is the board's critical section round it.
-//! - [`Safety`] and [`Port`] are what a board provides.
+//! - [`Mail`] is the only shared state; [`Shared`] is the board's critical section around it.
+//! - [`Safety`] and [`Port`] are the board's interface.
 //!
-//! # Who may erase
-//! There is one [`Disarmed`](sinew_storage::Disarmed), and it moves. While torque is off it is in the mail. The
-//! control loop takes it away to arm, and gives it back when torque is off again; the background task takes it to write
-//! or erase. Nothing is erased while armed, and nothing is armed while flash is erased: the types say so,
-//! whoever interrupts whom.
+//! # Permission to erase
+//! There is only one [`Disarmed`](sinew_storage::Disarmed), and it moves. While torque is off it is in the mail. The
+//! control loop takes it to arm, and gives it back when torque is off again; the background task takes it to write or
+//! erase. Nothing is erased while armed, and nothing is armed while flash is erased: the types guarantee it,
+//! whichever context interrupts the other.
 //!
 //! # Shows in flash
-//! A show is read in place: the loop holds a `&'a [u8]` of memory-mapped flash, which [`Port::lend`] gives. Only
-//! slots are lent. While the loop has not said which show it reads, none is erased and no other is lent: two are lent
-//! at most, the old one until the loop has the new one. An upload goes to slots that hold none. So the one place that a
-//! board must vouch for is `lend`.
+//! A show is read in place: the loop holds a `&'a [u8]` of memory-mapped flash, which [`Port::lend`] returns. Only
+//! slots are lent. While the loop has not reported which show it reads, no slot is erased and no other slot is lent.
+//! At most two are lent: the old one stays lent until the loop has the new one. An upload goes to slots that are not
+//! lent. A board must therefore guarantee only `lend`.
 //!
-//! # Another rig, other settings
-//! They are read at the start alone. After an upload of them, or a setting that was written, the node asks for a
-//! [restart](Next::Restart): one way in, the same that power-on takes. The host says hello again.
+//! # Changes of rig and settings
+//! Rig and settings are read only at the start. After an upload of them, or after a setting was written, the node
+//! asks for a [restart](Next::Restart), so they always take effect in the same way as at power-on. The host then
+//! connects again.
 
 #![warn(
     clippy::unwrap_used,

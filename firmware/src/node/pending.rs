@@ -1,8 +1,8 @@
-//! Work that is under way: of the background task until the loop has answered, of the loop until its tick is over.
+//! Work in progress: of the background task until the loop has answered, of the loop until its tick is over.
 
 use sinew_link::message::Pass;
 
-/// The work of the background task once the loop has answered.
+/// A background task's command that waits for the loop's answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pending {
     Supervisor,

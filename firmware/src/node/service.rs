@@ -1,4 +1,4 @@
-//! Requests that the loop serves after a tick: packets to servos of a limp rig, and measurements.
+//! Requests that the loop serves after a tick: packets to servos while torque is off, and measurements.
 
 use heapless::Vec;
 use sinew_link::message::{Applied, Cycles, Health, Pass, Passed, Refusal};
@@ -25,9 +25,10 @@ enum ServiceReply {
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     ControlLoop<'_, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Does what the host asks for, if torque is off and nobody moves the rig by hand. It takes as long as bytes to
-    /// servos and the wait for them, each at most [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
-    // Not within the tick: what servos say would lie on the stack in all of it.
+    /// Serves a request of the host, if torque is off and nobody moves the rig by hand. It takes as long as sending
+    /// the bytes to servos and waiting for their reply, each at most
+    /// [`PASS_WAIT_US`](sinew_link::message::PASS_WAIT_US).
+    // Not inlined into the tick: the servos' reply would take stack during the whole tick.
     #[inline(never)]
     pub(super) fn serve<'m>(
         &mut self,
@@ -57,11 +58,11 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: 
         let mut came = Vec::new();
         let took = wire.pass(pass.line, pass.baud, &pass.bytes, wait_us, |bytes| {
             for byte in bytes {
-                // What is too much is lost, as it is where nobody reads.
+                // Excess bytes are lost, as if nobody read the line.
                 let _ = came.push(*byte);
             }
         });
-        // A register may have been written.
+        // The packet may have written a register.
         self.controller.forget_registers(bus);
         took.map_or(ServiceReply::NoLine, |took_us| {
             ServiceReply::Passed(PassthroughReply { bytes: came, took_us })
@@ -74,7 +75,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: 
             cycles_hz: board.cycles_hz(),
             tick: cycles(tick),
             bus: cycles(bus),
-            // Measured where link and storage are.
+            // The background task measures the link's cycles.
             link: Cycles::default(),
             period: cycles(period),
             supply_least_v: self.supply.0.unwrap_or(0.0),
@@ -87,7 +88,7 @@ pub(super) fn cycles(Spread { least, mean, most, count }: Spread) -> Cycles {
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS, SERVOS, COORDS> {
-    /// The loop has served the host.
+    /// Stores the result of a request that the loop has served.
     fn put_served(&mut self, id: CommandId, served: ServiceReply) {
         let said = match served {
             ServiceReply::Passed(of_servos) => {
@@ -102,17 +103,17 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Mail<'_, DOFS,
                 LoopReply::Measured
             }
         };
-        // There is room: one command is under way, and a stop.
+        // There is room: at most one command is in progress, and a stop.
         let _ = self.answers.push_back((id, said));
     }
 
-    /// What servos said, from a byte on.
+    /// Returns the servos' reply, from a byte offset on.
     pub(super) fn of_servos(&self, offset: u16) -> Result<Applied, Refusal> {
         let PassthroughReply { bytes, took_us } = &self.of_servos;
         let count = u16::try_from(bytes.len()).unwrap_or(u16::MAX);
         let rest = bytes.get(usize::from(offset)..);
         let rest = rest.ok_or(Refusal::Offset { next: count.into() })?;
-        // As many as an answer has room for.
+        // The answer contains as many bytes as it has room for.
         let mut bytes = Vec::new();
         for byte in rest {
             if bytes.push(*byte).is_err() {

@@ -1,4 +1,4 @@
-//! Settings of a node: numbers with a key each, which never changes.
+//! Settings of a node: numbers, each with a key that never changes.
 
 use heapless::Vec;
 use sinew_link::LiveSettings;
@@ -7,17 +7,17 @@ use sinew_servo_bus::Schedule;
 use crate::SettingError;
 use crate::controller::ControllerSettings;
 
-/// Version of what the content means.
+/// Version of the settings' meaning.
 pub const SETTINGS_SCHEMA: u16 = 1;
 
-/// Bytes of one setting: key u16, f32, little-endian.
+/// Length of a setting: key as u16 and value as f32, little-endian, bytes.
 const EACH: usize = 6;
 
-/// The longest settings, in bytes.
+/// Maximum length of all settings, bytes.
 pub const SETTINGS_MAX: usize = EACH * SETTING_NAMES.len();
 
-/// All settings by key, from 1, with the unit behind the name.
-pub const SETTING_NAMES: [&str; 20] = [
+/// Names of all settings, which end with the unit. The first has key 1.
+pub const SETTING_NAMES: [&str; 21] = [
     "link_hold_s",
     "link_limp_s",
     "enable_s",
@@ -37,61 +37,64 @@ pub const SETTING_NAMES: [&str; 20] = [
     "live_stale_s",
     "float_rad_s",
     "swing_gain",
+    "lower_rad_s",
     "supply_a",
 ];
 
-/// The meaning of each of [`SETTING_NAMES`], for people: a board has no words.
+/// Meaning of each of [`SETTING_NAMES`], for users. A board itself stores no texts.
 pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
-    "without a message of the host for so long, the rig holds",
-    "without a message for so long it is lowered; without an acknowledgement it is stopped",
-    "for so long a `HoldToRun` and a `Jog` count",
-    "torque comes on, and the pose settles, before the rig holds",
-    "from one source of poses to another",
-    "the longest way to the rest pose; lowered where it is after that",
-    "effort fades to nothing",
-    "the fastest joint from standing still until it is where its feed is, and of jogging",
-    "the fastest joint on the way to the rest pose",
-    "the fastest joint in maintenance",
-    "a servo that is so far from where it should be does not follow",
-    "for so long it may",
-    "a reading that is older is not valid; at least the time between two",
-    "a servo whose voltage and temperature were not read for longer is silent",
+    "time without a message of the host after which the rig holds",
+    "time without a message after which the rig is lowered, and without an acknowledgement after which it is stopped",
+    "time for which a `HoldToRun` and a `Jog` are valid",
+    "time in which torque comes on, and the pose settles, before the rig holds",
+    "time of the blend from one source of poses to another",
+    "longest time of the motion to the rest pose; then the rig is lowered where it is",
+    "time in which the carried weight fades while nothing moves; torque is off after six times this",
+    "speed of the fastest joint from rest until it has reached its feed, and in jogging",
+    "speed of the fastest joint on the way to the rest pose",
+    "speed of the fastest joint in maintenance",
+    "distance from its target at which a servo counts as not following",
+    "time for which a servo may be that far from its target",
+    "a reading older than this is not valid; at least the time between two readings",
+    "a servo whose voltage and temperature were not read for longer than this is silent",
     "how far beyond its range a servo may be measured",
     "how long after the fastest frame a pose of a live source is played",
-    "without a new frame for so long a live source is stale",
-    "the fastest joint that is led by hand while the rig carries itself",
-    "the part to which the feedback of a joint that swings is lowered",
-    "what the supply gives: a rig that takes more to be held is not armed; 0 if it is not known",
+    "time without a new frame after which a live source is stale",
+    "speed of the fastest joint that is led by hand while the rig carries itself",
+    "factor to which the feedback of a joint that swings is lowered",
+    "speed of the fastest joint while the rig is lowered",
+    "current of the supply: a rig that needs more to be held is not armed; 0 if it is not known",
 ];
 
-/// What a node can be told. The rest of [`ControllerSettings`] is the board's: bus, servos, tracker.
+/// Settings of a node that can be changed. The rest of [`ControllerSettings`] is fixed by the board: bus, servos,
+/// tracker.
 #[derive(Debug, Clone)]
 pub struct NodeSettings {
-    /// Of the loop.
+    /// Settings of the control loop.
     pub controller: ControllerSettings,
-    /// How long after the fastest frame a pose of a stream is played, s.
+    /// Delay from the fastest frame of a stream to its use as a pose, s.
     pub live_delay_s: f32,
-    /// Without a new frame for so long, a stream is late, s.
+    /// Time without a new frame after which a stream is late, s.
     pub live_stale_s: f32,
-    /// Of the board's bus: what it must bear.
+    /// Schedule of the board's bus, which limits the settings.
     schedule: Schedule,
 }
 
-/// Why settings are refused.
+/// A reason why settings are refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SettingsError {
-    /// They are not a whole number of settings.
+    /// The length is not that of a whole number of settings.
     Length {
-        /// Bytes that there are.
+        /// Number of bytes.
         found: usize,
     },
-    /// There is no such key, or it comes twice.
+    /// The key does not exist, or appears twice.
     Key {
         /// The key.
         found: u16,
     },
-    /// A value that cannot be.
+    /// A value is invalid.
     Value(SettingError),
 }
 
@@ -114,7 +117,7 @@ impl From<SettingError> for SettingsError {
 }
 
 impl NodeSettings {
-    /// The board's own, before any was stored, for its bus.
+    /// Creates the board's own settings for its bus. They are used until others are stored.
     pub fn new(controller: ControllerSettings, schedule: Schedule) -> Self {
         let LiveSettings { delay_us, stale_us, .. } = LiveSettings::DEFAULT;
         let seconds = |us: u32| us as f32 * 1e-6;
@@ -122,15 +125,15 @@ impl NodeSettings {
         Self { controller, live_delay_s, live_stale_s, schedule }
     }
 
-    /// A setting by its key.
+    /// Returns a setting by its key.
     pub fn get(&self, key: u16) -> Option<f32> {
         self.clone().field(key).copied()
     }
 
-    /// These with one setting changed.
+    /// Returns the settings with one of them changed.
     ///
     /// # Errors
-    /// [`SettingsError`] if there is no such setting, or the value cannot be; NaN, too.
+    /// [`SettingsError`] if there is no such setting, or the value is invalid or NaN.
     pub fn with(&self, key: u16, value: f32) -> Result<Self, SettingsError> {
         let mut changed = self.clone();
         *changed.field(key).ok_or(SettingsError::Key { found: key })? = value;
@@ -138,10 +141,10 @@ impl NodeSettings {
         Ok(changed)
     }
 
-    /// Reads settings; those that are not there keep their values here.
+    /// Reads settings. Settings that are missing in the bytes keep their current values.
     ///
     /// # Errors
-    /// [`SettingsError`] names what cannot be.
+    /// [`SettingsError`] names the invalid setting.
     pub fn read(&self, bytes: &[u8]) -> Result<Self, SettingsError> {
         let mut read = self.clone();
         let (all, rest) = bytes.as_chunks::<EACH>();
@@ -151,7 +154,7 @@ impl NodeSettings {
         let mut last = 0;
         for [k0, k1, value @ ..] in all {
             let found = u16::from_le_bytes([*k0, *k1]);
-            // They are in order, so that none comes twice.
+            // Keys must increase, so that none appears twice.
             let field = read.field(found).filter(|_| found > last);
             *field.ok_or(SettingsError::Key { found })? = f32::from_le_bytes(*value);
             last = found;
@@ -160,12 +163,12 @@ impl NodeSettings {
         Ok(read)
     }
 
-    /// All settings, by key.
+    /// Returns all settings as bytes, in the order of their keys.
     pub fn bytes(&self) -> Vec<u8, SETTINGS_MAX> {
         let (mut copy, mut out) = (self.clone(), Vec::new());
         for (key, _) in (1_u16..).zip(SETTING_NAMES) {
             if let Some(value) = copy.field(key) {
-                // There is room for all.
+                // There is room for all settings.
                 let _ = out.extend_from_slice(&key.to_le_bytes());
                 let _ = out.extend_from_slice(&value.to_le_bytes());
             }
@@ -173,7 +176,7 @@ impl NodeSettings {
         out
     }
 
-    /// Settings of the live stream; its tick is the loop's.
+    /// Returns the settings of the live stream; its tick is the loop's.
     pub fn live(&self) -> LiveSettings {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it saturates")]
         let us = |seconds: f32| (seconds * 1e6 + 0.5) as u32;
@@ -184,7 +187,7 @@ impl NodeSettings {
         }
     }
 
-    /// The key of a setting by its name.
+    /// Returns the key of a setting by its name.
     pub(super) fn key(name: &str) -> Option<u16> {
         (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key)
     }
@@ -220,12 +223,13 @@ impl NodeSettings {
             17 => &mut self.live_stale_s,
             18 => &mut supervisor.float_rad_s,
             19 => swing_gain,
-            20 => supply_a,
+            20 => &mut supervisor.lower_rad_s,
+            21 => supply_a,
             _ => return None,
         })
     }
 
-    /// That the next start takes them.
+    /// Checks that the next start would accept the settings.
     fn check(&self) -> Result<(), SettingError> {
         self.controller.check(&self.schedule)?;
         SettingError::check("live_delay_s", self.live_delay_s, [0.0, 2.0])?;

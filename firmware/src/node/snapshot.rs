@@ -1,4 +1,4 @@
-//! A tick as telemetry tells it.
+//! The data of a tick for telemetry.
 
 use heapless::Vec;
 use sinew_core::{BodyState, JointStates, kinematics};
@@ -10,7 +10,7 @@ use super::text;
 use crate::controller::MotionController;
 use crate::supervisor::{Fault, FaultSet};
 
-/// How long ticks took since the last snapshot.
+/// Durations of the ticks since the last snapshot.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Times {
     tick: u32,
@@ -27,7 +27,7 @@ impl Times {
         self.most_us = self.most_us.max(took_us);
     }
 
-    /// The next ticks.
+    /// Restarts the statistics for the next ticks; the tick counter continues.
     pub(super) fn go_on(self) -> Self {
         Self { tick: self.tick, ..Self::default() }
     }
@@ -38,7 +38,7 @@ impl Times {
     }
 }
 
-/// What the controller does not know.
+/// Data of a snapshot that the controller does not have.
 #[derive(Debug)]
 pub(super) struct More {
     pub(super) times: Times,
@@ -47,8 +47,8 @@ pub(super) struct More {
     pub(super) show_hz: Option<f32>,
 }
 
-/// The last tick. O(bodies).
-// Not within its caller: the loop would have its poses on the stack in every tick.
+/// Returns the snapshot of the last tick. O(bodies).
+// Not inlined into its caller: the loop would have the poses on its stack in every tick.
 #[inline(never)]
 pub(super) fn of<
     const BODIES: usize,
@@ -87,7 +87,7 @@ pub(super) fn of<
         dofs: Vec::new(),
         servos: Vec::new(),
     };
-    // Each has as much room as the controller's own.
+    // Each list has as much room as the controller's.
     for q in controller.measured() {
         let _ = tick.q.push(finite(*q));
     }
@@ -111,7 +111,8 @@ pub(super) fn of<
     tick
 }
 
-/// How far the measured pose is from the commanded one: angles by dof, distances of the joints in space.
+/// Returns the distance of the measured pose from the commanded pose: angles by dof, positions of the joints in
+/// space.
 #[inline(never)]
 fn errors<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>(
     controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,
@@ -140,7 +141,7 @@ fn errors<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COO
     })
 }
 
-/// What is no number is not sent: 0 in its place.
+/// Returns 0 instead of NaN or infinity, which are not sent.
 fn finite(number: f32) -> f32 {
     if number.is_finite() { number } else { 0.0 }
 }

@@ -1,4 +1,4 @@
-//! At power-on: all that storage keeps is read back and checked.
+//! Start of a node: reads and checks everything in storage at power-on.
 
 use core::mem::MaybeUninit;
 
@@ -14,29 +14,29 @@ use crate::supervisor::{Fault, FaultLog, FaultRecord, FaultSet, LOGGED};
 /// Version of the rig's compact form.
 pub const RIG_SCHEMA: u16 = 1;
 
-/// What was found at power-on.
+/// The data that was read at power-on.
 #[derive(Debug)]
 pub struct Found<'r, F, const BODIES: usize, const DOFS: usize, const SERVOS: usize> {
-    /// The store, in order.
+    /// The storage, in a consistent state.
     pub store: Store<F>,
-    /// The one permission to erase, for [`Mail::new`](super::Mail::new).
+    /// The only permission to erase, for [`Mail::new`](super::Mail::new).
     pub disarmed: Disarmed,
-    /// The settings; where there are none, or bad ones, the board's.
+    /// The stored settings, or the board's own if there are none or they are bad.
     pub settings: NodeSettings,
-    /// The rig, and the CRC that its form ends with. None if there is no good one: nothing can move then.
+    /// The rig, and the CRC at the end of its compact form. `None` if there is no valid rig: then nothing can move.
     pub rig: Option<(&'r BoardRig<BODIES, DOFS, SERVOS>, u32)>,
-    /// Whether the settings, or the rig, are not the newest that were stored: what is stored is bad.
+    /// Whether the settings or the rig are not the newest that were stored, because the newest are bad.
     pub is_bad: bool,
-    /// For the controller: why the board starts, and what is bad, as faults; and the faults before.
+    /// Input of the controller: the reasons for the start and bad data, as faults, and the faults before.
     pub start: Start,
 }
 
-/// Opens storage and reads it back. `defaults`: the board's own settings, by what was stored [behind the
-/// rig](split_rig). `causes`: why the board starts. `room`: for the longest item of a rig; `slot`: where the rig is to
-/// lie. O(log).
+/// Opens storage and reads it. `defaults` returns the board's own settings for the bytes that are stored [after the
+/// rig](split_rig). `causes` are the reasons for the start. `room` holds the longest item of a rig; the rig is
+/// decoded in `slot`. O(log).
 ///
 /// # Errors
-/// [`Error`] if the flash cannot be read, or the table does not fit it. Whatever is in the flash is no error.
+/// [`Error`] if the flash cannot be read, or the table does not fit it. Invalid content of the flash is not an error.
 pub fn start<'r, F: NorFlash, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     flash: F,
     table: BoardTable,
@@ -50,8 +50,8 @@ pub fn start<'r, F: NorFlash, const BODIES: usize, const DOFS: usize, const SERV
     store.tidy(&disarmed)?;
     let log = fault_log(&mut store)?;
 
-    // Older ones that are whole are read, so that a host can ask; they do not count unless somebody stands for them
-    // anew.
+    // Older complete items are read, so that a host can ask for them. They are not used unless somebody approves them
+    // again.
     let mut is_bad =
         was_lost || store.is_damaged(Kind::Settings)? || store.is_damaged(Kind::Rig)?;
     let (mut rig, mut behind): (_, &[u8]) = (None, &[]);
@@ -84,11 +84,11 @@ pub fn start<'r, F: NorFlash, const BODIES: usize, const DOFS: usize, const SERV
     Ok(Found { store, disarmed, settings, rig, is_bad, start: Start { count, causes, log } })
 }
 
-/// How an item ends that has more behind the rig.
+/// End of an item that has further data after the rig.
 const MORE: [u8; 4] = *b"SNWW";
 
-/// The item of a rig: its compact form, and behind it what only the board reads (how the servos hang on it). That ends
-/// with its own length, u32 little-endian, and `SNWW`; where it does not, all is the rig's.
+/// Splits the item of a rig into its compact form and the data after it, which only the board reads (the wiring). The
+/// data ends with its own length, u32 little-endian, and `SNWW`; without this end the whole item is the rig.
 pub fn split_rig(item: &[u8]) -> (&[u8], &[u8]) {
     let split = || {
         let (item, end) = item.split_last_chunk()?;
@@ -99,8 +99,8 @@ pub fn split_rig(item: &[u8]) -> (&[u8], &[u8]) {
     split().unwrap_or((item, &[]))
 }
 
-/// Ends an item of which the first `rig_len` bytes are a rig, and those up to `len` are behind it: how long it is then.
-/// None if there is no room.
+/// Completes an item: its first `rig_len` bytes are a rig, and the bytes from there to `len` are the data after it.
+/// Returns the complete length, or `None` if there is no room.
 #[must_use]
 pub fn join_rig(item: &mut [u8], rig_len: usize, len: usize) -> Option<usize> {
     let more = u32::try_from(len.checked_sub(rig_len)?).ok()?;
@@ -111,7 +111,7 @@ pub fn join_rig(item: &mut [u8], rig_len: usize, len: usize) -> Option<usize> {
     len.checked_add(end.len())
 }
 
-/// The content of an item, if it is of this version, fits, and has the hash that it should.
+/// Returns the content of an item if it has this version, fits into `room`, and has the right hash.
 fn content<'r, F: NorFlash>(
     store: &mut Store<F>,
     item: &Stored,
@@ -125,7 +125,7 @@ fn content<'r, F: NorFlash>(
     Ok(is_good.then_some(bytes))
 }
 
-/// A rig, and the CRC that its form ends with.
+/// Returns the rig, and the CRC at the end of its compact form.
 fn read_rig<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     slot: &'r mut MaybeUninit<BoardRig<BODIES, DOFS, SERVOS>>,
     bytes: &[u8],
@@ -134,8 +134,8 @@ fn read_rig<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     BoardRig::decode_in(slot, bytes).ok().map(|rig| (&*rig, crc))
 }
 
-/// Faults that storage has kept, for the supervisor. Of one that was kept several times, as it came again, the newest
-/// counts; one that came again after faults were cleared has its own time.
+/// Returns the stored faults for the supervisor. If a repeated fault was stored several times, only its newest record
+/// is used. A fault that occurred again after faults were cleared has its own time.
 fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Error<F::Error>> {
     let kept = store.faults()?;
     let mut last: heapless::Vec<FaultRecord, LOGGED> = heapless::Vec::new();
@@ -147,7 +147,7 @@ fn fault_log<F: NorFlash>(store: &mut Store<F>) -> Result<FaultLog<LOGGED>, Erro
         }
     }
     let first = kept.first.as_ref().and_then(text::kept);
-    // By reference: a list that is taken apart can panic as it is dropped.
+    // By reference: the drop of a list that is taken apart can panic.
     Ok(FaultLog::restored(first, last.iter().copied()))
 }
 
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(split_rig(&item), (&b"rig"[..], &b"more"[..]));
         assert_eq!(split_rig(&item[..14]), (&item[..14], &[][..]));
         assert_eq!(join_rig(&mut item, 3, 8), None);
-        // It says that it is longer than the item.
+        // The length in the item is greater than the item's.
         assert_eq!(split_rig(&item[6..]), (&item[6..], &[][..]));
     }
 }

@@ -5,42 +5,43 @@ use sinew_link::message::{Snapshot, TELEMETRY_LEAST_HZ, TelemetryParts, Telemetr
 use super::mail::{Mail, Shared, Tick};
 use super::outbox::Outbox;
 
-/// Asks the loop for snapshots, and sends them frame by frame, as long as the line has room. Knows whether the host
-/// acknowledges them.
+/// Requests snapshots from the loop, and sends them frame by frame as long as the line has room. Detects whether the
+/// host acknowledges them.
 #[derive(Debug)]
 pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS: usize> {
     setting: TelemetrySetting,
     due_us: u64,
     sending: Option<(Tick<DOFS, SERVOS, COORDS>, usize)>,
     seq: u16,
-    /// The number behind the newest frame that the host has acknowledged.
+    /// Sequence number after the newest frame that the host has acknowledged.
     heard: u16,
-    /// When it has acknowledged something new, or all, and when it spoke last, µs; only differences count.
+    /// Time of the last new or complete acknowledgement, µs. Only differences are used, also of the next field, the
+    /// time of the host's last message.
     heard_us: u32,
     spoke_us: u32,
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS, SERVOS, COORDS> {
-    /// None is sent.
+    /// Creates a telemeter that sends nothing.
     pub(super) const fn new() -> Self {
         let setting = TelemetrySetting { rate_hz: 0.0, parts: TelemetryParts(0) };
         Self { setting, due_us: 0, sending: None, seq: 0, heard: 0, heard_us: 0, spoke_us: 0 }
     }
 
-    /// The next snapshot is due at once, however slow they were.
+    /// Sets rate and parts. The next snapshot is due at once, even if the rate was low before.
     pub(super) fn set(&mut self, setting: TelemetrySetting) {
         (self.setting, self.due_us) = (setting, 0);
     }
 
-    /// Takes a fresh message of the host, with the number of the newest frame that it has heard. Says whether the host
-    /// is deaf: it speaks, and of what was sent it has acknowledged nothing new for so long.
+    /// Handles a fresh message of the host, with the number of the newest frame that it has received. Returns whether
+    /// the host is deaf: it sends, but for `limit_us` it has acknowledged no new frame.
     pub(super) fn hear(&mut self, heard: Option<u16>, now_us: u64, limit_us: u32) -> bool {
         #[expect(clippy::cast_possible_truncation, reason = "differences count, of seconds")]
         let now_us = now_us as u32;
         let was_silent = now_us.wrapping_sub(self.spoke_us) >= limit_us;
         self.spoke_us = now_us;
         let behind = heard.map_or(self.heard, |number| number.wrapping_add(1));
-        // A number that was not sent since the last that counted says nothing.
+        // A number that was not sent since the last accepted one is ignored.
         let is_new = self.seq.wrapping_sub(behind) < self.seq.wrapping_sub(self.heard);
         if is_new {
             self.heard = behind;
@@ -51,7 +52,8 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
         now_us.wrapping_sub(self.heard_us) >= limit_us
     }
 
-    /// `damaged`, `lost`: frames of the host. `acknowledges`: it is one that tells what it has heard.
+    /// Advances telemetry by a step. `damaged` and `lost` count frames of the host; `acknowledges` is whether the
+    /// host reports the frames that it has received.
     #[inline(never)]
     pub(super) fn step<'a>(
         &mut self,
@@ -64,7 +66,7 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
         let TelemetrySetting { mut rate_hz, mut parts } = self.setting;
         if acknowledges && rate_hz < TELEMETRY_LEAST_HZ && mail.with(|mail| mail.state.is_on()) {
             (rate_hz, parts) = (TELEMETRY_LEAST_HZ, parts.and(TelemetryParts::SUMMARY));
-            // A slower rate has put it off by more.
+            // With a slower rate the next snapshot may be due later than this.
             self.due_us = self.due_us.min(now_us.saturating_add(200_000));
         }
         if rate_hz > 0.0 && now_us >= self.due_us && self.sending.is_none() {
@@ -74,7 +76,7 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
                 reason = "it saturates"
             )]
             let period_us = (1e6 / rate_hz) as u64;
-            // Without drift, but what was missed is not made up for.
+            // The period does not drift, but missed snapshots are not repeated.
             self.due_us = self.due_us.saturating_add(period_us).max(now_us);
             mail.with(|mail| mail.wants_snapshot = true);
         }

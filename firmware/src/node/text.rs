@@ -1,4 +1,4 @@
-//! The controller's words as the link's and storage's, and back.
+//! Conversion between the controller's types and those of link and storage.
 
 use core::fmt::Debug;
 
@@ -32,8 +32,8 @@ pub(super) fn operator(operator: message::Operator) -> Operator {
     Operator(operator.0)
 }
 
-/// What limits a dof: its effort, or else its first servo's drive, or heat and supply. The one answer, of telemetry, of
-/// recordings and of tables.
+/// Returns the limit of a dof: that of its effort, or else of its first servo's drive, or of heat and supply.
+/// Telemetry, recordings and tables all use this function.
 pub fn limiter(dof: &DofReport, servo: Option<&ServoReport>) -> Option<Limit> {
     if dof.limit.is_some() {
         return dof.limit.map(limit);
@@ -70,12 +70,12 @@ fn limit(reason: LimitReason) -> Limit {
         LimitReason::Torque | LimitReason::Force => Limit::Effort,
         LimitReason::NotFinite => Limit::NotFinite,
         LimitReason::Supply => Limit::Supply,
-        // No room, and what a later core may say.
+        // No room, and reasons that a later core may add.
         _ => Limit::Room,
     }
 }
 
-/// The supervisor's command, if it is one of its commands.
+/// Returns the supervisor's command, or `None` if another part handles it.
 pub(super) fn command(command: &message::Command) -> Option<supervisor::Command> {
     use supervisor::Command as To;
     Some(match *command {
@@ -137,7 +137,7 @@ pub(super) fn fault(record: &FaultRecord) -> message::FaultRecord {
     }
 }
 
-/// As storage keeps it. The number of the start is storage's own.
+/// Returns a fault as storage keeps it. Storage itself counts the starts.
 pub(super) fn to_keep(record: &FaultRecord) -> sinew_storage::Fault {
     sinew_storage::Fault {
         run: record.start,
@@ -149,7 +149,7 @@ pub(super) fn to_keep(record: &FaultRecord) -> sinew_storage::Fault {
     }
 }
 
-/// As it was kept; none if a later firmware has kept it.
+/// Returns a stored fault, or `None` if a later firmware has stored it.
 pub(super) fn kept(fault: &sinew_storage::Fault) -> Option<FaultRecord> {
     let number = |of: &Fault| u16::from(of.number()) == fault.number;
     Some(FaultRecord {
@@ -192,7 +192,7 @@ pub(super) fn item(of: &Descriptor) -> message::Item {
         length: of.len,
         hash: of.hash.0,
         rig: of.rig,
-        // It has room for every approver's name.
+        // The field has room for every approver's name.
         approver: of.approver.name().try_into().unwrap_or_default(),
     }
 }
@@ -217,7 +217,7 @@ pub(super) fn storage<E: Debug>(error: &Error<E>) -> Refusal {
 
 const RIG_MAGIC: u16 = 2;
 
-/// Which error of a rig it is: their order in `BoardRigError`, from 1.
+/// Returns an error of a rig as its number: the order in `BoardRigError`, from 1.
 pub(super) fn rig_error(error: &BoardRigError) -> Refusal {
     use BoardRigError::{
         Capacity, Checksum, Count, Drive, Index, Joints, Kind, Length, Magic, Number, Servo,
@@ -242,10 +242,10 @@ pub(super) fn rig_error(error: &BoardRigError) -> Refusal {
     })
 }
 
-/// Which error of a show it is: their order in `ShowError`, from 1.
+/// Returns an error of a show as its number: the order in `ShowError`, from 1.
 pub(super) fn show_error(error: &ShowError) -> Refusal {
     use ShowError::{
-        Block, Broken, Capacity, Checksum, Field, Joint, Joints, Length, Magic, Rig, Version,
+        Block, Broken, Capacity, Checksum, Field, Joint, Joints, Length, Magic, Range, Rig, Version,
     };
     Refusal::Content(match *error {
         Rig { show, here } => return Refusal::OtherRig { show, rig: here },
@@ -259,6 +259,7 @@ pub(super) fn show_error(error: &ShowError) -> Refusal {
         Capacity { .. } => 8,
         Joints { .. } => 10,
         Joint { .. } => 11,
+        Range { .. } => 12,
         _ => 0,
     })
 }

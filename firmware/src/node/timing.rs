@@ -1,38 +1,39 @@
-//! How long the parts of a node take, in cycles of the processor: least, mean, most, and how even the loop's period is.
+//! Durations of a node's parts, in cycles of the processor: minimum, mean, maximum, and the jitter of the loop's
+//! period.
 
-/// Cycles of something that comes again and again.
+/// Statistics of a repeated duration, in cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Spread {
-    /// The fewest.
+    /// Minimum, in cycles.
     pub least: u32,
-    /// On average, rounded down.
+    /// Mean, rounded down, in cycles.
     pub mean: u32,
-    /// The most.
+    /// Maximum, in cycles.
     pub most: u32,
-    /// How often it came; 0: the other numbers are 0, too.
+    /// Number of measurements. If it is 0, the other fields are 0, too.
     pub count: u32,
 }
 
 impl Spread {
-    /// How far the most is from the least: the jitter of a period.
+    /// Returns the difference between maximum and minimum: the jitter of a period, in cycles.
     pub fn jitter(&self) -> u32 {
         self.most.saturating_sub(self.least)
     }
 }
 
-/// What was measured of the loop since it was read last.
+/// Measurements of the loop since the last reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Timings {
-    /// A whole tick of the loop, with the bus.
+    /// Duration of a whole tick, with the bus.
     pub tick: Spread,
-    /// Its exchange with the servos.
+    /// Duration of a tick's exchange with the servos.
     pub bus: Spread,
-    /// From the beginning of a tick to that of the next.
+    /// Time from the beginning of a tick to the beginning of the next.
     pub period: Spread,
 }
 
-/// Measures the loop by a counter of cycles that wraps, such as the DWT's: what takes longer than 2³² cycles (24 s at
-/// 180 MHz) is told too short.
+/// Measures the loop by a counter of cycles that wraps, such as the DWT's. A duration above 2³² cycles (24 s at 180
+/// MHz) is measured too short.
 ///
 /// ```
 /// use sinew_firmware::node::Timing;
@@ -54,24 +55,24 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// A tick begins.
+    /// Records the beginning of a tick.
     pub fn begins(&mut self, now: u32) {
         if let Some(last) = self.begun.replace(now) {
             self.period.add(last, now);
         }
     }
 
-    /// A tick has ended.
+    /// Records the duration of a tick.
     pub fn tick(&mut self, begun: u32, ended: u32) {
         self.tick.add(begun, ended);
     }
 
-    /// An exchange with the servos has ended.
+    /// Records the duration of an exchange with the servos.
     pub fn bus(&mut self, begun: u32, ended: u32) {
         self.bus.add(begun, ended);
     }
 
-    /// What was measured; it begins anew. The next period still counts from the last tick.
+    /// Returns the measurements and restarts them. The next period still starts at the last tick.
     pub fn take(&mut self) -> Timings {
         let Self { tick, bus, period, begun } = *self;
         *self = Self { begun, ..Self::default() };
@@ -79,7 +80,7 @@ impl Timing {
     }
 }
 
-/// One thing that comes again and again.
+/// Statistics of a repeated duration.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sum {
     least: u32,
@@ -89,7 +90,7 @@ pub(super) struct Sum {
 }
 
 impl Sum {
-    /// It came once more.
+    /// Adds a measurement.
     pub(super) fn add(&mut self, begun: u32, ended: u32) {
         let took = ended.wrapping_sub(begun);
         self.least = if self.count == 0 { took } else { self.least.min(took) };

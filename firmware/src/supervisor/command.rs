@@ -1,75 +1,76 @@
-//! Commands, and their answers.
+//! Commands and their answers.
 
 use core::fmt;
 
 use super::{Fault, Feed, Moving, Operator, Overload, RegisterDiffers, State};
 
-/// What people ask of the supervisor. Each gets an [`Answer`].
+/// A user's command to the supervisor. Each gets an [`Answer`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Torque on, at the measured pose. From limp alone, and from rest.
+    /// Switches torque on, at the measured pose. Only from limp, and at rest.
     Arm,
-    /// Lowered, then limp. Never refused.
+    /// Lowers the rig, then switches torque off. Never refused.
     Disarm,
-    /// Follow a feed.
+    /// Follows a feed.
     Play(Feed),
-    /// Stand where it was commanded last.
+    /// Holds the last commanded pose.
     Hold,
-    /// To the rest pose, lowered, then limp. In maintenance and while arming: lowered at once. Never refused.
+    /// Moves to the rest pose, lowers the rig, then switches torque off. In maintenance and while arming, lowers it
+    /// at once. Never refused.
     Stop,
-    /// Ranges are found by hand. From limp alone.
+    /// Lets a user move the rig by hand to find ranges. Only from limp.
     Calibrate,
-    /// Poses are shown by hand, torque off. From limp alone.
+    /// Lets a user show poses by hand, with torque off. Only from limp.
     Teach,
-    /// Poses are shown by hand, while the rig carries its own weight. From holding alone: so it was armed.
+    /// Lets a user show poses by hand, while the rig carries its own weight. Only from holding, so it was armed.
     Float,
-    /// An operator takes the rig for maintenance, and nobody else may move or arm it until he or she leaves it.
+    /// Gives the rig to an operator for maintenance. Nobody else may move or arm it until this operator leaves it.
     Maintain(Operator),
-    /// The operator holds the enabling button: to be sent again and again, as long as it is held.
+    /// Reports that the operator holds the enabling button. To be sent repeatedly while it is held.
     Enable(Operator),
-    /// The operator gives the rig back: it holds.
+    /// Ends the operator's maintenance: the rig holds.
     Leave(Operator),
     /// Clears latched faults. Moves nothing.
     ClearFaults,
-    /// Torque off at once; latched. Never refused.
+    /// Switches torque off at once; latched. Never refused.
     EStop,
 }
 
-/// What became of a command: the state that it led to, or why it was refused.
+/// Answer to a command: the state that it led to, or the reason for its refusal.
 pub type Answer = Result<State, Refused>;
 
-/// Why a command was refused.
+/// A reason why a command was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Refused {
-    /// Not in this state.
+    /// The command is not possible in this state.
     InState(State),
-    /// Some servo has no valid and new reading.
+    /// A servo has no valid and new reading.
     NotMeasured,
-    /// Not all registers of all servos were read and compared since the rig became limp, or since one was silent.
+    /// Not all registers of all servos were read and compared since the rig became limp, or since a servo was silent.
     RegistersUnread,
-    /// A servo is not set up as the rig asks.
+    /// A servo's registers differ from the rig's requirements.
     RegisterDiffers(RegisterDiffers),
     /// The way to stop was not tested since the rig became limp.
     StopUntested,
-    /// It still moves by itself.
+    /// The rig still moves by itself.
     Moving(Moving),
-    /// Its servos or its supply cannot hold it.
+    /// The servos or the supply cannot hold the rig.
     Overload(Overload),
-    /// The feed gives no poses.
+    /// The feed has no poses.
     FeedSilent(Feed),
-    /// Some servo takes a position alone, and no effort.
+    /// A servo accepts only positions, and no effort.
     NoEffort,
-    /// A fault is there, or latched.
+    /// A fault is present or latched.
     Fault(Fault),
-    /// A fault cannot be cleared: its condition is still there. Nothing was cleared.
+    /// A fault cannot be cleared because its condition is still present. Nothing was cleared.
     StillThere(Fault),
-    /// A fault is cleared by an upload alone.
+    /// The fault is cleared only by an upload.
     NeedsUpload(Fault),
     /// No fault is latched.
     NoFault,
-    /// Somebody has the rig for maintenance.
+    /// An operator has the rig for maintenance.
     InMaintenance(Operator),
 }
 
@@ -98,11 +99,11 @@ impl fmt::Display for Refused {
             ),
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
             Self::NoEffort => f.write_str(
-                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+                "not every servo accepts an effort: a servo driven by position cannot float; teach with torque off",
             ),
-            Self::Fault(fault) => write!(f, "{fault}: mend it and clear it first"),
+            Self::Fault(fault) => write!(f, "{fault}: remove its cause and clear it first"),
             Self::StillThere(fault) => write!(f, "{fault} is still there: nothing was cleared"),
-            Self::NeedsUpload(fault) => write!(f, "{fault} goes with a new upload alone"),
+            Self::NeedsUpload(fault) => write!(f, "{fault} is cleared only by a new upload"),
             Self::NoFault => f.write_str("no fault is latched"),
             Self::InMaintenance(Operator(id)) => {
                 write!(f, "operator {id} has the rig for maintenance, and must leave it first")
@@ -113,14 +114,14 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// What one can do in a state in which a command was refused.
+/// Returns advice for a state in which a command was refused.
 const fn way_from(state: State) -> &'static str {
     match state {
-        State::Off => "it waits until every servo was read, its registers too",
+        State::Off => "it waits until every servo and its registers were read",
         State::Limp => "arm it first",
         State::Calibrating | State::Teaching => "disarm it first",
         State::Arming | State::Stopping | State::Lowering => "wait until that is over",
-        State::Holding => "it is armed already; what is done by hand needs it limp",
+        State::Holding => "it is armed already; work by hand needs the state limp",
         State::Playing | State::Floating => "hold it, or disarm it, first",
         State::Maintenance => "the operator must leave it first",
         State::Faulted => "clear the fault first",

@@ -1,54 +1,55 @@
-//! What a tick brings to a mode.
+//! Input of a tick for a change of mode.
 
 use super::{Command, FaultSet, Feed, Moving, Overload, Registers};
 
-/// What a tick brings. Clocks come as what they say about the state before it.
+/// Input of a tick for a change of mode. Clocks are contained only as conditions on the state before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub struct Event {
-    /// A command, if one came.
+    /// A command, if one arrived.
     pub command: Option<Command>,
-    /// Faults whose condition is there.
+    /// Faults whose condition is present.
     pub present: FaultSet,
-    /// What a good upload has mended: [`FaultSet::OF_SHOW`]. Good settings, or a good rig, count after a restart.
+    /// Faults that a valid upload has cleared: [`FaultSet::OF_SHOW`]. Valid settings, or a valid rig, take effect
+    /// after a restart.
     pub uploaded: FaultSet,
-    /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
+    /// Whether every servo that reports has a valid reading that is new enough.
     pub measured: bool,
-    /// What servos hold in their registers.
+    /// Result of comparing the servos' registers.
     pub registers: Registers,
-    /// The way to stop was tested since the rig became limp.
+    /// Whether the way to stop was tested since the rig became limp.
     pub stop_tested: bool,
-    /// A joint that moves too fast to be armed.
+    /// A joint that moves too fast for arming.
     pub moving: Option<Moving>,
-    /// What servos or supply cannot hold. Asked for by arming alone.
+    /// A load that servos or supply cannot hold. Used only by arming.
     pub overload: Option<Overload>,
-    /// Which feeds give poses.
+    /// Feeds that have poses.
     pub feeds: Feeds,
-    /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
+    /// Whether every servo accepts an effort, so that the rig can carry itself. Used only by floating.
     pub carries: bool,
-    /// The enabling button is held.
+    /// Whether the enabling button is held.
     pub enabled: bool,
-    /// The blend to the source is over, and the rig is there.
+    /// Whether the blend to the source has ended, and the rig has reached it; or whether a lowered rig is down.
     pub arrived: bool,
-    /// The time of a state that ends by itself is over.
+    /// Whether the time of a state that ends by itself has passed.
     pub time_over: bool,
 }
 
-/// Which feeds give poses in this tick: a show that is good and chosen, a stream that is not late, a jog that is held.
+/// Feeds that have poses in this tick: a valid selected show, a stream that is not late, a jog that is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Feeds {
-    /// [`Feed::Show`].
+    /// Whether [`Feed::Show`] has poses.
     pub show: bool,
-    /// [`Feed::Live`].
+    /// Whether [`Feed::Live`] has poses.
     pub live: bool,
-    /// [`Feed::Jog`].
+    /// Whether [`Feed::Jog`] has poses.
     pub jog: bool,
 }
 
 impl Feeds {
-    /// Whether a feed gives poses.
+    /// Returns whether a feed has poses.
     pub const fn gives(self, feed: Feed) -> bool {
         match feed {
             Feed::Show => self.show,

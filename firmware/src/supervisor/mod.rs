@@ -1,4 +1,4 @@
-//! The supervisor: may anything move, how fast, and what happens on a fault.
+//! The supervisor decides whether anything may move, how fast, and how faults are handled.
 //!
 //! ```text
 //! detectors ─> Findings ─┐
@@ -13,16 +13,14 @@
 //!                                     │  ^                               │
 //!                  Calibrating, Teaching └────── Lowering <── Stopping <─┘
 //! ```
-//! A fault leads to Holding, Stopping, Lowering or at once to Faulted, as [`TABLE`] says. From Faulted, clearing leads
-//! to Limp, and nothing but [`Command::Arm`] from there to torque.
-//!
-//! # What it does not do
-//! It reads no clock, measures nothing and moves nothing: [`Mode::next`] is a pure function, and [`Supervisor`] adds
-//! the clocks. Detectors ([`detect`]) say what is wrong; the [`Guard`] holds commands to limits once more.
-//!
-//! # Who may speak
-//! [`Inputs::heard`] is of the place where commands come from. For a rig without a host that may be a panel of switches
-//! on the board itself: it is heard as long as its readings are good.
+//! A fault leads to Holding, Stopping, Lowering or at once to Faulted, as [`TABLE`] defines. From Faulted, clearing
+//! leads to Limp, and from there only [`Command::Arm`] leads to torque.
+//! # Outside of this module
+//! The supervisor reads no clock, measures nothing and moves nothing: [`Mode::next`] is a pure function, and
+//! [`Supervisor`] adds the clocks. Detectors ([`detect`]) find faults; the [`Guard`] limits commands once more.
+//! # Source of commands
+//! [`Inputs::heard`] refers to the place where commands come from. For a rig without a host that may be a panel of
+//! switches on the board itself: it counts as heard as long as its readings are valid.
 //!
 //! ```
 //! use sinew_firmware::supervisor::{
@@ -82,6 +80,6 @@ pub use moving::Moving;
 pub use overload::Overload;
 pub use permission::Permission;
 pub use registers::{RegisterDiffers, Registers};
-pub use settings::{SOFT_MOST_RAD_S, Settings};
+pub use settings::{LOWER_MOST, SOFT_MOST_RAD_S, Settings};
 pub use state::{Allows, Feed, Mode, Operator, Source, State};
 pub use supervisor::{Inputs, LOGGED, Outcome, Supervisor};

@@ -1,27 +1,27 @@
-//! A rig that its servos or its supply cannot hold, and which is not armed.
+//! An overload: the servos or the supply of a rig cannot hold it, and it is not armed.
 
 use core::fmt;
 
-/// What cannot be held: in the pose that was measured, in the first one of the show, or on the way there.
+/// An overload in the measured pose, in the first pose of the show, or on the way there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Overload {
-    /// A joint takes more of a servo than it can give.
+    /// A joint needs more torque than its servo gives.
     Servo {
-        /// The joint's dof.
+        /// Index of the dof.
         dof: u16,
-        /// What it takes at the servo's own shaft, mN m.
+        /// Torque at the servo's own shaft that the joint needs, mN m.
         mnm: u32,
-        /// The most that the servo gives, mN m.
+        /// Maximum torque of the servo, mN m.
         most_mnm: u32,
     },
-    /// All servos together draw more than the supply gives.
+    /// All servos together need more current than the supply gives.
     Supply {
-        /// The dof whose servos draw most.
+        /// Index of the dof whose servos need most.
         dof: u16,
-        /// What all draw, mA.
+        /// Current of all servos, mA.
         ma: u32,
-        /// What the supply gives, mA.
+        /// Maximum current of the supply, mA.
         most_ma: u32,
     },
 }

@@ -1,21 +1,21 @@
-//! What servos hold in their registers, against what the rig asks.
+//! Result of comparing the servos' registers with the rig's requirements.
 
 use core::fmt;
 
-/// What is known of the registers of all servos: mode, return delay, status level, limits, shutdown, gains.
+/// The result for the registers of all servos: mode, return delay, status level, limits, shutdown, gains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Registers {
-    /// Not all were read since torque was on, or since a servo was silent.
+    /// Not all registers were read since torque was on, or since a servo was silent.
     #[default]
     Unread,
-    /// All are as they must be; of servos that have none, nothing is asked.
+    /// All registers are as required. Servos without registers have no requirements.
     Same,
-    /// This one is not.
+    /// This register differs.
     Differ(RegisterDiffers),
 }
 
-/// A register that is not as the rig asks, in the servo's own counts.
+/// A register that differs from the rig's requirement, in the servo's own counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RegisterDiffers {
@@ -23,11 +23,11 @@ pub struct RegisterDiffers {
     pub servo: u16,
     /// The maker's name of the register.
     pub item: &'static str,
-    /// Its address.
+    /// Address of the register.
     pub address: u16,
-    /// What it holds.
+    /// Value in the servo.
     pub found: i32,
-    /// What it must hold.
+    /// Required value.
     pub expected: i32,
 }
 

@@ -1,42 +1,49 @@
-//! Numbers of the supervisor, checked once.
+//! Settings of the supervisor, which are checked once.
 
 use crate::SettingError;
 
 const DEG: f32 = core::f32::consts::PI / 180.0;
 
-/// The fastest soft speed, rad/s: 20 deg/s.
+/// Maximum soft speed, rad/s: 20 deg/s.
 pub const SOFT_MOST_RAD_S: f32 = 20.0 * DEG;
 
-/// How long the supervisor waits, and how fast it lets joints move.
+/// Maximum duration of lowering as a multiple of [`Settings::lower_s`], in general, and if the supply is low or a
+/// servo is hot.
+pub const LOWER_MOST: [f32; 2] = [6.0, 2.0];
+
+/// Time-outs of the supervisor, and maximum speeds of joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Settings {
-    /// Without a valid message for so long, the rig holds, s.
+    /// Time without a valid message after which the rig holds, s.
     pub link_hold_s: f32,
-    /// Without a valid message for so long, the rig is lowered and limp, s. More than `link_hold_s`.
+    /// Time without a valid message after which the rig is lowered, s. More than `link_hold_s`.
     pub link_limp_s: f32,
-    /// The enabling button counts as held for so long after each of its messages, s.
+    /// Time for which the enabling button counts as held after each of its messages, s.
     pub enable_s: f32,
-    /// Torque comes on, and the pose settles, s.
+    /// Duration of arming, in which torque comes on and the pose settles, s.
     pub arming_s: f32,
-    /// From one source to another, s.
+    /// Duration of the blend from one source to another, s.
     pub blend_s: f32,
-    /// The rig is at its rest pose after this, or is lowered where it is, s.
+    /// Maximum time for moving to the rest pose, s. After it the rig is lowered where it is.
     pub stop_s: f32,
-    /// Effort fades to nothing, s.
+    /// Time in which the carried weight fades while nothing moves, s. Torque is off after at most [`LOWER_MOST`]
+    /// times this.
     pub lower_s: f32,
-    /// Fastest joint from standing still until it has arrived at its feed, and of jogging, rad/s.
+    /// Maximum speed of a joint from standstill until it has reached its feed, and of jogging, rad/s.
     pub soft_rad_s: f32,
-    /// Fastest joint on the way to the rest pose, rad/s.
+    /// Maximum speed of a joint on the way to the rest pose, rad/s.
     pub stop_rad_s: f32,
-    /// Fastest joint in maintenance, rad/s.
+    /// Maximum speed of a joint while the rig is lowered, rad/s.
+    pub lower_rad_s: f32,
+    /// Maximum speed of a joint in maintenance, rad/s.
     pub maintenance_rad_s: f32,
-    /// Fastest joint that is led by hand while the rig carries itself, rad/s: beyond it the rig is lowered.
+    /// Maximum speed of a joint that is led by hand while the rig carries itself, rad/s: above it the rig is lowered.
     pub float_rad_s: f32,
 }
 
-/// Hold after 0.2 s, limp after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowered in 3 s;
-/// 20, 30 and 10 deg/s; 180 deg/s by hand.
+/// Hold after 0.2 s, lowered after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowering at
+/// least 3 s; 20, 30, 30 and 10 deg/s; 180 deg/s by hand.
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -49,6 +56,7 @@ impl Default for Settings {
             lower_s: 3.0,
             soft_rad_s: SOFT_MOST_RAD_S,
             stop_rad_s: 30.0 * DEG,
+            lower_rad_s: 30.0 * DEG,
             maintenance_rad_s: 10.0 * DEG,
             float_rad_s: 180.0 * DEG,
         }
@@ -56,7 +64,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Refuses what cannot be; NaN, too.
+    /// Returns an error if a setting is invalid or NaN.
     pub(crate) fn check(&self) -> Result<(), SettingError> {
         let least_rad_s = 0.1 * DEG;
         SettingError::check("link_hold_s", self.link_hold_s, [0.01, 2.0])?;
@@ -68,6 +76,7 @@ impl Settings {
         SettingError::check("lower_s", self.lower_s, [0.0, 60.0])?;
         SettingError::check("soft_rad_s", self.soft_rad_s, [least_rad_s, SOFT_MOST_RAD_S])?;
         SettingError::check("stop_rad_s", self.stop_rad_s, [least_rad_s, 90.0 * DEG])?;
+        SettingError::check("lower_rad_s", self.lower_rad_s, [least_rad_s, 90.0 * DEG])?;
         SettingError::check(
             "maintenance_rad_s",
             self.maintenance_rad_s,

@@ -1,46 +1,46 @@
-//! States, and where the pose comes from that the rig follows.
+//! States of the supervisor, and sources of the pose that the rig follows.
 
 use core::fmt;
 
 use super::FaultSet;
 
-/// What the rig does. The numbers are stored with faults: they are never changed.
+/// State of the rig. The numbers are stored with faults: they are never changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum State {
-    /// Since power-on not every servo was read, its registers too. Torque is off.
+    /// Not every servo and its registers were read since power-on. Torque is off.
     #[default]
     Off = 0,
-    /// Torque is off, all is known; it may be armed.
+    /// Torque is off, everything is read; the rig may be armed.
     Limp = 1,
-    /// Torque is off; ranges are found by hand.
+    /// Torque is off; a user finds ranges by hand.
     Calibrating = 2,
-    /// Torque is off; poses are shown by hand.
+    /// Torque is off; a user shows poses by hand.
     Teaching = 3,
     /// Torque comes on at the measured pose.
     Arming = 4,
-    /// It stands where it was commanded last.
+    /// The rig holds the last commanded pose.
     Holding = 5,
-    /// It follows a [`Feed`].
+    /// The rig follows a [`Feed`].
     Playing = 6,
-    /// One operator jogs it slowly, as long as the enabling button is held.
+    /// One operator jogs the rig slowly while the enabling button is held.
     Maintenance = 7,
-    /// It goes to its rest pose; then it is lowered.
+    /// The rig moves to its rest pose; then it is lowered.
     Stopping = 8,
-    /// It holds the measured pose with less and less effort; then it is limp.
+    /// The rig sinks slowly: less and less of its weight is carried, and movement is braked; then it is limp.
     Lowering = 9,
     /// Torque is off, and a fault is latched.
     Faulted = 10,
-    /// It carries its own weight, and goes where it is led by hand.
+    /// The rig carries its own weight, and a user leads it by hand.
     Floating = 11,
 }
 
 impl State {
-    /// How many there are.
+    /// Number of states.
     pub const COUNT: usize = 12;
 
-    /// All of them, by number.
+    /// All states, by number.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Off,
         Self::Limp,
@@ -56,12 +56,12 @@ impl State {
         Self::Floating,
     ];
 
-    /// Its number.
+    /// Returns the number of the state.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// Whether the torque of servos may be on.
+    /// Returns whether the torque of servos may be on.
     pub const fn is_on(self) -> bool {
         use State::{Arming, Floating, Holding, Lowering, Maintenance, Playing, Stopping};
         matches!(self, Arming | Holding | Playing | Maintenance | Floating | Stopping | Lowering)
@@ -87,7 +87,7 @@ impl fmt::Display for State {
     }
 }
 
-/// Who gives poses from outside. Each may fall silent, and then the rig holds.
+/// A source of poses from outside. Each may fall silent, and then the rig holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Feed {
@@ -95,7 +95,7 @@ pub enum Feed {
     Show,
     /// A live stream.
     Live,
-    /// Somebody moves single joints.
+    /// A user moves single joints.
     Jog,
 }
 
@@ -109,61 +109,62 @@ impl fmt::Display for Feed {
     }
 }
 
-/// Where the pose comes from that the rig follows.
+/// Source of the pose that the rig follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
-    /// From outside.
+    /// A feed from outside.
     Feed(Feed),
-    /// The pose that was commanded last when this source began.
+    /// The last commanded pose when this source began.
     Hold,
-    /// The pose that was measured when this source began.
+    /// The measured pose when this source began.
     Measured,
     /// The rig's rest pose.
     Rest,
-    /// Wherever a hand leads the rig: the pose that is measured now.
+    /// The current measured pose: a hand leads the rig.
     Led,
 }
 
-/// How much a state allows, from least to most.
+/// Extent of the permitted motion, from least to most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Allows {
     /// Torque is off.
     Nothing,
-    /// Effort that fades to nothing, towards the measured pose.
+    /// Effort that brakes, and that carries less and less of the rig's weight.
     Lower,
-    /// Effort that carries the rig's weight, towards no pose.
+    /// Effort that carries the rig's weight, without a target pose.
     Carry,
-    /// Effort, towards a pose that stands.
+    /// Effort towards a pose that does not move.
     Stand,
-    /// Effort, towards a pose that moves.
+    /// Effort towards a pose that moves.
     Move,
 }
 
-/// Somebody at a terminal: an id that the link gives.
+/// A person at a terminal, by an id from the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Operator(pub u8);
 
-/// What the supervisor remembers, but for its clocks: a finite number of modes.
+/// State of the supervisor without its clocks: a finite number of modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Mode {
-    /// The state.
+    /// State of the rig.
     pub state: State,
-    /// Whom it follows: some in [`State::Playing`], and in [`State::Maintenance`] while the button is held.
+    /// The feed that the rig follows: present in [`State::Playing`], and in [`State::Maintenance`] while the button
+    /// is held.
     pub feed: Option<Feed>,
-    /// It was armed, or stood, and has not arrived at its feed since: it moves at the soft speed.
+    /// Whether the rig has not reached its feed since it was armed or stood still: it moves at the soft speed.
     pub is_soft: bool,
-    /// Who has the rig for maintenance, until he or she leaves it.
+    /// Operator who has the rig for maintenance, until he or she leaves it.
     pub operator: Option<Operator>,
     /// Faults that stay until they are cleared.
     pub latched: FaultSet,
 }
 
 impl Mode {
-    /// Where the pose comes from.
+    /// Returns the source of the pose.
     pub const fn source(&self) -> Source {
         match (self.state, self.feed) {
             (State::Playing | State::Maintenance, Some(feed)) => Source::Feed(feed),
@@ -174,7 +175,7 @@ impl Mode {
         }
     }
 
-    /// How much it allows.
+    /// Returns the extent of the permitted motion.
     pub const fn allows(&self) -> Allows {
         match (self.state, self.source()) {
             (state, _) if !state.is_on() => Allows::Nothing,

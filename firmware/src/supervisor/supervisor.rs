@@ -3,67 +3,69 @@
 use super::fault::{FaultLog, FaultRecord, Findings, reacting};
 use super::permission::Permission;
 use super::{
-    Answer, Command, Event, Fault, FaultSet, Feeds, Mode, Moving, Overload, Registers, Settings,
-    State,
+    Answer, Command, Event, Fault, FaultSet, Feeds, LOWER_MOST, Mode, Moving, Overload, Registers,
+    Settings, State,
 };
 use crate::SettingError;
 
-/// How many of the last faults are kept.
+/// Number of the last faults that are kept.
 pub const LOGGED: usize = 8;
 
-/// What a tick brings.
+/// Inputs of a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
 pub struct Inputs {
-    /// Time since the board's start, µs; it never goes back.
+    /// Time since the board's start, µs. It never decreases.
     pub now_us: u64,
-    /// A valid and *new* message of the host came since the last tick.
+    /// Whether a valid and *new* message of the host arrived since the last tick.
     pub heard: bool,
-    /// A command, if one came. Others wait for their own tick.
+    /// A command, if one arrived. Only one command is handled in a tick.
     pub command: Option<Command>,
-    /// What detectors found. Those of the link are the supervisor's own.
+    /// Faults that detectors found. The supervisor itself detects those of the link.
     pub findings: Findings,
-    /// What a good upload has mended: [`FaultSet::OF_SHOW`]. Good settings, or a good rig, count after a restart.
+    /// Faults that a valid upload has cleared: [`FaultSet::OF_SHOW`]. Valid settings, or a valid rig, take effect
+    /// after a restart.
     pub uploaded: FaultSet,
-    /// Every servo has a valid reading that is new enough; of those that tell nothing none is asked for.
+    /// Whether every servo that reports has a valid reading that is new enough.
     pub measured: bool,
-    /// What servos hold in their registers. Asked for by arming alone.
+    /// Result of comparing the servos' registers. Used only by arming.
     pub registers: Registers,
-    /// The way to stop was tested since the rig became limp.
+    /// Whether the way to stop was tested since the rig became limp.
     pub stop_tested: bool,
-    /// A joint that moves too fast to be armed. Asked for by arming alone.
+    /// A joint that moves too fast for arming. Used only by arming.
     pub moving: Option<Moving>,
-    /// What servos or supply cannot hold. Asked for by arming alone.
+    /// A load that servos or supply cannot hold. Used only by arming.
     pub overload: Option<Overload>,
-    /// Which feeds give poses.
+    /// Feeds that have poses.
     pub feeds: Feeds,
-    /// Every servo takes an effort, so that the rig can carry itself. Asked for by floating alone.
+    /// Whether every servo accepts an effort, so that the rig can carry itself. Used only by floating.
     pub carries: bool,
-    /// What is commanded is at the source of the last [`Permission`].
+    /// Whether the commanded pose has reached the source of the last [`Permission`]. While the rig is lowered:
+    /// whether it rests, and nothing is carried any more.
     pub is_there: bool,
 }
 
-/// What comes of a tick.
+/// Result of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Outcome {
-    /// The state from now on.
+    /// State after the tick.
     pub state: State,
-    /// What drives may do from now on.
+    /// Permission for the drives after the tick.
     pub permission: Permission,
-    /// What became of the command.
+    /// Answer to the command.
     pub answer: Option<Answer>,
-    /// Faults whose condition is there.
+    /// Faults whose condition is present.
     pub present: FaultSet,
-    /// Those of them with a reaction, which they had not in the tick before, and warnings that begin: they are in the
+    /// Faults with a reaction that they did not have in the tick before, and warnings that begin. They are in the
     /// log, for storage to keep.
     pub raised: FaultSet,
-    /// Faults that wait to be cleared.
+    /// Faults that must be cleared.
     pub latched: FaultSet,
 }
 
-/// May anything move, how fast, and what happens on a fault. Begins in [`State::Off`]; nothing but
+/// Decides whether anything may move, how fast, and how faults are handled. Begins in [`State::Off`]; only
 /// [`Command::Arm`] leads to torque.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Supervisor {
@@ -75,7 +77,7 @@ pub struct Supervisor {
     log: FaultLog<LOGGED>,
 }
 
-/// When things were last so, µs.
+/// Times of the last events, µs.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Clocks {
     heard: Option<u64>,
@@ -85,11 +87,11 @@ struct Clocks {
 }
 
 impl Supervisor {
-    /// A supervisor at the board's start. `start`: counts starts; `log`: what storage has kept, or
-    /// [`FaultLog::default`].
+    /// Creates a supervisor at the board's start. `start` is the number of the start; `log` contains the stored
+    /// faults, or is [`FaultLog::default`].
     ///
     /// # Errors
-    /// [`SettingError`] names the setting, and what it must be.
+    /// [`SettingError`] names the invalid setting and its bounds.
     pub fn new(
         settings: Settings,
         start: u32,
@@ -99,7 +101,7 @@ impl Supervisor {
         Ok(Self { settings, start, log, ..Self::default() })
     }
 
-    /// A tick. The same inputs give the same outcomes, whatever the machine. O(1).
+    /// Advances by a tick. Equal inputs give equal outcomes on every machine. O(1).
     pub fn step(&mut self, inputs: &Inputs) -> Outcome {
         let now_us = inputs.now_us;
         if inputs.heard {
@@ -132,17 +134,17 @@ impl Supervisor {
         Outcome { state: mode.state, permission, answer, present, raised, latched: mode.latched }
     }
 
-    /// The mode.
+    /// Returns the current mode.
     pub fn mode(&self) -> &Mode {
         &self.mode
     }
 
-    /// The first fault, and the last ones.
+    /// Returns the log of the first fault and the last ones.
     pub fn log(&self) -> &FaultLog<LOGGED> {
         &self.log
     }
 
-    /// Its settings.
+    /// Returns the settings of the supervisor.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -153,11 +155,11 @@ impl Supervisor {
         let time_s = match self.mode.state {
             State::Arming => settings.arming_s,
             State::Stopping => settings.stop_s,
-            State::Lowering => settings.lower_s,
+            State::Lowering => self.lower_most_s(),
             _ => f32::INFINITY,
         };
         let mut present = inputs.findings.present();
-        // A link that was never heard is lost.
+        // A link from which no message ever arrived counts as lost.
         if clocks.heard.is_none_or(|heard| over(heard, settings.link_limp_s)) {
             present = present.with(Fault::LinkLost);
         } else if clocks.heard.is_some_and(|heard| over(heard, settings.link_hold_s)) {
@@ -175,7 +177,8 @@ impl Supervisor {
             feeds: inputs.feeds,
             carries: inputs.carries,
             enabled: clocks.enabled.is_some_and(|enabled| !over(enabled, settings.enable_s)),
-            arrived: inputs.is_there && over(clocks.source, settings.blend_s),
+            arrived: inputs.is_there
+                && (self.mode.state == State::Lowering || over(clocks.source, settings.blend_s)),
             time_over: over(clocks.state, time_s),
         }
     }
@@ -195,16 +198,23 @@ impl Supervisor {
 
     fn permission(&self, now_us: u64) -> Permission {
         let in_source = seconds(now_us, self.clocks.source) / self.settings.blend_s;
-        // Zero seconds of lowering are over at once.
-        let lowered = match seconds(now_us, self.clocks.state) / self.settings.lower_s {
-            share if share < 1.0 => share,
-            _ => 1.0,
-        };
-        Permission::of(&self.mode, &self.settings, in_source.min(1.0), lowered)
+        // The last part of the maximum time fades the remaining effort. Lowering in zero seconds ends at once.
+        let left_s = self.lower_most_s() - seconds(now_us, self.clocks.state);
+        let effort = (left_s / self.settings.lower_s.max(1e-3)).clamp(0.0, 1.0);
+        Permission::of(&self.mode, &self.settings, in_source.min(1.0), effort)
+    }
+
+    /// Returns the time after which lowering ends even if the rig still moves, s.
+    fn lower_most_s(&self) -> f32 {
+        let short =
+            FaultSet::EMPTY.with(Fault::HotMeasured).with(Fault::HotWinding).with(Fault::SupplyLow);
+        let [most, least] = LOWER_MOST;
+        let times = if self.mode.latched.and(short).is_empty() { most } else { least };
+        times * self.settings.lower_s
     }
 }
 
-/// Seconds from one time to another; none if it went back.
+/// Returns the seconds from one time to another; 0 if time went back.
 fn seconds(now_us: u64, since_us: u64) -> f32 {
     now_us.saturating_sub(since_us) as f32 * 1e-6
 }

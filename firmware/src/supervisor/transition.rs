@@ -1,4 +1,4 @@
-//! From one mode to the next: a pure function of a mode and what a tick brings, without a clock.
+//! Transition from one mode to the next: a pure function of a mode and a tick's event, without a clock.
 
 use super::fault::{BY_COMMAND, BY_UPLOAD, Reaction, SERIOUS, TABLE, reacting};
 use super::{
@@ -6,7 +6,8 @@ use super::{
 };
 
 impl Mode {
-    /// The next mode, and what became of the command. Faults come first, then what goes on by itself, then the command.
+    /// Returns the next mode and the answer to the command. Faults are handled first, then changes without a command,
+    /// then the command.
     pub fn next(self, event: &Event) -> (Self, Option<Answer>) {
         let present = self.present(event);
         let mut mode = self;
@@ -20,7 +21,7 @@ impl Mode {
         (mode, answer.map(|answer| answer.map(|()| mode.state)))
     }
 
-    /// All faults of a tick: those that were found, and those that the event itself tells.
+    /// Returns all faults of a tick: those that were found, and those that follow from the event itself.
     pub(super) fn present(self, event: &Event) -> FaultSet {
         let mut present = event.present;
         if event.command == Some(Command::EStop) {
@@ -32,7 +33,7 @@ impl Mode {
         present
     }
 
-    /// Latches faults, and does the most that one of them asks for.
+    /// Latches faults, and applies the strongest of their reactions.
     fn react(&mut self, present: FaultSet) -> Reaction {
         let from = self.state;
         let mut most = Reaction::Note;
@@ -56,7 +57,7 @@ impl Mode {
         most
     }
 
-    /// What happens without a command, in a state that no fault has ended.
+    /// Applies changes that need no command, in a state that no fault has ended.
     fn go_on(&mut self, event: &Event, reaction: Reaction) {
         match self.state {
             State::Off if event.measured && event.registers != Registers::Unread => {
@@ -75,7 +76,7 @@ impl Mode {
                 self.feed = moves.then_some(Feed::Jog);
             }
             State::Stopping if event.time_over || event.arrived => self.state = State::Lowering,
-            State::Lowering if event.time_over => self.state = State::Limp,
+            State::Lowering if event.time_over || event.arrived => self.state = State::Limp,
             _ => {}
         }
     }
@@ -88,7 +89,7 @@ impl Mode {
         was: State,
     ) -> Result<(), Refused> {
         match command {
-            // It came as a fault.
+            // The command was handled as a fault.
             Command::EStop => Ok(()),
             Command::Disarm => {
                 self.end(State::Lowering);
@@ -118,13 +119,13 @@ impl Mode {
                     return Err(Refused::InMaintenance(operator));
                 }
                 match command {
-                    // In the tick in which it becomes limp, torque was not off yet.
+                    // In the tick in which the rig becomes limp, torque was not off before.
                     Command::Arm if was.is_on() => Err(Refused::InState(was)),
                     Command::Arm => self.arm(event, present),
                     Command::Play(feed) => self.play(feed, event, present),
                     Command::Calibrate => self.by_hand(State::Calibrating),
                     Command::Teach => self.by_hand(State::Teaching),
-                    // A tick ago it did not stand yet: it was arming, or it played.
+                    // In the tick before the rig was not holding yet: it was arming, or it played.
                     Command::Float if !matches!(was, State::Holding | State::Floating) => {
                         Err(Refused::InState(was))
                     }
@@ -135,7 +136,7 @@ impl Mode {
         }
     }
 
-    /// Ends whatever it does, by a state that leads to limp; never from one that is nearer to it.
+    /// Ends the current motion by a state that leads to limp. Never changes from a state that is closer to limp.
     fn end(&mut self, by: State) {
         self.state = match self.state {
             State::Calibrating | State::Teaching => State::Limp,
@@ -149,7 +150,7 @@ impl Mode {
         if let Some(fault) = self.latched.and(SERIOUS).first() {
             return Err(Refused::Fault(fault));
         }
-        // Before all that it may be the cause of: a servo that answers late is not measured.
+        // Checked before its possible consequences: a servo that answers late is not measured.
         if let Registers::Differ(differs) = event.registers {
             return Err(Refused::RegisterDiffers(differs));
         }
@@ -189,7 +190,7 @@ impl Mode {
             return Err(Refused::FeedSilent(feed));
         }
         self.enter(State::Playing, present)?;
-        // It starts softly, from standing still as from another feed: nobody knows how far away this one is.
+        // The motion starts softly, from standstill and from another feed: the distance to the new feed is not known.
         self.is_soft |= self.feed != Some(feed);
         self.feed = Some(feed);
         Ok(())
@@ -213,7 +214,7 @@ impl Mode {
         }
     }
 
-    /// From standing still alone: whoever leads it has it in hand before it yields.
+    /// Changes to floating. Only from holding, so that a person has the rig in hand before it yields.
     fn float(&mut self, event: &Event, present: FaultSet) -> Result<(), Refused> {
         match self.state {
             State::Floating => Ok(()),
@@ -249,7 +250,7 @@ impl Mode {
         Ok(())
     }
 
-    /// All or nothing, so that what is left is never a surprise.
+    /// Clears all faults or none, so that it is always clear which faults are left.
     fn clear(&mut self, present: FaultSet) -> Result<(), Refused> {
         let to_clear = self.latched.and(BY_COMMAND);
         if let Some(fault) = to_clear.and(present).first() {
@@ -262,7 +263,7 @@ impl Mode {
         Ok(())
     }
 
-    /// Into a state that no fault of this tick would end.
+    /// Enters a state unless a fault of this tick would end it.
     fn enter(&mut self, state: State, present: FaultSet) -> Result<(), Refused> {
         if let Some(fault) = reacting(present, state).first() {
             return Err(Refused::Fault(fault));
@@ -271,7 +272,7 @@ impl Mode {
         Ok(())
     }
 
-    /// Limp or faulted, as faults are latched; nothing is remembered that the state has no use for.
+    /// Sets limp or faulted by the latched faults, and discards data that the state does not use.
     fn settle(&mut self) {
         if matches!(self.state, State::Limp | State::Faulted) {
             let is_faulted = !self.latched.and(SERIOUS).is_empty();

@@ -1,4 +1,4 @@
-//! The board's lines as the loop drives them.
+//! The board's bus lines as the control loop uses them.
 
 use core::cell::RefCell;
 
@@ -11,22 +11,22 @@ use static_cell::ConstStaticCell;
 use crate::capacity::{LINES, SERVOS};
 use crate::{ServoLine, clock, pulses};
 
-/// Room for the packets of a line at once.
+/// Maximum length of the packets of one line, bytes.
 const OUT_LEN: usize = 1024;
 
 pub(crate) type Lines = sinew_wiring::Lines<sinew_wiring::Bus<SERVOS>, LINES, SERVOS>;
 
-/// Where a line of the wiring is on this board.
+/// Hardware port of a bus line on this board.
 #[derive(Clone, Copy)]
 pub(crate) enum LinePort {
-    /// At so many bits a second.
+    /// A serial line with this bit rate, bit/s.
     Serial(u32),
-    /// A chip of this clock.
+    /// A PCA9685 on I2C, with this clock divider.
     I2c(Prescale),
 }
 
 impl LinePort {
-    /// None if no chip makes such pulses.
+    /// Returns the port of a line, or `None` if a PCA9685 cannot make the requested pulse rate.
     pub(crate) fn of(line: &BusLine) -> Option<Self> {
         match line.protocol {
             Protocol::Dynamixel(_) | Protocol::Feetech(_) => Some(Self::Serial(line.timing.baud)),
@@ -35,7 +35,7 @@ impl LinePort {
     }
 }
 
-/// All lines, in a tick.
+/// Hardware ports of all lines, and the buffer for their packets.
 pub(crate) struct Ports {
     pub(crate) serial: ServoLine,
     pub(crate) i2c: pulses::Bus,
@@ -44,13 +44,13 @@ pub(crate) struct Ports {
 }
 
 impl Ports {
-    /// To be made once.
+    /// Creates the ports. May be called only once.
     pub(crate) fn new(
         serial: ServoLine,
         i2c: pulses::Bus,
         places: heapless::Vec<LinePort, LINES>,
     ) -> Self {
-        // Not on the stack, where each function that it comes through would have one.
+        // The buffer is static: on the stack, each function that passes the value on would hold a copy.
         static OUT: ConstStaticCell<[u8; OUT_LEN]> = ConstStaticCell::new([0; OUT_LEN]);
         Self { serial, i2c, places, out: OUT.take() }
     }
@@ -59,16 +59,16 @@ impl Ports {
 pub(crate) struct Exchange<'l> {
     pub(crate) ports: &'l mut Ports,
     pub(crate) lines: &'l RefCell<Lines>,
-    /// Whether there was torque in the tick before.
+    /// Whether torque was on in the tick before.
     pub(crate) was_on: bool,
-    /// For so long from the exchange's beginning servos are asked for more, µs.
+    /// Time during which servos are asked for more, from the beginning of the exchange, µs.
     pub(crate) asks_us: u32,
-    /// Until when that is, µs.
+    /// Time at which the asking ends, µs.
     pub(crate) until_us: u64,
 }
 
 impl Wire for Exchange<'_> {
-    /// All lines, one after the other: what each plans for itself.
+    /// Exchanges the packets of all lines, one line after the other. Each line's bus plans its own packets.
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
         self.until_us = clock::now_us().saturating_add(self.asks_us.into());
         for (line, place) in self.ports.places.clone().into_iter().enumerate() {
@@ -82,7 +82,7 @@ impl Wire for Exchange<'_> {
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
                     LinePort::I2c(prescale) => {
-                        // The first pulses after none: the chip may have got its power only now.
+                        // These are the first pulses after a pause: the chip may have got its power only now.
                         if !self.was_on {
                             pulses::start(&mut self.ports.i2c, &prescale);
                         }
@@ -104,7 +104,7 @@ impl Wire for Exchange<'_> {
     fn rate(&self, line: u8) -> Option<u32> {
         match self.ports.places.get(usize::from(line))? {
             LinePort::Serial(own) => Some(*own),
-            // A PCA9685 is no servo: nobody there understands a packet.
+            // A PCA9685 is not a servo and understands no packets.
             LinePort::I2c(_) => None,
         }
     }
@@ -129,7 +129,7 @@ impl Wire for Exchange<'_> {
                 false
             });
         }
-        // The start has seen that it can be.
+        // Setting this rate cannot fail: it was set at the start.
         serial.set_rate(own);
         let took_us = u32::try_from(last_us.saturating_sub(begun_us)).unwrap_or(u32::MAX);
         is_set.then_some(took_us)

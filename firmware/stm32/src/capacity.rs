@@ -2,20 +2,20 @@
 
 use sinew_storage::Capacity;
 
-/// Servos that these boards hold: those of a small humanoid. 29 kB of RAM are static, 56 the loop, on the stack. With
-/// what else may lie there at once that is nearly all of 128 kB, as budget.toml has it: docs/decisions/boards.md has
-/// why it is made in its place.
+/// Maximum number of servos on these boards: enough for a small humanoid. 29 kB of RAM are static, and the control
+/// loop takes 56 kB of stack. Together with everything else that may be on the stack at the same time, this is nearly
+/// all of 128 kB (see budget.toml). docs/decisions/boards.md explains why the loop is made in its place.
 pub const SERVOS: usize = 20;
-/// Bodies.
+/// Maximum number of bodies.
 pub const BODIES: usize = SERVOS + 1;
-/// Degrees of freedom.
+/// Maximum number of degrees of freedom.
 pub const DOFS: usize = SERVOS;
-/// Coordinates: a ball joint has four for three dofs.
+/// Maximum number of coordinates. A ball joint has four coordinates for three dofs.
 pub const COORDINATES: usize = SERVOS + 2;
-/// Lines of servos: one of UART, one of I2C.
+/// Maximum number of bus lines: one UART and one I2C.
 pub const LINES: usize = 2;
 
-/// The largest rig.
+/// Capacity for the largest rig.
 pub const CAPACITY: Capacity =
     Capacity { bodies: rounded(BODIES), dofs: rounded(DOFS), servos: rounded(SERVOS) };
 

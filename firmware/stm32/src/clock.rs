@@ -1,9 +1,9 @@
-//! Time since the start, µs: TIM5, which has 32 bits and runs on while the processor stands still.
+//! Time since the start, µs: TIM5, which has 32 bits and keeps counting while the processor is stalled.
 //!
-//! embassy-stm32's own driver counts half-periods of a 16-bit timer by its interrupt, whatever timer it is given. An
-//! erase of flash stalls the processor, interrupts too, for up to 2 s: that driver then is behind for good (400 ms put
-//! it 330 ms behind). This one only reads the counter. It must be read once in 71 minutes, and a node reads it in
-//! every step.
+//! embassy-stm32's own driver counts half-periods of a 16-bit timer in the timer's interrupt, whichever timer it
+//! uses. An erase of flash stalls the processor, interrupts too, for up to 2 s, and that driver stays behind
+//! afterwards (a stall of 400 ms put it 330 ms behind). This driver only reads the counter. The counter must be read
+//! once in 71 minutes, and a node reads it in every step.
 
 use core::cell::Cell;
 use core::task::Waker;
@@ -20,7 +20,7 @@ struct Extended {
     turns: u32,
 }
 
-/// Starts it, at 0.
+/// Starts the clock at 0.
 pub fn start() {
     rcc::enable_and_reset::<peripherals::TIM5>();
     let ticks = rcc::frequency::<peripherals::TIM5>().0 / 1_000_000;
@@ -30,7 +30,7 @@ pub fn start() {
     pac::TIM5.cr1().modify(|w| w.set_cen(true));
 }
 
-/// Time since the start, µs, for the loop and below it alike.
+/// Returns the time since the start, µs. The control loop and the background task may both call it.
 pub fn now_us() -> u64 {
     critical_section::with(|cs| {
         let clock = CLOCK.borrow(cs);
@@ -42,13 +42,13 @@ pub fn now_us() -> u64 {
     })
 }
 
-/// Waits.
+/// Waits for a time in µs, without sleeping.
 pub fn wait_us(us: u64) {
     let until = now_us().saturating_add(us);
     while now_us() < until {}
 }
 
-/// What embassy's I2C goes by to give up. Nobody sleeps here, so nobody is woken.
+/// Time driver for embassy's I2C, which needs it for its time-out. Nothing sleeps on this board, so nothing is woken.
 struct Hardware;
 
 impl Driver for Hardware {

@@ -1,4 +1,4 @@
-//! Flash as storage wants it.
+//! The chip's flash, as a driver for storage.
 
 use embassy_stm32::flash::{Blocking, Error, Flash};
 use embassy_stm32::pac;
@@ -8,33 +8,33 @@ use embedded_storage::nor_flash::{
 
 use crate::watchdog;
 
-/// Where flash is as memory.
+/// Address of the flash in memory.
 const BASE: u32 = 0x0800_0000;
-/// Bytes of it.
+/// Size of the flash, bytes.
 pub(crate) const LEN: usize = 0x8_0000;
 
-/// The chip's flash, from its beginning.
+/// The chip's flash. Offsets count from its beginning.
 pub struct Chip(Flash<'static, Blocking>);
 
-/// What the chip says.
+/// An error of the flash's driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ChipError(Error);
 
 impl Chip {
-    /// Of the flash's own driver.
+    /// Creates the flash from embassy's driver.
     pub fn new(flash: Flash<'static, Blocking>) -> Self {
         Self(flash)
     }
 }
 
-/// A range of it as memory, for as long as nobody writes or erases there.
+/// Returns a range of the flash as memory. The slice is valid as long as nobody writes or erases there.
 pub(crate) fn memory(range: core::ops::Range<u32>) -> Option<&'static [u8]> {
     let len = range.end.checked_sub(range.start)? as usize;
     if range.end as usize > LEN {
         return None;
     }
     let at = (BASE + range.start) as *const u8;
-    // SAFETY: it lies in flash. Who looks, looks before somebody writes there: that is the node's promise.
+    // SAFETY: the range is in flash. The node guarantees that readers are done before somebody writes there.
     Some(unsafe { core::slice::from_raw_parts(at, len) })
 }
 
@@ -69,7 +69,7 @@ const UNITS: (usize, usize) = (8, 0x800);
 
 impl NorFlash for Chip {
     const WRITE_SIZE: usize = UNITS.0;
-    /// Of the smallest sector.
+    /// Size of the smallest sector, bytes.
     const ERASE_SIZE: usize = UNITS.1;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), ChipError> {
@@ -87,9 +87,9 @@ impl NorFlash for Chip {
     }
 }
 
-/// embassy-stm32 0.6.0 erases at the parallelism that it finds: after a reset and after each write that is x8, where
-/// 128 kB take up to 4 s in place of 2. It is kept only while the register is unlocked, and that is how embassy goes
-/// on.
+/// Makes an erase work on 32 bits at a time. embassy-stm32 0.6.0 erases at the parallelism that it finds: after a
+/// reset and after each write that is 8 bits, and 128 kB then take up to 4 s instead of 2 s. The setting needs an
+/// unlocked register, and embassy continues with the register unlocked.
 #[cfg(feature = "stm32f446re")]
 fn erase_by_words() {
     if pac::FLASH.cr().read().lock() {
@@ -102,7 +102,7 @@ fn erase_by_words() {
 #[cfg(feature = "stm32g474re")]
 fn erase_by_words() {}
 
-/// What was read before may lie in the data cache, which does not know of a write.
+/// Empties the data cache: it may contain bytes that were read before a write, and a write does not update it.
 fn forget_cached() {
     if pac::FLASH.acr().read().dcen() {
         pac::FLASH.acr().modify(|w| w.set_dcen(false));

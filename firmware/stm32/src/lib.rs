@@ -1,4 +1,4 @@
-//! What boards with an STM32 have in common: the node of [`sinew_firmware::node`] on the chip's hardware.
+//! Shared by all boards with an STM32: the node of [`sinew_firmware::node`] on the chip's hardware.
 //!
 //! ```text
 //! TIM3, priority 8 ── the loop ── ServoLine (USART1, DMA), PCA9685 (I2C1), OE, e-stop, IWDG
@@ -6,21 +6,23 @@
 //! main ── link, storage ── Serial (USART2, DMA), Chip (flash), the status light (TIM2)
 //! both read the clock: TIM5, 32 bits
 //! ```
-//! A board gives clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]; a NUCLEO gives them as [`Nucleo`].
-//! There is no executor: neither control loop nor background task waits for anything, so an interrupt and a loop are
-//! all that a node needs.
+//! A board provides clocks, pins and DMA channels ([`Hardware`]), and calls [`run`]; a NUCLEO provides them as
+//! [`Nucleo`]. There is no executor: neither control loop nor background task waits for anything, so a node needs
+//! only an interrupt and a loop.
 //!
-//! - [`clock`]: microseconds that no erase of flash loses;
-//! - [`Serial`]: the line to the host; [`ServoLine`]: the half-duplex line of the servos;
-//! - [`Chip`]: flash; [`watchdog`]: the hardware watchdog; [`reset`]: why the chip starts, and the record of a panic;
-//! - [`stop`]: what a panic does to servos.
+//! - [`clock`]: a clock in microseconds that loses no time during an erase of flash;
+//! - [`Serial`]: the host link; [`ServoLine`]: the servos' half-duplex bus line;
+//! - [`Chip`]: flash; [`watchdog`]: the hardware watchdog; [`reset`]: the causes of a reset, and the record of a
+//!   panic;
+//! - [`stop`]: the handler of a panic, which first makes the servos safe.
 //!
-//! For a host this crate is empty.
+//! On a host this crate is empty.
 //!
 //! # Files
-//! - `node`, `bus`, `capacity`: the node on this hardware; the lines as the loop drives them; the largest rig.
+//! - `node`, `bus`, `capacity`: the node on this hardware; the bus lines as the control loop uses them; the largest
+//!   rig.
 //! - `nucleo`: pins and clocks that all NUCLEO-64 boards share.
-//! - `serial`, `servo_line`, `pulses`: the line to the host; the line of the servos; a PCA9685 on I2C.
+//! - `serial`, `servo_line`, `pulses`: the host link; the servos' bus line; a PCA9685 on I2C.
 //! - `clock`, `flash`, `light`, `registers`, `reset`, `stop`, `watchdog`: one file for each part of the chip.
 
 #![cfg(target_os = "none")]

@@ -1,10 +1,10 @@
-//! The status light: what [`sinew_firmware::indicator`] says.
+//! The status light: shows the brightness that [`sinew_firmware::indicator`] computes.
 
 use embassy_stm32::peripherals::TIM2;
 use embassy_stm32::timer::simple_pwm::SimplePwm;
 use sinew_firmware::indicator;
 
-/// Of the light's steps, which a host does not see flicker.
+/// Period of the light's steps, µs.
 const EVERY_US: u64 = 10_000;
 
 /// A light at channel 1 of TIM2.
@@ -14,13 +14,13 @@ pub struct Light {
 }
 
 impl Light {
-    /// Dark until the first step.
+    /// Creates the light. It is dark until the first step.
     pub fn new(mut pwm: SimplePwm<'static, TIM2>) -> Self {
         pwm.ch1().enable();
         Self { pwm, due_us: 0 }
     }
 
-    /// `fault`: the number of the first one that is latched.
+    /// Sets the brightness. `fault` is the number of the first latched fault.
     pub(crate) fn step(&mut self, now_us: u64, fault: Option<u8>) {
         if now_us >= self.due_us {
             self.due_us = now_us.saturating_add(EVERY_US);

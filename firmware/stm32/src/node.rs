@@ -1,5 +1,5 @@
-//! The node of all these boards: it reads back flash, then runs the control loop in its interrupt and the background
-//! task in `main`.
+//! The node of all STM32 boards: it reads the stored data from flash, then runs the control loop in an interrupt and
+//! the background task in `main`.
 
 use core::cell::RefCell;
 use core::ops::Range;
@@ -31,11 +31,12 @@ use crate::bus::{Exchange, LinePort, Lines, Ports};
 use crate::capacity::{BODIES, COORDINATES, DOFS, LINES, SERVOS, rounded};
 use crate::{Chip, Light, Serial, ServoLine, clock, flash, pulses, reset, watchdog};
 
-/// Room for the longest item of a rig, its compact form and its wiring: half of a sector of 16 kB, since the log keeps
-/// the old one until the new one is whole. OP3 with 20 XM430 takes 6.4 kB.
+/// Maximum length of a rig's item (its compact form and its wiring), bytes: half of a sector of 16 kB, since the log
+/// keeps the old item until the new one is complete. OP3 with 20 XM430 takes 6.4 kB.
 const RIG_ROOM: usize = 8192;
 
-/// The loop's interrupt is above all but DMA, whose rings count their turns by theirs.
+/// Priority of the control loop's interrupt: above everything except DMA, whose ring buffers count their rounds in
+/// its interrupts.
 const LOOP_PRIORITY: u8 = 8 << 4;
 
 type Rig = BoardRig<BODIES, DOFS, SERVOS>;
@@ -43,31 +44,31 @@ type LoopControl = ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>;
 type OwnMail = Locked<Mail<'static, DOFS, SERVOS, COORDINATES>>;
 type OwnWiring = Wiring<LINES, SERVOS>;
 
-/// What a board gives. Its interrupts are bound, its clocks run.
+/// The hardware of a board. Its interrupts are bound, and its clocks run.
 pub struct Hardware {
-    /// The line to the host.
+    /// The host link.
     pub link: Serial,
-    /// What it carries, bit/s.
+    /// Bit rate of the host link, bit/s.
     pub link_bps: u32,
-    /// The servos' line.
+    /// The servos' bus line.
     pub servos: ServoLine,
-    /// The bus of a PCA9685.
+    /// The I2C bus of a PCA9685.
     pub i2c: pulses::Bus,
-    /// Its OE on PB5: high is off, and high from reset on by a pull-up.
+    /// The output-enable pin (OE) of the PCA9685, PB5. High is off; a pull-up keeps it high from reset on.
     pub outputs: Output<'static>,
-    /// The emergency stop's loop: high while it is closed.
+    /// The loop of the emergency stop: high while it is closed.
     pub stop: Input<'static>,
     /// The status light.
     pub light: Light,
     /// The chip's flash.
     pub flash: Chip,
-    /// What of it is storage's.
+    /// The parts of flash that storage uses.
     pub table: BoardTable,
-    /// The processor's clock, Hz.
+    /// Clock of the processor, Hz.
     pub core_hz: u32,
 }
 
-/// A value that interrupt and background share.
+/// A value that interrupt and background task share.
 struct Locked<T>(Mutex<RefCell<T>>);
 
 impl<T> Shared<T> for Locked<T> {
@@ -76,7 +77,7 @@ impl<T> Shared<T> for Locked<T> {
     }
 }
 
-/// The board as the loop sees it.
+/// The board's pins and watchdog as the control loop uses them.
 struct Pins {
     outputs: Output<'static>,
     stop: Input<'static>,
@@ -109,41 +110,42 @@ impl Safety for Pins {
     }
 }
 
-/// All that the loop has.
+/// All that the loop's interrupt uses.
 struct Loop<'l> {
     control: &'l mut LoopControl,
     lines: &'static RefCell<Lines>,
     ports: Ports,
     pins: Pins,
     mail: &'static OwnMail,
-    /// For so long a tick's exchange asks servos for more: the rest is for what it computes before and behind it.
+    /// Time during which a tick's exchange asks servos for more, µs. The rest of the tick is for the computation
+    /// before and after it.
     asks_us: u32,
 }
 
-/// The loop, once there is one: from then on its interrupt alone has it. It lies in the frame of [`node`], which is
-/// never left.
+/// The loop, after it was started. From then on only its interrupt uses it. It is stored in the frame of [`node`],
+/// which never returns.
 static LOOP: AtomicPtr<Loop<'static>> = AtomicPtr::new(ptr::null_mut());
-/// The first fault that is latched, by number; 0 for none.
+/// Number of the first latched fault; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);
 static STACK_FREE: AtomicU32 = AtomicU32::new(0);
-/// The processor's clock, Hz.
+/// Clock of the processor, Hz.
 static CORE_HZ: AtomicU32 = AtomicU32::new(0);
 
 #[embassy_stm32::interrupt]
 fn TIM3() {
     pac::TIM3.sr().modify(|w| w.set_uif(false));
-    // SAFETY: the frame that it lies in is never left, and nobody else has it since it was told.
+    // SAFETY: the frame that holds the loop never returns, and since the pointer was set only this interrupt uses it.
     let Some(own) = (unsafe { LOOP.load(Ordering::Acquire).as_mut() }) else { return };
     let Loop { control, lines, ports, pins, mail, asks_us } = own;
     let was_on = control.controller().permission().torque;
     let mut wire = Exchange { ports, lines, was_on, asks_us: *asks_us, until_us: 0 };
-    // What was not whole has not fed the watchdog, and the report says why.
+    // An incomplete tick has not fed the watchdog, and the report contains the reason.
     let _ = control.tick(pins, *mail, &mut AllLines(lines), &mut wire, &mut []);
     let fault = control.controller().report().latched.first();
     FAULT.store(fault.map_or(0, Fault::number), Ordering::Relaxed);
 }
 
-/// The board as link and storage see it.
+/// The board as the background task uses it: the host link and flash.
 struct HostPort {
     link: Serial,
 }
@@ -172,7 +174,7 @@ impl Port<'static> for HostPort {
     }
 }
 
-/// Where the lines of a wiring are; none if there are two of a kind.
+/// Returns the ports of a wiring's lines, or `None` if two lines need the same port.
 fn places(wiring: &OwnWiring) -> Option<Vec<LinePort, LINES>> {
     let places: Vec<LinePort, LINES> =
         wiring.lines.iter().map(LinePort::of).collect::<Option<_>>()?;
@@ -180,15 +182,16 @@ fn places(wiring: &OwnWiring) -> Option<Vec<LinePort, LINES>> {
     (serial <= 1 && places.len() - serial <= 1).then_some(places)
 }
 
-/// Before there is a rig: what nothing goes by.
+/// Returns settings for a board without a rig. Nothing uses them before a rig is stored.
 fn without_rig() -> NodeSettings {
     let timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
     let schedule = Schedule::new(timing, &dynamixel::traffic(1, 2, true), 100);
     NodeSettings::new(ControllerSettings::default(), schedule.expect("one servo at 100 Hz"))
 }
 
-/// What a wiring says, with what its processor takes, which is known here alone; none if that is not within a tick. A
-/// loop that took longer than its tick would begin the next at once, and the link would starve.
+/// Returns a wiring's settings with the time that this processor needs for a tick, and its schedule. Returns `None`
+/// if that does not fit into a tick: a loop that took longer than its tick would begin the next one at once, and the
+/// link would starve.
 fn in_time(wiring: &OwnWiring) -> Option<(ControllerSettings, Schedule)> {
     wiring.check().ok()?;
     let (mut settings, schedule) = (wiring.settings(), wiring.schedule().ok()?);
@@ -198,14 +201,14 @@ fn in_time(wiring: &OwnWiring) -> Option<(ControllerSettings, Schedule)> {
     Some((settings, schedule))
 }
 
-/// Whether it can drive a wiring.
+/// Returns whether this board can drive a wiring.
 #[inline(never)]
 fn is_driven(behind: &[u8]) -> bool {
     let wiring = OwnWiring::decode(behind);
     wiring.is_ok_and(|wiring| places(&wiring).is_some() && in_time(&wiring).is_some())
 }
 
-/// The board's settings for a wiring that it can drive.
+/// Returns the board's settings for a wiring that it can drive.
 #[inline(never)]
 fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     let wiring = OwnWiring::decode(behind).ok()?;
@@ -213,7 +216,7 @@ fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     Some(NodeSettings::new(settings, schedule))
 }
 
-/// What a start has found.
+/// The data that a start has read from flash.
 struct ReadBack {
     store: Store<Chip>,
     settings: NodeSettings,
@@ -242,7 +245,7 @@ fn read_back(flash: Chip, table: BoardTable) -> ReadBack {
     ReadBack { store, settings, rig, wired, is_bad, start, mail }
 }
 
-/// The lines of a wiring, and what else the loop has of it.
+/// The lines of a wiring, and the wiring's other data for the loop.
 struct BoardWiring {
     lines: &'static RefCell<Lines>,
     places: Vec<LinePort, LINES>,
@@ -267,15 +270,16 @@ fn no_lines() -> RefCell<Lines> {
     RefCell::new(Lines::new([], []))
 }
 
-/// The node, from here to the next reset.
+/// Runs the node until the next reset.
 ///
-/// The loop lies on the stack, above all that the background task takes: what is made there is made in its place. What
-/// else is large is made in functions of its own, whose stack is free again before the next.
+/// The loop is on the stack, before everything that the background task puts there. It is initialized in place. Other
+/// large values are made in functions of their own, whose stack is free again before the next one.
 pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
     core.DCB.enable_trace();
     core.DWT.enable_cycle_counter();
     clock::start();
-    // Whatever was before: at the rate that most servos have, and again at theirs as soon as it is known.
+    // Switches torque off whatever happened before: now at the rate that most servos have, and again at the servos'
+    // own rate as soon as it is known.
     hardware.servos.torque_off();
 
     let Hardware { link, link_bps, servos, i2c, outputs, stop, light, flash, table, core_hz } =
@@ -301,11 +305,11 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
                 .unwrap_or(0),
         },
     };
-    // Without a loop nothing is told of a rig.
+    // Without a loop the host is told that there is no rig.
     let setup = Setup { about, settings, is_bad, rig: None, tick_s: 0.01, line_bps: link_bps };
     let mut background = BackgroundContext { store, setup, first_session, mail, link, light };
     let Some((rig, wired)) = rig.zip(wired) else {
-        // A rig that is stored, and that this board cannot move: what is stored is bad.
+        // A stored rig that this board cannot move counts as bad data.
         background.setup.is_bad |= rig.is_some();
         below(background)
     };
@@ -316,17 +320,17 @@ pub fn run(mut core: cortex_m::Peripherals, mut hardware: Hardware) -> ! {
         node(control.ok(), rig, wired, ports, pins, background)
     })
 }
-/// Of the workspace.
+/// Version of the workspace.
 const RELEASE: Release = Release { major: 0, minor: 1, patch: 0 };
 
-/// Pins of a loop whose watchdog does not run yet.
+/// Pins of a loop before its watchdog runs.
 struct PinsBeforeWatchdog {
     outputs: Output<'static>,
     stop: Input<'static>,
     core_hz: u32,
 }
 
-/// Starts the loop of a rig, if there can be one, and goes on below it.
+/// Starts the loop of a rig if possible, then runs the background task.
 #[inline(never)]
 fn node(
     control: Option<&mut LoopControl>,
@@ -359,18 +363,18 @@ fn node(
         background.setup.tick_s = 1e-6 * tick_us as f32;
         start_timer();
     } else {
-        // What is stored is of a rig that this board cannot move.
+        // The stored rig cannot be moved by this board.
         background.setup.is_bad = true;
     }
     below(background)
 }
 
-/// Whether all lines are as the wiring says; torque is off on them.
+/// Sets all lines as the wiring requires and switches torque off on them. Returns whether that was possible.
 fn is_started(ports: &mut Ports) -> bool {
     ports.places.clone().iter().all(|place| match *place {
         LinePort::I2c(prescale) => {
-            // Whatever pulses it made before, they are off. OE is high until there is torque, and then it is started
-            // again: it need not answer yet.
+            // Pulses that the chip made before are off now. OE is high until torque is on, and the chip is started
+            // again then: it need not answer yet.
             pulses::start(&mut ports.i2c, &prescale);
             true
         }
@@ -384,7 +388,8 @@ fn is_started(ports: &mut Ports) -> bool {
     })
 }
 
-/// Sets the timer of the loop's ticks, in µs less one. False: its clock cannot be divided so.
+/// Sets the period of the loop's timer: `reload` is a tick's time in µs, less one. Returns false if its clock cannot
+/// be divided accordingly.
 fn set_timer(reload: u16) -> bool {
     rcc::enable_and_reset::<peripherals::TIM3>();
     let ticks = rcc::frequency::<peripherals::TIM3>().0 / 1_000_000;
@@ -400,7 +405,7 @@ fn set_timer(reload: u16) -> bool {
 }
 
 fn start_timer() {
-    // SAFETY: the loop's value is there, and the priority is set before the interrupt comes.
+    // SAFETY: the loop's pointer is set, and the priority is set before the interrupt is enabled.
     unsafe {
         cortex_m::Peripherals::steal().NVIC.set_priority(interrupt::TIM3, LOOP_PRIORITY);
         NVIC::unmask(interrupt::TIM3);
@@ -408,7 +413,7 @@ fn start_timer() {
     pac::TIM3.cr1().modify(|w| w.set_cen(true));
 }
 
-/// The background task with what it needs.
+/// The background task and its data.
 struct BackgroundContext {
     store: Store<Chip>,
     setup: Setup<'static, BODIES, DOFS, SERVOS>,
@@ -440,10 +445,10 @@ fn below(
     }
 }
 
-/// What the runtime has painted before anything ran.
+/// The pattern with which the runtime fills the stack before anything runs.
 const PAINT: u32 = 0xCCCC_CCCC;
 
-/// Bytes of the stack that were never used.
+/// Returns the number of bytes of the stack that were never used.
 fn stack_free() -> u32 {
     unsafe extern "C" {
         static __sheap: u32;
@@ -451,7 +456,7 @@ fn stack_free() -> u32 {
     }
     let (mut at, end) = (&raw const __sheap, &raw const _stack_start);
     let mut free = 0;
-    // SAFETY: it is RAM between what is static and where the stack begins.
+    // SAFETY: the addresses are RAM between the static data and the beginning of the stack.
     while at < end && unsafe { at.read_volatile() } == PAINT {
         at = at.wrapping_add(1);
         free += 4;

@@ -1,4 +1,4 @@
-//! What the images of ST's NUCLEO-64 boards have in common: their connectors are the same, and so is what is wired to
+//! Shared by the images of ST's NUCLEO-64 boards: their connectors are the same, and the same things are wired to
 //! them (docs/nucleo.md).
 
 use embassy_stm32::Peri;
@@ -18,52 +18,53 @@ use sinew_storage::BoardTable;
 
 use crate::{Chip, Dma, Hardware, Light, Serial, ServoLine, run};
 
-/// What the ST-Link's serial port carries, and USART2's clock divides to exactly on each board.
+/// Bit rate of the host link over the ST-Link's serial port. USART2's clock can be divided to exactly this rate on
+/// each board.
 const LINK_BPS: u32 = 1_000_000;
 
-/// What new servos of most kinds talk at; the rig's wiring says another rate.
+/// Bit rate of most new servos. The rig's wiring sets another rate.
 const SERVO_BPS: u32 = 1_000_000;
 
-/// The light's PWM: it does not flicker.
+/// Frequency of the light's PWM, Hz, high enough not to flicker.
 const LIGHT_HZ: u32 = 500;
 
-/// The pins and channels of a NUCLEO, and its numbers. Its clocks run.
+/// The pins, DMA channels and clock of a NUCLEO. Its clocks run.
 pub struct Nucleo<Scl: PeripheralType + 'static, Sda: PeripheralType + 'static> {
-    /// The OE of a PCA9685.
+    /// The output-enable pin (OE) of a PCA9685.
     pub outputs: Peri<'static, PB5>,
-    /// The emergency stop's loop.
+    /// Input of the emergency stop's loop.
     pub stop: Peri<'static, PC8>,
-    /// The link, on the ST-Link's serial port.
+    /// UART of the host link, on the ST-Link's serial port.
     pub link: Peri<'static, USART2>,
-    /// Where the link's bytes arrive.
+    /// Pin of the link's received bytes.
     pub link_rx: Peri<'static, PA3>,
-    /// Where the link's bytes leave.
+    /// Pin of the link's sent bytes.
     pub link_tx: Peri<'static, PA2>,
-    /// The channels of the link's bytes: of those that arrive, of those that leave.
+    /// DMA channels of the link: for received bytes, for sent bytes.
     pub link_dma: [Dma; 2],
-    /// The servos' line.
+    /// UART of the servos' bus line.
     pub servos: Peri<'static, USART1>,
-    /// Its one wire.
+    /// Pin of the servos' single wire.
     pub servos_wire: Peri<'static, PA9>,
-    /// High while bytes leave, for a bus buffer.
+    /// Direction pin for a bus buffer: high while bytes are sent.
     pub servos_direction: Peri<'static, PA8>,
-    /// The channels of the line's bytes: of those that arrive, of those that leave.
+    /// DMA channels of the servos' line: for received bytes, for sent bytes.
     pub servos_dma: [Dma; 2],
-    /// The bus of a PCA9685.
+    /// I2C bus of a PCA9685.
     pub i2c: Peri<'static, I2C1>,
-    /// Its clock.
+    /// Clock pin of the I2C bus.
     pub scl: Peri<'static, Scl>,
-    /// Its data.
+    /// Data pin of the I2C bus.
     pub sda: Peri<'static, Sda>,
-    /// The status light's timer.
+    /// Timer of the status light.
     pub light_timer: Peri<'static, TIM2>,
-    /// The status light.
+    /// Pin of the status light.
     pub light: Peri<'static, PA5>,
     /// The chip's flash.
     pub flash: Peri<'static, FLASH>,
-    /// The parts of flash that storage has.
+    /// The parts of flash that storage uses.
     pub table: BoardTable,
-    /// The processor's clock, Hz.
+    /// Clock of the processor, Hz.
     pub core_hz: u32,
 }
 
@@ -72,15 +73,15 @@ where
     Scl: PeripheralType + SclPin<I2C1> + 'static,
     Sda: PeripheralType + SdaPin<I2C1> + 'static,
 {
-    /// Runs the node, for ever. To be called once.
-    // Within its one caller: the channels would take 150 bytes of flash to be handed over.
+    /// Runs the node until the next reset. May be called only once.
+    // Inlined into its one caller: handing over the channels would take 150 bytes of flash.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "it is called once")]
     pub fn run(self) -> ! {
         let core = cortex_m::Peripherals::take().expect("it is called once");
-        // First of all: no pulses. The pull-up has held it until here.
+        // Switches the pulses off first of all. Until this line the pull-up has kept them off.
         let outputs = Output::new(self.outputs, Level::High, Speed::Low);
-        // Closed: 3.3 V through the button. Open, cut or unplugged: low.
+        // Closed loop: 3.3 V through the button, high. Open, cut or unplugged: low.
         let stop = Input::new(self.stop, Pull::Down);
 
         let mut config = usart::Config::default();
@@ -91,7 +92,7 @@ where
 
         let mut config = usart::Config::default();
         config.baudrate = SERVO_BPS;
-        // One wire for both sides: the line is high by its pull-up.
+        // A single wire carries both directions: the pull-up keeps the line high.
         config.tx_config = OutputConfig::OpenDrain;
         let readback = HalfDuplexReadback::NoReadback;
         let servos =

@@ -6,12 +6,12 @@ use sinew_servo_bus::pca9685::{self, Prescale};
 
 use crate::clock;
 
-/// Its address with no solder bridge closed.
+/// Address of the chip when no solder bridge is closed.
 const ADDRESS: u8 = 0x40;
 
 pub(crate) type Bus = I2c<'static, Blocking, Master>;
 
-/// Starts the chip, if it is there: all pulses are off.
+/// Starts the chip, with all pulses off. Does nothing if it does not answer.
 #[inline(never)]
 pub(crate) fn start(i2c: &mut Bus, prescale: &Prescale) {
     for transfer in pca9685::start(prescale) {
@@ -22,8 +22,8 @@ pub(crate) fn start(i2c: &mut Bus, prescale: &Prescale) {
     }
 }
 
-/// One write. One that is lost is made good by the next that changes its channels; OE and the servos' power are what
-/// stops.
+/// Writes to the chip. A lost write is repaired by the next one that changes its channels; for a stop, OE and the
+/// servos' power supply are used instead.
 pub(crate) fn write(i2c: &mut Bus, bytes: &[u8]) {
     let _ = i2c.blocking_write(ADDRESS, bytes);
 }

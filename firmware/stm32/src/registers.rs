@@ -1,8 +1,8 @@
-//! A UART's registers, which have other names from one family to the next.
+//! Registers of a UART, which have different names in each chip family.
 
 use embassy_stm32::pac::usart::Usart;
 
-/// Whether the last byte has left the line.
+/// Returns whether the last byte has left the line.
 pub(crate) fn is_sent(uart: Usart) -> bool {
     #[cfg(feature = "stm32f446re")]
     return uart.sr().read().tc();
@@ -10,7 +10,7 @@ pub(crate) fn is_sent(uart: Usart) -> bool {
     return uart.isr().read().tc();
 }
 
-/// Whether there is room for a byte.
+/// Returns whether there is room for a byte.
 pub(crate) fn has_room(uart: Usart) -> bool {
     #[cfg(feature = "stm32f446re")]
     return uart.sr().read().txe();
@@ -18,9 +18,9 @@ pub(crate) fn has_room(uart: Usart) -> bool {
     return uart.isr().read().txe();
 }
 
-/// Takes back that the last byte has left.
+/// Clears the flag that the last byte has left.
 pub(crate) fn clear_sent(uart: Usart) {
-    // Ones leave the other flags as they are.
+    // Written ones leave the other flags unchanged.
     #[cfg(feature = "stm32f446re")]
     uart.sr().write(|w| {
         w.0 = u32::MAX;
@@ -30,7 +30,7 @@ pub(crate) fn clear_sent(uart: Usart) {
     uart.icr().write(|w| w.set_tc(true));
 }
 
-/// Where bytes go to.
+/// Returns the address to which sent bytes are written.
 pub(crate) fn out(uart: Usart) -> *mut u8 {
     #[cfg(feature = "stm32f446re")]
     return uart.dr().as_ptr().cast();
@@ -38,7 +38,7 @@ pub(crate) fn out(uart: Usart) -> *mut u8 {
     return uart.tdr().as_ptr().cast();
 }
 
-/// Where bytes come from.
+/// Returns the address from which received bytes are read.
 pub(crate) fn come(uart: Usart) -> *mut u8 {
     #[cfg(feature = "stm32f446re")]
     return uart.dr().as_ptr().cast();

@@ -1,4 +1,4 @@
-//! The line to the host: a UART whose bytes DMA fetches and brings.
+//! The host link: a UART whose bytes are transferred by DMA.
 
 use embassy_stm32::Peri;
 use embassy_stm32::dma::{
@@ -11,12 +11,12 @@ use embassy_stm32::usart::{self, RxDma, TxDma, Uart};
 
 use crate::registers;
 
-/// Bytes that may wait for the node.
+/// Maximum number of received bytes that wait for the node.
 pub(crate) const WAITING: usize = 2048;
-/// Bytes that are sent at once.
+/// Maximum number of bytes that are sent at once.
 const AT_ONCE: usize = 512;
 
-/// A channel, and who asks it for bytes.
+/// A DMA channel with its request.
 pub struct Dma {
     /// The channel.
     pub channel: Channel<'static>,
@@ -25,7 +25,7 @@ pub struct Dma {
 }
 
 impl Dma {
-    /// A channel for the bytes that arrive at a UART.
+    /// Creates the DMA for the bytes that a UART receives.
     #[inline]
     pub fn arriving<U: usart::Instance, C: RxDma<U>>(
         channel: Peri<'static, C>,
@@ -35,7 +35,7 @@ impl Dma {
         Self { channel: Channel::new(channel, irqs), request }
     }
 
-    /// A channel for the bytes that leave a UART.
+    /// Creates the DMA for the bytes that a UART sends.
     #[inline]
     pub fn leaving<U: usart::Instance, C: TxDma<U>>(
         channel: Peri<'static, C>,
@@ -46,13 +46,14 @@ impl Dma {
     }
 }
 
-/// What comes: a ring that DMA writes round and round. No error of the line stops it: what is damaged, codecs find.
+/// Received bytes: a ring buffer that DMA writes without end. No error of the line stops it: codecs detect damaged
+/// bytes.
 pub(crate) struct Ring(ReadableRingBuffer<'static, u8>);
 
 impl Ring {
     pub(crate) fn new(uart: Usart, dma: Dma, room: &'static mut [u8]) -> Self {
         let options = TransferOptions::default();
-        // SAFETY: the address is the UART's data, and `room` is nobody else's.
+        // SAFETY: the address is the UART's data register, and only DMA uses `room`.
         let mut ring = unsafe {
             ReadableRingBuffer::new(dma.channel, dma.request, registers::come(uart), room, options)
         };
@@ -61,7 +62,8 @@ impl Ring {
         Self(ring)
     }
 
-    /// What has come, as much as fits. Of bytes that ran into one another, none: frames tell.
+    /// Reads the received bytes, as many as fit. Reads none if unread bytes were overwritten: the frames show that
+    /// some are missing.
     pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
         if let Ok((len, _)) = self.0.read(into) {
             len
@@ -71,13 +73,13 @@ impl Ring {
         }
     }
 
-    /// What has come is gone.
+    /// Discards all received bytes.
     pub(crate) fn clear(&mut self) {
         self.0.clear();
     }
 }
 
-/// The line to the host.
+/// The host link.
 pub struct Serial {
     registers: Usart,
     _uart: Uart<'static, Blocking>,
@@ -88,7 +90,7 @@ pub struct Serial {
 }
 
 impl Serial {
-    /// Of a UART that was started, whose registers these are. To be made once.
+    /// Creates the link from a started UART and its registers. May be called only once.
     pub fn new(uart: Uart<'static, Blocking>, registers: Usart, come: Dma, out: Dma) -> Self {
         static WAITS: static_cell::ConstStaticCell<[u8; WAITING]> =
             static_cell::ConstStaticCell::new([0; WAITING]);
@@ -99,12 +101,12 @@ impl Serial {
         Self { registers, _uart: uart, ring, out, sending: None, room: ROOM.take() }
     }
 
-    /// What has come, as much as fits.
+    /// Reads the received bytes, as many as fit.
     pub(crate) fn read(&mut self, into: &mut [u8]) -> usize {
         self.ring.read(into)
     }
 
-    /// Sends as much as there is room for; nothing while bytes are under way.
+    /// Sends as many bytes as there is room for, and returns their number. Sends nothing while a transfer runs.
     pub(crate) fn send(&mut self, bytes: &[u8]) -> usize {
         if bytes.is_empty() || self.is_busy() {
             return 0;
@@ -117,7 +119,7 @@ impl Serial {
         }
         let channel: *mut Channel<'static> = &raw mut self.out.channel;
         let bytes = &raw const self.room[..len];
-        // SAFETY: the transfer before it is over and dropped; `room` is not touched until this one is.
+        // SAFETY: the transfer before is finished and dropped; `room` is not touched until this one is finished.
         self.sending = unsafe {
             let (channel, bytes) = (&mut *channel, &*bytes);
             let out = registers::out(self.registers);
@@ -126,7 +128,7 @@ impl Serial {
         len
     }
 
-    /// Whether bytes are under way.
+    /// Returns whether a transfer runs.
     pub(crate) fn is_busy(&mut self) -> bool {
         self.sending.as_mut().is_some_and(Transfer::is_running)
     }

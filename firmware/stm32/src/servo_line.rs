@@ -1,4 +1,4 @@
-//! The servos' line: one wire, half duplex, whose bytes DMA fetches and brings.
+//! The servos' bus line: a single half-duplex wire, whose bytes are transferred by DMA.
 
 use core::sync::atomic::Ordering;
 
@@ -13,10 +13,10 @@ use crate::registers;
 use crate::serial::{Dma, Ring};
 use crate::stop::{self, TORQUE_OFF};
 
-/// Bytes that may come between two looks.
+/// Maximum number of bytes received between two reads.
 const WAITING: usize = 1024;
 
-/// The line of the servos.
+/// The servos' bus line.
 pub struct ServoLine {
     registers: Usart,
     uart: Uart<'static, Blocking>,
@@ -26,12 +26,12 @@ pub struct ServoLine {
 }
 
 impl ServoLine {
-    /// Of a half-duplex UART that was started, whose registers these are. To be made once.
+    /// Creates the line from a started half-duplex UART and its registers. May be called only once.
     ///
-    /// It neither reads nor writes by embassy's own `Uart`: that stops to read at a line's first error, and forgets how
-    /// much had come before.
+    /// Neither reads nor writes with embassy's own `Uart`, which stops reading at a line's first error and discards
+    /// what was received before.
     ///
-    /// `direction` is for a bus buffer, if there is one: high while bytes leave.
+    /// `direction` is for a bus buffer, if there is one: high while bytes are sent.
     pub fn new(
         uart: Uart<'static, Blocking>,
         registers: Usart,
@@ -49,20 +49,20 @@ impl ServoLine {
         line
     }
 
-    /// Says torque off to all servos, twice.
+    /// Sends the torque-off command to all servos, twice.
     pub(crate) fn torque_off(&mut self) {
         for bytes in [TORQUE_OFF, TORQUE_OFF].into_iter().flatten() {
             self.send(bytes);
         }
     }
 
-    /// Bits a second. False: the UART's clock cannot be divided so.
+    /// Sets the bit rate, bit/s. Returns false if the UART's clock cannot be divided to this rate.
     pub(crate) fn set_rate(&mut self, baud: u32) -> bool {
         self.uart.set_baudrate(baud).is_ok()
     }
 
-    /// Empties its input, sends `bytes`, and gives what comes to `reply` until that has all or `wait_us` are over since
-    /// the first byte out.
+    /// Empties the input, sends `bytes`, and passes received bytes to `reply` until that returns true or `wait_us`
+    /// have passed since the first byte was sent.
     pub(crate) fn talk(
         &mut self,
         bytes: &[u8],
@@ -74,7 +74,7 @@ impl ServoLine {
         self.send(bytes);
         let mut came = [0; 64];
         loop {
-            // The time first: what comes in the last look still counts.
+            // Reads the time first: bytes that arrive before the last read still count.
             let is_over = clock::now_us() >= until;
             let len = self.ring.read(&mut came);
             if (len > 0 && reply(&came[..len])) || (is_over && len == 0) {
@@ -83,7 +83,7 @@ impl ServoLine {
         }
     }
 
-    /// Sends bytes; comes back when the last one has left, and servos may speak.
+    /// Sends bytes. Returns when the last byte has left, and servos may answer.
     pub(crate) fn send(&mut self, bytes: &[u8]) {
         if bytes.is_empty() {
             return;
@@ -95,7 +95,7 @@ impl ServoLine {
         self.direction.set_high();
         forget_sent(self.registers);
         let out = registers::out(self.registers);
-        // SAFETY: the address is the UART's data; the bytes stay where they are until the transfer is over.
+        // SAFETY: the address is the UART's data register; the bytes do not move until the transfer is finished.
         let transfer = unsafe {
             self.out.channel.write(self.out.request, bytes, out, TransferOptions::default())
         };
@@ -113,9 +113,10 @@ impl ServoLine {
     }
 }
 
-/// DMA writes no status register, so the flag of the frame before (SR.TC) would still be there: one would switch the
-/// transmitter off while the last bytes are in it, and a ping of ten bytes would leave with eight. embassy-stm32
-/// 0.6.0's half-duplex `write` does not clear it either (embassy#6522 is about the same hazard).
+/// Clears the flag of the frame before (SR.TC). DMA writes no status register, so the flag would still be set: `send`
+/// would then switch the transmitter off while the last bytes are still in it, and only eight of a ping's ten bytes
+/// would leave. embassy-stm32 0.6.0's half-duplex `write` does not clear it either (embassy#6522 is about the same
+/// hazard).
 fn forget_sent(uart: Usart) {
     if cfg!(not(feature = "stale-tc")) {
         registers::clear_sent(uart);

@@ -1,4 +1,4 @@
-//! Servos made safe without the loop: at a start, and in a panic.
+//! Makes servos safe without the control loop: at a start, and in a panic.
 
 use core::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,16 +8,17 @@ use embassy_stm32::pac;
 use crate::registers;
 use crate::reset;
 
-/// Torque off for all, as two makers' servos know it (Dynamixel 2.0, Feetech). Each takes the other's for noise.
+/// Torque-off packets to all servos, in the protocols Dynamixel 2.0 and Feetech. Servos of one protocol ignore the
+/// other's packet as noise.
 pub const TORQUE_OFF: [&[u8]; 2] = [
     &[0xFF, 0xFF, 0xFD, 0x00, 0xFE, 0x06, 0x00, 0x03, 0x40, 0x00, 0x00, 0x2E, 0x16],
     &[0xFF, 0xFF, 0xFE, 0x04, 0x03, 0x28, 0x00, 0xD2],
 ];
 
-/// Whether USART1 is the servos' line already.
+/// Whether USART1 is already set up as the servos' line.
 pub(crate) static HAS_LINE: AtomicBool = AtomicBool::new(false);
 
-/// Says torque off to all servos, twice, byte by byte: whoever had the line has lost it.
+/// Sends the torque-off command to all servos, twice, byte by byte. It takes the line from whatever used it.
 pub fn torque_off() {
     if !HAS_LINE.load(Ordering::Relaxed) {
         return;
@@ -28,14 +29,14 @@ pub fn torque_off() {
         w.set_re(false);
         w.set_te(true);
     });
-    // The direction of a bus buffer, PA8.
+    // Sets the direction of a bus buffer, PA8.
     pac::GPIOA.bsrr().write(|w| w.set_bs(8, true));
-    // A packet that was cut off ends in silence.
+    // A packet that was cut off ends with a silence.
     cortex_m::asm::delay(200_000);
     for bytes in [TORQUE_OFF, TORQUE_OFF].into_iter().flatten() {
         for byte in bytes {
             while !registers::has_room(uart) {}
-            // SAFETY: the UART's data.
+            // SAFETY: the address is the UART's data register.
             unsafe { registers::out(uart).write_volatile(*byte) };
         }
         registers::clear_sent(uart);
@@ -43,10 +44,10 @@ pub fn torque_off() {
     }
 }
 
-/// What a panic does: servos safe first, then the record, then a reset.
+/// Handles a panic: makes the servos safe first, then writes the record, then resets.
 pub fn panicked(file: &str, line: u32) -> ! {
     cortex_m::interrupt::disable();
-    // OE of a PCA9685, PB5: high is off.
+    // Switches off a PCA9685 by its OE, PB5: high is off.
     pac::GPIOB.bsrr().write(|w| w.set_bs(5, true));
     torque_off();
     reset::record(file, line);
@@ -59,7 +60,7 @@ fn panic(info: &core::panic::PanicInfo<'_>) -> ! {
     panicked(file, line)
 }
 
-/// What no Rust code asks for: a stack that ran over, an address that is none.
+/// Handles errors outside of Rust code's control: a stack overflow, an invalid address.
 #[cortex_m_rt::exception]
 unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     panicked("hard fault", 0)

@@ -1,8 +1,10 @@
-//! The hardware watchdog (IWDG): short while torque may be on, longer than any erase while it is off.
+//! The hardware watchdog (IWDG). Its time-out is short while torque may be on, and longer than any erase while it is
+//! off.
 //!
-//! An erase stalls the processor for up to 2 s, and happens only while torque is off. So the time-out depends on that,
-//! and not on the erase: the loop sets it as it switches outputs, and the watchdog takes it over as it is fed. Nothing
-//! but a whole tick feeds it, here too. It counts a clock of its own, nominally 32 kHz: 17 to 47 kHz over all parts.
+//! An erase stalls the processor for up to 2 s, and happens only while torque is off. The time-out therefore depends
+//! on torque, not on the erase: the loop sets it when it switches the outputs, and the watchdog applies it when it is
+//! fed. Only a complete tick feeds it. The watchdog counts its own clock, nominally 32 kHz: 17 to 47 kHz over all
+//! chips.
 
 use core::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
@@ -10,17 +12,17 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
 use sinew_firmware::watchdog::Watchdog;
 
-/// With torque, of 2 ms: 100 ms (68 to 190).
+/// Time-out while torque may be on, in units of 2 ms: 100 ms (68 to 190 ms).
 const SHORT: u16 = 50;
-/// Without, of 2 ms: 4 s (2.7 to 7.5).
+/// Time-out while torque is off, in units of 2 ms: 4 s (2.7 to 7.5 s).
 const LONG: u16 = 2000;
 
 static IS_STARTED: AtomicBool = AtomicBool::new(false);
 static IS_LONG: AtomicBool = AtomicBool::new(false);
-/// Meals since it is long, up to 2.
+/// Number of feeds since the time-out is long, up to 2.
 static LONG_MEALS: AtomicU8 = AtomicU8::new(0);
 
-/// Starts it, long. It cannot be stopped any more.
+/// Starts the watchdog with the long time-out. It cannot be stopped again.
 pub(crate) fn start() -> Watchdog<fn()> {
     pac::IWDG.kr().write(|w| w.set_key(Key::START));
     pac::IWDG.kr().write(|w| w.set_key(Key::ENABLE));
@@ -31,7 +33,7 @@ pub(crate) fn start() -> Watchdog<fn()> {
     Watchdog::new(feed)
 }
 
-/// For outputs that are on, or off.
+/// Sets the time-out for outputs that are on or off.
 pub(crate) fn for_outputs(on: bool) {
     if IS_LONG.swap(!on, Ordering::Relaxed) == on {
         LONG_MEALS.store(0, Ordering::Relaxed);
@@ -45,7 +47,7 @@ fn set(reload: u16) {
 }
 
 fn feed() {
-    // What is still on its way into the slow clock's domain is taken over by the next meal.
+    // A time-out that is still being transferred to the slow clock's domain is applied at the next feed.
     if IS_LONG.load(Ordering::Relaxed) && !pac::IWDG.sr().read().rvu() {
         let meals = LONG_MEALS.load(Ordering::Relaxed);
         LONG_MEALS.store(meals.saturating_add(1).min(2), Ordering::Relaxed);
@@ -53,7 +55,8 @@ fn feed() {
     pac::IWDG.kr().write(|w| w.set_key(Key::RESET));
 }
 
-/// Waits until the long time-out counts. It does not come back if the loop stands still: then the watchdog bites.
+/// Waits until the long time-out is applied. Does not return if the loop has stopped: then the watchdog resets the
+/// chip.
 pub(crate) fn wait_for_long() {
     while IS_STARTED.load(Ordering::Relaxed) && LONG_MEALS.load(Ordering::Relaxed) == 0 {
         core::hint::spin_loop();

@@ -1,4 +1,4 @@
-//! What each class of drive commands, and what it refuses.
+//! Tests of the drive classes: their commands, and the settings that they refuse.
 
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
@@ -74,10 +74,11 @@ fn a_current_drive_gives_the_whole_effort_and_the_friction() {
     let mut steps = (0..100).map(|_| drive.command(&target, &at(0.0, 30.0)));
     let first = current(steps.next().unwrap().command);
     let settled = steps.last().unwrap();
-    // -0.2 N m at the shaft are 0.1 at the servo, which turns backwards at 2 rad/s: friction takes 0.02 + 0.02.
+    // -0.2 N m at the shaft are 0.1 N m at the servo, which turns backwards at 2 rad/s: friction takes 0.02 + 0.02 N
+    // m.
     assert!((current(settled.command) - (0.1 - 0.04) / 0.4).abs() < 1e-4, "{settled:?}");
     assert_eq!(settled.limit, None);
-    // It rises in 0.2 s.
+    // The current rises within 0.2 s.
     assert!((first / current(settled.command) - 0.025).abs() < 1e-3);
 
     let strong = ShaftTarget { feedforward_nm: -5.0, ..ShaftTarget::default() };
@@ -110,23 +111,23 @@ fn a_voltage_drive_gives_what_drives_the_current_and_holds_against_the_back_emf(
         Condition { supply_v, ..condition }
     };
     let settled = (0..100).map(|_| drive.command(&target, &turning(-2.0, None))).last().unwrap();
-    // The current of the drive by current, 0.15 A, through 4 ohm, and 0.5 V s/rad at -2 rad/s, of 10 V.
+    // 0.15 A, the current drive's result, through 4 ohm; plus 0.5 V s/rad at -2 rad/s; divided by 10 V.
     assert!((part(settled.command) - (0.6 - 1.0) / 10.0).abs() < 2e-5, "{settled:?}");
     assert_eq!(settled.limit, None);
-    // What it turns slower is left to the motor. A supply that is told counts; one that cannot be does not.
+    // The motor itself corrects a lower speed. A reported supply voltage is used; an impossible one is not.
     for (supply_v, of_v) in [(Some(8.0), 8.0), (Some(0.1), 5.0), (None, 10.0)] {
         let slow = drive.command(&target, &turning(-1.8, supply_v));
         assert!((part(slow.command) + 0.4 / of_v).abs() < 2e-5, "{slow:?}");
     }
 
     let strong = ShaftTarget { feedforward_nm: -5.0, ..ShaftTarget::default() };
-    // 1 A through 4 ohm; and no more than that where it is turned the other way.
+    // 1 A through 4 ohm, and the same maximum current when the servo turns the other way.
     let held = drive.command(&strong, &at(0.0, 30.0));
     assert!((part(held.command) - 0.4).abs() < 1e-5 && held.limit == Some(Limit::Current));
     let braking = drive.command(&strong, &turning(-2.0, None));
     assert!((part(braking.command) - 0.3).abs() < 1e-5, "{braking:?}");
     assert_eq!(braking.limit, Some(Limit::Current));
-    // 4 V of its torque, and 5 of its speed; at 5 V all is not enough.
+    // 4 V for its torque, and 5 V for its speed; at a supply of 5 V even full duty is not enough.
     let fast = ShaftTarget { velocity_rad_s: -100.0, ..strong };
     let most = drive.command(&fast, &turning(20.0, None));
     assert!((part(most.command) - 0.9).abs() < 1e-5, "{most:?}");
@@ -139,7 +140,8 @@ fn a_voltage_drive_gives_what_drives_the_current_and_holds_against_the_back_emf(
     assert!(part(warm.command) > 0.3 && warm.limit == Some(Limit::Heat));
 }
 
-/// At -3 rad/s the back-EMF is 1.5 V: half of the voltage would brake with 0.19 A, and none of it with 0.38 A.
+/// At -3 rad/s the back-EMF is 1.5 V: with half of the voltage the motor would brake with 0.19 A, without voltage
+/// with 0.38 A.
 #[test]
 fn a_hot_servo_by_voltage_coasts_as_one_by_current_does() {
     let turning = |velocity_rad_s: f32, temperature_c: f32, age_ticks: u32| {
@@ -148,7 +150,7 @@ fn a_hot_servo_by_voltage_coasts_as_one_by_current_does() {
         (read.velocity_rad_s, read.age_ticks) = (velocity_rad_s, age_ticks);
         condition
     };
-    // What the winding takes: of 10 V, 0.5 V s/rad and 4 ohm.
+    // Current in the winding, for 10 V, 0.5 V s/rad and 4 ohm.
     let taken_a =
         |command, velocity_rad_s: f32| (10.0 * part(command) - 0.5 * velocity_rad_s) / 4.0;
     for (temperature_c, share) in [(55.0, 1.0), (60.0, 0.5), (65.0, 0.0), (80.0, 0.0)] {
@@ -159,18 +161,18 @@ fn a_hot_servo_by_voltage_coasts_as_one_by_current_does() {
             let mut by_current = CurrentDrive::new(&servo(|_| {}), &CURRENT, TIMING).unwrap();
             let read = turning(-3.0, temperature_c, 0);
             for _ in 0..100 {
-                // Its target is as fast as it is.
+                // The target is as fast as the servo.
                 let own = drive.command(&moving, &read);
                 let a = taken_a(own.command, -3.0);
                 let other_a = current(by_current.command(&moving, &read).command);
                 assert!((a - other_a).abs() < 1e-4, "{temperature_c} degC: {a} A, {other_a} A");
             }
-            // Its target stands, and it does not: the motor may brake, with its share.
+            // The target stands still while the servo turns: the motor may brake, with its permitted share.
             let a = taken_a(drive.command(&target, &read).command, -3.0);
             assert!(a.abs() <= share + 1e-5, "{temperature_c} degC: {a} A");
         }
     }
-    // Nobody knows how fast it turns: after 0.2 s the winding is shorted.
+    // Without a fresh reading the speed is not known: after 0.2 s the winding is shorted.
     let mut drive = VoltageDrive::new(&servo(|_| {}), &VOLTAGE, TIMING).unwrap();
     let target = ShaftTarget { velocity_rad_s: 1.5, ..ShaftTarget::default() };
     let parts: Vec<f32> = [0, 21]
@@ -196,7 +198,7 @@ fn a_position_drive_gives_target_and_offset_and_no_feedback() {
         };
         let settled = (0..200).map(|_| drive.command(&target, &at(0.0, 30.0))).last().unwrap();
         let Command::PositionAt { position_rad, speed_rad_s } = settled.command else { panic!() };
-        // -2 times 0.5 rad and 0.5 rad; -0.05 N m over 0.5 N m/rad, or over twice that.
+        // -2 times 0.5 rad plus 0.5 rad; -0.05 N m divided by 0.5 N m/rad, or by twice that.
         let own_rad = position_rad - std::f32::consts::PI;
         assert!((own_rad - (-0.5 - 0.1 / gain_ratio)).abs() < 1e-5, "{own_rad}");
         assert!(speed_rad_s.abs() <= 0.0 && settled.limit.is_none());
@@ -204,7 +206,7 @@ fn a_position_drive_gives_target_and_offset_and_no_feedback() {
         let heavy = ShaftTarget { feedforward_nm: 0.5, ..target };
         let next = drive.command(&heavy, &at(0.0, 30.0));
         let Command::PositionAt { speed_rad_s, .. } = next.command else { panic!() };
-        // 5 rad/s, and a tenth.
+        // 5 rad/s, and a tenth more.
         assert!((speed_rad_s - 5.5).abs() < 1e-3, "{speed_rad_s}");
         assert_eq!(
             next.limit,
@@ -222,7 +224,7 @@ fn what_a_class_cannot_do_is_refused_with_what_would_be_right() {
         message(current(&servo(|_| {}), slow)),
         "a current drive needs at least 200 Hz, and readings that are no later than it allows"
     );
-    // Read in every third tick only: too late at 200 Hz.
+    // Each servo is read only in every third tick: too late at 200 Hz.
     let late = Timing { dt_s: 0.005, latency_ticks: 3 };
     assert!(matches!(current(&servo(|_| {}), late), Refused::TooSlow { .. }));
     assert_eq!(
@@ -375,10 +377,10 @@ fn angles_are_unwrapped_next_to_the_middle_of_the_range_or_to_the_last() {
         let Command::Position(rad) = out[0].unwrap().command else { panic!() };
         rad - std::f32::consts::PI
     };
-    // From 0 to 180 deg and a little, so that -179 deg is 181.
+    // The range is 0 to almost 180 deg, so -179 deg is unwrapped to 181 deg.
     let narrow = single("range_deg = [0, 179.9]\nhome_deg = 10");
     assert!((reached(&narrow, &[-3.13]) - std::f32::consts::PI).abs() < 2e-3);
-    // Without a range it goes on, and stands at the servo's end, in place of a turn back.
+    // Without a range the joint continues, and stops at the end of the servo's range instead of turning back.
     let free = single("");
     assert!((reached(&free, &[2.0, 3.0, -3.0]) - std::f32::consts::PI).abs() < 2e-3);
     assert!((reached(&free, &[-3.0]) + 3.0).abs() < 1e-5);

@@ -1,4 +1,5 @@
-//! Drives of random rigs: no command beyond a limit, NaN refused, cut-offs, and the same work on both sides.
+//! Properties of drives of random rigs: no command exceeds a limit, NaN is refused, cut-offs work, and joints and
+//! servos do the same work.
 
 use proptest::prelude::*;
 use sinew_core::coordinates::DofCommand;
@@ -22,7 +23,7 @@ const CURRENT: CurrentSettings = CurrentSettings {
     current_a: CURRENT_A,
     cut_off: CutOff { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 },
 };
-/// Numbers of classes that take an effort.
+/// Numbers of the classes that use an effort.
 const OF_EFFORT: [u8; 3] = [0, 1, 3];
 
 fn settings(class: u8) -> DriveSettings {
@@ -50,7 +51,7 @@ fn drives(rig: &Rig, class: u8) -> Drives<'_, 16, 24, 24> {
     Drives::new(rig, &vec![settings(class); rig.servos().len()], TIMING).unwrap()
 }
 
-/// Any finite number that is taken, and often one of a machine.
+/// Any finite number that is accepted, often of a realistic size.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![-1e6_f32..1e6, -4.0_f32..4.0, Just(0.0), Just(1e6), Just(-1e6)]
 }
@@ -71,7 +72,7 @@ fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseEr
     let own = rig.servos()[servo].servo.settings();
     let in_range = |rad: f32| {
         let own_rad = rad - Encoder::default().zero_rad;
-        // A rounding of f32 at half a turn.
+        // The tolerance is a rounding of f32 at half a turn.
         (own.range_rad[0] - 1e-6..=own.range_rad[1] + 1e-6).contains(&own_rad)
     };
     match command {
@@ -88,7 +89,7 @@ fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseEr
         Command::Position(rad) => prop_assert!(in_range(rad), "{rad} rad"),
         Command::PositionAt { position_rad, speed_rad_s } => {
             prop_assert!(in_range(position_rad), "{position_rad} rad");
-            // The goal's own speed, the offset's, and a tenth.
+            // The goal's own speed plus the offset's, and a tenth.
             let most = 1.1 * (own.speed_rad_s + PositionSettings::default().offset_rad_s) + 1e-2;
             prop_assert!((0.0..=most).contains(&speed_rad_s), "{speed_rad_s} rad/s");
         }
@@ -97,7 +98,7 @@ fn is_within(rig: &Rig, servo: usize, command: Command) -> Result<(), TestCaseEr
     Ok(())
 }
 
-/// Random poses of all shafts, within any range, as readings and as what the joints then measure.
+/// Returns random poses of all shafts, within any range, as readings and as the joints' measured state.
 fn posed(rig: &Rig, class: u8, numbers: &[f32]) -> (Vec<Condition>, Vec<Option<Measured>>) {
     let conditions: Vec<_> = (0..rig.servos().len())
         .map(|servo| {
@@ -111,7 +112,7 @@ fn posed(rig: &Rig, class: u8, numbers: &[f32]) -> (Vec<Condition>, Vec<Option<M
     (conditions, measured)
 }
 
-/// Conditions of servos that move at these speeds.
+/// Returns the conditions of servos that move at these speeds.
 fn moving(conditions: &[Condition], speeds: &[f32]) -> Vec<Condition> {
     let mut moving = conditions.to_vec();
     for (index, condition) in moving.iter_mut().enumerate() {
@@ -143,7 +144,7 @@ proptest! {
                 })
                 .collect();
             let asked = asked(&commands, rig.dofs().len());
-            // What follows from it may be too large for a drive: then nothing is commanded.
+            // Values that follow from the input may be too large for a drive: then nothing is commanded.
             let Ok(()) = drives.step(&asked, &conditions, &mut out) else { continue };
             for (servo, command) in out.iter().enumerate() {
                 is_within(&rig, servo, command.unwrap().command)?;
@@ -203,7 +204,7 @@ proptest! {
             .map(|measured| DofCommand { position: measured.unwrap().position, ..DofCommand::default() })
             .collect();
         let mut out = vec![None; rig.servos().len()];
-        // 10.8 rad/s: half a turn takes 60 ticks.
+        // At 10.8 rad/s half a turn takes 60 ticks.
         for _ in 0..100 {
             drives.step(&asked, &conditions, &mut out).unwrap();
         }
@@ -218,7 +219,7 @@ proptest! {
         drives.measured(&reached, &mut back).unwrap();
         for (back, measured) in back.iter().zip(&measured) {
             let (back, measured) = (back.unwrap().position, measured.unwrap().position);
-            // Some roundings through a matrix of condition up to 100, or a four-bar.
+            // The tolerance covers some roundings through a matrix of condition up to 100, or a four-bar.
             prop_assert!((back - measured).abs() < 2e-4, "{back} for {measured}");
         }
     }
@@ -242,11 +243,11 @@ proptest! {
             })
             .collect();
         let mut out = vec![None; rig.servos().len()];
-        // 0.2 s until nothing is faded.
+        // After 0.2 s no effort is faded.
         for _ in 0..50 {
             drives.step(&asked, &conditions, &mut out).unwrap();
         }
-        // Motions that the servos can make: what the joints then do.
+        // Motions that the servos can make, and the joints' motions that follow.
         let moving = moving(&conditions, &speeds);
         let mut motion = vec![None; rig.dofs().len()];
         drives.measured(&moving, &mut motion).unwrap();
@@ -264,7 +265,7 @@ proptest! {
         }
         let tolerance = 1e-4 * (of_servos.abs() + 0.1);
         prop_assert!((of_joints - of_servos).abs() < tolerance, "{of_joints} W at joints, {of_servos} W at servos");
-        // And what currents tell is that work too.
+        // Efforts that are measured by currents do the same work, too.
         drives.measured(&pushed, &mut motion).unwrap();
         let told: f32 = motion.iter().map(|motion| motion.unwrap().effort.unwrap() * motion.unwrap().velocity).sum();
         prop_assert!((told - of_servos).abs() < tolerance, "{told} W told, {of_servos} W at servos");
@@ -332,7 +333,7 @@ proptest! {
     }
 }
 
-/// Each kind is in the random rigs: none of these properties holds by leaving one out.
+/// Each kind is in the random rigs, so no property is satisfied by leaving one out.
 #[test]
 fn every_kind_of_drive_makes_a_rig() {
     let rows = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.1, 0.0, 1.0]];

@@ -1,4 +1,4 @@
-//! Faults keep their numbers, and the page of the book is the table.
+//! Faults keep their numbers, and the page of the book contains the table.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use sinew_firmware::supervisor::{Fault, FaultSet, Reaction, State, TABLE};
 
 const PAGE: &str = include_str!("../../../docs/faults.md");
 
-/// Numbers and names that people have in their notes: a line may be added, and none changed.
+/// Numbers and names are in users' notes: a line may be added, and none may be changed.
 #[test]
 fn numbers_are_never_changed() {
     let names = [
@@ -40,7 +40,7 @@ fn numbers_are_never_changed() {
     for fault in Fault::ALL {
         assert!(FaultSet::of(fault).iter().eq([fault]));
     }
-    // Of states, too: they are stored with faults.
+    // The numbers of states must not change either: they are stored with faults.
     let states = [
         "off",
         "limp",
@@ -59,7 +59,7 @@ fn numbers_are_never_changed() {
     assert!(State::ALL.map(State::number).into_iter().eq(0..12));
 }
 
-/// What is less than limp never leads up again, and what is limp stays.
+/// A fault never leads to a state with more torque, and torque that is off stays off.
 #[test]
 fn reactions_lead_down() {
     for row in TABLE {

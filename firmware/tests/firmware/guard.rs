@@ -1,4 +1,4 @@
-//! The guard: it leaves alone what drives give, and holds what anybody else gives.
+//! Tests of the guard: it does not change the commands of drives, and it limits any other command.
 
 use proptest::prelude::*;
 use sinew_core::coordinates::DofCommand;
@@ -52,7 +52,7 @@ const GOAL: GuardLimits = GuardLimits::Goal(GoalLimits {
     tells: true,
 });
 const CURRENT: GuardLimits = GuardLimits::Current { most_a: 0.8 };
-/// 4 V of current and 2 V of speed, of 10.
+/// 4 V of current and 2 V of speed, out of 10 V.
 const VOLTAGE: GuardLimits = GuardLimits::Voltage(VoltageLimits {
     most_a: 0.8,
     resistance_ohm: 5.0,
@@ -75,7 +75,7 @@ fn guard(limits: GuardLimits) -> Guard {
     Guard::new(settings(limits), DT_S).unwrap()
 }
 
-/// At an own position, at rest.
+/// Returns the condition of a servo at rest at its own position.
 fn at(own_rad: f32) -> Condition {
     turning(own_rad, 0.0, 0)
 }
@@ -104,17 +104,17 @@ fn it_says_what_it_changed() {
         let guarded = guard.check(Command::Position(3.0 + wanted), &at(0.0), permission);
         (own(guarded.command), guarded.reason)
     };
-    // Of 50 rad/s²: 1.25 mm of a radian in the first tick, and rounding.
+    // At 50 rad/s² the first tick allows 1.25e-3 rad, plus rounding.
     let (rad, reason) = from_rest(0.5, &FREE);
     assert!((rad - 0.001_25).abs() < 2e-5 && reason == Some(GuardReason::Acceleration), "{rad}");
     assert_eq!(from_rest(0.001, &FREE).1, None);
-    // A joint at 0.05 rad/s turns this servo at 0.1.
+    // A joint at 0.05 rad/s turns this servo at 0.1 rad/s.
     let soft = Permission { speed_rad_s: Some(0.05), ..FREE };
     let (rad, reason) = from_rest(0.001, &soft);
     assert!((rad - 0.0005).abs() < 2e-5 && reason == Some(GuardReason::Speed), "{rad}");
 
     let mut guard = guard(GOAL);
-    // A goal far from where the servo is: it begins there.
+    // A goal that is far from the servo: the movement begins at the servo's position.
     let unread = guard.check(Command::Position(3.0), &UNREAD, &FREE);
     assert_eq!((unread.command, unread.reason), (None, Some(GuardReason::Stale)));
     let far = guard.check(Command::Position(4.0), &at(0.0), &FREE);
@@ -162,41 +162,43 @@ fn a_current_is_held() {
     assert_eq!(guard.check(Command::Current(0.5), &UNREAD, &FREE).reason, Some(GuardReason::Stale));
 }
 
-/// Of 10 V: 0.4 drive the most current, 0.05 of each rad/s are back-EMF.
+/// Out of 10 V, a part of 0.4 drives the maximum current, and 0.05 per rad/s are back-EMF.
 #[test]
 fn a_voltage_is_held_to_that_of_the_most_current() {
     let mut guard = guard(VOLTAGE);
     let mut given = |wanted: f32, read: Condition, permission: &Permission| {
         let guarded = guard.check(Command::Pwm(wanted), &read, permission);
         let Some(Command::Pwm(part)) = guarded.command else { panic!("{guarded:?}") };
-        // Without what it leaves to rounding.
+        // Rounding is removed.
         ((1e5 * part).round() * 1e-5, guarded.reason)
     };
     let near = |(part, reason): (f32, _), expected: f32, why| {
         assert!((part - expected).abs() < 1e-6 && reason == why, "{part} {expected} {reason:?}");
     };
     let voltage = Some(GuardReason::Voltage);
-    // All of the supply would be 2 A at standstill.
+    // The whole supply would drive 2 A at standstill.
     near(given(1.0, at(0.0), &FREE), 0.4, voltage);
     near(given(-1.0, at(0.0), &FREE), -0.4, voltage);
     near(given(0.39, at(0.0), &FREE), 0.39, None);
     near(given(1.0, turning(0.0, 4.0, 0), &FREE), 0.6, voltage);
     near(given(-1.0, turning(0.0, 4.0, 0), &FREE), -0.2, voltage);
-    // Its reading of the supply counts, unless it cannot be.
+    // The servo's reading of the supply is used unless it is impossible.
     let at_v = |supply_v| Condition { supply_v: Some(supply_v), ..at(0.0) };
     near(given(1.0, at_v(8.0), &FREE), 0.5, voltage);
     near(given(1.0, at_v(0.1), &FREE), 0.6, voltage);
-    // Twice as fast as it may be it gets nothing that drives, by hand too, and no brake beyond its current.
+    // A servo at twice its permitted speed gets nothing that drives it, even if it is turned by hand, and no brake
+    // beyond its current.
     let fast = turning(0.0, 10.0, 0);
     near(given(0.6, fast, &FREE), 0.5, Some(GuardReason::Speed));
     near(given(0.0, fast, &FREE), 0.1, voltage);
     near(given(0.2, fast, &FREE), 0.2, None);
-    // Less and less drives it when it is lowered; its winding may brake it.
+    // Less voltage drives a servo that is lowered; its winding may brake it.
     let [half, limp] = [0.5, 0.0].map(|effort| Permission { effort, ..FREE });
     near(given(1.0, at(0.0), &half), 0.2, voltage);
     near(given(0.0, turning(0.0, 5.0, 0), &limp), 0.0, None);
     near(given(0.4, turning(0.0, 5.0, 0), &limp), 0.25, voltage);
-    // Beyond an end and without a reading there is none; a drive that lets go may short it.
+    // Beyond an end, and without a reading, there is no voltage; a drive that releases the servo may short its
+    // winding.
     near(given(0.3, at(1.6), &FREE), 0.0, Some(GuardReason::Range));
     near(given(-0.3, at(1.6), &FREE), -0.3, None);
     near(given(0.0, turning(1.6, 10.0, 0), &FREE), 0.0, None);
@@ -244,7 +246,7 @@ fn settings_that_cannot_be_are_refused() {
     assert!(Guard::new(settings(GOAL), 0.0).is_err());
 }
 
-/// Any number, and often one of a machine.
+/// Any number, often of a realistic size.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![any::<f32>(), -4.0_f32..8.0, Just(f32::NAN), Just(f32::INFINITY), Just(3.0)]
 }
@@ -267,7 +269,7 @@ fn any_command() -> impl Strategy<Value = Command> {
 }
 
 proptest! {
-    /// A hostile caller, of a servo that follows perfectly.
+    /// A hostile caller with a servo that follows perfectly.
     #[test]
     fn nothing_gets_past_it(
         limits in prop::sample::select(vec![GOAL, CURRENT, VOLTAGE]),
@@ -287,10 +289,10 @@ proptest! {
                 Some(Command::Position(rad) | Command::PositionAt { position_rad: rad, .. }) => {
                     prop_assert_eq!(limits, GOAL);
                     let goal = rad - 3.0;
-                    // A rounding of f32 at 3 rad, and the guard's own.
+                    // The tolerance is a rounding of f32 at 3 rad, and the guard's own.
                     prop_assert!((-1.000_001..=1.500_001).contains(&goal), "{goal}");
                     let way = goal - is;
-                    // The guard allows its own rounding, 1e-5 rad, and lets out with its own bits what is within it.
+                    // The guard tolerates its own rounding, 1e-5 rad, and passes a goal within its limits unchanged.
                     prop_assert!(way.abs() <= fastest * DT_S + 2.2e-5, "{way}");
                     let along = (moved * way.signum()).max(0.0);
                     prop_assert!(way.abs() <= along + 50.0 * DT_S * DT_S + 2.3e-5, "{way} {moved}");
@@ -301,7 +303,7 @@ proptest! {
                 }
                 Some(Command::Pwm(part)) => {
                     prop_assert!(limits == VOLTAGE && part.abs() <= 0.600_01, "{part}");
-                    // Where all of the window is within that part.
+                    // Checked only if the whole window is within that part.
                     let emf = 0.05 * velocity_rad_s;
                     let held = (part - emf).abs() <= 0.400_01 || emf.abs() > 0.2 || emf.is_nan();
                     prop_assert!(held, "{part} {emf}");
@@ -320,7 +322,8 @@ proptest! {
         }
     }
 
-    /// What drives give of any targets is within the guard's limits, too: it leaves it alone, to the last bit.
+    /// The commands of drives for any targets are within the guard's limits, too: it passes them unchanged, to the
+    /// last bit.
     #[test]
     fn drives_keep_to_it(
         kinds in kinds(),

@@ -1,5 +1,4 @@
-//! What a host is told is what the supervisor says: states and feeds of the link are the supervisor's, by number and
-//! name.
+//! States and feeds of the link are the supervisor's, with the same numbers and names.
 
 use sinew_firmware::supervisor::{self, State};
 use sinew_link::message;

@@ -1,4 +1,5 @@
-//! The firmware in process: its parts, the controller and the node with simulated servos, the supervisor's model.
+//! Tests of the firmware in process: its parts, the controller and the node with simulated servos, and a model of the
+//! supervisor.
 
 mod classes;
 mod common;

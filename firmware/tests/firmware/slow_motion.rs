@@ -1,4 +1,4 @@
-//! Slow motion of position servos: goals in steps of the encoder, and the servo's own profile between them.
+//! Slow motion of position servos: goals in steps of the encoder, and the servo's own profile that smooths them.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -16,28 +16,28 @@ use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
-use sinew_servo_sim::load::{Arm, Plant, Shaft};
+use sinew_servo_sim::load::{Arm, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 
 const TICK_US: u32 = 10_000;
 const RATE_HZ: u32 = 100;
-/// After so long it follows; and so long it is looked at, s.
+/// Time until the servo follows, and duration of the measurement, s.
 const START_S: f64 = 4.0;
 const LOOK_S: f64 = 8.0;
 
-/// A servo, and how finely it takes speeds.
+/// A servo, with the resolution of its speeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
-    /// In steps of 0.229 rev/min.
+    /// Speeds in steps of 0.229 rev/min.
     Xl330,
-    /// In steps of 50 counts/s.
+    /// Speeds in steps of 50 counts/s.
     Sts3215,
-    /// With bit 2 of its Phase set: in steps of a count/s.
+    /// Speeds in steps of a count/s, with bit 2 of its Phase set.
     Sts3215Fine,
 }
 
-/// What the shaft did, each millisecond.
+/// Motion of the shaft in each millisecond.
 struct Watched {
     arm: Arm,
     shafts: Vec<Shaft>,
@@ -51,20 +51,20 @@ impl Plant for Watched {
         self.arm
     }
 
-    fn step(&mut self, _: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         self.shafts.push(shafts[0]);
-        self.torques_nm.push(torques_nm[0]);
+        self.torques_nm.push(pushes[0].torque_nm);
     }
 }
 
-/// How rough a motion is.
+/// Roughness of a motion.
 #[derive(Debug, Clone, Copy)]
 struct Ripple {
-    /// Largest way in 10 ms, over that of the speed asked for.
+    /// Largest movement in 10 ms, divided by that of the requested speed.
     largest_step: f64,
-    /// Root mean square of the speed round that which was asked for, deg/s.
+    /// Root mean square of the speed's deviation from the requested speed, deg/s.
     speed_deg_s: f64,
-    /// Root mean square of what the torque at the shaft changes by in a millisecond, mN m: what one hears.
+    /// Root mean square of the torque's change at the shaft per millisecond, mN m: the audible part.
     buzz_mnm: f64,
 }
 
@@ -82,7 +82,7 @@ fn ripple(kind: Kind, deg_s: f64, profile: bool) -> Ripple {
         servo.set(9, 1);
         servo.set(68, 1);
     }
-    // A tenth of the stall torque, always the same way: it keeps the gear out of its play.
+    // A tenth of the stall torque in a constant direction keeps the gear out of its play.
     let stall_nm =
         parameters.torque_constant_nm_a * parameters.voltage_v / parameters.resistance_ohm;
     let arm = Arm { inertia_kg_m2: 1e-3, torque_nm: -0.1 * stall_nm, ..Arm::default() };
@@ -176,7 +176,7 @@ fn slow_motion_keeps_within_the_steps_of_the_encoder_and_the_profile_smooths_it(
         "| servo | deg/s | largest step | by profile | speed rms | by profile | torque's steps | by profile |"
     );
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
-    // Of a small step, 63 %: docs/simulated-servos.md.
+    // Time to 63 % of a small step: docs/simulated-servos.md.
     for (kind, responds_s) in
         [(Kind::Xl330, 0.0955), (Kind::Sts3215, 0.0618), (Kind::Sts3215Fine, 0.0618)]
     {
@@ -191,8 +191,8 @@ fn slow_motion_keeps_within_the_steps_of_the_encoder_and_the_profile_smooths_it(
                 goals.buzz_mnm,
                 profile.buzz_mnm
             );
-            // A goal jumps by a count of the encoder; a servo that responds in T moves by no more than 1/T of it in a
-            // second, beside what it moves anyhow.
+            // A goal jumps by a count of the encoder. A servo with response time T moves by at most 1/T of the count
+            // in a second, in addition to its normal movement.
             let bound = 1.0 + 360.0 / 4096.0 / (responds_s * deg_s);
             for ripple in [goals, profile] {
                 assert!(
@@ -200,8 +200,8 @@ fn slow_motion_keeps_within_the_steps_of_the_encoder_and_the_profile_smooths_it(
                     "{kind:?}, {deg_s} deg/s: {ripple:?}, {bound}"
                 );
             }
-            // Speeds below a step of the servo's are rounded up: the way is then in jerks as before, and no worse. A
-            // tenth is what two such motions differ by.
+            // Speeds below the servo's smallest step are rounded up: the movement is then as jerky as without a
+            // profile, but not worse. A tenth is the difference between two such motions.
             let most = match (kind, deg_s) {
                 (Kind::Xl330 | Kind::Sts3215, 1.0) => 1.1,
                 _ => 0.9,

@@ -1,4 +1,4 @@
-//! The supervisor with its clocks: named courses of events, and random ones.
+//! Tests of the supervisor with its clocks: named sequences of events, and random ones.
 
 use proptest::prelude::*;
 use sinew_firmware::supervisor::{
@@ -9,7 +9,7 @@ use sinew_firmware::supervisor::{
 const TICK_US: u64 = 10_000;
 const ALL_FEEDS: Feeds = Feeds { show: true, live: true, jog: true };
 
-/// A supervisor, ticked a hundred times a second with everything in order.
+/// A supervisor with 100 ticks per second and inputs without any fault.
 struct Rig {
     supervisor: Supervisor,
     inputs: Inputs,
@@ -52,7 +52,7 @@ impl Rig {
         outcome
     }
 
-    /// Ticks until a state is reached; how long it took, s.
+    /// Ticks until a state is reached, and returns the time, s.
     fn until(&mut self, state: State) -> f32 {
         let ticks = (1_u16..10_000).find(|_| self.tick().state == state).expect("it is reached");
         f32::from(ticks) * 0.01
@@ -82,7 +82,7 @@ fn power_on_moves_nothing_and_arming_is_slow() {
     let armed = rig.command(Command::Arm).permission;
     assert_eq!((armed.torque, armed.source), (true, Source::Measured));
     assert_eq!(armed.speed_rad_s, Some(20.0_f32.to_radians()));
-    // The tick after a second is over.
+    // The state changes in the tick after a second has passed.
     assert!((rig.until(State::Holding) - 1.0).abs() < 0.011);
 }
 
@@ -119,7 +119,7 @@ fn arming_says_what_is_missing() {
     );
     let hot = refused(|inputs| inputs.findings.note(Fault::HotMeasured));
     assert_eq!(hot, Refused::Fault(Fault::HotMeasured));
-    assert_eq!(hot.to_string(), "fault 5 (hot, measured): mend it and clear it first");
+    assert_eq!(hot.to_string(), "fault 5 (hot, measured): remove its cause and clear it first");
     assert_eq!(rig.command(Command::Arm).answer, Some(Ok(State::Arming)));
     let again = rig.command(Command::Arm).answer.unwrap().unwrap_err();
     assert_eq!(again.to_string(), "the rig is arming: wait until that is over");
@@ -142,7 +142,7 @@ fn a_show_waits_until_the_rig_has_come_to_it() {
     rig.inputs.is_there = true;
     let there = rig.tick().permission;
     assert!(there.runs && there.speed_rad_s.is_none(), "{there:?}");
-    // From feed to feed it comes softly, too.
+    // A change from one feed to another is soft, too.
     let changed = rig.command(Command::Play(Feed::Live)).permission;
     assert_eq!((changed.weight, changed.speed_rad_s), (0.0, Some(20.0_f32.to_radians())));
     assert!(!changed.runs);
@@ -169,8 +169,12 @@ fn a_silent_link_holds_and_then_lowers() {
     rig.inputs.heard = false;
     assert!((rig.until(State::Holding) - 0.2).abs() < 0.011);
     assert!((rig.until(State::Lowering) - 1.8).abs() < 0.011);
-    let efforts: Vec<f32> = (0..100).map(|_| rig.tick().permission.effort).collect();
-    assert!(efforts.is_sorted_by(|a, b| a > b) && efforts[99] > 0.6, "a third of 3 s");
+    // A rig that is not down fades in the last 3 s of 18 s.
+    rig.inputs.is_there = false;
+    let efforts: Vec<f32> = (0..1600).map(|_| rig.tick().permission.effort).collect();
+    let [whole, fading] = [&efforts[..1495], &efforts[1505..]];
+    assert!(whole.iter().all(|effort| *effort >= 1.0));
+    assert!(fading.is_sorted_by(|a, b| a > b) && fading[94] > 0.6, "a third of 3 s");
     rig.until(State::Faulted);
     rig.inputs.heard = true;
     assert_eq!(rig.tick().latched, FaultSet::of(Fault::LinkLost));
@@ -193,18 +197,26 @@ fn stop_goes_to_the_rest_pose_and_ends_there_or_in_time() {
     let mut rig = Rig::playing(Feed::Show);
     let stopping = rig.command(Command::Stop);
     assert_eq!((stopping.state, stopping.permission.source), (State::Stopping, Source::Rest));
-    // There: after the blend of 1 s.
+    // The rig is at its rest pose, so the state ends after the blend of 1 s.
     assert!((rig.until(State::Lowering) - 1.0).abs() < 0.011);
-    rig.until(State::Limp);
+    // The rig is down, so lowering ends at once.
+    assert!(rig.until(State::Limp) < 0.011);
 
     let mut stuck = Rig::playing(Feed::Show);
     stuck.inputs.is_there = false;
     stuck.command(Command::Stop);
-    // Asked again, it goes on as it was.
+    // A second stop changes nothing.
     assert_eq!(stuck.command(Command::Stop).answer, Some(Ok(State::Stopping)));
     assert_eq!(stuck.command(Command::Hold).answer, Some(Err(Refused::InState(State::Stopping))));
     assert!((stuck.until(State::Lowering) - 9.98).abs() < 0.011);
-    assert!((stuck.until(State::Limp) - 3.0).abs() < 0.011);
+    assert!((stuck.until(State::Limp) - 18.0).abs() < 0.011);
+
+    // With a hot servo, lowering ends earlier.
+    let mut hot = Rig::playing(Feed::Show);
+    hot.inputs.is_there = false;
+    hot.inputs.findings.note_of(Fault::HotMeasured, 4);
+    hot.until(State::Lowering);
+    assert!((hot.until(State::Faulted) - 6.0).abs() < 0.011);
 }
 
 #[test]
@@ -219,14 +231,14 @@ fn maintenance_moves_by_one_hand_as_long_as_it_holds() {
     let moves = rig.tick().permission;
     assert_eq!(moves.source, Source::Feed(Feed::Jog));
     assert_eq!(moves.speed_rad_s, Some(10.0_f32.to_radians()));
-    // Let go: 0.2 s after the last message, which was a tick ago.
+    // The button is released: the rig holds 0.2 s after the last message, which was a tick ago.
     let held = (0..100).find(|_| rig.tick().permission.source == Source::Hold);
     assert!(matches!(held, Some(17..=19)), "{held:?}");
     let refused = Some(Err(Refused::InMaintenance(mine)));
     for command in [Command::Enable(other), Command::Leave(other), Command::Hold] {
         assert_eq!(rig.command(command).answer, refused, "{command:?}");
     }
-    // Anybody may stop it: it does not go past the hands of the operator. And it stays the operator's.
+    // Anybody may stop the rig: it is lowered, and does not move past the operator's hands. It stays the operator's.
     assert_eq!(rig.command(Command::Stop).answer, Some(Ok(State::Lowering)));
     rig.until(State::Limp);
     assert_eq!(rig.command(Command::Arm).answer, refused);
@@ -296,7 +308,7 @@ fn command() -> impl Strategy<Value = Option<Command>> {
 }
 
 prop_compose! {
-    /// What some ticks bring: mostly all in order.
+    /// Inputs of some ticks: mostly without any fault.
     fn inputs()(
         command in command(),
         (step_us, ticks) in (1_u64..3_000_000, 1_usize..200),
@@ -332,7 +344,7 @@ proptest! {
         for (inputs, step_us, ticks) in course {
             for tick in 0..ticks {
                 now_us += step_us;
-                // A command comes once.
+                // A command is given only once.
                 let command = inputs.command.filter(|_| tick == 0);
                 let inputs = Inputs { now_us, command, ..inputs };
                 if inputs.heard {
@@ -355,17 +367,17 @@ proptest! {
                 if let Source::Feed(feed) = permission.source {
                     prop_assert!(inputs.feeds.gives(feed) && inputs.measured);
                 }
-                // By the state before it: the tick in which it is found.
+                // The time-out counts by the state before: the tick in which it is detected.
                 let silent_us = heard_us.map_or(u64::MAX, |heard| now_us - heard);
                 if silent_us >= 2_001_000 {
                     prop_assert!(!permission.torque || found.state == State::Lowering);
                 } else if silent_us >= 201_000 {
                     prop_assert!(!matches!(permission.source, Source::Feed(_)), "{before} {found:?}");
                 }
-                // What ends is over in its time, whatever comes.
+                // A state that ends must end in its time, whatever happens.
                 off_by_us = match (found.state, off_by_us) {
-                    (State::Lowering, None) => Some(now_us + 3_000_000 + TICK_US),
-                    (State::Stopping, None) => Some(now_us + 13_000_000 + 2 * TICK_US),
+                    (State::Lowering, None) => Some(now_us + 18_000_000 + TICK_US),
+                    (State::Stopping, None) => Some(now_us + 28_000_000 + 2 * TICK_US),
                     (State::Stopping | State::Lowering, by) => by,
                     (_, by) => {
                         prop_assert!(by.is_none() || !permission.torque);
@@ -375,7 +387,7 @@ proptest! {
                 if step_us == TICK_US {
                     prop_assert!(off_by_us.is_none_or(|by| now_us <= by), "{found:?}");
                 } else {
-                    // Rare ticks find it at the next of them.
+                    // With rare ticks it is detected at the next one.
                     off_by_us = off_by_us.map(|by| by + step_us);
                 }
             }

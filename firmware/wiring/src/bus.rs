@@ -1,4 +1,4 @@
-//! The bus of one line, whoever made its servos.
+//! The bus of a line, for any maker of servos.
 
 use sinew_servo_bus::settings::ServoRequirements;
 use sinew_servo_bus::{
@@ -6,14 +6,14 @@ use sinew_servo_bus::{
     dynamixel, feetech, pca9685,
 };
 
-/// The bus of one line of at most `SERVOS` servos.
+/// The bus of a line with at most `SERVOS` servos.
 #[derive(Debug, Clone)]
 pub enum Bus<const SERVOS: usize> {
-    /// Of Dynamixel servos.
+    /// A bus of Dynamixel servos.
     Dynamixel(dynamixel::Bus<SERVOS>),
-    /// Of Feetech servos.
+    /// A bus of Feetech servos.
     Feetech(feetech::Bus<SERVOS>),
-    /// Of hobby servos: what it plans are I2C writes.
+    /// A bus of hobby servos on a PCA9685: it plans I2C writes.
     Pca9685(pca9685::Bus),
 }
 

@@ -3,43 +3,45 @@
 use sinew_servo_bus::{ScheduleError, SetupError};
 use thiserror::Error;
 
-/// Version of the bytes, which the error names.
+/// Version of a wiring's byte format.
 pub const VERSION: u8 = 2;
 
-/// Why a wiring is refused.
+/// A reason for which a wiring is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum WiringError {
-    /// The bytes are no wiring of this version, or not all of it.
+    /// The bytes are not a complete wiring of this version.
     #[error("not a wiring of version {VERSION}")]
     Bytes,
-    /// There are too many servos.
+    /// There are more servos than the board holds.
     #[error("the board holds {holds} servos; the wiring has more")]
     Servos {
-        /// How many the board holds.
+        /// Maximum number of servos on the board.
         holds: usize,
     },
-    /// There are too many lines, none, or a servo or the loop is on one that there is not.
-    #[error("there are too many lines for this board, none, or servos on one that there is not")]
+    /// There are too many lines, no lines, or a servo or the loop refers to a line that does not exist.
+    #[error(
+        "the wiring has no line, too many lines for this board, or servos on a line that does not exist"
+    )]
     Line,
-    /// A Dynamixel is of no model in the table.
+    /// A Dynamixel has a model that is not in the table.
     #[error("servo {id} is a Dynamixel of model {found}, which is not in the table")]
     Model {
-        /// Its id.
+        /// Bus ID of the servo.
         id: u8,
-        /// Its number.
+        /// Model number of the servo.
         found: u16,
     },
-    /// A servo is on a line of another maker's.
-    #[error("a servo is on a line where another protocol is spoken")]
+    /// A servo is on a line with another maker's protocol.
+    #[error("a servo is on a line of another protocol")]
     Protocol,
-    /// The chip's clock cannot be divided so.
+    /// The chip's clock cannot be divided to the requested pulse rate.
     #[error("a PCA9685 makes 24 to 1526 pulses a second at 25 MHz")]
     Pulses,
-    /// A line is too slow.
+    /// A line is too slow for the rate of the loop.
     #[error(transparent)]
     Schedule(ScheduleError),
-    /// A servo's setting.
+    /// A setting of a servo is invalid.
     #[error(transparent)]
     Setup(SetupError),
 }

@@ -1,15 +1,15 @@
-//! How a rig's servos hang on a board, and how they are driven.
+//! Wiring of a rig: how its servos are connected to a board, and how they are driven.
 //!
-//! A rig's compact form says what its servos do: not on which line they are, who made them, or what current they bear.
-//! That is its wiring, and a host sends it behind the rig, as one item ([`Wiring::append`]).
+//! A rig's compact form describes its joints and servos, but not their lines, makers or maximum currents. These are
+//! its wiring. A host sends the wiring after the rig, as a single item ([`Wiring::append`]).
 //!
 //! - [`Wiring`]: the lines, the servos, and the rate of the loop, as bytes;
-//! - [`Bus`]: the bus of one line; [`Lines`] and [`AllLines`]: those of all lines, servos in the rig's order.
+//! - [`Bus`]: the bus of a line; [`Lines`] and [`AllLines`]: the buses of all lines, with servos in the rig's order.
 //!
 //! # Files
 //! - `wiring`: the whole wiring as bytes, and as settings of a controller.
-//! - `line`, `lines`, `bus`: one line and one servo; all lines of a board; the bus of one line.
-//! - `remote`: numbers of other crates as messages carry them.
+//! - `line`, `lines`, `bus`: a line and a servo; all lines of a board; the bus of a line.
+//! - `remote`: serialization of other crates' settings.
 //! - `error`: errors of a wiring.
 
 #![no_std]

@@ -1,4 +1,4 @@
-//! One line and one servo, as they are told.
+//! A line and a servo, as a wiring describes them.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -16,60 +16,60 @@ use crate::{Bus, WiringError};
 /// A line of servos.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BusLine {
-    /// What is spoken on it.
+    /// Protocol of the line, with its settings.
     pub protocol: Protocol,
-    /// How fast it is.
+    /// Bit rate and delays of the line.
     #[serde(with = "TimingOf")]
     pub timing: Timing,
-    /// What goes over it in a tick.
+    /// Bytes and packets that the line carries in a tick.
     #[serde(with = "TrafficOf")]
     pub traffic: Traffic,
 }
 
-/// What is spoken on a line, and how.
+/// Protocol of a line, with its settings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Protocol {
     /// Dynamixel 2.0.
     Dynamixel(#[serde(with = "DynamixelOf")] dynamixel::Settings),
-    /// Feetech's.
+    /// Feetech's protocol.
     Feetech(#[serde(with = "FeetechOf")] feetech::Settings),
-    /// Pulses of a PCA9685; [`Timing::baud`] is that of I2C.
+    /// Pulses of a PCA9685; [`Timing::baud`] is the rate of I2C.
     Pca9685(Pulses),
 }
 
-/// The clock of a PCA9685.
+/// The clock of a PCA9685, and its pulse rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pulses {
-    /// Its own oscillator as measured, Hz; 25 MHz by the data sheet.
+    /// Measured frequency of the chip's own oscillator, Hz; 25 MHz by the data sheet.
     pub oscillator_hz: f32,
-    /// Pulses a second.
+    /// Pulse rate, Hz.
     pub rate_hz: f32,
 }
 
-/// A servo.
+/// A servo: its line, and its settings for the bus and for the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Servo {
-    /// Its line.
+    /// Index of the servo's line.
     pub line: usize,
-    /// What it is there.
+    /// Settings of the servo for its bus.
     pub on_line: LineServo,
-    /// What the controller knows of it.
+    /// Settings of the servo for the controller.
     #[serde(with = "ServoSetupOf")]
     pub setup: ServoSetup,
 }
 
-/// What a servo is on its line.
+/// Settings of a servo for the bus of its line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum LineServo {
-    /// A Dynamixel.
+    /// A Dynamixel servo.
     Dynamixel(Dynamixel),
-    /// A Feetech.
+    /// A Feetech servo.
     Feetech(#[serde(with = "FeetechServoOf")] feetech::ServoSetup),
     /// A channel of a PCA9685.
     Channel(#[serde(with = "ChannelOf")] ChannelSetup),
 }
 
-/// A [`dynamixel::ServoSetup`], its model by number.
+/// A [`dynamixel::ServoSetup`] with its model as a number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dynamixel {
     id: u8,
@@ -100,18 +100,18 @@ impl Dynamixel {
 }
 
 impl BusLine {
-    /// What its bus goes by, at so many ticks a second.
+    /// Returns the schedule of the line's bus at `rate_hz` ticks per second.
     ///
     /// # Errors
-    /// [`WiringError`] if it is too slow for that.
+    /// [`WiringError`] if the line is too slow for that rate.
     pub fn schedule(&self, rate_hz: u32) -> Result<Schedule, WiringError> {
         Schedule::new(self.timing, &self.traffic, rate_hz).map_err(WiringError::Schedule)
     }
 
-    /// Its bus, with its own servos.
+    /// Creates the line's bus with its servos.
     ///
     /// # Errors
-    /// [`WiringError`] names the servo that cannot be on it.
+    /// [`WiringError`] names the servo that cannot be on this line.
     pub fn bus<const SERVOS: usize>(
         &self,
         servos: impl Iterator<Item = LineServo>,
@@ -136,10 +136,11 @@ impl BusLine {
         }
     }
 
-    /// That [`Self::bus`] makes a bus. A board checks a wiring where its stack is deepest, and a bus is large.
+    /// Checks that [`Self::bus`] would succeed, without making the bus: a board checks a wiring when its stack is
+    /// deepest, and a bus is large.
     ///
     /// # Errors
-    /// As [`Self::bus`].
+    /// Returns the errors of [`Self::bus`].
     pub fn check<const SERVOS: usize>(
         &self,
         servos: impl Iterator<Item = LineServo>,
@@ -181,16 +182,16 @@ impl LineServo {
 }
 
 impl Pulses {
-    /// The divider of the chip's clock.
+    /// Returns the divider of the chip's clock.
     ///
     /// # Errors
-    /// [`WiringError::Pulses`] if it cannot be.
+    /// [`WiringError::Pulses`] if the clock cannot be divided to this rate.
     pub fn prescale(&self) -> Result<Prescale, WiringError> {
         Prescale::new(self.oscillator_hz, self.rate_hz).map_err(|_| WiringError::Pulses)
     }
 }
 
-/// All of them, if there is room.
+/// Collects all items, if there is room.
 fn all<T, const SERVOS: usize>(
     items: impl Iterator<Item = Result<T, WiringError>>,
 ) -> Result<Vec<T, SERVOS>, WiringError> {

@@ -1,4 +1,4 @@
-//! All lines of a board: servos in the rig's order. What goes over a line its bus plans for itself, when it is asked.
+//! All lines of a board, with servos in the rig's order. The bus of each line plans its own packets when it is asked.
 
 use core::cell::RefCell;
 
@@ -8,20 +8,21 @@ use sinew_servo_bus::{
     Command, CommandError, Compared, EncodeError, Feedback, Health, Limit, Request, ServoBus,
 };
 
-/// At most `L` lines with `SERVOS` servos together.
+/// At most `L` lines with at most `SERVOS` servos in total.
 #[derive(Debug)]
 pub struct Lines<B, const L: usize, const SERVOS: usize> {
     buses: Vec<B, L>,
-    /// Line and place of each servo.
+    /// Line of each servo, and its place on that line.
     places: Vec<(usize, usize), SERVOS>,
-    /// The line whose servo is compared.
+    /// Line of the servo whose settings are compared.
     compared: Option<usize>,
-    /// Why a packet of this tick did not go out.
+    /// Error that kept a packet of this tick from being sent.
     failed: Option<EncodeError>,
 }
 
 impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
-    /// `line_of`: the line of each servo, in the rig's order. What there is no room for is left out.
+    /// Creates lines with servos. `line_of` contains the line of each servo, in the rig's order. Lines and servos
+    /// that do not fit are left out.
     pub fn new(
         lines: impl IntoIterator<Item = B>,
         line_of: impl IntoIterator<Item = usize>,
@@ -32,35 +33,35 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
         own
     }
 
-    /// One more line, if there is room.
+    /// Adds a line if there is room.
     pub(crate) fn add(&mut self, line: B) {
         let _ = self.buses.push(line);
     }
 
-    /// One more servo, if there is room: the next one on its line.
+    /// Adds a servo, if there is room, at the next place on its line.
     pub(crate) fn place(&mut self, line: usize) {
         let place = self.places.iter().filter(|(other, _)| *other == line).count();
         let _ = self.places.push((line, place));
     }
 
-    /// How many lines there are.
+    /// Returns the number of lines.
     pub fn count(&self) -> usize {
         self.buses.len()
     }
 
-    /// First packets of a line in a tick; none if there is no room for them.
+    /// Plans the first packets of a line in a tick. Returns `None` if `out` is too short.
     pub fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
         let planned = self.buses.get_mut(line)?.plan(out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()
     }
 
-    /// What a line wants besides, if anything.
+    /// Plans further packets of a line, if it has any.
     pub fn plan_more(&mut self, line: usize, left_us: u32, out: &mut [u8]) -> Option<Request> {
         let planned = self.buses.get_mut(line)?.plan_more(left_us, out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()?
     }
 
-    /// What servos of a line have said. Whether that is all.
+    /// Passes bytes from servos to a line's bus. Returns whether the reply is complete.
     pub fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
         self.buses.get_mut(line).is_none_or(|bus| bus.reply(bytes))
     }
@@ -71,7 +72,7 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
     }
 }
 
-/// The lines as the controller sees them: one bus, which plans nothing by itself.
+/// The lines as the controller sees them: a single bus, which plans nothing by itself.
 #[derive(Debug)]
 pub struct AllLines<'l, B, const L: usize, const SERVOS: usize>(
     pub &'l RefCell<Lines<B, L, SERVOS>>,

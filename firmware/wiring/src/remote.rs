@@ -1,4 +1,5 @@
-//! Numbers of other crates as messages carry them: all of them, so that a new one does not build before it is here.
+//! Serialization of other crates' settings. It lists all of their fields: a new field does not build before it is
+//! added to this file.
 
 use serde::{Deserialize, Serialize};
 use sinew_firmware::controller::ServoSetup;
@@ -162,7 +163,7 @@ struct PositionOf {
     profile: bool,
 }
 
-/// Of servos that tell nothing: nobody reads where they are.
+/// Settings of servos without feedback. Their encoder is not stored, since nobody reads their position.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "TargetSettings")]
 struct TargetOf {

@@ -1,4 +1,4 @@
-//! All of a rig's wiring, as bytes and as what a controller is made of.
+//! The complete wiring of a rig, as bytes and as settings of a controller.
 
 use heapless::Vec;
 use sinew_core::tracker::Settings as TrackerSettings;
@@ -9,27 +9,27 @@ use sinew_servo_bus::Schedule;
 use crate::error::{VERSION, WiringError};
 use crate::{Bus, BusLine, LineServo, Lines, Servo};
 
-/// Lines that a rig is told with at most; boards hold fewer.
+/// Maximum number of lines in a wiring; boards hold fewer.
 pub const LINES: usize = 4;
 
-/// How a rig of at most `SERVOS` servos hangs on its board, of at most `L` lines.
+/// Wiring of a rig with at most `SERVOS` servos, on a board with at most `L` lines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wiring<const L: usize, const SERVOS: usize> {
-    /// Ticks a second.
+    /// Control rate in ticks per second.
     pub rate_hz: u32,
-    /// The line whose schedule the controller goes by.
+    /// Index of the line whose schedule the controller uses.
     pub latest: usize,
-    /// Method and gains.
+    /// Method and gains of the tracker.
     pub tracker: TrackerSettings,
-    /// The lines.
+    /// Lines of the board.
     pub lines: Vec<BusLine, L>,
-    /// The servos, in the rig's order.
+    /// Servos, in the rig's order.
     pub servos: Vec<Servo, SERVOS>,
 }
 
 impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
-    /// Writes it behind the `len` bytes of a rig's compact form that `item` begins with, and says how long the whole
-    /// item is. None if there is no room.
+    /// Writes the wiring after a rig's compact form, which is the first `len` bytes of `item`. Returns the length of
+    /// the whole item, or `None` if there is no room.
     #[must_use]
     pub fn append(&self, item: &mut [u8], len: usize) -> Option<usize> {
         let head = (VERSION, self.rate_hz, self.latest, self.tracker);
@@ -46,10 +46,10 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
         join_rig(item, len, at)
     }
 
-    /// Reads what is behind a rig. O(servos).
+    /// Reads the wiring that is stored after a rig. O(servos).
     ///
     /// # Errors
-    /// [`WiringError::Bytes`], or that there are too many lines or servos.
+    /// [`WiringError::Bytes`], or the error that there are too many lines or servos.
     pub fn decode(mut bytes: &[u8]) -> Result<Self, WiringError> {
         let (version, rate_hz, latest, tracker): (u8, _, _, _) = take(&mut bytes)?;
         if version != VERSION {
@@ -66,44 +66,44 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
         if bytes.is_empty() { Ok(wiring) } else { Err(WiringError::Bytes) }
     }
 
-    /// Settings of a controller by it.
+    /// Returns the controller's settings.
     pub fn settings(&self) -> ControllerSettings {
         ControllerSettings { tracker: self.tracker, ..ControllerSettings::default() }
     }
 
-    /// What a controller knows of each servo.
+    /// Returns the controller's settings for each servo.
     pub fn setups(&self) -> Vec<ServoSetup, SERVOS> {
         self.servos.iter().map(|servo| servo.setup).collect()
     }
 
-    /// The schedule of the line that the controller goes by.
+    /// Returns the schedule of the line that the controller uses.
     ///
     /// # Errors
-    /// [`WiringError`] if there is no such line, or it is too slow.
+    /// [`WiringError`] if there is no such line, or the line is too slow.
     pub fn schedule(&self) -> Result<Schedule, WiringError> {
         self.lines.get(self.latest).ok_or(WiringError::Line)?.schedule(self.rate_hz)
     }
 
-    /// The bus of a line.
+    /// Creates the bus of a line.
     ///
     /// # Errors
-    /// [`WiringError`] names what cannot be on it.
-    // Not within its caller: a bus is large, and where several are made, one is on the stack at a time.
+    /// [`WiringError`] names the part that cannot be on the line.
+    // Not inlined into its caller: a bus is large, and where several are made, only one is on the stack at a time.
     #[inline(never)]
     pub fn bus(&self, line: usize) -> Result<Bus<SERVOS>, WiringError> {
         self.lines.get(line).ok_or(WiringError::Line)?.bus(self.on_line(line), self.rate_hz)
     }
 
-    /// The servos of a line.
+    /// Returns the servos of a line, in the rig's order.
     fn on_line(&self, line: usize) -> impl Iterator<Item = LineServo> {
         let own = self.servos.iter().filter(move |servo| servo.line == line);
         own.map(|servo| servo.on_line)
     }
 
-    /// That a controller can be made by it.
+    /// Checks that a controller can be made with this wiring.
     ///
     /// # Errors
-    /// As [`Self::bus`] and [`Self::schedule`], or that a servo is on a line that there is not.
+    /// Returns the errors of [`Self::bus`] and [`Self::schedule`], or that a servo is on a line that does not exist.
     pub fn check(&self) -> Result<(), WiringError> {
         if self.servos.iter().any(|servo| servo.line >= self.lines.len()) {
             return Err(WiringError::Line);
@@ -113,10 +113,10 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
         lines.try_for_each(|(index, line)| line.check::<SERVOS>(self.on_line(index), self.rate_hz))
     }
 
-    /// Puts the buses of all lines, and their servos, into lines that have none.
+    /// Adds the buses of all lines, and their servos, to empty `lines`.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Returns the errors of [`Self::check`].
     pub fn connect(&self, lines: &mut Lines<Bus<SERVOS>, L, SERVOS>) -> Result<(), WiringError> {
         self.check()?;
         for line in 0..self.lines.len() {

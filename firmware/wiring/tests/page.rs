@@ -1,5 +1,5 @@
-//! What is stored of a rig, on the page `docs/link.md`: its compact form, and the wiring behind it, as the code has
-//! them.
+//! Checks the page `docs/link.md`: it must show the compact form of a rig, and the wiring stored after it, as the
+//! code defines them.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ use sinew_core::tracker::Settings as TrackerSettings;
 use sinew_wiring::{BusLine, Servo, VERSION};
 
 const PAGE: &str = include_str!("../../../docs/link.md");
-/// The compact form is told by the crate that has it.
+/// Source of the crate that documents the compact form.
 const RIG: &str = include_str!("../../../crates/rig/src/board/mod.rs");
 
-/// All enumerations: of one that is not here, `Tracer::registry` says that kinds are missing.
+/// All enumerations. If one is missing in this list, `Tracer::registry` reports missing variants.
 const ENUMERATIONS: [&str; 15] = [
     "AimName",
     "DesiredVelocity",
@@ -31,7 +31,7 @@ const ENUMERATIONS: [&str; 15] = [
     "Sharing",
     "WeightsName",
 ];
-/// No enumeration has more kinds, each of which is traced by name and by number.
+/// Number of passes. No enumeration has more variants; each is traced by name and by number.
 const PASSES: usize = 48;
 
 fn assert_on_page(text: &str) {
@@ -47,7 +47,7 @@ fn the_compact_form_is_on_the_page() {
     assert_on_page(text.trim());
 }
 
-/// A type's name on the page: `TimingOf` stands for another crate's `Timing`.
+/// Returns a type's name on the page: `TimingOf` stands for another crate's `Timing`.
 fn name(of: &str) -> &str {
     match of {
         "Name" => "Law",
@@ -66,7 +66,7 @@ fn words(format: &Format) -> String {
         Format::Bool => "bool".to_owned(),
         Format::U8 => "u8".to_owned(),
         Format::U16 => "u16".to_owned(),
-        // A usize, too.
+        // A `usize` is traced as `U64`, too.
         Format::U32 | Format::U64 => "u32".to_owned(),
         Format::F32 => "f32".to_owned(),
         Format::Option(of) => format!("optional {}", words(of)),
@@ -115,7 +115,7 @@ fn rows(registry: &Registry) -> String {
 fn the_wiring_is_on_the_page() {
     let mut tracer = Tracer::new(TracerConfig::default().is_human_readable(false));
     let samples = Samples::new();
-    // Each time another kind of each enumeration is seen.
+    // Each pass shows another variant of each enumeration.
     for _ in 0..PASSES {
         for of in ENUMERATIONS {
             let _ = tracer.check_incomplete_enum(of);

@@ -62,7 +62,7 @@ pub(super) struct Args {
     #[arg(long = "loop")]
     is_loop: bool,
 
-    /// Length of the blend of --loop, in s: the loop leaves the clip so long before its end.
+    /// Length of the blend of --loop, in s: the loop leaves the clip this long before the clip's end.
     #[arg(long, value_name = "S", default_value_t = 1.0, value_parser = seconds, allow_negative_numbers = true, requires = "is_loop")]
     loop_blend_s: f64,
 
@@ -70,8 +70,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// Also write a page with the rig in motion, and with plots of each joint beside its limits: one file, for any
-    /// browser, without a network.
+    /// Also write a page with the rig in motion, and plots of each joint with its limits. The page is one file for
+    /// any browser, and needs no network.
     #[arg(long, value_name = "FILE.html")]
     html: Option<OutputPath>,
 
@@ -128,7 +128,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// What was written.
+/// Returns the summary of the show: durations, likeness, cues and size.
 fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Baked) -> String {
     let written = &baked.written;
     let given_s = performance.clip.motion.duration_s();
@@ -167,14 +167,14 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
         1000.0 * written.lengths.largest,
         written.angles.rms.to_degrees(),
         1000.0 * written.lengths.rms,
-        // Half of the flash of an STM32F446, all of an RP2350's usual one, an SPI flash.
+        // Half the flash of an STM32F446; all the flash of a usual RP2350 board; a 16 MB SPI flash.
         minutes(256),
         minutes(4_000),
         minutes(16_000),
     )
 }
 
-/// From when to when the time code of a show goes; nothing if it has none.
+/// Returns the first and last time code of a show as a line, or nothing if the show has no time code.
 fn clock(bytes: &[u8]) -> String {
     let Ok(show) = Show::open(bytes) else { return String::new() };
     let (Some(begin), Some(end)) = (show.time_code(), show.time_code_at(show.length())) else {

@@ -1,4 +1,4 @@
-//! `sinew clip blend`: from one clip to another.
+//! `sinew clip blend`: a blend from one clip into another.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -25,12 +25,13 @@ use super::unit_args::UnitArgs;
 
 /// Blend one clip into another where their poses are nearest, and write the motion as BVH.
 ///
-/// The middle of the blend is the pair of frames with the shortest geodesic: the way of the
-/// joints through space that keeps bone lengths. Both clips play on during the blend. Every
-/// pose is on the geodesic between theirs, at a smooth share of its length, so that velocity
-/// is continuous at both ends. Of long chains geodesics may not be found: then every joint
-/// goes its own shortest way, and the report says so. The second clip is turned about the
-/// vertical and shifted so that they meet. Feet are not held on the floor, and may slide.
+/// The middle of the blend is the pair of frames with the shortest geodesic: the path of
+/// the joints through space that keeps bone lengths. Both clips play on during the blend.
+/// Every pose is on the geodesic between the poses of the two clips. The share of its
+/// length grows smoothly, so that velocity is continuous at both ends. For long chains a
+/// geodesic may not be found: then every joint takes its own shortest path, and the report
+/// says so. The second clip is turned about the vertical and shifted so that the clips
+/// meet. Feet are not held on the floor, and may slide.
 ///
 ///   sinew clip blend walk.bvh run.bvh --output walk-run.bvh
 ///   sinew clip blend walk.bvh@1s..2.5s run.bvh --output walk-run.bvh --blend-s 0.4 --picture walk-run.png
@@ -57,30 +58,31 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.bvh")]
     output: OutputPath,
 
-    /// Length of the blend, rounded to an even number of A's frames. 0.5 is about a step of a walk; shorter is more
-    /// abrupt, longer mixes different steps.
+    /// Length of the blend, in s, rounded to an even number of A's frames. 0.5 is about a step of a walk; a shorter
+    /// blend is more abrupt, a longer one mixes different steps.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     blend_s: f64,
 
-    /// Minimum time that A plays alone before the blend, and B after it. With 0 the blend may begin and end with the
-    /// clips.
+    /// Minimum time, in s, that A plays alone before the blend, and B after it. With 0 the blend may begin and end
+    /// with the clips.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = find::seconds, allow_negative_numbers = true)]
     alone_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map
-    /// --list`). Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be
-    /// compared.
+    /// Mapping of the clips' skeleton to the figure: a TOML file, or the name of a known skeleton (`sinew clip map
+    /// --list`). Default: the known skeleton that fits; else the proposal of `sinew clip map`; else no mapping. Clips
+    /// of any skeleton can be compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
     units: UnitArgs,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
-    /// Also draw into this file: figures through the blend, where the clips are near each other, and speeds.
+    /// Also draw a picture into this file: figures through the blend, places where the clips are near each other, and
+    /// speeds.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<OutputPath>,
 
@@ -190,7 +192,7 @@ fn half(frames: f64) -> usize {
     libm::round(frames).max(1.0) as usize
 }
 
-/// A clip, and how many frames of it there are to be before the blend's middle and after it.
+/// A clip, and the numbers of frames that must remain before and after the blend's middle.
 struct Room {
     frames: usize,
     around: [usize; 2],
@@ -198,7 +200,8 @@ struct Room {
 }
 
 impl Room {
-    /// Where the middle may be: what was asked for, in frames of the file, as far as there is room around it.
+    /// Returns the frames of the file where the blend's middle may be: the requested part, cut to the frames with
+    /// enough room around them.
     fn places(
         &self,
         reference: &Reference,
@@ -218,7 +221,7 @@ impl Room {
         let [before, after] = self.around;
         if end < before + after {
             let (half, left) = (before.min(after), before.abs_diff(after));
-            // Rounded down to what a time is printed with.
+            // Rounded down to the precision of the printed times.
             let at_most = |frames: usize| libm::floor(1e3 * seconds(frames)) / 1e3;
             let would_do = match end.checked_sub(2 * half) {
                 Some(rest) => format!("--alone-s {:.3} would do", at_most(rest)),
@@ -236,8 +239,8 @@ impl Room {
         let is_one = reference.part != ClipPart::Whole && first == last;
         if places.is_empty() || (is_one && first != *places.start()) {
             bail!(
-                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half the \
-                 blend on both sides and what is left of the clip (see --alone-s)",
+                "{file}: expected a place at least {:.3} s from the clip's start and {:.3} s from its end, for half of \
+                 the blend on both sides and the part that plays alone (see --alone-s)",
                 seconds(before),
                 seconds(after)
             );
@@ -246,7 +249,7 @@ impl Room {
     }
 }
 
-/// The line's length in space, as `sinew clip find` measures it.
+/// Returns the length of the line between two poses in space, as `sinew clip find` measures it.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
     let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
     let measuring = RigMeasure::new(&rig, Measure::new(Metric::Line));

@@ -1,4 +1,4 @@
-//! `sinew clip`: motion capture before it is on a rig, and the skeletons that it has.
+//! `sinew clip`: motion capture before it is put on a rig, and skeletons of clips.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! Options that name what is tracked: clips, or motions of a rig's own joints.
+//! Options that name the motions to track: clips, or motions of a rig's own joints.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,21 +19,21 @@ use sinew_performance::rig::LoadedRig;
 use super::performance::{ON_STAND, PerformanceArgs};
 use super::unit_args::UnitArgs;
 
-/// Options that name what is tracked.
+/// Options that name the motions to track.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips; of a rig
-    /// motions of its own joints.
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips; with
+    /// --rig, motions of the rig's own joints.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// End at a file in a folder that cannot be used: damaged, or of a skeleton that no mapping is for. Default: it is
-    /// left out, and named.
+    /// Fail if a file in a folder cannot be used: it is damaged, or no mapping fits its skeleton. Default: the file
+    /// is left out, and named.
     #[arg(long, requires = "clips")]
     strict: bool,
 
-    /// How the clips' skeleton maps on the figure, or on the rig, in TOML: see `sinew clip map`. Default: chosen among
-    /// the known ones; of a rig by names and geometry.
+    /// Mapping of the clips' skeleton to the figure or the rig, in TOML: see `sinew clip map`. Default: chosen among
+    /// the known mappings; with --rig, by names and geometry.
     #[arg(long, value_name = "FILE")]
     mapping: Option<PathBuf>,
 
@@ -45,17 +45,18 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate_hz: Option<f64>,
 
-    /// Rate of the frames that the controller is given, in Hz. It divides `--rate-hz`; the controller interpolates
-    /// smoothly. Default: a frame for every tick; 100 for `robustness` and `latency`.
+    /// Rate of the frames that the controller receives, in Hz. It must divide `--rate-hz`; the controller
+    /// interpolates smoothly. Default: a frame for every tick; 100 for `robustness` and `latency`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frame_rate_hz: Option<f64>,
 
-    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or built-in motions of its own
-    /// joints, on the exact plant: all together, and for `evaluate` each in turn.
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or built-in motions of its
+    /// own joints, on the exact plant: all joints together, and for `evaluate` also each joint in turn.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Speeds of these motions, as shares of each joint's largest speed and acceleration, 0.01 to 1.
+    /// Speeds of the motions of the rig's own joints, as shares of each joint's largest speed and acceleration, 0.01
+    /// to 1.
     #[arg(
         long,
         value_name = "SHARE,..",
@@ -66,19 +67,19 @@ pub(super) struct ClipArgs {
     )]
     speed_shares: Vec<f64>,
 
-    /// Seed of these motions.
+    /// Seed of the motions of the rig's own joints.
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
     motion_seed: u64,
 }
 
-/// What is tracked, of either kind.
+/// Motions to track: clips on the figure, clips on a rig, or a rig's own motions.
 type Motions = Vec<Box<dyn EvaluatedMotion>>;
 
-/// Rate of control and plant of a user's rig, Hz.
+/// Default rate of control and plant for a user's rig, Hz.
 pub(super) const RIG_RATE_HZ: f64 = 500.0;
 
 impl ClipArgs {
-    /// The files that are read: what each is, and where.
+    /// Returns the input files, each with its role.
     pub(super) fn files(&self) -> Vec<(&'static str, Option<&Path>)> {
         let clips = self.clips.iter().map(|clip| ("clip", Some(clip.as_path())));
         let others = [("mapping", self.mapping.as_deref()), ("rig", self.rig.as_deref())];
@@ -98,12 +99,12 @@ impl ClipArgs {
         })
     }
 
-    /// The user's rig, if one is named; what its import changed is said on standard error.
+    /// Reads the user's rig, if one is named. Notes of the import go to standard error.
     pub(super) fn rig(&self, on_rig: &PerformanceArgs) -> anyhow::Result<Option<LoadedRig>> {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
     }
 
-    /// Refuses what says something of clips alone, where a rig tracks motions of its own joints.
+    /// Refuses options that apply to clips only, where a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
         let given =
@@ -114,12 +115,12 @@ impl ClipArgs {
         Ok(())
     }
 
-    /// Whether a rig is to track clips.
+    /// Whether a rig tracks clips.
     pub(super) fn of_rig(&self) -> bool {
         self.rig.is_some() && !self.clips.is_empty()
     }
 
-    /// The clips, taken over by a rig.
+    /// Reads the clips and maps them to a rig.
     pub(super) fn performances(
         &self,
         rig: &LoadedRig,
@@ -142,7 +143,7 @@ impl ClipArgs {
         Ok(performances)
     }
 
-    /// The motions of a rig's own joints: `in_turn` with those of one joint after the other.
+    /// Returns motions of a rig's own joints. With `in_turn`, also motions of each joint alone.
     pub(super) fn exercises(
         &self,
         rig: &LoadedRig,
@@ -158,8 +159,8 @@ impl ClipArgs {
         Ok(make_exercises(&rig.description.name, &rig.mechanism, &settings)?)
     }
 
-    /// What is tracked, of either kind, and what was done to the clips before. Of a rig, the motions of all joints
-    /// together: those in turn take long, and most joints stand still.
+    /// Returns the motions of either kind, and lines about changes that were made to the clips. For a rig these are
+    /// the motions of all joints together: motions of one joint at a time take long, and most joints stand still.
     pub(super) fn takes(&self, rig: Option<&LoadedRig>) -> anyhow::Result<(Motions, Vec<String>)> {
         fn boxed<T: EvaluatedMotion + 'static>(takes: Vec<T>) -> Motions {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn EvaluatedMotion>).collect()
@@ -178,13 +179,12 @@ impl ClipArgs {
         self.rate_hz.is_some()
     }
 
-    /// At this rate.
+    /// Returns these options with another rate.
     pub(super) fn with_rate(&self, rate_hz: f64) -> Self {
         Self { rate_hz: Some(rate_hz), ..self.clone() }
     }
 
-    /// With these rates where none are given; a frame for every tick where the frames' rate does not divide the
-    /// other.
+    /// Fills in rates that are not given. If `frames_hz` does not divide the rate, every tick has a frame.
     pub(super) fn at(&self, rate_hz: f64, frames_hz: f64) -> Self {
         let rate = self.rate_hz.unwrap_or(rate_hz);
         let goes_in = (rate / frames_hz).fract().abs() < f64::EPSILON && rate >= frames_hz;
@@ -192,7 +192,7 @@ impl ClipArgs {
         Self { rate_hz: Some(rate), frame_rate_hz: frames, ..self.clone() }
     }
 
-    /// Reads and prepares the clips, in their order; what was done to them is returned too.
+    /// Reads and prepares the clips, in their order. Also returns lines about changes that were made to them.
     pub(super) fn read(&self) -> anyhow::Result<(Vec<FigureMotion>, Vec<String>)> {
         let settings = Settings {
             mapping: self.mapping.as_deref().map(mapping::Mapping::named).transpose()?,
@@ -216,7 +216,7 @@ impl ClipArgs {
         let mut lines = left_out_lines(&left_out);
         let mut motions = Vec::with_capacity(prepared.len());
         for (motion, notices) in prepared {
-            // What is built in is known.
+            // Measurements of built-in clips are known; they are not printed.
             let is_told =
                 |notice: &Notice| !(self.clips.is_empty() && matches!(notice, Notice::Measured(_)));
             for notice in notices.into_iter().filter(is_told) {
@@ -228,7 +228,7 @@ impl ClipArgs {
     }
 }
 
-/// What is tracked, in a report: how many clips, or motions of which rig.
+/// Returns the subject of a report: the number of clips, or the rig and the number of motions.
 pub(super) fn what(rig: Option<&LoadedRig>, count: usize) -> String {
     match rig {
         Some(rig) => format!("rig {}, {count} motions", rig.description.name),
@@ -236,17 +236,17 @@ pub(super) fn what(rig: Option<&LoadedRig>, count: usize) -> String {
     }
 }
 
-/// The figure's dimensions, in a report. A rig has its own.
+/// Returns the figure's dimensions for a report. Empty for a rig, which has its own.
 pub(super) fn dimensions(rig: Option<&LoadedRig>, scale: f64) -> String {
     rig.map_or_else(|| format!(", {scale} times the dimensions"), |_| String::new())
 }
 
-/// What is left out of folders, a line for each file.
+/// Returns a line for each file of a folder that is left out.
 fn left_out_lines(left_out: &[String]) -> Vec<String> {
     left_out.iter().map(|why| format!("left out: {why}")).collect()
 }
 
-/// Tells what was done to the clips.
+/// Prints notes on changes that were made to the clips.
 pub(super) fn tell(lines: &[String]) {
     for line in lines {
         note(format_args!("{line}"));

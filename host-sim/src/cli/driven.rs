@@ -1,4 +1,4 @@
-//! Options of how a rig's servos are driven: by whoever simulates them, and by a board that gets its rig.
+//! Options that select how servos are driven: in the simulator, and on a board that gets its rig.
 
 use clap::ValueEnum;
 use sinew_performance::play::{Drive, Options};
@@ -7,16 +7,17 @@ use sinew_performance::play::{Drive, Options};
 enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
-    /// The part of the supply that drives this current, in PWM mode: the winding damps. Dynamixels only.
+    /// PWM mode: the duty cycle that drives this current; the winding damps. Dynamixels only.
     Voltage,
-    /// The target position, corrected in advance by how far gravity makes the servo sag.
+    /// The target position, corrected in advance by the angle by which gravity makes the servo sag.
     Position,
 }
 
-/// How servos are driven.
+/// Options that select how servos are driven.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct DrivenArgs {
-    /// Quantity that servos get each tick. Default: `current` for servos that have a current mode, else `position`.
+    /// Quantity that servos receive each tick. Default: `current` for servos that have a current mode, else
+    /// `position`.
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 
@@ -45,7 +46,7 @@ impl DrivenArgs {
         ]
     }
 
-    /// Of a loop in this program.
+    /// Returns the options for a loop in this program.
     pub(super) fn here(self) -> Options {
         let drive = self.drive.map(|drive| match drive {
             DriveArg::Current => Drive::Current,
@@ -55,7 +56,7 @@ impl DrivenArgs {
         Options { drive, rate_hz: self.rate_hz, baud: self.baud, ..Options::default() }
     }
 
-    /// Of a board's.
+    /// Returns the options for a loop on a board.
     pub(super) fn on_board(self) -> Options {
         Options { is_of_board: true, ..self.here() }
     }

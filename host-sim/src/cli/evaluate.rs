@@ -49,12 +49,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
-    /// Also write into this folder: the report (index.html, for a browser), its pictures, table.txt,
-    /// result.json, result.csv and clips.csv (a row per clip).
+    /// Also write into this folder: the report (index.html, for a browser), its pictures, table.txt, result.json,
+    /// result.csv and clips.csv (a row per clip).
     #[arg(long, value_name = "DIR")]
     output: Option<OutputPlace>,
 
@@ -102,7 +102,7 @@ pub(super) fn ensure_different<T: PartialEq + Display>(
 fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let protocol = args.protocol(rig.map(|rig| &rig.mechanism))?;
     check_fixed(&protocol.setup, &protocol.methods)?;
-    // Before the work, not after it.
+    // Checked before the work, so that no result is lost.
     let folder = args.output.as_deref().map(|folder| args.folder(folder)).transpose()?;
     if let Some(rig) = rig {
         tell_faults(rig)?;
@@ -148,7 +148,7 @@ impl Args {
         })
     }
 
-    /// The folder of results, locked. What is read must not be one of them.
+    /// Opens and locks the folder of results. Refuses a folder in which a result would overwrite an input file.
     fn folder(&self, folder: &Path) -> anyhow::Result<Folder> {
         let mut inputs = self.setup.files();
         inputs.extend(self.clips.files());
@@ -161,7 +161,7 @@ impl Args {
         Ok(Folder::open(folder, "evaluate", &inputs)?)
     }
 
-    /// Evaluates, writes the files and `page` where they are asked for, and prints.
+    /// Evaluates, prints, and writes the files and `page` if a folder is given.
     fn evaluate<T: EvaluatedMotion>(
         &self,
         takes: &[T],
@@ -174,7 +174,7 @@ impl Args {
         });
         let evaluation = match result {
             Ok(evaluation) => evaluation,
-            // The figure was lost: a result, and a bad one.
+            // A lost figure is a result, and a bad one: exit code 1.
             Err(error @ EvaluateError::Run { .. }) if error.is_loss() => {
                 note(format_args!("error: {error}"));
                 return Ok(ExitCode::FAILURE);
@@ -201,7 +201,8 @@ impl Args {
     }
 }
 
-/// Says what of a rig is too weak for its own weight, as `sinew rig check` finds it.
+/// Prints the faults of a rig, such as a servo that is too weak for the rig's weight, as `sinew rig check` finds
+/// them.
 fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
     let control = Loop { rate_hz: RIG_RATE_HZ, latency_ticks: 1, bandwidth_rad_s: None };
     let review = review(rig, control)?;
@@ -213,7 +214,8 @@ fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Names the motions of a rig that were not followed. A rig on a stand cannot be lost: it flails where it stands.
+/// Names the motions that a rig did not follow. A rig on a stand cannot fall, so it is never lost: its error is large
+/// instead.
 fn told_flailing(evaluation: &Evaluation) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
     let results = evaluation.figures.iter().flat_map(|figure| &figure.methods);
@@ -232,7 +234,7 @@ fn told_flailing(evaluation: &Evaluation) -> ExitCode {
     code
 }
 
-/// Files of every evaluation; pictures have names of their own.
+/// Files of every evaluation. Pictures have other names.
 const RESULTS: [&str; 5] = ["index.html", "table.txt", "result.json", "result.csv", "clips.csv"];
 
 fn write_files(folder: &Path, evaluation: &Evaluation) -> anyhow::Result<()> {

@@ -1,4 +1,4 @@
-//! `sinew evaluate`: how well methods of control track, without a sub-command as the paper's tables.
+//! `sinew evaluate`: measures how well control methods track. Without a sub-command it prints the paper's tables.
 
 use std::process::ExitCode;
 

@@ -1,4 +1,4 @@
-//! `sinew evaluate figure`: the bodies of a measured subject.
+//! `sinew evaluate figure`: bodies of a measured subject.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -14,16 +14,16 @@ use super::evaluate::scale;
 
 /// Print the bodies of a measured subject in the Hanavan-Kwon model.
 ///
-/// A row for each of the figure's 18 bodies: its solid, mass, share of the sum, the share by de Leva's table,
+/// A row for each of the figure's 18 bodies: its solid, mass, share of the total mass, the share by de Leva's table,
 /// density, centre of mass in m, and moments of inertia about the centre of mass in kg m².
 ///
-/// Frames: the subject stands upright with its arms down. In every body's frame x points to the subject's
-/// left, y up and z forward; the origin is the body's joint: the pelvis's is the middle of the hips, the trunk's
-/// parts and the head hang on their lower ends, the clavicles on the upper trunk's top, limbs on their upper
-/// ends, feet on the ankles. These axes are principal axes of every solid: its products of inertia are zero.
+/// Frames: the subject stands upright with its arms down. In every body's frame x points to the subject's left, y up
+/// and z forward. The origin is the body's joint: the middle of the hips for the pelvis; the lower end for the
+/// trunk's parts and the head; the top of the upper trunk for the clavicles; the upper end for limbs; the ankles for
+/// feet. These axes are principal axes of every solid: its products of inertia are zero.
 ///
-/// On a clip's skeleton (as the evaluation uses it) the masses are the same, limbs are as long as the clip's, and
-/// the inertia lies along the clip's bones.
+/// On a clip's skeleton (as the evaluation uses it) the masses are the same, limbs are as long as the clip's, and the
+/// inertia is along the clip's bones.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Measures of the subject, in TOML. Default: the built-in subject, of 1.80 m and 75 kg.
@@ -33,7 +33,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "F", default_value = "1.0", value_parser = scale, allow_negative_numbers = true)]
     scale: f64,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 }
@@ -55,11 +55,11 @@ struct Document<'a> {
     /// Whether the masses were scaled to sum to the given mass.
     normalised: bool,
     bodies: Vec<Row>,
-    /// Sum of the bodies' masses.
+    /// Sum of the bodies' masses, kg.
     sum_kg: f64,
-    /// What the regressions' masses sum to.
+    /// Sum of the masses by the regressions, kg.
     regression_sum_kg: f64,
-    /// The given mass, times the cube of the scale.
+    /// The given mass times the cube of the scale, kg.
     mass_kg: f64,
 }
 
@@ -78,7 +78,7 @@ struct Row {
 /// Runs the subcommand.
 ///
 /// # Errors
-/// If the subject's file cannot be read or holds what no body can have.
+/// If the subject's file cannot be read or contains a measure that is impossible for a body.
 pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let read = args.subject.as_deref().map(Subject::read).transpose()?;
     let subject = read.as_ref().unwrap_or_else(|| Subject::built_in());

@@ -20,11 +20,11 @@ use super::unit_args::UnitArgs;
 
 /// Find the moments in clips that are most similar to a pose, or to a piece of a clip.
 ///
-/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them, of any
-/// skeleton with at most 256 joints that move: a human, an animal, a face. All poses are put
-/// on the skeleton of the query, joints matched by their names. A clip with other joints is
-/// refused if it is named, and left out if it comes from a folder. Joints that no clip moves
-/// do not count.
+/// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them, of
+/// any skeleton with at most 256 joints that move: a human, an animal, a face. All poses
+/// are put on the skeleton of the query; joints are matched by their names. A clip with
+/// other joints is refused if it is named, and left out if it is in a folder. Joints that
+/// no clip moves do not count.
 ///
 ///   sinew clip find walks/ fights/ --like punch.bvh@1.25s
 ///   sinew clip find walks/ --like kick.bvh@40 --metric positions --weighted
@@ -32,15 +32,15 @@ use super::unit_args::UnitArgs;
 ///
 /// A pose is FILE@FRAME (from 0) or FILE@SECONDSs; a piece of a clip is FILE@FROM..TO, or
 /// FILE for all of it. It is compared with every place of every clip; the distance is the
-/// root mean square of the frames' distances. Of places close to each other the nearest is
-/// a moment. The query's own place does not count.
+/// root mean square of the frames' distances. Among places close to each other, only the
+/// nearest is reported. The query's own place does not count.
 ///
-/// The result is that of computing all distances: a place is left out only if a lower bound
-/// of its distance is too large.
+/// The result is the same as if all distances were computed: a place is left out only if a
+/// lower bound of its distance is too large.
 ///
-/// --metric geodesic takes some 50 ms of a processor for each pose that comes near, of a figure
-/// of 31 joints; a piece of a clip takes as many times that as it has frames. With --check it
-/// takes them for every pose there is.
+/// --metric geodesic takes about 50 ms of processor time for each pose that is near, for a
+/// figure of 31 joints; for a piece of a clip, multiply by its number of frames. With
+/// --check this time is needed for every pose of the library.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -48,8 +48,8 @@ pub(super) struct Args {
     #[arg(value_name = "CLIP", required = true)]
     clips: Vec<PathBuf>,
 
-    /// End at a file in a folder that cannot be searched: damaged, or of another skeleton than the query's. Default: it
-    /// is left out, and named.
+    /// Fail if a file in a folder cannot be searched: it is damaged, or has another skeleton than the query. Default:
+    /// the file is left out, and named.
     #[arg(long)]
     strict: bool,
 
@@ -60,7 +60,7 @@ pub(super) struct Args {
     #[command(flatten)]
     measure: MeasureArgs,
 
-    /// Rate at which clips are searched, in Hz; they are resampled to it. A moment is found to within half a frame:
+    /// Rate at which clips are searched, in Hz; clips are resampled to it. A moment is found to within half a frame:
     /// at 30 Hz a fist of 6 m/s is at most 10 cm off.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
     rate_hz: f64,
@@ -73,20 +73,20 @@ pub(super) struct Args {
     #[arg(long, value_name = "SECONDS", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     apart_s: f64,
 
-    /// How the clips' skeleton maps on the figure: a TOML file, or the name of a known skeleton (`sinew clip map
-    /// --list`). Default: the known one that fits, else what `sinew clip map` proposes, else none: any skeleton can be
-    /// compared.
+    /// Mapping of the clips' skeleton to the figure: a TOML file, or the name of a known skeleton (`sinew clip map
+    /// --list`). Default: the known skeleton that fits; else the proposal of `sinew clip map`; else no mapping. Clips
+    /// of any skeleton can be compared.
     #[arg(long, value_name = "FILE|NAME")]
     mapping: Option<PathBuf>,
 
     #[command(flatten)]
     units: UnitArgs,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
-    /// Also draw the query and what was found into this file.
+    /// Also draw the query and the moments into this file.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<OutputPath>,
 
@@ -115,7 +115,7 @@ fn rate(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A time that may be none.
+/// Parses a time in s, which may be zero.
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
@@ -146,7 +146,7 @@ impl Args {
         })?;
         tell(&library, query.poses.len());
         let rigid = library.rigid(&query, self.measure.root.as_deref());
-        // Seen from another joint than its root, a skeleton has a body more.
+        // With a root other than the skeleton's own, there is a body more.
         let bodies = rigid.skeleton.joints.len() + usize::from(self.measure.root.is_some());
         ensure_room(&query.file, bodies)?;
         if bodies <= BODY_COUNT {
@@ -185,7 +185,7 @@ impl Args {
             let all_s = start.elapsed().as_secs_f64();
             ensure!(
                 all.moments == found.moments,
-                "--check: computing every distance finds other moments: this is a mistake of the program"
+                "--check: computing every distance finds other moments: this is a bug of the program"
             );
             note(format_args!(
                 "checked: the same moments; {:.1} ms, and {:.1} ms by computing every distance",
@@ -205,7 +205,7 @@ impl Args {
         Ok(())
     }
 
-    /// Where the query itself is from, if that is searched.
+    /// Returns the clip of the query, and the range of its frames that do not count, if the query's file is searched.
     fn own(
         &self,
         query: &Query,
@@ -214,19 +214,19 @@ impl Args {
     ) -> Option<(usize, std::ops::Range<usize>)> {
         let place = |file: &PathBuf| file.canonicalize().ok();
         let clip = library.clips.iter().position(|clip| place(&clip.file) == place(&query.file))?;
-        note(format_args!("{}: where the query is from does not count", query.name));
+        note(format_args!("{}: the query's own place does not count", query.name));
         if self.like.part == ClipPart::Whole {
             return Some((clip, 0..usize::MAX));
         }
         let shelved = &library.clips[clip];
         let middle = frames((query.start_s - shelved.start_s) * self.rate_hz - 0.5);
-        // Nor do places that overlap it.
+        // Places that overlap the query do not count either.
         let apart = apart.max(query.poses.len()).max(1);
         Some((clip, (middle + 1).saturating_sub(apart)..middle + apart))
     }
 }
 
-/// Refuses a skeleton with more joints that move than are compared.
+/// Refuses a skeleton that has too many moving joints to be compared.
 pub(super) fn ensure_room(file: &Path, bodies: usize) -> anyhow::Result<()> {
     ensure!(
         bodies <= BODY_COUNT_MAX,
@@ -236,7 +236,7 @@ pub(super) fn ensure_room(file: &Path, bodies: usize) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The whole number of frames from a time on.
+/// Rounds a number of frames up.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -246,7 +246,7 @@ pub(super) fn frames(count: f64) -> usize {
     libm::ceil(count - 1e-6).max(0.0) as usize
 }
 
-/// What was done to the clips, in few lines.
+/// Prints changes that were made to the clips, in a few lines.
 fn tell(library: &Library, length: usize) {
     let (mut lowest_m, mut highest_m) = (f64::INFINITY, 0.0);
     let (mut t_poses, mut others) = (Vec::new(), Vec::new());

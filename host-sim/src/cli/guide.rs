@@ -1,4 +1,4 @@
-//! The path that a scripted hand leads a rig along.
+//! The path along which a scripted hand leads a rig.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::GuideTrajectory;
 use sinew_retarget::exchange::table;
 
-/// Reads where a scripted hand leads: along the file, or the built-in way.
+/// Reads the path of a scripted hand from a file, or returns the built-in path.
 pub(super) fn read_guide(rig: &LoadedRig, file: Option<&Path>) -> anyhow::Result<GuideTrajectory> {
     let Some(path) = file else { return Ok(GuideTrajectory::built_in(&rig.mechanism)?) };
     let of_file = || path.display().to_string();

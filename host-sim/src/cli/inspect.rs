@@ -1,4 +1,4 @@
-//! `sinew clip inspect`: what files are.
+//! `sinew clip inspect`: the content of files.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -12,9 +12,9 @@ use super::unit_args::UnitArgs;
 
 /// Show the content of files: motions, characters and rigs.
 ///
-/// For each file it prints format and maker, frames and rate, unit and up axis and why they are believed, height and
-/// span, the known skeleton that is nearest and what it lacks of it, T-pose, gaps, joint flips, and all joints as a
-/// tree.
+/// For each file it prints the format and the program that wrote it; frames and rate; the unit and the up axis, each
+/// with its reason; height and span; the nearest known skeleton and joints that are missing; T-pose, gaps and joint
+/// flips; and all joints as a tree.
 ///
 /// If a file cannot be read, the command names it, shows the others, and ends with exit code 1.
 #[derive(Debug, clap::Args)]
@@ -26,7 +26,7 @@ pub(super) struct Args {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 }

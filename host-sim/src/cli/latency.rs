@@ -1,4 +1,4 @@
-//! `sinew evaluate latency`: how late a drive may come.
+//! `sinew evaluate latency`: the latency that each method tolerates.
 
 use std::process::ExitCode;
 
@@ -16,13 +16,13 @@ use super::methods::{MethodArg, check_fixed, methods};
 use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
-/// Find the largest latency that each method tolerates, by rate of control.
+/// Find the largest latency that each method tolerates, by control rate.
 ///
-/// A torque comes some steps after its measurement. The table shows the largest number of steps, and the time in
-/// ms, up to which no figure is lost and the mean angular error stays below 10 degrees. Each method is tried with and
-/// without looking ahead: a controller that looks ahead knows the latency, and predicts the state that its command
-/// will meet from the commands on their way. `-`: the method fails without any latency. Default plant: `articulated`.
-/// The clips have 100 frames a second.
+/// A torque acts a number of steps after its measurement. The table shows the largest latency, in steps and in ms,
+/// for which no figure is lost and the mean angular error stays below 10 degrees. Each method is tried with and
+/// without prediction: a controller that predicts knows the latency, and uses the commands that are not yet active to
+/// compute the state in which its command will act. `-`: the method fails even without latency. Default plant:
+/// `articulated`. The clips have 100 frames per second.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -74,7 +74,7 @@ fn run_on(args: &Args, rig: Option<&LoadedRig>) -> anyhow::Result<ExitCode> {
     let mut motions: Vec<(f64, Vec<Box<dyn EvaluatedMotion>>)> = Vec::new();
     for rate in &args.rates_hz {
         let (of_rate, lines) = args.clips.with_rate(*rate).at(*rate, 100.0).takes(rig)?;
-        // Every rate has the same to tell.
+        // The notes are the same for every rate.
         if motions.is_empty() {
             tell(&lines);
         }

@@ -1,4 +1,4 @@
-//! `sinew clip map`: which joint follows which.
+//! `sinew clip map`: the mapping of a clip's joints to a rig's.
 
 use std::path::{Path, PathBuf};
 
@@ -21,8 +21,8 @@ use super::unit_args::UnitArgs;
 
 /// Propose which joint of a rig follows which joint of a clip, as TOML to edit, for `--mapping`.
 ///
-/// Comments give the confidence of each pair, and its reason. Without `--rig` the mapping is to the human figure of 18
-/// bodies, for any human skeleton. Known skeletons need no mapping: `--list` prints them.
+/// Comments in the TOML give the confidence of each pair, and its reason. Without `--rig` the mapping is to the human
+/// figure of 18 bodies, from any human skeleton. Known skeletons need no mapping: `--list` prints them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
@@ -52,7 +52,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The known skeletons, a line for each.
+/// Returns a line for each known skeleton.
 fn listed() -> String {
     let line = |known: &KnownSkeleton| format!("{:<16}{}\n", known.mapping.name, known.about);
     known_skeletons().iter().map(line).collect()
@@ -106,7 +106,7 @@ fn on_figure(path: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     let metres_per_unit = unit?;
     if recording.frame_time_s.is_none() {
         note(format_args!(
-            "note: {}: the file does not tell its frame rate: add `rate_hz = 120`, if it is CMU's, or what it is",
+            "note: {}: the file does not state its frame rate: add its rate, such as `rate_hz = 120` for CMU's files",
             file.name
         ));
     }
@@ -123,7 +123,7 @@ fn on_figure(path: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     Ok(proposal.to_toml())
 }
 
-/// Says which part of a proposal is to be looked at first.
+/// Prints the least certain pair of a proposal, which the user should check first.
 fn tell_lowest(parts: impl Iterator<Item = (String, f64, String)>) {
     if let Some((name, confidence, reason)) = parts.min_by(|a, b| a.1.total_cmp(&b.1)) {
         note(format_args!("least sure: {name}, {:.0} %: {reason}", 100.0 * confidence));

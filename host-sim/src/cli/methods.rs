@@ -10,9 +10,9 @@ use sinew_host_util::command::note;
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MethodArg {
-    /// All that need no reference.
+    /// All methods that need no reference.
     All,
-    /// One.
+    /// A single method.
     One(MethodName),
 }
 
@@ -34,13 +34,13 @@ impl ValueEnum for MethodArg {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         match self {
-            Self::All => Some(PossibleValue::new("all").help("All of these but `accumulated`")),
+            Self::All => Some(PossibleValue::new("all").help("All of these except `accumulated`")),
             Self::One(method) => Some(PossibleValue::new(method.as_str()).help(method.summary())),
         }
     }
 }
 
-/// The methods that are named.
+/// Returns the methods that the arguments name.
 pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
     let named = |arg: &MethodArg| match arg {
         MethodArg::One(method) => vec![*method],
@@ -49,7 +49,8 @@ pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
     args.iter().flat_map(named).collect()
 }
 
-/// Refuses a setting that the only method has of its own; of several methods, says which one keeps its own.
+/// Refuses a setting that a method fixes itself, if it is the only method. With several methods, names the method
+/// that ignores the setting.
 pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Result<()> {
     for method in methods {
         let mut of_method = setup.clone();
@@ -57,7 +58,7 @@ pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Resu
         match of_method.check() {
             Err(SetupError::Controller(SettingError::Fixed { key })) if methods.len() > 1 => {
                 note(format_args!(
-                    "{method} keeps its own controller.{key}: what is set is for the other methods"
+                    "{method} keeps its own controller.{key}: the setting applies to the other methods"
                 ));
             }
             Err(error @ SetupError::Controller(SettingError::Fixed { .. })) => bail!(error),

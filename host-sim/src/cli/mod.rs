@@ -44,8 +44,8 @@ use sinew_host_util::command::{exit_code, note};
 
 /// A motion core for animatronic figures: from a clip to torques of servos.
 ///
-/// Start with `sinew rig new` or `sinew rig import`; then `sinew bake` makes a show of a clip, and `sinew play`
-/// performs it. Without a command, `sinew` is `sinew evaluate`.
+/// Start with `sinew rig new` or `sinew rig import`; then `sinew bake` makes a show from a clip, and `sinew play`
+/// plays it. Without a command, `sinew` is `sinew evaluate`.
 ///
 /// Exit codes: 0 done; 1 done, and the result is bad; 2 not done, because of bad input or usage.
 #[derive(Debug, Parser)]
@@ -55,12 +55,12 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     evaluate: evaluate::Args,
-    /// Only read the command line: so `cargo xtask docs` checks the commands of the documentation.
+    /// Only read the command line. `cargo xtask docs` uses this to check the commands in the documentation.
     #[arg(long, global = true, hide = true)]
     parse_only: bool,
 }
 
-/// The commands at the top, in the order of a newcomer's work.
+/// The top-level commands, in the order in which a beginner needs them.
 #[derive(Debug, Subcommand)]
 #[expect(clippy::large_enum_variant, reason = "a program makes one, of its command line")]
 enum Command {
@@ -90,7 +90,7 @@ impl Command {
         }
     }
 
-    /// Checks what the command line does not know: keys and values of `--set`, and options that a target excludes.
+    /// Checks what the parser cannot: keys and values of `--set`, and options that the target excludes.
     fn check(&self) -> anyhow::Result<()> {
         match self {
             Self::Play(args) => args.check(),
@@ -101,7 +101,8 @@ impl Command {
     }
 }
 
-/// Makes the parser. Options of `evaluate` are taken without its name, too, and are told by its help alone.
+/// Creates the parser. It accepts the options of `evaluate` also without that name, but only the help of `evaluate`
+/// lists them.
 fn command_line() -> clap::Command {
     Cli::command().mut_args(|option| option.hide(true))
 }
@@ -126,7 +127,7 @@ pub(crate) fn main() -> ExitCode {
     })
 }
 
-/// Prints help, or what is wrong with the command line; of names that have changed, the new ones.
+/// Prints help, or the error in the command line. If a name is an old one, prints its new name.
 fn refuse(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
         std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();

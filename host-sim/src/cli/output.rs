@@ -1,8 +1,9 @@
-//! Files that commands write, and the one place that keeps those that they read.
+//! Output files of commands. This module protects input files from being overwritten.
 //!
-//! Options that name a file to write have the type [`OutputPath`], those of a folder or a link [`OutputPlace`]. Before
-//! a command runs, each of them is compared with all else on the command line, by which file it is, not by its name;
-//! and each file is tried, so that nothing is computed, or led by hand, for a file that cannot be written.
+//! Options that name an output file have the type [`OutputPath`]; options that name a folder or a link have the type
+//! [`OutputPlace`]. Before a command runs, each output is compared with all other files on the command line, by the
+//! file itself, not by its name. Each output is also opened for writing, so that no result is computed, or led by
+//! hand, for a file that cannot be written.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::Deref;
@@ -16,7 +17,7 @@ use sinew_host_util::output;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct OutputPath(PathBuf);
 
-/// A folder that a command writes into, or a link that it makes.
+/// A folder into which a command writes, or a link that it creates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct OutputPlace(PathBuf);
 
@@ -47,7 +48,8 @@ macro_rules! path {
 path!(OutputPath);
 path!(OutputPlace);
 
-/// Refuses a command that would write over what it reads, two files into one, or what cannot be written.
+/// Refuses a command that would overwrite its input, write two outputs into one file, or write a file that cannot be
+/// written.
 pub(super) fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     let (mut written, mut read): (Vec<PathBuf>, Vec<(String, PathBuf)>) = (Vec::new(), Vec::new());
     let mut files = Vec::new();
@@ -85,15 +87,16 @@ fn is_of<T: 'static>(arg: &Arg) -> bool {
     arg.get_value_parser().type_id() == std::any::TypeId::of::<T>()
 }
 
-/// An option's name in a message.
+/// Returns an option's name for a message.
 fn name(arg: &Arg) -> String {
     let id = arg.get_id().as_str();
-    // Those of one letter are named by what they take.
+    // An option with an id of one letter is named by its value.
     let names = arg.get_value_names().and_then(|names| names.first()).filter(|_| id.len() == 1);
     names.map_or_else(|| id.replace('_', " "), ToString::to_string)
 }
 
-/// The files that a value may name: it, and what stands before a place in it (`walk.bvh@1.2s`) or in a list.
+/// Returns the files that a value may name: the value itself, and its parts around a place (`walk.bvh@1.2s`) or in a
+/// list.
 fn parts(value: &OsStr) -> impl Iterator<Item = PathBuf> {
     let text = value.to_str().unwrap_or_default();
     let cut: Vec<PathBuf> = text.split([',', '@', '=']).map(PathBuf::from).collect();
@@ -104,7 +107,7 @@ fn parts(value: &OsStr) -> impl Iterator<Item = PathBuf> {
 mod tests {
     use super::*;
 
-    /// All arguments of a command and of those below it, with their commands' names.
+    /// Collects all arguments of a command and of its sub-commands, with the commands' names.
     fn arguments(command: &Command, path: &str, found: &mut Vec<(String, String, bool)>) {
         for arg in command.get_arguments().filter(|arg| arg.get_action().takes_values()) {
             let help = arg.get_help().map(ToString::to_string).unwrap_or_default();

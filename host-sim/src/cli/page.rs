@@ -17,8 +17,8 @@ use sinew_report::{Comparison, Playback, Report, Sweep};
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; of a rig
-    /// the last motion, which is the fastest with all joints.
+    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; with --rig the last motion,
+    /// which is the fastest with all joints.
     #[arg(long, value_name = "CLIP", requires = "output")]
     playback: Option<String>,
 
@@ -27,18 +27,18 @@ pub(super) struct PageArgs {
     sweep: Option<PathBuf>,
 }
 
-/// What the report needs beside the evaluation, checked before that is made.
+/// Checked inputs of the report. They are made before the evaluation, so that errors appear early.
 #[derive(Debug)]
 pub(super) struct Plan {
-    /// Place of the clip or motion to play among the evaluated ones.
+    /// Index of the clip or motion to play among the evaluated ones.
     take: usize,
     sweep: Option<Sweep>,
-    /// What was done to the clips or the rig.
+    /// Notes on changes that were made to the clips or the rig.
     notices: Vec<String>,
 }
 
 impl PageArgs {
-    /// The file of a sweep.
+    /// Returns the file of a sweep.
     pub(super) fn sweep(&self) -> Option<&Path> {
         self.sweep.as_deref()
     }
@@ -63,19 +63,19 @@ impl PageArgs {
     }
 }
 
-/// What a report shows of a take beside its errors.
+/// Content of a report for one kind of take, besides the errors.
 pub(super) trait Shown: EvaluatedMotion + Sized {
-    /// How its rig looks.
+    /// Returns the look of the take's rig.
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin>;
 
-    /// What was set, beside the plant: name and value.
+    /// Returns the settings besides the plant: name and value.
     fn settings(&self, setup: &Setup) -> Vec<(&'static str, String)>;
 
-    /// What the takes are compared with, `self` being the one that is played back.
+    /// Returns the references that the takes are compared with. `self` is the take that is played back.
     fn compared(&self, takes: &[Self], protocol: &Protocol) -> anyhow::Result<Compared>;
 }
 
-/// What results are compared with.
+/// References with which results are compared.
 #[derive(Debug, Default)]
 pub(super) struct Compared {
     comparison: Option<Comparison>,
@@ -100,7 +100,7 @@ impl Shown for FigureMotion {
     fn compared(&self, takes: &[Self], protocol: &Protocol) -> anyhow::Result<Compared> {
         let comparison = match Comparison::new(self, protocol, COMPARED_SCALE) {
             Ok(comparison) => Some(comparison),
-            // A setup may be unable to hold a posture: no reason to throw its evaluation away.
+            // A setup may be unable to hold a posture. That is no reason to discard its evaluation.
             Err(error) => {
                 note(format_args!("the report has no Figure 4: {error}"));
                 None
@@ -139,7 +139,7 @@ impl Shown for Exercise {
 }
 
 impl Plan {
-    /// Tracks what is shown in motion and writes the page and its pictures.
+    /// Tracks the motion that is played back, and writes the page and its pictures.
     pub(super) fn write<T: Shown>(
         &self,
         folder: &Path,
@@ -173,14 +173,14 @@ impl Plan {
     }
 }
 
-/// Where the masses come from, as `--help` tells it.
+/// Returns the source of the masses in the words of `--help`.
 fn body(source: BodySource) -> String {
     let value = source.to_possible_value().expect("no source is hidden");
     value.get_help().map_or_else(|| value.get_name().to_owned(), ToString::to_string)
 }
 
-/// The command line as one would type it, without what does not change the result: where it goes, and on
-/// how many threads.
+/// Returns the command line as a user would type it, without the options that do not change the result: output and
+/// threads.
 fn command(arguments: impl Iterator<Item = OsString>) -> String {
     let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
     let mut words = vec!["sinew".to_owned()];

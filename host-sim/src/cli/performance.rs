@@ -1,4 +1,4 @@
-//! Options and steps that `bake`, `export` and `evaluate --rig --clips` have in common: a clip on a rig.
+//! Options and steps that `bake`, `export` and `evaluate --rig --clips` share: a clip on a rig.
 
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) enum BaseArg {
     Driven,
 }
 
-/// Options of a clip on a rig.
+/// Options for a clip on a rig.
 #[derive(Debug, Clone, Default, clap::Args)]
 pub(super) struct PerformanceArgs {
     /// Cutoff of the low-pass filter on clips, in Hz. 0: no filter. Default: 6; for `export` no filter.
@@ -45,35 +45,35 @@ pub(super) struct PerformanceArgs {
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
 
-    /// How long before its end the motion is led to its beginning, s: it shall be a loop.
+    /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
     pub(super) blend_s: Option<f64>,
 }
 
-/// What a command does where its options say nothing.
+/// Defaults of a command for options that are not given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Defaults {
     /// Cutoff of the low-pass, Hz; 0: none.
     pub(super) cutoff_hz: f64,
-    /// Whether a rig with feet travels, though its file holds it on a stand.
+    /// Whether a rig with feet travels, even if its file holds it on a stand.
     pub(super) travels: bool,
 }
 
-/// Of a rig on its stand.
+/// Defaults for a rig on its stand.
 pub(super) const ON_STAND: Defaults = Defaults { cutoff_hz: 6.0, travels: false };
 
-/// Of motions for other programs: as near to the clip as the rig can.
+/// Defaults for motions that other programs use: as near to the clip as the rig can.
 pub(super) const FOR_OTHERS: Defaults = Defaults { cutoff_hz: 0.0, travels: true };
 
 impl PerformanceArgs {
-    /// An option that is given and says something of clips alone.
+    /// Returns the name of a given option that applies to clips only.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
         [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Reads a rig, and holds its base as asked for.
+    /// Reads a rig, and holds its base as the options say.
     pub(super) fn rig(&self, path: &Path, defaults: Defaults) -> anyhow::Result<LoadedRig> {
         let mut rig = read(path)?;
         let base = match self.base {
@@ -132,18 +132,18 @@ impl PerformanceArgs {
             })?;
         tell(name, rig, &retargeted);
         let (name, start_s) = (name.clone(), clip.start_s);
-        // A long clip is large, and of no more use.
+        // A long clip is large, and is not needed any more.
         drop(clip);
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
     }
 }
 
-/// How near the rig comes to the performer.
+/// Prints how near the rig is to the performer.
 fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let rig = &rig.description.name;
     if taken.limbs > 0 {
         note(format_args!(
-            "{name} on {rig}: {} limbs followed, {:.1} deg off in the mean, {:.1} at most{}",
+            "{name} on {rig}: {} limbs followed, mean error {:.1} deg, largest {:.1} deg{}",
             taken.limbs,
             taken.limbs_mean_deg,
             taken.limbs_max_deg,

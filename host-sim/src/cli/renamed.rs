@@ -1,8 +1,8 @@
-//! Names that commands and options had before, and the names that they have now.
+//! Old names of commands and options, and their new names.
 
 use clap::Command;
 
-/// A command that was at the top, and what runs it now.
+/// Old top-level commands, each with the command that replaces it.
 const COMMANDS: &[(&str, &str)] = &[
     ("blend", "sinew clip blend"),
     ("doctor", "sinew board doctor"),
@@ -25,7 +25,7 @@ const COMMANDS: &[(&str, &str)] = &[
     ("weights", "sinew clip weights"),
 ];
 
-/// Commands, an option that they had, and the option or the developer's command in its place.
+/// Commands, an old option of theirs, and the option or developer's command that replaces it.
 const OPTIONS: &[(&[&str], &str, &str)] = &[
     (&["bake", "clip blend", "evaluate", "evaluate sweep", "report"], "--out", "--output"),
     (&["clip find"], "--out", "--picture"),
@@ -69,7 +69,7 @@ const OPTIONS: &[(&[&str], &str, &str)] = &[
     (&["board upload rig", "board upload show"], "--by", "--approved-by"),
 ];
 
-/// Names the commands and options of today for old names in arguments that are refused; nothing if there are none.
+/// Returns the new names for old names in refused arguments; `None` if there are no old names.
 pub(super) fn answer(arguments: &[String], command: &Command) -> Option<String> {
     let (path, renamed) = path(arguments, command);
     let mut lines: Vec<String> = renamed.into_iter().collect();
@@ -87,7 +87,7 @@ pub(super) fn answer(arguments: &[String], command: &Command) -> Option<String> 
     (!lines.is_empty()).then(|| lines.join("; "))
 }
 
-/// Returns the command that arguments name, its words joined by spaces, and what is said if its name is old.
+/// Returns the command that the arguments name, its words joined by spaces, and a message if its name is old.
 fn path(arguments: &[String], command: &Command) -> (String, Option<String>) {
     let mut words: Vec<&str> = Vec::new();
     let mut given = arguments.iter().map(String::as_str).filter(|word| !word.starts_with('-'));
@@ -105,7 +105,7 @@ fn path(arguments: &[String], command: &Command) -> (String, Option<String>) {
             command = Some(below);
         }
     }
-    // A command without a name is the evaluation.
+    // Arguments without a command belong to the evaluation.
     (if words.is_empty() { "evaluate".to_owned() } else { words.join(" ") }, renamed)
 }
 
@@ -116,7 +116,7 @@ mod tests {
     use super::*;
     use crate::cli::Cli;
 
-    /// The commands at the top before they were grouped.
+    /// The top-level commands before they were grouped.
     const BEFORE: [&str; 27] = [
         "evaluate",
         "verify",

@@ -1,4 +1,4 @@
-//! `sinew report`: a recording of `sinew play` as a page.
+//! `sinew report`: a page of a recording of `sinew play`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -16,21 +16,22 @@ use super::rig::read;
 
 /// Make a page of a recording of `sinew play --record`: the rig in motion, and plots of each joint.
 ///
-/// One HTML file that any browser opens from disk, without a network: by time each joint's target and measured
-/// position, error, torque with what limited it, and its servo's current; states and faults; a table of all joints.
+/// The page is one HTML file that any browser opens from disk, without a network. It plots over time each joint's
+/// target and measured position, error, torque and the limit that acted on it, and the current of its servo; it lists
+/// states and faults, and has a table of all joints.
 ///
-/// If the machine went down or the disk was full, the recording is cut off, and the page shows its whole part.
+/// If the machine went down or the disk was full, the recording is cut off. The page shows the part that is complete.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The recording.
+    /// Recording of `sinew play --record`.
     #[arg(value_name = "RECORDING.parquet")]
     recording: PathBuf,
 
-    /// The rig that moves: rig.toml, URDF or MJCF. Default: the rig that the recording keeps.
+    /// The rig that moves: rig.toml, URDF or MJCF. Default: the rig that is stored in the recording.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// File to write. Default: beside the recording, with its name and `.html`.
+    /// File to write. Default: beside the recording, with its name and the extension `.html`.
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<OutputPath>,
 }
@@ -39,7 +40,7 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let out = args.output.as_ref().map(|path| path.to_path_buf());
     let out = out.unwrap_or_else(|| args.recording.with_extension("html"));
-    // Its own name for the page may be the rig's.
+    // The default name of the page may be the name of the rig's file.
     let files = [("recording", Some(args.recording.as_path())), ("rig", args.rig.as_deref())];
     output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();
@@ -51,7 +52,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
         (None, Some(kept)) => kept.mechanism().with_context(named)?,
         (None, None) => bail!("{}: keeps no rig: give it by --rig", named()),
     };
-    // Which servos were there says the recording itself.
+    // The servos of the performance are those of the rig that is stored in the recording.
     let rig = kept.or(given.map(|given| given.description)).context("a rig is kept or given")?;
     let page = Page { recording: &recording, rig: &rig, mechanism: &mechanism };
     let html = page.html().with_context(named)?;
@@ -63,7 +64,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The rig that a recording keeps. One that cannot be read is of no use; it does no harm if another one is given.
+/// Returns the rig that is stored in a recording. An unreadable rig is an error only if no other rig is given.
 fn kept(recording: &Recording, path: &Path, is_given: bool) -> anyhow::Result<Option<Description>> {
     let Some(text) = recording.note("rig") else { return Ok(None) };
     match toml_file::read(text) {

@@ -1,4 +1,4 @@
-//! `sinew evaluate robustness`: the methods on rigs as they are built.
+//! `sinew evaluate robustness`: the methods on rigs that differ from their models.
 
 use std::process::ExitCode;
 
@@ -16,19 +16,18 @@ use super::methods::{MethodArg, check_fixed, methods};
 use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
-/// Track the clips on many rigs as built, and print a row for each rig, and the median.
+/// Track the clips on many rigs with errors of construction, and print a row for each rig, and the median.
 ///
-/// Every rig has masses off by up to 15 %, each body its own; joint sensors of 12 bits; and drives that come one step
-/// late. Control and plant run at 500 Hz; the clips have 100 frames per second, and the controller interpolates
-/// smoothly. Default plant: the exact one. `--rig` is your own rig, built many times; its motions have a frame for
-/// every step.
+/// Every rig has masses that are off by up to 15 %, each body differently; joint sensors of 12 bits; and drives that
+/// are one step late. Control and plant run at 500 Hz; the clips have 100 frames per second, and the controller
+/// interpolates smoothly. Default plant: the exact one. `--rig` is your own rig, built many times; its motions have a
+/// frame for every step.
 ///
-/// Means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by importance.
-/// `lost` is a figure that fell apart. The last method is compared with each other one: on how many rigs its angular
-/// and its linear error are smaller.
+/// The table has means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by
+/// importance. `lost` is a figure that fell apart. The last method is compared with each other method: on how many
+/// rigs its angular and its linear error are smaller.
 ///
-/// `--projection-weights` gives angle against distance: `recommended` with other weights than its own, beside the
-/// methods.
+/// `--projection-weights` adds rows for `recommended` with other weights of angle against distance than its own.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -38,7 +37,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
-    /// Methods.
+    /// Methods to compare.
     #[arg(
         long,
         value_name = "METHOD,..",
@@ -47,13 +46,13 @@ pub(super) struct Args {
     )]
     methods: Vec<MethodArg>,
 
-    /// Number of rigs.
+    /// Number of rigs to build.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
     rigs: u64,
 
     /// Also track with `recommended` and each of these projection weights: 1 rad costs as much as this many metres
-    /// (100: nearly World with the observer). A second table has medians, and on how many rigs angle and distance are
-    /// below all methods without projection.
+    /// (100: nearly World with the observer). A second table has medians, and the number of rigs on which angle and
+    /// distance are below all methods without projection.
     #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
     projection_weights: Vec<f32>,
 

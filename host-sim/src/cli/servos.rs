@@ -22,13 +22,13 @@ use super::rig::read;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It makes LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes LINK.
-/// Programs open LINK as a serial port, at the rate of --baud: the servos hear no other rate. Programs may close LINK
-/// and open it again. The servos are as they leave the factory but for that rate: torque is off.
+/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes
+/// LINK. Programs open LINK as a serial port, at the rate of --baud: the servos understand no other rate. Programs
+/// may close LINK and open it again. The servos have factory settings except for that rate: torque is off.
 ///
-/// With --rig the servos move the rig: each feels how the others move, and gravity is that of the pose. A servo that
-/// takes pulses is left out, and its joints stay at home. If the rig has several buses, each has a link of its own,
-/// LINK.BUS; servos of all buses move the one rig.
+/// With --rig the servos move the rig: each servo feels how the others move, and gravity depends on the pose. A hobby
+/// servo, driven by pulses, is left out, and its joints stay at home. If the rig has several buses, each has a link
+/// of its own, LINK.BUS; servos of all buses move the one rig.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
 pub(super) struct ServosArgs {
@@ -36,12 +36,12 @@ pub(super) struct ServosArgs {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Kind of the servos, by the beginning of its name: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... Of other
+    /// Kind of the servos, by the beginning of its name: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... For other
     /// kinds, such as scs0009 or xc330, only the registers are known: these servos reach a goal at once.
     #[arg(long, value_name = "KIND")]
     kind: Option<String>,
 
-    /// Ids of the servos that --kind makes.
+    /// Ids of the servos of --kind.
     #[arg(
         long,
         value_name = "ID,..",
@@ -51,15 +51,15 @@ pub(super) struct ServosArgs {
     )]
     ids: Vec<u8>,
 
-    /// Path of the link that programs open as a serial port. A link that is there is replaced.
+    /// Path of the link that programs open as a serial port. An existing link is replaced.
     #[arg(long, value_name = "LINK")]
     pty: OutputPlace,
 
-    /// Rate that all servos are set to, in bit/s. A Dynamixel leaves the factory with 57600.
+    /// Rate that all servos are set to, in bit/s. The factory setting of a Dynamixel is 57600.
     #[arg(long, value_name = "RATE", default_value_t = 1_000_000)]
     baud: u32,
 
-    /// Load that each servo moves by itself. Default: `arm`; with --rig the rig.
+    /// Load that each servo moves. Default: `arm`; with --rig the rig.
     #[arg(long, value_enum, value_name = "LOAD")]
     load: Option<LoadArg>,
 
@@ -68,8 +68,8 @@ pub(super) struct ServosArgs {
     ideal: bool,
 
     /// Supply of all servos: voltage in V, resistance of supply and cable in ohm, and largest current in A, such as
-    /// 5,0.2,3. Default: the supply in the rig's file; else one for each bus, with the voltage of its first servo and
-    /// hardly any resistance.
+    /// 5,0.2,3. Default: the supply in the rig's file; else one supply for each bus, with the voltage of its first
+    /// servo and almost no resistance.
     #[arg(long, value_name = "V[,OHM[,A]]", conflicts_with = "ideal")]
     supply: Option<Supply>,
 
@@ -82,13 +82,14 @@ pub(super) struct ServosArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum LoadArg {
-    /// A weight on 10 cm, hanging at the middle of the range; level it takes a tenth of the stall torque.
+    /// A weight at a distance of 10 cm, hanging at the middle of the range. Held horizontally it needs a tenth of the
+    /// stall torque.
     Arm,
-    /// A bare horn.
+    /// A horn without a load.
     None,
 }
 
-/// Serves until it is told to end.
+/// Serves until a signal ends it.
 pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let wanted = args.wanted(rig.as_ref())?;
@@ -114,7 +115,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
 }
 
 impl ServosArgs {
-    /// What feeds the servos: as somebody says, else as the rig's file does.
+    /// Returns the supply of the servos: the option, else the supply in the rig's file.
     fn supply(&self, rig: Option<&LoadedRig>) -> Option<Supply> {
         let of_rig = || {
             let supply = rig?.description.supply?;
@@ -150,7 +151,7 @@ impl ServosArgs {
             kind.name(),
             match &kind {
                 Kind::Servo(_) => "",
-                Kind::Registers(_) => ": registers only, nobody has measured its motor",
+                Kind::Registers(_) => ": registers only, its motor has not been measured",
             }
         ));
         let load = match &kind {
@@ -188,7 +189,7 @@ fn of_rig(loaded: &LoadedRig, path: &Path) -> anyhow::Result<Vec<Wanted>> {
     let mut wanted = Vec::new();
     for servo in servos {
         let Some(id) = servo.id() else {
-            note(format_args!("servo {:?} takes pulses: it is left out", servo.name));
+            note(format_args!("servo {:?} is driven by pulses: it is left out", servo.name));
             continue;
         };
         wanted.push(Wanted {

@@ -9,7 +9,7 @@ use sinew_figure::plant::PlantKind;
 use sinew_mocap::{Kind, read};
 use sinew_rig::Mechanism;
 
-/// Options that make a [`Setup`]; the more special ones override the more general.
+/// Options that make a [`Setup`]. More specific options override more general ones.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetupArgs {
     /// Plant that simulates the figure.
@@ -28,34 +28,34 @@ pub(super) struct SetupArgs {
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 
-    /// One key of the setup, such as `plant.substeps=4` or `controller.rate_term=none`; may be repeated.
+    /// Set one key of the setup, such as `plant.substeps=4` or `controller.rate_term=none`. May be repeated.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
 }
 
 impl SetupArgs {
-    /// The files that are read: what each is, and where.
+    /// Returns the input files, each with its role.
     pub(super) fn files(&self) -> Vec<(&'static str, Option<&Path>)> {
         vec![("subject", self.subject.as_deref()), ("setup", self.setup.as_deref())]
     }
 
-    /// The setup, on the exact plant instead of the paper's if none is named anywhere.
+    /// Returns the setup. If no plant is named, it uses the exact plant instead of the paper's.
     pub(super) fn setup_on_exact(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
         self.read(rig, true)
     }
 
-    /// The setup for a rig of the user, or for the figure.
+    /// Returns the setup for a user's rig, or for the figure.
     pub(super) fn setup(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
         self.read(rig, false)
     }
 
-    /// The setup; `exact`: on the exact plant if none is named anywhere.
+    /// Reads the setup. With `exact`, the default plant is the exact one.
     fn read(&self, rig: Option<&Mechanism>, exact: bool) -> anyhow::Result<Setup> {
         let mut setup = toml::Table::new();
         if let Some(file) = &self.setup {
             let text = read::text_of(file, "a setup in TOML", &[Kind::Toml])
                 .with_context(|| format!("{}", file.display()))?;
-            // Alone, errors point at the file's lines.
+            // The file is parsed alone first, so that errors point at its lines.
             Setup::parse(&text).with_context(|| format!("{}", file.display()))?;
             setup = text.parse().with_context(|| format!("{}", file.display()))?;
         }
@@ -95,7 +95,7 @@ impl SetupArgs {
     }
 }
 
-/// A TOML value; what is none is text, so that names need no quotes in a shell.
+/// Parses a TOML value. Invalid TOML becomes a string, so that names need no quotes in a shell.
 fn parse(value: &str) -> toml::Value {
     format!("value = {value}")
         .parse::<toml::Table>()

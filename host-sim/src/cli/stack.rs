@@ -1,9 +1,9 @@
-//! A thread with stack enough for a controller.
+//! A thread with enough stack for a controller.
 
-/// A controller with all its capacities is built on the stack.
+/// Stack size. A controller with all its capacities is built on the stack.
 const STACK_BYTES: usize = 256 << 20;
 
-/// Runs what builds a controller, with stack enough for it.
+/// Runs code that builds a controller, on a thread with enough stack.
 pub(super) fn with_stack<T: Send>(
     run: impl FnOnce() -> anyhow::Result<T> + Send,
 ) -> anyhow::Result<T> {

@@ -4,19 +4,19 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Counts what asks this program to end.
+/// Counts the signals that ask this program to end.
 pub(super) struct Stop {
     came: Arc<AtomicBool>,
     times: Cell<u32>,
 }
 
 impl Stop {
-    /// From now on, signals are counted and end nothing by themselves.
+    /// Starts counting. From now on, signals do not end the program by themselves.
     pub(super) fn new() -> anyhow::Result<Self> {
         Ok(Self { came: flag()?, times: Cell::new(0) })
     }
 
-    /// How often it came.
+    /// Returns how many signals were counted. Signals between two calls count once.
     pub(super) fn times(&self) -> u32 {
         let more = u32::from(self.came.swap(false, Ordering::Relaxed));
         self.times.set(self.times.get() + more);
@@ -24,8 +24,8 @@ impl Stop {
     }
 }
 
-/// Returns a flag that signals set; they end nothing by themselves from now on. A program that was started to go on
-/// without its terminal (`nohup`) still does.
+/// Returns a flag that signals set. From now on they do not end the program by themselves. SIGHUP stays ignored if
+/// the program was started to survive its terminal (`nohup`).
 pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
     let came = Arc::new(AtomicBool::new(false));
     #[cfg(unix)]
@@ -40,7 +40,7 @@ pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(came)
 }
 
-/// Whether whoever started this program lets it ignore SIGHUP: where Linux says so.
+/// Whether this program was started with SIGHUP ignored, as `/proc` of Linux reports it.
 #[cfg(unix)]
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

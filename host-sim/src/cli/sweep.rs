@@ -1,4 +1,4 @@
-//! `sinew evaluate sweep`: many setups.
+//! `sinew evaluate sweep`: an evaluation of many setups.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,7 +15,7 @@ use super::performance::PerformanceArgs;
 
 /// Run every combination of many settings and write a row for each.
 ///
-/// The file holds the settings that all runs have in common, and grids of those that vary:
+/// The file contains the settings that all runs share, and grids of those that vary:
 ///
 ///     setup.plant.kind = "articulated"
 ///
@@ -23,18 +23,19 @@ use super::performance::PerformanceArgs;
 ///     controller.method = ["local", "world"]
 ///     dimensions.scale = [0.9, 1.0, 1.1]
 ///
-/// Each combination is a cell. The keys are those of `sinew evaluate --format json`,
-/// under "setup". A setup that is in two grids is run once. Wrong keys and values are
-/// refused before anything runs.
+/// Each combination is a cell. The keys are those of `sinew evaluate --format json`, under
+/// "setup". A setup that is in two grids is run once. Wrong keys and values are refused
+/// before anything runs.
 ///
-/// Every finished run goes to DIR/journal.jsonl at once: to resume, run the same command
-/// again. At the end sweep.csv and sweep.parquet have a row per cell, `sweep_clips.*` a
-/// row per cell and clip. Their bytes do not depend on interruptions, threads or the
-/// number of machines. If a figure is lost, its row has no numbers, and says why.
+/// Every finished run is written to DIR/journal.jsonl at once: to resume, run the same
+/// command again. At the end sweep.csv and sweep.parquet have a row per cell,
+/// `sweep_clips.*` a row per cell and clip. Their bytes do not depend on interruptions,
+/// threads or the number of machines. If a figure is lost, its row has no numbers, but a
+/// reason.
 ///
 /// The column `on_front` marks the Pareto-optimal rows of a task: no other row has smaller
-/// mean errors of all joints, both angular and linear. A task is all settings but those of
-/// the controller, and how the root is held. In a shard the column is empty.
+/// mean errors of all joints, both angular and linear. A task is all settings except those
+/// of the controller and how the root is held. In a shard the column is empty.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
@@ -53,15 +54,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
 
-    /// Run only every N-th cell, from the I-th on. Then `--merge` the folders of all N.
+    /// Run only every N-th cell, starting with the I-th. Afterwards `--merge` the folders of all N.
     #[arg(long, value_name = "I/N", conflicts_with = "merge")]
     shard: Option<Shard>,
 
-    /// Run nothing: merge the journals of these folders, and write the tables of the whole.
+    /// Run nothing: merge the journals of these folders, and write the tables of all runs.
     #[arg(long, value_name = "DIR", num_args = 1..)]
     merge: Vec<PathBuf>,
 
-    /// Run nothing: print what would be run.
+    /// Run nothing: print the runs.
     #[arg(long)]
     dry_run: bool,
 

@@ -1,4 +1,4 @@
-//! Where a rig moves: `--target`.
+//! The option `--target`: where a rig moves.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -7,12 +7,12 @@ use std::str::FromStr;
 
 use anyhow::bail;
 
-/// What moves the rig.
+/// The controller and servos that move the rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Target {
     /// Simulated servos, under the controller in this program.
     Sim,
-    /// The NUCLEO-F446RE's own image on an emulated chip, with simulated servos.
+    /// The image of the NUCLEO-F446RE on an emulated chip, with simulated servos.
     Nucleo,
     /// The controller at a serial port; for `auto`, the controller at a USB port that answers.
     Port(PathBuf),
@@ -41,7 +41,8 @@ impl fmt::Display for Target {
 }
 
 impl Target {
-    /// Refuses the first option that is given and has no effect on this target. `of`: the targets that it is for.
+    /// Refuses the first given option that has no effect on this target. `of`: the targets for which it has an
+    /// effect.
     pub(super) fn refuse(&self, given: &[(bool, &str)], of: &str) -> anyhow::Result<()> {
         if let Some((_, option)) = given.iter().find(|(is_given, _)| *is_given) {
             bail!("{option} has no effect with `--target {self}`; it is for {of}");

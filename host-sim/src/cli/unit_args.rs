@@ -1,10 +1,10 @@
-//! Options that say what files do not: the unit of length, and which axis points up.
+//! Options for facts that files do not contain: the unit of length, and the axis that points up.
 
 use sinew_figure::measured::UnitOverrides;
 use sinew_mocap::Up;
 use sinew_rig::import::Options;
 
-/// Properties that files do not contain.
+/// Facts that files do not contain.
 #[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct UnitArgs {
     /// Unit of length of the file, in metres: 0.01 for centimetres. Default: the unit in the file, the unit of other
@@ -18,12 +18,12 @@ pub(super) struct UnitArgs {
 }
 
 impl UnitArgs {
-    /// Returns what the user says of a file.
+    /// Returns the unit and axis for reading a clip.
     pub(super) const fn overrides(&self) -> UnitOverrides {
         UnitOverrides { metres_per_unit: self.metres_per_unit, up: self.up }
     }
 
-    /// The same for a rig's import.
+    /// Returns the unit and axis for importing a rig.
     pub(super) fn import(&self) -> Options {
         Options {
             metres_per_unit: self.metres_per_unit,
@@ -32,7 +32,7 @@ impl UnitArgs {
         }
     }
 
-    /// An option that is given.
+    /// Returns the name of an option that is given.
     pub(super) fn given(&self) -> Option<&'static str> {
         let unit = self.metres_per_unit.is_some().then_some("--metres-per-unit");
         unit.or(self.up.is_some().then_some("--up"))

@@ -1,4 +1,4 @@
-//! `sinew evaluate verify`: golden numbers recomputed with the core.
+//! `sinew evaluate verify`: recomputes golden numbers with the core.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

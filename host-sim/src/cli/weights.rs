@@ -1,4 +1,4 @@
-//! `sinew clip weights`: how much each joint of a character matters.
+//! `sinew clip weights`: the importance of each joint of a character.
 
 use std::path::{Path, PathBuf};
 
@@ -15,10 +15,11 @@ use super::unit_args::UnitArgs;
 
 /// Compute the importance of a character's joints: how much of the character each joint moves, and how far.
 ///
-/// FILE is a skinned character (Geno.bin; glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or a
-/// motion, whose skeleton is used (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
+/// FILE is a skinned character (Geno.bin; glTF 2.0 as *.glb or *.gltf), a rig (*.urdf), or
+/// a motion, whose skeleton is used (*.bvh, *.amc with its ASF, humanoid3d_*.txt).
 ///
-/// After D. Holden, "Joint Error Propagation" (2025). Every joint begins with a base and gets
+/// The method is by D. Holden, "Joint Error Propagation" (2025). Every joint starts with a
+/// base value and gets
 ///
 ///   by lengths    (m)   D (L + w) of each child: its distance L and its own weight w;
 ///   by cylinders  (m³)  the integral of the distance over the surfaces of all bones below it;
@@ -32,28 +33,29 @@ pub(super) struct Args {
     #[arg(value_name = "FILE")]
     character: PathBuf,
 
-    /// Methods. `all`: those that the file allows. A skeleton has no mesh, a mesh of points no surface.
+    /// Methods to use. `all`: those that the file allows. A skeleton has no mesh, and a mesh of points has no
+    /// surface.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     method: Vec<MethodArg>,
 
-    /// Base of every joint, for all methods asked for: in m by lengths, in m³ by cylinders and mesh. Default: those of
-    /// the article's own list for Geno: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`). They suit a
-    /// figure 1.7 m tall. A figure half as tall gets the same weights with half of the first, and an eighth of the
-    /// others.
+    /// Base value of every joint, for all selected methods: in m by lengths, in m³ by cylinders and mesh. Default:
+    /// the values of the article's list for Geno: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`).
+    /// They suit a figure 1.7 m tall. A figure half as tall gets the same weights with half of the first value, and
+    /// an eighth of the others.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     base: Option<f64>,
 
-    /// By lengths: the discount D of a bone for each joint further up, 0 to 1.
+    /// Method `lengths`: discount D of a bone for each joint further up, 0 to 1.
     #[arg(long, value_name = "D", default_value_t = 0.9, allow_negative_numbers = true)]
     discount: f64,
 
-    /// By the mesh: the area of a vertex.
+    /// Method `mesh`: the area of a vertex.
     #[arg(long, value_enum, default_value_t = VertexAreaArg::Surface)]
     vertex_area: VertexAreaArg,
 
-    /// By cylinders: radius of all bones in m, or a CSV with the columns `joint` and `radius_m`, such as `--format csv`
-    /// prints. Default: with a skin, its mean distance from the bone; else a quarter of the bone's length. A bone is
-    /// named by the joint in which it ends.
+    /// Method `cylinders`: radius of all bones in m, or a CSV with the columns `joint` and `radius_m`, as `--format
+    /// csv` prints it. Default: with a skin, its mean distance from the bone; else a quarter of the bone's length. A
+    /// bone has the name of the joint in which it ends.
     #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
     radii: Option<String>,
 
@@ -64,33 +66,33 @@ pub(super) struct Args {
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
-    /// Also draw the weights into this file: on the figure at rest (the area of a disc is the joint's weight), and
-    /// as bars.
+    /// Also draw the weights into this file: as discs on the figure at rest (the area of a disc is the joint's
+    /// weight), and as bars.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<OutputPath>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum MethodArg {
-    /// By the length of the bones below.
+    /// By the length of the bones below the joint.
     Lengths,
-    /// By the surface of the bones below, as cylinders.
+    /// By the surface of the bones below the joint, as cylinders.
     Cylinders,
-    /// By the skin.
+    /// By the skin that moves with the joint.
     Mesh,
-    /// All that the file allows.
+    /// All methods that the file allows.
     All,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum VertexAreaArg {
-    /// A third of its triangles' areas: all together the surface.
+    /// A third of the areas of its triangles: the sum over all vertices is the surface.
     Surface,
-    /// The mean of its triangles' areas, as in the article's list: all together about half of the surface.
+    /// The mean area of its triangles, as in the article's list: the sum is about half of the surface.
     Article,
 }
 
@@ -114,11 +116,11 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let methods = methods(&args.method, character.mesh());
     ensure!(
         args.radii.is_none() || methods.contains(&Method::Cylinders),
-        "--radii: expected with the method cylinders, which alone has a use for them"
+        "--radii: expected only with the method cylinders"
     );
     ensure!(
         args.vertex_area == VertexAreaArg::Surface || methods.contains(&Method::Mesh),
-        "--vertex-area article: expected with the method mesh, which alone has a use for it"
+        "--vertex-area article: expected only with the method mesh"
     );
     let settings = Settings {
         base: args.base,
@@ -153,7 +155,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is asked for, each once and in the order in which methods are shown.
+/// Returns the requested methods, each once, in the order in which they are printed.
 fn methods(asked: &[MethodArg], mesh: Option<&Mesh>) -> Vec<Method> {
     let all = asked.contains(&MethodArg::All);
     let why_not_mesh = match mesh {
@@ -175,7 +177,7 @@ fn methods(asked: &[MethodArg], mesh: Option<&Mesh>) -> Vec<Method> {
     Method::ALL.into_iter().filter(is_asked).collect()
 }
 
-/// A number is a radius, everything else a file.
+/// Parses radii: a number is a radius, every other text is a file.
 fn radii_of(text: &str) -> anyhow::Result<Radii> {
     Ok(match text.trim().parse() {
         Ok(radius_m) => Radii::Uniform(radius_m),

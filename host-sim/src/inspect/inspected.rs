@@ -1,4 +1,4 @@
-//! The facts that are shown of a file.
+//! Facts about a file that are shown.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -10,7 +10,7 @@ use sinew_retarget::skeleton::SkeletonMatch;
 
 use super::maker;
 
-/// The content of a file.
+/// The kind of content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Kind {
@@ -22,68 +22,68 @@ pub(crate) enum Kind {
     Rig,
 }
 
-/// A joint of the tree that a file holds.
+/// A joint of the tree in a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct TreeJoint {
-    /// Its name.
+    /// Name of the joint.
     pub name: String,
-    /// Which joint of the list it hangs on.
+    /// Index of the parent joint in the list.
     pub parent: Option<usize>,
-    /// Length of the bone from there, m; `None` where the unit is not known.
+    /// Distance from the parent joint, m; `None` if the unit is unknown.
     pub length_m: Option<f64>,
-    /// Of a rig: what the joint leaves free.
+    /// For a rig: the motion that the joint allows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moves: Option<&'static str>,
 }
 
-/// A file, inspected.
+/// Facts about an inspected file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Inspected {
-    /// The file.
+    /// Path of the file.
     pub file: String,
     /// Motion, character or rig.
     pub kind: Kind,
-    /// The format's name.
+    /// Name of the file format.
     pub format: &'static str,
-    /// Who or what wrote it, if the file shows it.
+    /// The program or company that wrote the file, if known.
     pub maker: Option<String>,
-    /// How many joints it has, all of them.
+    /// Number of joints.
     pub joints: usize,
-    /// How many frames; `None` of what does not move.
+    /// Number of frames; `None` if the file has no motion.
     pub frames: Option<usize>,
-    /// Frames per second; `None` where the file does not tell.
+    /// Frames per second; `None` if the file does not contain the rate.
     pub rate_hz: Option<f64>,
-    /// Length of the unit, m; `None` where nothing tells it.
+    /// Length of the file's unit, m; `None` if unknown.
     pub metres_per_unit: Option<f64>,
-    /// Why this unit.
+    /// Reason for this unit.
     pub unit_reason: String,
     /// The axis that points up.
     pub up: &'static str,
-    /// Why this axis.
+    /// Reason for this axis.
     pub up_reason: String,
-    /// Height of the body standing upright, else the extent along up, m.
+    /// Height of the body standing upright, else the extent along the up axis, m.
     pub height_m: Option<f64>,
-    /// Largest extent across up, m.
+    /// Largest extent across the up axis, m.
     pub span_m: Option<f64>,
-    /// The known skeleton that is nearest.
+    /// The nearest known skeleton.
     pub nearest: Option<String>,
-    /// Joints of that skeleton that it lacks.
+    /// Joints of that skeleton that the file lacks.
     pub missing: Vec<String>,
     /// Parts of a human body that were not found.
     pub landmarks_missing: Vec<&'static str>,
-    /// Where it stands in a T-pose.
+    /// Place of a T-pose in the file.
     pub t_pose: Option<&'static str>,
-    /// Samples that are missing.
+    /// Number of missing samples.
     pub gaps: usize,
-    /// Joints that turn as no human's do, in words.
+    /// Joints that turn as a human's cannot, as text.
     pub flips: Option<String>,
-    /// What else a person should know.
+    /// Other notes for the user.
     pub notes: Vec<String>,
     /// All joints, parents before children.
     pub tree: Vec<TreeJoint>,
 }
 
-/// A skeleton that was measured, which every kind of file has.
+/// A measured skeleton, which every kind of file has.
 pub(super) struct Common<'a> {
     pub(super) kind: Kind,
     pub(super) format: &'static str,
@@ -91,7 +91,7 @@ pub(super) struct Common<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) measured: &'a Measured,
     pub(super) matched: &'a SkeletonMatch,
-    /// Extents along up and across, in the file's unit.
+    /// Extents along and across the up axis, in the file's unit.
     pub(super) extents: [f64; 2],
 }
 

@@ -1,10 +1,10 @@
-//! Who or what wrote a file, where it shows it: by what it says of itself, or by names that only one program gives.
+//! The program or company that wrote a file: from texts in the file, or from joint names that only one program uses.
 
 use std::path::Path;
 
 use sinew_mocap::Skeleton;
 
-/// Programs by joints that all of their files have, and others have not.
+/// Joint names that all files of a program have and other files lack, and the program.
 const BY_NAMES: [(&[&str], &str); 7] = [
     (&["Hips", "Chest4", "LeftCollar"], "Xsens MVN"),
     (&["Hips", "Spine3", "LeftInHandIndex"], "Axis Neuron (Perception Neuron)"),
@@ -15,7 +15,7 @@ const BY_NAMES: [(&[&str], &str); 7] = [
     (&["joint_Root", "UpperLeg_L"], "Bandai Namco Research"),
 ];
 
-/// Texts in the head of a file, and whose they are.
+/// Texts in the first part of a file, and the program that writes them.
 const BY_WORDS: [(&str, &str); 6] = [
     ("produced by endorphin", "NaturalMotion endorphin"),
     ("solidworks to urdf exporter", "SolidWorks to URDF Exporter"),
@@ -25,7 +25,7 @@ const BY_WORDS: [(&str, &str); 6] = [
     ("blender", "Blender"),
 ];
 
-/// By the names of its joints.
+/// Returns the program that uses the names of these joints.
 pub(super) fn by_names(skeleton: &Skeleton) -> Option<&'static str> {
     if skeleton.joints.iter().any(|joint| joint.name.starts_with("mixamorig")) {
         return Some("Mixamo");
@@ -34,7 +34,7 @@ pub(super) fn by_names(skeleton: &Skeleton) -> Option<&'static str> {
     BY_NAMES.iter().find(|(names, _)| has(names)).map(|(_, maker)| *maker)
 }
 
-/// By what the file says: glTF's `generator`, a comment in the first lines of a text.
+/// Returns the program that the file names: glTF's `generator`, or a comment in the first lines of a text.
 pub(super) fn by_text(path: &Path) -> Option<String> {
     const HEAD: usize = 1 << 16;
     let bytes = sinew_mocap::read::bytes(path).ok()?;
@@ -43,7 +43,7 @@ pub(super) fn by_text(path: &Path) -> Option<String> {
         let said = rest.split('"').nth(1)?;
         return Some(said.chars().take(80).collect());
     }
-    // What is said of a maker stands in comments, before all else.
+    // The program is named in comments in the first lines.
     let comments: String = head
         .lines()
         .take(20)

@@ -1,4 +1,4 @@
-//! What a file of motion, a character or a rig is: `sinew clip inspect`.
+//! `sinew clip inspect`: recognizes and describes a file of motion, a character or a rig.
 
 mod inspected;
 mod maker;
@@ -14,23 +14,23 @@ use sinew_figure::measured::UnitOverrides;
 
 use inspected::Inspected;
 
-/// A file, or why it cannot be read.
+/// A file's facts, or the reason why it cannot be read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub(crate) enum Entry {
     /// The facts of a file that was read.
     Read(Box<Inspected>),
-    /// Why it is nothing that can be read.
+    /// A file that cannot be read.
     Unread {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// Why.
+        /// Text of the error.
         error: String,
     },
 }
 
 impl Entry {
-    /// Looks at a file.
+    /// Reads a file and collects its facts.
     pub(crate) fn of(path: &Path, units: UnitOverrides) -> Self {
         let file = path.display().to_string();
         match inspect(path, units) {
@@ -39,17 +39,17 @@ impl Entry {
         }
     }
 
-    /// Whether it was read.
+    /// Whether the file was read.
     pub(crate) const fn is_read(&self) -> bool {
         matches!(self, Self::Read(_))
     }
 
-    /// For people: a block of lines.
+    /// Formats the entry as a block of lines.
     pub(crate) fn text(&self) -> String {
         match self {
             Self::Read(inspected) => text::block(inspected),
             Self::Unread { file, error } => {
-                // Both are told above.
+                // The heading already contains both texts.
                 let why = error.strip_prefix(file.as_str()).unwrap_or(error);
                 let why = why.trim_start_matches(": ").trim_start_matches("cannot be read: ");
                 format!("cannot be read: {why}\n")
@@ -58,7 +58,7 @@ impl Entry {
     }
 }
 
-/// The readers are asked by the kind that the name says; what no name says may be a motion by its content.
+/// Reads a file with the reader for its extension. A file with an unknown extension may be a motion by its content.
 fn inspect(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str().unwrap_or_default() {

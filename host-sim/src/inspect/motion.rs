@@ -1,4 +1,4 @@
-//! Of motions.
+//! Facts about motions.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use sinew_retarget::skeleton::SkeletonMatch;
 use super::inspected::{Common, Inspected, Kind};
 use super::maker;
 
-/// The longest bone that is believed, m: as long as the tallest figure.
+/// The longest plausible bone, m: as long as the tallest figure.
 const BONE_MAX_M: f64 = 3.0;
 /// The longest gap that other commands fill, s.
 const GAP_MAX_S: f64 = 0.5;
@@ -46,7 +46,7 @@ pub(super) fn motion(path: &Path, units: UnitOverrides) -> Result<Inspected, Str
     Ok(inspected)
 }
 
-/// What needs metres and y up: T-poses, bones, jumps, flips.
+/// Adds the facts that need metres and y up: T-poses, bones, jumps, flips.
 fn in_metres(
     inspected: &mut Inspected,
     mut recording: Recording,

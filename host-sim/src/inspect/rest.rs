@@ -1,4 +1,4 @@
-//! Of characters: a skeleton at rest, and its skin.
+//! Facts about characters: a skeleton at rest, and its skin.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use super::maker;
 
 pub(super) fn character(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let read = |units| character::read(path, &Options { units, frame: None });
-    // What is too large to be believed is shown all the same.
+    // A character of implausible size is shown nevertheless.
     let (character, refused) = match read(units) {
         Ok(character) => (character, None),
         Err(error) => {
@@ -30,7 +30,7 @@ pub(super) fn character(path: &Path, units: UnitOverrides) -> Result<Inspected, 
         _ => "glTF 2.0",
     };
     let mut inspected = of_character(&character, format, path, units);
-    // The first is its size, and what is doubtful of that is told already.
+    // The first note is the size; doubts about it are reported already.
     for note in character.notes().iter().skip(1) {
         if !inspected.notes.contains(note) {
             inspected.notes.push(note.clone());
@@ -62,10 +62,10 @@ pub(super) fn of_character(
         extents: measured::extents(&rest, DVec3::Y),
     };
     let mut inspected = common.inspected();
-    // The reader has brought it to metres.
+    // The reader has converted it to metres.
     if let Some(metres_per_unit) = units.metres_per_unit {
         inspected.metres_per_unit = Some(metres_per_unit);
-        "as you say".clone_into(&mut inspected.unit_reason);
+        "as you specified".clone_into(&mut inspected.unit_reason);
     }
     let rest_m = rest.skeleton.rest_positions_m();
     let joint = |body: &str| matched.joint(limb_landmark(body)?);

@@ -1,4 +1,4 @@
-//! Of rigs: bodies with mass on joints with limits.
+//! Facts about rigs: bodies with mass on joints with limits.
 
 use std::path::Path;
 
@@ -23,12 +23,12 @@ pub(super) fn rig(path: &Path, units: UnitOverrides) -> Result<Inspected, String
     };
     let loaded = match load(path, &options) {
         Ok(loaded) => loaded,
-        // Its joints can be seen, though no tree of bodies can be made of it as it is.
+        // Its joints can be shown, although they do not form a valid tree of bodies.
         Err(error) => return as_character(path, units, &error.to_string()),
     };
     let rest = at_home(&loaded.description.name, &loaded.mechanism);
     let matched = SkeletonMatch::new(&rest.skeleton, &[]);
-    // Robots are of any size.
+    // Robots may have any size.
     let measured = Measured { is_body: false, ..Measured::of_format(&rest, &matched) };
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let format = match extension.to_str() {
@@ -46,12 +46,12 @@ pub(super) fn rig(path: &Path, units: UnitOverrides) -> Result<Inspected, String
         extents: measured::extents(&rest, DVec3::Y),
     };
     let mut inspected = common.inspected();
-    // A rig is no body: which of its joints are whose is `sinew clip map --rig`'s to say.
+    // A rig need not be human: `sinew clip map --rig` reports which of its joints correspond to a body's.
     inspected.landmarks_missing.clear();
     (inspected.nearest, inspected.missing) = (None, Vec::new());
     let mass_kg: f64 = loaded.mechanism.bodies.iter().map(|body| body.mass_kg).sum();
     inspected.notes.push(format!("its mass is {mass_kg:.3} kg"));
-    // The first is its size.
+    // The first note is the size.
     inspected.notes.extend(loaded.notes.into_iter().skip(usize::from(loaded.world.is_some())));
     (inspected.joints, inspected.tree) = tree(&loaded.description, &inspected.tree);
     if let Some(world) = loaded.world {
@@ -74,14 +74,14 @@ fn as_character(path: &Path, units: UnitOverrides, why: &str) -> Result<Inspecte
     Ok(inspected)
 }
 
-/// All joints of the description, fixed ones too, parents first; those that move have their bone's length from
-/// `moving`.
+/// Returns all joints of the description, also fixed ones, parents first. Moving joints have the length of their bone
+/// from `moving`.
 fn tree(description: &Description, moving: &[TreeJoint]) -> (usize, Vec<TreeJoint>) {
     let joints = &description.joints;
     let mover = |body: &str| joints.iter().position(|joint| joint.child == body);
     let mut tree: Vec<TreeJoint> = Vec::with_capacity(joints.len());
     let mut place = vec![None; joints.len()];
-    // A rig's joints are a tree: each round finds those whose parents are there.
+    // A rig's joints form a tree: each round places the joints whose parents are placed.
     while tree.len() < joints.len() {
         let before = tree.len();
         for (index, joint) in joints.iter().enumerate() {

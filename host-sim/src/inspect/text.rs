@@ -1,4 +1,4 @@
-//! A file's block of lines for people.
+//! Formats a file's facts as a block of lines.
 
 use std::fmt::Write as _;
 
@@ -20,7 +20,7 @@ pub(super) fn block(it: &Inspected) -> String {
     line("joints", &it.joints.to_string());
     if let Some(frames) = it.frames {
         let rate = it.rate_hz.map_or_else(
-            || "the file does not tell their rate".to_owned(),
+            || "the file does not state their rate".to_owned(),
             |rate_hz| {
                 format!("{rate_hz:.3} a second, {:.2} s", frames.saturating_sub(1) as f64 / rate_hz)
             },
@@ -61,7 +61,7 @@ pub(super) fn block(it: &Inspected) -> String {
     text
 }
 
-/// All joints, each behind the lines of its ancestors.
+/// Formats all joints as an indented tree.
 fn tree(joints: &[TreeJoint]) -> String {
     let mut children = vec![Vec::new(); joints.len()];
     let mut to_come: Vec<(usize, usize)> = Vec::new();
@@ -78,7 +78,7 @@ fn tree(joints: &[TreeJoint]) -> String {
         let moves = joint.moves.map_or_else(String::new, |moves| format!(", {moves}"));
         let length =
             joint.length_m.map_or_else(String::new, |length_m| format!("  {length_m:.3} m"));
-        // Deeper than a screen is wide, the number says it.
+        // Deeper than a screen is wide: the depth is printed as a number.
         let indent =
             if depth <= 40 { "  ".repeat(depth) } else { format!("{}({depth}) ", "  ".repeat(40)) };
         let _ = writeln!(text, "  {indent}{}{length}{moves}", joint.name);

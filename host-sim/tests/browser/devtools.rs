@@ -1,5 +1,6 @@
-//! A browser without a screen, by the protocol of its developer tools: commands and events as JSON, on one WebSocket.
-//! Crates that have the whole protocol are generated code that compiles for a minute; a dozen methods are used here.
+//! A headless browser, driven through the protocol of its developer tools: commands and events as JSON, on one
+//! WebSocket. Crates with the whole protocol are generated code that compiles for a minute; these tests use about
+//! twelve methods.
 
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::net::TcpStream;
@@ -11,27 +12,27 @@ use serde_json::{Value, json};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// The longest that a command may take: then the test fails, and does not hang.
+/// Longest duration of a command. After it the test fails instead of hanging.
 const PATIENCE: Duration = Duration::from_mins(2);
 
-/// A browser and one tab of it.
+/// A browser with one tab.
 pub(crate) struct Browser {
     process: Child,
     socket: WebSocket<TcpStream>,
-    /// The tab's; empty until there is one.
+    /// Session of the tab; empty until there is a tab.
     session: String,
     commands: u64,
-    /// What the tab told unasked, in its order.
+    /// Events of the tab, in order.
     pub(crate) events: Vec<Value>,
 }
 
 impl Browser {
-    /// Starts it, with an empty tab.
+    /// Starts the browser, with an empty tab.
     pub(crate) fn start(profile: &Path) -> Self {
         let chromium =
             std::env::var_os("SINEW_CHROMIUM").expect("SINEW_CHROMIUM names the browser");
         let mut process = Command::new(chromium)
-            // A container has no sandbox to offer; the page is our own.
+            // A container has no sandbox; the page is trusted.
             .args(["--headless", "--no-sandbox", "--disable-dev-shm-usage", "--no-first-run"])
             .args(["--disable-background-networking", "--disable-component-update"])
             .args(["--disable-extensions", "--disable-quic", "--no-proxy-server"])
@@ -50,7 +51,7 @@ impl Browser {
                 break url.trim().to_owned();
             }
         };
-        // It goes on to log, and would wait for a full pipe.
+        // The browser continues to log, and would block on a full pipe.
         std::thread::spawn(move || io::copy(&mut lines, &mut io::sink()));
         let address = url.split('/').nth(2).expect("ws://HOST:PORT/PATH");
         let stream = TcpStream::connect(address).unwrap();
@@ -65,7 +66,7 @@ impl Browser {
         browser
     }
 
-    /// Calls a method, and gives its result.
+    /// Calls a method, and returns its result.
     pub(crate) fn call(&mut self, method: &str, parameters: &Value) -> Value {
         self.commands += 1;
         let mut command = json!({ "id": self.commands, "method": method, "params": parameters });
@@ -100,8 +101,8 @@ impl Browser {
     }
 }
 
-/// Makes a WebSocket of a connection. The browser's proof that it knows the protocol is not checked: a feature of
-/// tungstenite that would is ten crates.
+/// Turns a connection into a WebSocket. The browser's proof that it knows the protocol is not checked: that feature
+/// of tungstenite needs ten more crates.
 fn upgrade(mut stream: TcpStream, url: &str) -> WebSocket<TcpStream> {
     let (host, path) =
         url.trim_start_matches("ws://").split_once('/').expect("ws://HOST:PORT/PATH");
@@ -110,7 +111,7 @@ fn upgrade(mut stream: TcpStream, url: &str) -> WebSocket<TcpStream> {
          Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
     );
     stream.write_all(request.as_bytes()).unwrap();
-    // To the empty line and no byte further: then come messages.
+    // Reads up to the empty line and no byte more: messages follow.
     let mut answer = Vec::new();
     while !answer.ends_with(b"\r\n\r\n") {
         let mut byte = [0];

@@ -1,4 +1,4 @@
-//! The page of a show's feasibility.
+//! Tests of the page of a show's feasibility.
 
 use sinew_report::feasibility::Page as Feasibility;
 use sinew_retarget::feasibility::{Curve, Limits, RigMotion, check};
@@ -10,11 +10,11 @@ use crate::player::{clock, it_plays_and_stops, seek};
 
 const RATE_HZ: f64 = 100.0;
 
-/// Two seconds in which the first joint turns faster than it may, once.
+/// Two seconds of motion. The first joint exceeds its speed limit once.
 fn motion(mechanism: &Mechanism, speed: f64) -> RigMotion {
     let home = mechanism.home();
     let row = |row: u32| {
-        // Half a cosine within 0.4 s: its largest speed is half the way times its frequency.
+        // Half a cosine in 0.4 s: its largest speed is π / 0.4 s times half its amplitude.
         let phase = ((f64::from(row) / RATE_HZ - 0.8) / 0.4).clamp(0.0, 1.0);
         let way = 1.2 * speed * 0.4 / std::f64::consts::PI;
         let mut q = home.clone();
@@ -38,7 +38,7 @@ fn a_builder_sees_what_a_show_asks_of_a_rig() {
     assert!(report.excesses.iter().any(|excess| excess.dof == 0));
     let page = Feasibility {
         rig: &description.name,
-        // A name that would be taken for markup, were it not escaped.
+        // A name that would be markup if it were not escaped.
         clip: "wave</script><script>throw 1</script>",
         mechanism: &mechanism,
         limits: &limits,
@@ -78,7 +78,7 @@ fn the_keyboard_goes_through_time(page: &Page) {
     assert_eq!(page.ask(label), "Play");
 }
 
-/// Numbers go through 16 bits and three digits, and come out as they were.
+/// Checks that the plots show the checked numbers, although the page stores them in 16 bits and three digits.
 fn the_plots_say_what_was_checked(page: &Page, motion: &RigMotion) {
     page.ask("(s => { s.value = 0; s.dispatchEvent(new Event('change')); })(document.getElementById('joint')) ?? 0");
     for row in [0, 90, 100, 110] {

@@ -1,4 +1,4 @@
-//! Pages in a browser without a screen, as a reader has them: from disk, with no network.
+//! Tests of pages in a headless browser: from disk, without a network, as readers open them.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,4 +1,4 @@
-//! A browser without a screen, and a page in it.
+//! A headless browser with a page.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use crate::devtools::Browser;
 
-/// Opens a file, and lets `read` use it. Then nothing must have been complained of, and nothing fetched.
+/// Opens a file, and calls `read` with its page. Then checks that there was no error message and no network request.
 pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
     let profile = tempfile::tempdir().unwrap();
     let url = format!("file://{}", file.display());
@@ -31,7 +31,7 @@ pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
     }
 }
 
-/// A page in a tab, with what went wrong and what was fetched.
+/// A page in a tab, with its errors and network requests.
 pub(crate) struct Page {
     browser: RefCell<Browser>,
 }
@@ -52,7 +52,7 @@ impl Page {
         self.browser.borrow_mut().call(method, parameters)
     }
 
-    /// What an expression is; what it promises is waited for.
+    /// Returns the value of an expression. Waits if it is a promise.
     fn evaluate(&self, expression: &str) -> Value {
         let asked =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
@@ -62,7 +62,7 @@ impl Page {
         answer["result"]["value"].take()
     }
 
-    /// What an expression is, as JSON; nothing is null.
+    /// Returns the value of an expression as JSON; `undefined` becomes null.
     pub(crate) fn ask(&self, expression: &str) -> serde_json::Value {
         let json = format!("JSON.stringify({expression}) ?? 'null'");
         let text = self.evaluate(&json);
@@ -70,12 +70,12 @@ impl Page {
         serde_json::from_str(text).unwrap()
     }
 
-    /// Lets the page run for so long.
+    /// Lets the page run for `time_ms` milliseconds.
     pub(crate) fn wait_ms(&self, time_ms: u32) {
         self.evaluate(&format!("new Promise(r => setTimeout(() => r(1), {time_ms}))"));
     }
 
-    /// Waits until everything that was asked for is drawn.
+    /// Waits until all pending drawing is done.
     pub(crate) fn settle(&self) {
         let frames =
             "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(1))))";
@@ -95,13 +95,13 @@ impl Page {
         self.settle();
     }
 
-    /// All pixels of both views.
+    /// Returns all pixels of both views.
     pub(crate) fn pixels(&self) -> serde_json::Value {
         self.ask("[...document.querySelectorAll('canvas')].map(c => c.toDataURL())")
     }
 
     pub(crate) fn press(&self, key: &str) {
-        // What keys have beside their names: the code of Windows, and what they write.
+        // The Windows code of each key, and the text that it types.
         let (code, text) = match key {
             "Enter" => (13, "\r"),
             " " => (32, key),
@@ -124,13 +124,13 @@ impl Page {
         self.settle();
     }
 
-    /// The page as a PDF.
+    /// Returns the page as a PDF.
     pub(crate) fn pdf(&self) -> Vec<u8> {
         let printed = self.call("Page.printToPDF", &json!({}));
         BASE64_STANDARD.decode(printed["data"].as_str().unwrap()).unwrap()
     }
 
-    /// Whether it fits a width, and nothing is cut off either: what is wider scrolls in its own box.
+    /// Checks that the page fits a width without cutting anything off: wider content scrolls in its own box.
     pub(crate) fn assert_fits(&self, width: u32) {
         self.resize(width, 800);
         let wide = self.ask("document.documentElement.scrollWidth").as_u64().unwrap();

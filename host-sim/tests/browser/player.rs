@@ -1,4 +1,4 @@
-//! The player that pages of a show have: its clock, its scrubber, its button.
+//! Controls of the player in a show's page: clock, scrubber, button.
 
 use crate::page::Page;
 

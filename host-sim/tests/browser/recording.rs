@@ -1,4 +1,4 @@
-//! The page of a recording.
+//! Tests of the page of a recording.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use crate::common::{sinew_in, text};
 use crate::page::{Page, with_page};
 use crate::player::{clock, it_plays_and_stops, seek};
 
-/// A recording of an arm of three that plays for 2 s, and its page.
+/// Returns a recording of an arm with three joints that plays for 2 s, and its page.
 fn recorded(folder: &Path) -> [std::path::PathBuf; 2] {
     let sinew = |arguments: &[&str]| {
         let output = sinew_in(folder, arguments);
@@ -51,12 +51,12 @@ fn choose(page: &Page, joint: usize) {
     ));
 }
 
-/// Numbers go through 16 bits and one decimal, and come out as they were.
+/// Checks that the plots show the recorded numbers, although the page stores them in 16 bits and one decimal.
 fn the_plots_say_what_was_recorded(page: &Page, recording: &Recording, parts: &[Part]) {
     let joint = recording.joints().iter().position(|name| name == "bend2").unwrap();
     let chosen = page.ask("RIG.dofs.findIndex(({ name }) => name === 'bend2')");
     choose(page, usize::try_from(chosen.as_u64().unwrap()).unwrap());
-    // A sample is 10 ticks of 2 ms; the row of time t is the tick that ended then.
+    // A sample is 10 ticks of 2 ms; the row of time t is the tick that ended at t.
     for row in [0, 800, 900, 1000, 1200] {
         seek(page, row as f64 * 0.002);
         for (class, course) in [
@@ -81,12 +81,12 @@ fn the_largest_error_leads_to_its_time(page: &Page, parts: &[Part]) {
         let rows = part.time_s.iter().zip(&part.runs).zip(&part.joints[0].error);
         rows.filter(|((_, runs), _)| **runs)
     });
-    // The first of equal ones.
+    // The first of equal errors.
     let (at_s, _) = playing.fold((0.0, 0.0), |(at_s, most), ((time_s, _), error)| {
         if error.abs() > most { (*time_s, error.abs()) } else { (at_s, most) }
     });
     assert!((clock(page) - at_s).abs() < 0.01, "{} {at_s}", clock(page));
-    // Its row was clicked, too.
+    // The click on the row has also selected its joint.
     assert_eq!(page.ask("document.getElementById('joint').value"), "0");
 }
 

@@ -1,4 +1,4 @@
-//! The report.
+//! Tests of the report of an evaluation.
 
 use sinew_evaluation::optimum::optimum;
 use sinew_evaluation::{Protocol, evaluate};
@@ -11,7 +11,7 @@ use sinew_report::{Comparison, Playback, Report, Sweep};
 use crate::page::{Page, with_page};
 use std::path::Path;
 
-/// A clip's name that would be taken for markup, were it not escaped.
+/// A clip's name that would be markup if it were not escaped.
 const NAME: &str = "kick</script><script>throw 1</script>&amp;\"'";
 
 fn motion() -> FigureMotion {
@@ -20,7 +20,7 @@ fn motion() -> FigureMotion {
     FigureMotion { name: NAME.into(), ..motion }
 }
 
-/// A report with everything in it.
+/// Writes a report with every kind of content.
 fn write_report(folder: &Path) {
     let motions = [motion(), FigureMotion { name: "again".into(), ..motion() }];
     let protocol = Protocol { seconds: Some(4.0), ..Protocol::default() };
@@ -80,7 +80,7 @@ fn the_views_show_figures(page: &Page) {
     let shares: Vec<[u64; 2]> = serde_json::from_value(shares).unwrap();
     assert_eq!(shares.len(), 2, "two methods side by side");
     for [red, white] in shares {
-        // Found: 44 and 7. Of the white figure, most is behind the red one.
+        // Measured: 44 and 7. The red figure hides most of the white one.
         assert!(red > 15 && white > 2, "{red} and {white} of 1000");
     }
     let pictures = page.pixels();

@@ -1,4 +1,4 @@
-//! The page of a rig.
+//! Tests of the page of a rig.
 
 use sinew_report::rig;
 use sinew_rig::review::{Loop, Review, Servos};
@@ -59,7 +59,7 @@ fn sliders_and_the_view_go_by_keyboard(page: &Page) {
     }
 }
 
-/// The page computes loads by itself: in the worst poses they are what the check has found.
+/// Checks the loads that the page computes: in the worst poses they equal those of the check.
 fn loads_are_those_of_the_check(page: &Page, review: &Review) {
     for (index, dof) in review.by_dof.iter().enumerate() {
         page.ask(&format!("document.querySelectorAll('#sliders button')[{index}].click()"));
@@ -67,7 +67,7 @@ fn loads_are_those_of_the_check(page: &Page, review: &Review) {
         let load =
             page.ask(&format!("document.querySelectorAll('#sliders .load')[{index}].textContent"));
         let load: f64 = load.as_str().unwrap().split(' ').next().unwrap().parse().unwrap();
-        // Three decimals are shown.
+        // The page shows three decimals.
         assert!((load.abs() - dof.gravity_effort).abs() <= 5.1e-4, "{}: {load}", dof.name);
     }
 }

@@ -1,4 +1,4 @@
-//! The report of a rig.
+//! Tests of the report of a rig.
 
 use sinew_evaluation::exercise::{ExerciseSettings, make_exercises};
 use sinew_evaluation::{MethodName, Protocol, evaluate};
@@ -22,7 +22,7 @@ fn write_report(folder: &Path) {
         ..Protocol::default()
     };
     protocol.setup.plant.kind = PlantKind::Articulated;
-    // Without this, nothing red is seen.
+    // Without this error of the masses, nothing red is visible.
     protocol.setup.disturbance.masses = 0.15;
     let evaluation = evaluate(&takes, &protocol, |_| ()).unwrap();
     let mannequin = Mannequin::of_rig(&mechanism);
@@ -54,7 +54,7 @@ fn a_builder_can_use_the_report_of_a_rig() {
     });
 }
 
-/// The box of what is drawn lighter or redder than the ground, as shares of the view.
+/// Checks the bounding box of pixels that are lighter or redder than the ground, as shares of the view.
 fn the_rig_is_large_and_whole(page: &Page) {
     let boxes = page.ask(
         "[...document.querySelectorAll('canvas')].map(c => {

@@ -1,4 +1,4 @@
-//! The command `sinew` as a process.
+//! Runs the command `sinew` as a process.
 #![expect(dead_code, reason = "each program of tests uses a part")]
 
 use std::path::Path;
@@ -27,7 +27,7 @@ pub(crate) fn printed(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("UTF-8")
 }
 
-/// Returns what a process has written.
+/// Returns the output of a process as text.
 pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }

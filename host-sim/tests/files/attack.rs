@@ -1,4 +1,5 @@
-//! Inputs that broke something once (`attack/`), each with its command: refused in words, or read rightly.
+//! Inputs that once caused a failure (`attack/`), each with its command. Now they are refused with a message, or read
+//! correctly.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,12 +7,12 @@ use std::process::{Command, Stdio};
 
 use crate::common::{command, sinew_in, text};
 
-/// A file that broke something.
+/// Returns the path of a hostile file.
 fn attack(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/attack").join(name)
 }
 
-/// A folder for a test, with a copy of each of these files.
+/// Creates a temporary folder with a copy of each of these files.
 fn folder_with(names: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     for name in names {
@@ -20,7 +21,7 @@ fn folder_with(names: &[&str]) -> tempfile::TempDir {
     folder
 }
 
-/// What a command said on standard error, if it was refused.
+/// Runs a command that must be refused, and returns its standard error.
 fn refused(folder: &Path, words: &[&str]) -> String {
     let output = sinew_in(folder, words);
     let said = text(&output.stderr);
@@ -29,7 +30,7 @@ fn refused(folder: &Path, words: &[&str]) -> String {
     said
 }
 
-/// What a command said on standard error, and that it was done.
+/// Runs a command that must succeed, and returns its standard error.
 fn done(folder: &Path, words: &[&str]) -> String {
     let output = sinew_in(folder, words);
     let said = text(&output.stderr);
@@ -102,7 +103,7 @@ fn a_full_disk_leaves_the_old_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     fs::write(folder.join("k.toml"), "old").expect("the folder can be written");
-    // The largest file that the shell allows: 1 kB, which is no whole rig.
+    // The shell limits files to 1 kB, less than a rig.
     let words = format!("ulimit -f 1; '{}' rig new --arm 6 -o k.toml", env!("CARGO_BIN_EXE_sinew"));
     let shell = Command::new("sh").current_dir(folder).args(["-c", &words]).output();
     assert!(!shell.expect("a shell").status.success());
@@ -173,7 +174,7 @@ fn small_files_cannot_ask_for_much() {
     let folder = folder_with(&[]);
     let folder = folder.path();
     let write = |name: &str, text: String| fs::write(folder.join(name), text).expect("a file");
-    // 1,024 joints, of which one has a channel: two bytes make a frame of 64 kB.
+    // 1,024 joints, only one of them with a channel: two bytes make a frame of 64 kB.
     let joints: Vec<_> =
         (0..1023).map(|j| format!("JOINT j{j} {{ OFFSET 0 1 0 CHANNELS 0\n")).collect();
     let joints = joints.concat();
@@ -193,7 +194,7 @@ fn small_files_cannot_ask_for_much() {
     let said = refused(folder, &["clip", "weights", "links.urdf"]);
     assert!(said.contains("expected one link that no joint moves"), "{said}");
 
-    // A buffer for each of 10,000 names of the file itself.
+    // 10,000 buffers that all name the file itself.
     let buffers = vec![r#"{"byteLength": 1, "uri": "self.gltf"}"#; 10_000].join(",");
     let nodes = vec!["{}"; 10_001].join(",");
     write("self.gltf", format!(r#"{{"asset": {{"version": "2.0"}}, "buffers": [{buffers}]}}"#));
@@ -256,7 +257,7 @@ fn two_runs_into_one_folder_are_refused() {
     assert!(said.contains("another run writes into this folder"), "{said}");
 }
 
-/// How a show of version 1 begins.
+/// First bytes of a show of version 1.
 const SHOW_OF_VERSION_1: [u8; 32] = *b"SNWS\x01\0\x12\0\x02\0\0\0\x0a\xd7\x23\x3c0123456789abcdef";
 
 #[test]
@@ -266,15 +267,51 @@ fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
     fs::write(folder.join("old.show"), SHOW_OF_VERSION_1).expect("a file");
     done(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]);
     let said = refused(folder, &["play", "old.show", "--rig", "arm.toml"]);
-    let why = "old.show: the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake \
-               CLIP --rig RIG`";
+    let why = "old.show: the show is of version 1, which is no longer read: bake it again from its clip, with `sinew \
+        bake CLIP --rig RIG`";
     assert!(said.contains(why), "{said}");
-    // Nor is one made: the figure's poses were what `bake` wrote without a rig.
+    // `bake` does not make such a show either: without a rig it used to write the figure's poses.
     let said = refused(folder, &["bake", "kicks_01", "--output", "new.show"]);
     assert!(said.contains("--rig: expected the rig that performs the show"), "{said}");
 }
 
-/// What a file is and who takes it, where a command does not.
+/// Limits of almost nothing are refused in the rig's file: clips could not be fitted to them.
+#[test]
+fn an_acceleration_of_almost_nothing_is_refused_with_its_line() {
+    let folder = folder_with(&["acc_panic.toml"]);
+    for words in [
+        &["rig", "check", "acc_panic.toml"][..],
+        &["play", "kicks_01", "--rig", "acc_panic.toml", "--fast"],
+    ] {
+        let said = refused(folder.path(), words);
+        assert!(said.contains("line 69, column 23: joint[1].acceleration_deg_s2"), "{said}");
+    }
+}
+
+/// The arm would wait for such a pose without end.
+#[test]
+fn a_show_that_begins_beyond_a_range_is_refused() {
+    let folder = folder_with(&["out_of_range.show"]);
+    let arm = "../tests/support/rigs/arm_62ff7e0.toml";
+    let arm = fs::canonicalize(Path::new(env!("CARGO_MANIFEST_DIR")).join(arm)).expect("the rig");
+    let arm = arm.to_str().expect("a path of UTF-8");
+    let said = refused(folder.path(), &["play", "out_of_range.show", "--rig", arm, "--fast"]);
+    assert!(said.contains("the show begins with dof "), "{said}");
+    assert!(said.contains("beyond its range of "), "{said}");
+}
+
+/// Fourteen strong servos on light bodies: explicit torques between them diverged to a panic.
+#[test]
+fn a_long_chain_of_strong_servos_plays() {
+    let folder = folder_with(&["chain14.toml"]);
+    let words = ["play", "kicks_01", "--rig", "chain14.toml", "--fast"];
+    let output = sinew_in(folder.path(), &words);
+    let printed = text(&output.stdout);
+    assert!(output.status.success(), "{printed}{}", text(&output.stderr));
+    assert!(printed.contains("faults: none"), "{printed}");
+}
+
+/// A file that a command cannot use is refused with its kind, and with a command that accepts it.
 #[test]
 fn a_file_of_another_kind_is_named() {
     let folder = folder_with(&["m21.bvh", "esc.glb"]);
@@ -283,11 +320,11 @@ fn a_file_of_another_kind_is_named() {
     fs::write(folder.join("map.toml"), "name = 'a'\n[body]\n").expect("a file");
     fs::write(folder.join("a.show"), SHOW_OF_VERSION_1).expect("a file");
     let files = [
-        ("m21.bvh", "a BVH motion, which `sinew clip`, `bake`"),
-        ("esc.glb", "a glTF character, which `sinew clip inspect`"),
-        ("rig.urdf", "a URDF rig, which `sinew rig`"),
-        ("map.toml", "a mapping on the human figure, which `--mapping` takes"),
-        ("a.show", "a show, which `sinew play`"),
+        ("m21.bvh", "a BVH motion, for `sinew clip`, `bake`"),
+        ("esc.glb", "a glTF character, for `sinew clip inspect`"),
+        ("rig.urdf", "a URDF rig, for `sinew rig`"),
+        ("map.toml", "a mapping on the human figure, for `--mapping` without"),
+        ("a.show", "a show, for `sinew play`"),
     ];
     let commands: [(&[&str], &[&str]); 6] = [
         (&["rig", "import"], &["rig.urdf"]),

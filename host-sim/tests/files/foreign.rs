@@ -1,5 +1,5 @@
-//! Files of many makers (`foreign/` of the data): what each is and who reads it, as the page `docs/foreign-files.md`
-//! tells; and those that were read wrongly once, without a word.
+//! Files of many makers (`foreign/` of the data): the kind of each and the commands that read it, as in the page
+//! `docs/foreign-files.md`; and files that were once misread without a message.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,7 +13,7 @@ fn data() -> PathBuf {
     PathBuf::from(std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data"))
 }
 
-/// What a command says on standard error, and its exit code.
+/// Returns exit code and standard error of a command.
 fn said(words: &[&str]) -> (Option<i32>, String) {
     let output = sinew(words);
     (output.status.code(), text(&output.stderr))
@@ -25,7 +25,7 @@ fn inspected(file: &Path) -> Value {
     list[0].clone()
 }
 
-/// The files, by their names from the folder on; what says how they come together is none of them.
+/// Returns the files below a folder, except descriptions of their origin.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut to_come = vec![folder.to_path_buf()];
@@ -44,7 +44,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// The commands that a file is tried with, with what is given beside it.
+/// Returns the commands to try with a file, and their other arguments.
 fn tried(file: &str) -> [(&'static str, Vec<&str>); 5] {
     let query = |words: &[_]| words.to_vec();
     [
@@ -135,12 +135,12 @@ fn short(x: f64, key: &str) -> String {
     }
 }
 
-/// As Markdown shows it as it is.
+/// Escapes text for a Markdown table.
 fn escaped(reason: &str) -> String {
     reason.chars().take(300).collect::<String>().replace('<', "\\<").replace('|', "\\|")
 }
 
-/// Lines of at most 118 characters.
+/// Wraps text at 118 characters.
 fn wrapped(text: &str) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
@@ -172,7 +172,7 @@ fn the_page_tells_what_every_file_is() {
     );
 }
 
-/// The clip was taken lying down: its z axis points up.
+/// The clip was read as lying down: its z axis points up.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_clip_with_z_up_stands() {
@@ -183,7 +183,7 @@ fn a_clip_with_z_up_stands() {
     assert!(told.contains("z is up"), "{told}");
 }
 
-/// Its `length` is 0.01, and its numbers are metres: 4.5 cm tall by the rule for CMU's files.
+/// Its `length` is 0.01, but its numbers are metres: by the rule for CMU's files the figure would be 4.5 cm tall.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn an_asf_in_metres_is_as_tall_as_a_person() {
@@ -193,7 +193,7 @@ fn an_asf_in_metres_is_as_tall_as_a_person() {
     assert_eq!(it["metres_per_unit"], 1.0, "{it}");
 }
 
-/// An arm on a desk: it was 1.22 m tall, by the length of a person's arms.
+/// An arm on a desk. By the length of a person's arms it was read as 1.22 m tall.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_robot_arm_has_no_persons_height() {
@@ -203,7 +203,7 @@ fn a_robot_arm_has_no_persons_height() {
     assert_eq!(it["up"], "z", "{it}");
 }
 
-/// A bone of 50 m was weighed without a word.
+/// A bone of 50 m was weighted without a message.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {
@@ -215,7 +215,8 @@ fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// CMU's own skeletons in metres and in millimetres: 7 cm and half a metre tall by the unit of others of that skeleton.
+/// CMU's own skeletons in metres and in millimetres. By the unit of other files with that skeleton they would be 7 cm
+/// and half a metre tall.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_known_skeleton_in_another_unit_keeps_its_height() {
@@ -246,7 +247,7 @@ fn a_known_skeleton_in_another_unit_keeps_its_height() {
     }
 }
 
-/// A BVH in another unit: its offsets, and the root's place in every frame.
+/// Scales a BVH to another unit: its offsets, and the root's position in every frame.
 fn scaled(text: &str, factor: f64) -> String {
     let (head, motion) = text.split_once("MOTION").expect("a motion");
     let number =

@@ -1,5 +1,5 @@
-//! Commands that are killed while they write: a file is the old one or the new one, and what is left goes with the next
-//! run.
+//! Commands that are killed while they write. The file must be the old one or the new one, and the next run removes
+//! leftovers.
 
 use std::fs;
 use std::path::Path;
@@ -8,10 +8,10 @@ use std::time::{Duration, Instant};
 
 use crate::common::command;
 
-/// Kills of each command, spread over the time that it takes.
+/// Number of kills of each command, spread over its run time.
 const KILLS: u32 = 8;
 
-/// Commands that write `out`, and whether what one left unfinished is kept.
+/// Commands that write `out`, and whether an unfinished file is kept.
 const COMMANDS: [(&[&str], bool); 5] = [
     (&["rig", "new", "--arm", "40", "-o", "out", "--force"], false),
     (&["rig", "view", "arm.toml", "-o", "out"], false),
@@ -26,7 +26,7 @@ fn start(folder: &Path, args: &[&str]) -> std::process::Child {
     command.spawn().expect("the command starts")
 }
 
-/// Names that begin with a point, but the kept ones.
+/// Counts the hidden files with an ending.
 fn hidden(folder: &Path, ending: &str) -> usize {
     let names =
         fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("it").file_name());
@@ -55,7 +55,7 @@ fn a_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
         for kill in 0..KILLS {
             fs::write(&out, old).expect("the old file");
             let mut child = start(folder, args);
-            // Mostly near its end, where it writes.
+            // Most kills are near the command's end, where it writes.
             std::thread::sleep(took * (40 + 70 * kill / KILLS) / 100 + Duration::from_millis(3));
             let _ = child.kill();
             child.wait().expect("it ends");

@@ -1,4 +1,4 @@
-//! Files of others: of many makers, recorded and hostile.
+//! Tests with foreign files: from many makers, recorded and hostile.
 
 mod attack;
 #[path = "../common/mod.rs"]

@@ -1,4 +1,4 @@
-//! Every mocap file of `SINEW_DATA` against the index that came with it.
+//! Checks every mocap file of `SINEW_DATA` against the index that is delivered with it.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use sinew_mocap::flips::Flips;
 use sinew_mocap::gaps::FilledGaps;
 use sinew_mocap::{Clip, Recording, bvh, gaps};
 
-/// One line of an `index.csv`.
+/// A line of an `index.csv`.
 struct Entry {
     file: PathBuf,
     frames: usize,
@@ -55,7 +55,7 @@ fn entries() -> Vec<Entry> {
     entries
 }
 
-/// Reads the file and binds the mapping that its skeleton chooses.
+/// Reads the file and binds the mapping for its skeleton.
 fn read(entry: &Entry) -> (Recording, &'static str, Binding) {
     let motion = bvh::read(&entry.file).expect("a BVH motion");
     let mapping = mapping::choose(&motion.skeleton).expect("a known skeleton");
@@ -69,14 +69,14 @@ fn read(entry: &Entry) -> (Recording, &'static str, Binding) {
     (clip, &mapping.name, binding)
 }
 
-/// The recording in metres, at its own rate or else its mapping's. It must have no gaps.
+/// Returns the recording in metres, at its own rate, else its mapping's. It must have no gaps.
 fn gapless(recording: Recording) -> (Clip, FilledGaps) {
     let mapping = mapping::choose(&recording.skeleton).expect("a known skeleton");
     let frame_time_s = mapping.frame_time_s(&recording).expect("a rate");
     gaps::fill(recording.in_metres(mapping.metres_per_unit), frame_time_s, 0.0).expect("no gaps")
 }
 
-/// From the lowest to the highest joint or end site of frame 0.
+/// Returns the height from the lowest to the highest joint or end site in frame 0, m.
 fn height_m(clip: &Clip) -> f64 {
     let world = clip.world_poses(0);
     let heights_m = clip.skeleton.joints.iter().zip(&world).flat_map(|(joint, pose)| {
@@ -94,7 +94,7 @@ fn every_file_reads_as_its_index_says() {
     for entry in entries() {
         let (clip, mapping, binding) = read(&entry);
         let name = entry.file.display();
-        // The index counts two trials as cgspeed-mb that carry that skeleton under ASF names.
+        // The index counts two trials as cgspeed-mb that have that skeleton with ASF names.
         assert_eq!(mapping.trim_end_matches("_asf"), entry.skeleton, "{name}");
         assert_eq!(clip.frames.len(), entry.frames, "{name}");
         assert_eq!(
@@ -103,10 +103,10 @@ fn every_file_reads_as_its_index_says() {
             "{name}"
         );
         let (clip, filled) = gapless(clip);
-        // The index has the rates as the files round them: 59.999 for 60 Hz.
+        // The index has the rounded rates of the files: 59.999 for 60 Hz.
         assert!((clip.rate_hz() / entry.rate_hz - 1.0).abs() < 1e-4, "{name}: {}", clip.rate_hz());
         assert_eq!(filled.gaps, [], "{name}");
-        // Where the T-pose was cut off a cgspeed file, the index still has the T-pose's height.
+        // If the T-pose was cut off a cgspeed file, the index still has the T-pose's height.
         if entry.t_pose || !entry.skeleton.starts_with("cgspeed") {
             let height_m = height_m(&clip);
             // The index rounds heights to 1 mm and the scale to 1e-6.
@@ -123,8 +123,8 @@ fn the_figure_stands_where_the_recording_does() {
         let (clip, mapping, binding) = read(&entry);
         let clip = gapless(clip).0;
         let worst_m = binding.worst_distance_m(&clip, &binding.map(&clip));
-        // Only asfamc folds a joint with a bone (Spine1, 0.125 m) into a body that others hang on:
-        // up to 20 degrees of bending there move neck and arms, 41 mm at the most.
+        // Only asfamc merges a joint and its bone (Spine1, 0.125 m) into a body that has children: up to 20 degrees
+        // of bending there move neck and arms by at most 41 mm.
         let limit_m = if mapping == "asfamc" { 0.042 } else { 1e-4 };
         for (i, worst_m) in worst_m.into_iter().enumerate() {
             let limit_m = if legs.contains(&i) { 1e-4 } else { limit_m };
@@ -133,7 +133,7 @@ fn the_figure_stands_where_the_recording_does() {
     }
 }
 
-/// From the origin of each body to the end of its segment in one frame, in the world, in metres.
+/// Returns the vector from the origin of each body to the end of its segment in a frame, in the world, m.
 fn world_segments(motion: &FigureMotion, frame: usize) -> Vec<DVec3> {
     let mut world = motion.rotation[frame].clone();
     for (i, body) in BODIES.iter().enumerate() {
@@ -161,7 +161,7 @@ fn walkers_face_their_way_with_the_left_on_the_left() {
             for f in 1..motion.rotation.len() {
                 let at = motion.world_positions_m(f);
                 let step = (at[0] - motion.root_position_m[f - 1]).with_y(0.0);
-                // Hips and shoulders, from right to left, against the left of the way.
+                // Hips and shoulders, from right to left, compared with the left of the walking direction.
                 for (left, right) in [(12, 15), (5, 9)] {
                     sideways += (at[left] - at[right]).dot(DVec3::Y.cross(step));
                 }
@@ -171,14 +171,14 @@ fn walkers_face_their_way_with_the_left_on_the_left() {
                 crown += ends[3].y * step.length();
                 lowest = f64::min(lowest, at[14].y.min(at[17].y));
             }
-            // Breadths of hips and shoulders together; Bandai's figure has the narrowest, 0.33 m.
+            // Sum of the widths of hips and shoulders. Bandai's figure has the smallest, 0.33 m.
             let breadth_m = sideways / way;
             assert!((0.3..0.65).contains(&breadth_m), "{name}: {breadth_m} m");
-            // The toes of both feet point ahead (Bandai's mostly down) and the crown of the head up.
+            // The toes of both feet point forward (Bandai's mostly down) and the crown of the head up.
             let (toes_m, crown_m) = (toes / way, crown / way);
             assert!((0.05..0.4).contains(&toes_m), "{name}: {toes_m} m");
             assert!((0.2..0.35).contains(&crown_m), "{name}: {crown_m} m");
-            // The lower ankle, which stands 4 to 12 cm above a floor that is true to 4 cm.
+            // The lower ankle. It is 4 to 12 cm above the floor, whose height is known to 4 cm.
             assert!((0.0..0.12).contains(&lowest), "{name}: {lowest} m");
         }
     }
@@ -200,8 +200,8 @@ fn every_file_becomes_a_figure_of_human_proportions() {
 }
 
 fn check_proportions(motion: &FigureMotion) {
-    // Adult segments in metres, as short as the forearms of CMU's subject 05 and the feet of m21 and
-    // Bandai, which end at the toes' joint.
+    // Adult segments in metres. The shortest are the forearms of CMU's subject 05, and the feet of m21 and Bandai,
+    // which end at the toes' joint.
     let bounds_m = [
         ("upper_arm", 0.22..0.34),
         ("forearm", 0.13..0.28),
@@ -231,7 +231,7 @@ fn geno_stands_in_his_bind_pose() {
         let clip = clip.into_iter().next().expect("a clip");
         assert_eq!((clip.frames.len(), clip.skeleton.joints.len()), (2, 75));
         let full = gapless(clip.clone()).0;
-        // 1.65 m from toe to HeadEnd, say those who gave the data.
+        // 1.65 m from toe to HeadEnd, according to the source of the data.
         assert!((height_m(&full) - 1.65).abs() < 0.01, "{file}: {} m", height_m(&full));
         let (motion, notices) = prepare(clip, &settings).expect("a motion");
         assert!(matches!(notices[..], [Notice::Measured(_)]), "{file}: {notices:?}");
@@ -240,7 +240,7 @@ fn geno_stands_in_his_bind_pose() {
     }
 }
 
-/// What the mapping `cmu_asf` calls the joints of `asfamc`.
+/// Returns the name in the mapping `cmu_asf` of a joint of `asfamc`.
 fn asf_name(joint: &str) -> String {
     let parts: [(&str, &[(&str, &str)]); 2] = [
         (
@@ -287,29 +287,29 @@ fn asf_name(joint: &str) -> String {
     })
 }
 
-/// Rotation by the angles about x, y and z in degrees, about fixed axes in the order of `sequence`.
+/// Returns the rotation by the angles about x, y and z in degrees, about fixed axes in the order of `sequence`.
 fn about_fixed_axes(angles_deg: [f64; 3], sequence: [usize; 3]) -> DQuat {
     sequence.iter().fold(DQuat::IDENTITY, |rotation, &axis| {
         DQuat::from_axis_angle(DVec3::AXES[axis], angles_deg[axis].to_radians()) * rotation
     })
 }
 
-/// The motion in the form of CMU's originals: an ASF and an AMC, every bone about axes of its own.
+/// Writes the motion in the format of CMU's originals: an ASF and an AMC. Every bone has axes of its own.
 ///
-/// Written from the formats' definition alone, with none of the reader's code.
+/// Written from the formats' definition alone, without code of the reader.
 fn as_asf_and_amc(clip: &Clip, units_per_metre: f64) -> (String, String) {
     use std::fmt::Write as _;
     const SEQUENCES: [(&str, [usize; 3]); 3] =
         [("XYZ", [0, 1, 2]), ("ZYX", [2, 1, 0]), ("YZX", [1, 2, 0])];
     let joints = &clip.skeleton.joints;
-    // Any axes will do; every bone has others.
+    // Any axes will do; every bone has different ones.
     let axes = |j: usize| {
         let k = j as f64;
         ([37.0 * k % 180.0, 53.0 * k % 90.0, 71.0 * k % 180.0], SEQUENCES[j % 3])
     };
     let mut bones = String::new();
     for (j, joint) in joints.iter().enumerate().skip(1) {
-        // A bone ends where its first child begins.
+        // A bone ends at the start of its first child.
         let child = joints.iter().find(|other| other.parent == Some(j));
         let end_m = child.map_or_else(|| joint.end_sites_m[0], |child| child.offset_m);
         let direction = end_m.normalize_or_zero();
@@ -356,7 +356,7 @@ fn as_asf_and_amc(clip: &Clip, units_per_metre: f64) -> (String, String) {
                 let axes = about_fixed_axes(angles, sequence);
                 axes.inverse() * sample.rotation * axes
             };
-            // rx first, about fixed axes: rz last, that is outermost.
+            // About fixed axes, rx first: rz is last, so outermost.
             let (z, y, x) = turn.to_euler(EulerRot::ZYX);
             let [x, y, z] = [x, y, z].map(f64::to_degrees);
             let _ = write!(amc, " {x:.9} {y:.9} {z:.9}\r\n");
@@ -383,11 +383,11 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
     let (_, notices) = prepare(read.clone(), &settings).expect("a motion");
     assert_eq!(
         notices[1].to_string(),
-        "taken as 120 Hz, the mapping's `rate_hz`: the recording does not tell its rate"
+        "taken as 120 Hz, the mapping's `rate_hz`: the recording does not state its rate"
     );
     let read = gapless(read).0;
     assert!((read.rate_hz() - 120.0).abs() < 1e-9);
-    // Nine decimals in a degree and in a unit of 56 mm; a chain of ten joints 2 m long.
+    // Nine decimals of a degree and of a unit of 56 mm; a chain of ten joints 2 m long.
     let bound_m = 10.0 * (0.5e-9_f64.to_radians() * 2.0 + 1e-9 * 0.056);
     for frame in 0..600 {
         let (expected, found) = (full.world_poses(frame), read.world_poses(frame));
@@ -399,7 +399,7 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
         }
     }
 
-    // And so are the figures that the mappings `asfamc` and `cmu_asf` make of them.
+    // The figures by the mappings `asfamc` and `cmu_asf` must be equal, too.
     let figures = [&full, &read].map(|clip| {
         let mapping = mapping::choose(&clip.skeleton).expect("a known skeleton");
         Binding::new(mapping, &clip.skeleton).expect("all joints").map(clip)
@@ -420,7 +420,7 @@ fn the_same_motion_as_bvh_and_as_asf_and_amc_is_the_same() {
 #[ignore = "needs SINEW_DATA"]
 fn the_humanoid_has_the_joints_of_its_urdf() {
     let text = std::fs::read_to_string(data().join("deepmimic/humanoid.urdf")).expect("a URDF");
-    // Enough of XML for this file: the value of the first `key` after `from`.
+    // Enough of an XML reader for this file: returns the value of the first `key` after `from`.
     let value = |from: usize, key: &str| {
         let text = &text[from + text[from..].find(key).expect("the key")..];
         text.split('"').nth(1).expect("a quoted value").to_owned()
@@ -457,14 +457,14 @@ fn every_humanoid3d_becomes_a_figure() {
         let name = clip.name.clone();
         let (motion, _) = prepare(clip, &settings).expect("a motion");
         let at = motion.world_positions_m(0);
-        // Frame 0 stands on the floor, but for the two that lie and the one that crawls.
+        // In frame 0 all stand on the floor, except for two that lie and one that crawls.
         let low_m = at.iter().map(|at| at.y).fold(f64::INFINITY, f64::min);
         let high_m = at.iter().map(|at| at.y).fold(f64::NEG_INFINITY, f64::max);
         let stands = !["getup", "crawl"].iter().any(|what| name.contains(what));
         assert!((-0.05..0.2).contains(&low_m), "{name}: lowest joint at {low_m} m");
         assert_eq!((1.0..1.6).contains(&high_m), stands, "{name}: highest joint at {high_m} m");
         if name.ends_with("walk") || name.ends_with("run") {
-            // Ahead is x, and the left is at negative z.
+            // The forward direction is x, and the left is at negative z.
             let last = motion.world_positions_m(motion.rotation.len() - 1);
             assert!((last[0] - at[0]).x > 0.5, "{name}");
             assert!(at[12].z < at[15].z && at[5].z < at[9].z, "{name}");
@@ -489,8 +489,8 @@ fn flips_are_found_where_they_are_and_nowhere_else() {
         };
         clips.into_iter().map(flips).collect()
     };
-    // Left arm and left hand flip at the same frame, near gimbal lock: those who gave the data name the
-    // arm's 7,300 deg/s. Right hand is 5 frames later.
+    // Left arm and left hand flip in the same frame, near gimbal lock: the source of the data reports the arm's 7,300
+    // deg/s. The right hand flips 5 frames later.
     let (_, flips) = flips_of(&["cmu/fight/135_06.bvh"]).remove(0);
     let flips = flips.expect("flips").0;
     let expected =

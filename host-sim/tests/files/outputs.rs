@@ -1,17 +1,17 @@
-//! No command writes over what it reads, whatever name the file has; and what cannot be written is said first.
+//! No command overwrites its input, by whatever name. A file that cannot be written is refused before any work.
 
 use std::fs;
 use std::path::Path;
 
 use crate::common::sinew_in;
 
-/// Exit code and standard error of a command in a folder.
+/// Returns exit code and standard error of a command in a folder.
 fn sinew(folder: &Path, args: &[&str]) -> (Option<i32>, String) {
     let output = sinew_in(folder, args);
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// Every command that writes a file, with IN for each file that it reads, and OUT for what it writes.
+/// Every command that writes a file. IN stands for each input file, OUT for the output.
 const COMMANDS: &[&[&str]] = &[
     &["rig", "view", "IN", "-o", "OUT"],
     &["rig", "import", "IN", "-o", "OUT", "--force"],
@@ -46,7 +46,7 @@ fn no_command_writes_over_what_it_reads() {
     let folder = folder.path();
     assert_eq!(sinew(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]).0, Some(0));
     let input = folder.join("m21.bvh");
-    // It is refused before it is read.
+    // The command must be refused before it reads this text.
     let text = b"some text";
     fs::write(&input, text).expect("a file");
     fs::create_dir(folder.join("below")).expect("a folder");
@@ -80,7 +80,7 @@ fn what_cannot_be_written_is_said_before_anything_is_done() {
     let folder = folder.path();
     assert_eq!(sinew(folder, &["rig", "new", "--arm", "3", "-o", "arm.toml"]).0, Some(0));
     for args in [
-        // Nobody is at that port: it would be said if it were looked for first.
+        // That port does not exist. The output must be checked before the port, which would be another error.
         &["record", "--rig", "arm.toml", "--target", "no-port", "-o", "none/led.show"][..],
         &["board", "doctor", "--port", "no-port", "-o", "none/doctor.txt"],
         &["play", "kicks_01", "--rig", "none.toml", "--record", "none/play.parquet"],

@@ -1,4 +1,4 @@
-//! What the manifold projection, aligned differences and the recommended setting promise, on real mocap.
+//! Checks on real mocap the claims about the manifold projection, aligned differences and the recommended setting.
 
 use std::path::PathBuf;
 
@@ -22,7 +22,7 @@ fn exact() -> Setup {
     setup
 }
 
-/// Angular and linear means over all bodies, then over the leaves.
+/// Returns angular and linear means over all bodies, then over the leaves.
 fn means(errors: &Errors) -> [f64; 4] {
     [
         errors.all.angular_mean_deg(),

@@ -1,4 +1,4 @@
-//! What the evaluation must show, on recorded and on built-in motion.
+//! Required results of the evaluation, on recorded and on built-in motion.
 
 use std::path::{Path, PathBuf};
 
@@ -17,9 +17,9 @@ fn errors(evaluation: &Evaluation, figure: usize, method: MethodName) -> &Errors
     &evaluation.figures[figure].method(method).expect("all methods are evaluated").total
 }
 
-/// The paper's two findings. The bounds are half of the way from no effect to what was measured on the
-/// fighting clips (World 0.917 / 0.985, leaf 0.883 / 0.979; Linear Compensation 0.852 and 0.781), so that a
-/// change of the pool or the body does not fail, and a loss of the effect does.
+/// Checks the paper's two findings. Each bound is halfway between no effect and the effect on the fighting clips
+/// (World 0.917 / 0.985, leaf 0.883 / 0.979; Linear Compensation 0.852 and 0.781). Another pool of clips or another
+/// body passes; a loss of the effect fails.
 fn assert_the_papers_findings(evaluation: &Evaluation) {
     let (local, world) =
         (errors(evaluation, 0, MethodName::Local), errors(evaluation, 0, MethodName::World));

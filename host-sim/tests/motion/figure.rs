@@ -1,4 +1,4 @@
-//! `sinew evaluate figure` as a command: what it prints, and its exit codes.
+//! `sinew evaluate figure` as a command: its output, and its exit codes.
 
 use std::path::Path;
 use std::process::Output;
@@ -34,7 +34,7 @@ fn a_row_for_each_body_and_the_sum() {
     assert!(printed.lines().all(|line| line.chars().count() <= 100), "{printed}");
 }
 
-/// The rows sum to the total; factors on dimensions act as they must; the axes are principal ones.
+/// Checks the JSON: rows sum to the total, dimensions scale correctly, and the axes are principal axes.
 #[test]
 fn json_holds_the_same_and_scales() {
     let (one, larger) = (json(&[]), json(&["--scale", "1.1"]));

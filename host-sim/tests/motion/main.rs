@@ -1,4 +1,4 @@
-//! Motions of the figure: evaluated, searched, blended and weighed, by the library and by commands.
+//! Motions of the figure: evaluated, searched, blended and weighted, by the library and by commands.
 
 mod better;
 #[path = "../common/mod.rs"]

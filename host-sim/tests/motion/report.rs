@@ -1,4 +1,4 @@
-//! The report as files: whole, self-contained, and the same bytes every time.
+//! The files of a report: complete, self-contained, and the same bytes every time.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::common::command;
 
-/// Runs `sinew evaluate` on two seconds of the built-in clips; the files it writes, by name.
+/// Runs `sinew evaluate` on two seconds of the built-in clips, and returns the files that it writes, by name.
 fn files(threads: &str) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let output = command()
@@ -34,7 +34,7 @@ fn the_same_command_writes_the_same_bytes_on_any_number_of_threads() {
     for table in 1..=4 {
         assert!(page.contains(&format!("<b>Table {table}.</b>")), "table {table}");
     }
-    // Beside the names of XML's languages, no address that could be fetched.
+    // Except for names of XML namespaces, the page has no address that could be fetched.
     let addresses = page.match_indices("http").filter(|(at, _)| {
         let rest = &page[*at..];
         !rest.starts_with("http://www.w3.org/2000/svg") && !rest.starts_with("http-equiv")
@@ -54,7 +54,7 @@ fn the_same_command_writes_the_same_bytes_on_any_number_of_threads() {
         }
     }
 
-    // The picture that moves is small enough for a README.
+    // The animated picture is small enough for a README.
     let moving = str::from_utf8(&once["playback.svg"]).unwrap();
     assert!(moving.len() < 500_000, "{} bytes", moving.len());
     assert!(moving.contains("@keyframes") && moving.matches("moment still").count() == 1);

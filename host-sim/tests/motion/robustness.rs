@@ -83,7 +83,7 @@ fn what_cannot_be_is_refused_with_what_could() {
         (&["evaluate", "robustness", "--projection-weights", "nan"], "rotation_m"),
         (
             &["evaluate", "robustness", "--rate-hz", "500", "--frame-rate-hz", "300"],
-            "a whole number of times",
+            "divides the control rate",
         ),
         (&["evaluate", "robustness", "--set", "controller.law=pd"], "inverse_dynamics"),
         (&["evaluate", "robustness", "--set", "disturbance.sensor_bits=40"], "0 to 24 bits"),

@@ -1,4 +1,4 @@
-//! `sinew study`: it says where the studies went.
+//! `sinew study` says where the studies are now.
 
 use crate::common::sinew;
 

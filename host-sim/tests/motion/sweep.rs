@@ -1,4 +1,4 @@
-//! `sinew evaluate sweep`: killed, resumed, shared out and put together, it comes to the same bytes.
+//! `sinew evaluate sweep`: killed and resumed, or sharded and merged, it writes the same bytes.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ disturbance.torque_limit_nm = [inf, 300.0, 1.0]
 
 const TABLES: [&str; 4] = ["sweep.csv", "sweep.parquet", "sweep_clips.csv", "sweep_clips.parquet"];
 
-/// A folder with the sweep file.
+/// Creates a folder with the sweep file.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("sweep.toml"), SWEEP).unwrap();
@@ -76,7 +76,7 @@ fn killed_in_the_middle_it_ends_with_the_bytes_of_an_unbroken_run() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    // Not before something is finished: the head and some runs.
+    // Waits until the journal has its head and some runs.
     let journal = folder.join("killed/journal.jsonl");
     let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
     while lines() < 10 {
@@ -88,9 +88,9 @@ fn killed_in_the_middle_it_ends_with_the_bytes_of_an_unbroken_run() {
     let finished = lines() - 1;
     assert!(!folder.join("killed/sweep.csv").exists(), "it was killed too late");
 
-    // And what a full disk or a crash of the system may do to the last line.
+    // Also imitates the effect of a full disk or a system crash on the last line.
     let mut bytes = fs::read(&journal).unwrap();
-    // Inside a character.
+    // The line ends inside a character.
     bytes.extend(b"{\"cell\":3,\"cl\xc3");
     fs::write(&journal, bytes).unwrap();
 
@@ -160,7 +160,7 @@ fn a_lost_figure_is_a_row_that_says_why() {
     let folder = folder();
     let folder = folder.path();
     let told = succeed(folder, "out", &[]);
-    // World without limits is in both grids: once is enough. No figure stands with joints of 1 N m.
+    // World without limits is in both grids: it runs once. No figure stands with joint limits of 1 N m.
     assert!(told.contains("11 cells") && told.contains("the figure was lost in"), "{told}");
     let mut csv = csv::Reader::from_path(folder.join("out/sweep.csv")).unwrap();
     let header = csv.headers().unwrap().clone();
@@ -179,14 +179,17 @@ fn a_folder_of_another_sweep_is_left_alone() {
     succeed(folder, "out", &[]);
     let before = fs::read(folder.join("out/journal.jsonl")).unwrap();
     fs::write(folder.join("sweep.toml"), SWEEP.replace("1.1", "1.2")).unwrap();
-    // Its last line is not ours to cut off either.
+    // An incomplete last line of another sweep's journal must not be cut off either.
     let torn = [&before[..], b"{\"cell\":3"].concat();
     fs::write(folder.join("out/journal.jsonl"), &torn).unwrap();
     let error = refuse(folder, "out", &[]);
-    assert!(error.contains("journal.jsonl: of another sweep: its grids differ"), "{error}");
+    assert!(error.contains("journal.jsonl: belongs to another sweep: its grids differ"), "{error}");
     assert_eq!(fs::read(folder.join("out/journal.jsonl")).unwrap(), torn);
     let error = refuse(folder, "merged", &["--merge", "out"]);
-    assert!(error.contains("out/journal.jsonl: of another sweep: its grids differ"), "{error}");
+    assert!(
+        error.contains("out/journal.jsonl: belongs to another sweep: its grids differ"),
+        "{error}"
+    );
 
     fs::write(folder.join("sweep.toml"), SWEEP).unwrap();
     let before = String::from_utf8(before).unwrap();
@@ -196,7 +199,7 @@ fn a_folder_of_another_sweep_is_left_alone() {
         lines[line] = new;
         lines.join("\n") + "\n"
     };
-    // A key that is none; digits that still are numbers; a row that is there twice.
+    // An unknown key; changed digits that still form a number; a row that is there twice.
     let digits = lines[1].to_owned();
     let place = digits.find("e-").or_else(|| digits.find('.')).unwrap() - 1;
     let digit = if digits.as_bytes()[place] == b'7' { "8" } else { "7" };
@@ -233,7 +236,7 @@ fn the_front_is_told_of_the_whole_sweep_and_of_no_shard() {
     let folder = folder.path();
     let told = succeed(folder, "out", &[]);
     let (_, fronts) = told.split_once("front of mean linear over mean angular error").unwrap();
-    // Rows are compared with those of the same scale and the same limits alone: three tasks of three methods.
+    // Rows are compared only with rows of the same scale and the same limits: three tasks of three methods.
     assert_eq!(fronts.matches(" of 3 cells; dimensions.scale = ").count(), 2, "{told}");
     assert_eq!(fronts.matches(" of 3 cells; nothing else set").count(), 1, "{told}");
     assert!(succeed(folder, "shard", &["--shard", "1/2"]).find("front").is_none());
@@ -251,7 +254,7 @@ fn the_front_is_told_of_the_whole_sweep_and_of_no_shard() {
         }
         assert!(on_front("shard", table).iter().all(|[_, on_front]| on_front.is_empty()));
     }
-    // Nobody is there to better it.
+    // No other row of its task is better.
     let limited = &on_front("out", "sweep.csv")[9];
     assert_eq!(*limited, ["ok", "yes"].map(str::to_owned));
 }

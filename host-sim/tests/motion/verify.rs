@@ -1,4 +1,4 @@
-//! `sinew evaluate verify` as a command: what it prints, and its exit codes.
+//! `sinew evaluate verify` as a command: its output, and its exit codes.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -96,7 +96,7 @@ fn what_is_skipped_is_said_and_unknown_names_are_refused() {
     assert!(text(&output.stderr).contains("2 were skipped"));
 }
 
-/// What the line of a quantity says it notices.
+/// Returns the smallest error that a quantity's line says would be noticed.
 fn noticed(printed: &str, quantity: &str) -> f64 {
     let line = printed.lines().find(|line| line.contains(&format!(" {quantity} ")));
     let line = line.unwrap_or_else(|| panic!("no line for {quantity}: {printed}"));
@@ -104,7 +104,7 @@ fn noticed(printed: &str, quantity: &str) -> f64 {
     numbers.skip(3).find_map(|word| word.parse().ok()).expect("what it notices")
 }
 
-/// Whether a quantity of a file is over its limit when a mistake is added to a number of it.
+/// Whether a quantity of a file exceeds its limit when `mistake` is added to one of its numbers.
 fn is_found(file: &str, path: &str, quantity: &str, mistake: f64) -> bool {
     let good = fs::read_to_string(oracles().join(file)).expect("the oracles are there");
     let mut golden: serde_json::Value = serde_json::from_str(&good).expect("a golden file");
@@ -142,14 +142,15 @@ fn mistakes_just_above_what_is_noticed_are_found_and_small_ones_are_not() {
         ("weights.json", "/cases/0/cylinder_exact/raw/0", "cylinder_exact raw"),
         ("solids.json", "/cases/0/volume", "volume"),
     ] {
-        // Of that file: the others may have a quantity of the same name.
+        // Only lines of that file: the others may have a quantity of the same name.
         let of_file: String =
             printed.lines().filter(|line| line.contains(file)).collect::<Vec<_>>().join("\n");
-        // Printed with two digits.
+        // The number is printed with two digits.
         let noticed = noticed(&of_file, quantity) * 1.06;
         assert!(is_found(file, path, quantity, noticed), "{file} {path}: {noticed:e}");
         assert!(is_found(file, path, quantity, -noticed), "{file} {path}: -{noticed:e}");
-        // So small that theory excuses it: a test that finds everything shows nothing.
+        // A mistake this small is within the tolerance by theory. A test that reports every change would show
+        // nothing.
         let excused = noticed * 1e-5;
         assert!(!is_found(file, path, quantity, excused), "{file} {path}: {excused:e}");
     }

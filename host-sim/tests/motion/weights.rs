@@ -1,4 +1,4 @@
-//! `sinew clip weights` as a command: what it prints and draws, and its exit codes.
+//! `sinew clip weights` as a command: its output, pictures and exit codes.
 
 use std::fs;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn a_rig_is_weighed_by_all_that_it_has() {
     let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let methods = json["methods"].as_object().expect("methods");
     assert_eq!(methods.keys().collect::<Vec<_>>(), ["cylinders", "lengths"]);
-    // 0.1, 0.1 + 0.5 (0.2 + 0.1), 0.1 + 0.5 (0.3 + 0.25), over their sum.
+    // 0.1, 0.1 + 0.5 (0.2 + 0.1), 0.1 + 0.5 (0.3 + 0.25), divided by their sum.
     for (joint, (name, raw)) in
         [("base", 0.375), ("shoulder", 0.25), ("elbow", 0.1)].into_iter().enumerate()
     {
@@ -41,7 +41,7 @@ fn a_rig_is_weighed_by_all_that_it_has() {
     }
 }
 
-/// A triangle without area in a glTF of one joint.
+/// A triangle without area, in a glTF with one joint.
 #[test]
 fn a_mesh_without_surface_is_left_out() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -146,11 +146,11 @@ fn what_cannot_be_done_is_said() {
         (&["--up", "w"], "expected x, y or z"),
         (
             &["--method", "lengths", "--radii", "0.1"],
-            "error: --radii: expected with the method cylinders",
+            "error: --radii: expected only with the method cylinders",
         ),
         (
             &["--vertex-area", "article"],
-            "error: --vertex-area article: expected with the method mesh",
+            "error: --vertex-area article: expected only with the method mesh",
         ),
         (&["--metres-per-unit", "0"], "expected a length in m from 1e-6 to 1000"),
     ] {

@@ -1,4 +1,4 @@
-//! Commands for a board, as a person calls them, at a simulated board on a pseudo-terminal.
+//! Commands for a board, with a simulated board on a pseudo-terminal.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -25,14 +25,14 @@ fn text(output: &Output) -> String {
         .concat()
 }
 
-/// What it says with this exit code.
+/// Runs a command that must end with this exit code, and returns its output.
 fn says(args: &[&str], code: i32) -> String {
     let output = sinew(args).output().unwrap();
     assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output));
     text(&output)
 }
 
-/// A process that serves a port, ended with this.
+/// A process that serves a port. It is ended when this value is dropped.
 struct Served(Child);
 
 impl Served {
@@ -66,7 +66,7 @@ fn a_board_is_looked_over_set_up_and_asked() {
         let stored = says(&["board", "upload", "rig", &rig, "--port", &port], 0);
         assert!(stored.contains("the board has rig"), "{stored}");
     }
-    // The file has kept it.
+    // The file still contains it.
     let _board = Served::start(&[&simulate[..], &["--blank"]].concat());
     let line =
         says(&["board", "monitor", "--port", &port, "--samples", "3", "--interval-ms", "200"], 0);
@@ -93,13 +93,13 @@ fn a_board_is_looked_over_set_up_and_asked() {
     assert_spreads(&kept);
 }
 
-/// Lets the board wait for its host: a machine with other work may keep this one from its line for 0.2 s.
+/// Lets the board wait longer for its host: a busy machine may keep the test from the link for 0.2 s.
 fn be_patient(port: &str) {
     says(&["board", "settings", "--port", port, "set", "link_hold_s", "1.9"], 0);
 }
 
-/// A row for each part of a board: how often it came, then least, mean, most and jitter, in us and in cycles. A
-/// simulated board's cycles are us of simulated time.
+/// Checks that each part of a board has a row: its count, then minimum, mean, maximum and jitter, in us and in
+/// cycles. A simulated board's cycles are us of simulated time.
 #[track_caller]
 fn assert_spreads(text: &str) {
     for part in ["tick", "bus", "link", "period"] {
@@ -114,7 +114,7 @@ fn assert_spreads(text: &str) {
         assert_eq!(in_us, in_cycles, "{part}: {text}");
         let [least, mean, most, jitter] = in_us else { panic!("{text}") };
         assert!(least <= mean && mean <= most, "{part}: {text}");
-        // They are whole numbers.
+        // They are integers.
         assert!((jitter - (most - least)).abs() < 0.5, "{part}: {text}");
     }
 }
@@ -143,7 +143,7 @@ fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
     assert!(second.contains("another program has it"), "{second}");
 }
 
-/// A rig, and a show of it of a second.
+/// Writes a rig, and a show of one second for it.
 fn baked(folder: &Path) -> [String; 2] {
     let [rig, map, show] = ["arm.toml", "map.toml", "a.show"].map(|name| path(folder, name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
@@ -177,11 +177,11 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
     assert!(lines.any(|line| line.contains("playing")));
     drop(board);
     let rest = lines.collect::<Vec<_>>().join("\n");
-    assert!(rest.contains("unplugged") && rest.contains("limp after 2 s"), "{rest}");
+    assert!(rest.contains("unplugged") && rest.contains("after 2 s it is lowered"), "{rest}");
     assert_eq!(again.wait().unwrap().code(), Some(2));
 }
 
-/// A board behind a wire of which the way back can be cut.
+/// A wire to a board. Its direction from the board to the program can be cut.
 struct Wire {
     is_dead: Arc<AtomicBool>,
     is_over: Arc<AtomicBool>,
@@ -216,7 +216,8 @@ impl Drop for Wire {
     }
 }
 
-/// The wire from the board dies while a program drives the rig: it ends, and the rig is lowered without anybody.
+/// The wire from the board is cut while a program drives the rig: the program ends, and the board lowers the rig by
+/// itself.
 #[test]
 fn a_program_that_hears_nothing_ends_and_its_rig_is_limp() {
     let folder = tempfile::tempdir().unwrap();
@@ -260,7 +261,7 @@ fn firmware_is_refused_with_what_would_be_right() {
     assert!(chip.contains("nucleo_f446re"), "{chip}");
     let flash = ["board", "flash", &elf, "--chip", "STM32F446RETx"];
     std::fs::write(&elf, "no image").unwrap();
-    assert!(says(&flash, 2).contains("no ELF file"));
+    assert!(says(&flash, 2).contains("not an ELF file"));
     std::fs::write(&elf, b"\x7fELF sinew-link:\x09\x04").unwrap();
     let other = says(&flash, 2);
     assert!(other.contains("9.4") && other.contains("nothing was written"), "{other}");
@@ -281,7 +282,7 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     };
     let limp = record("--limp", "8.5", &csv);
     assert!(limp.contains("teaching") && limp.contains("lead it"), "{limp}");
-    // The hand of the simulated board goes the built-in way: 0.6 rad at most, from home and back.
+    // The hand of the simulated board takes the built-in path: 0.6 rad at most, from home and back.
     let led = std::fs::read_to_string(&csv).unwrap();
     let column = |line: &str| line.split(',').nth(1).and_then(|x| x.parse::<f64>().ok());
     let most = led.lines().filter_map(column).fold(0.0, |most: f64, x| most.max(x.abs()));
@@ -316,7 +317,7 @@ fn what_was_led_is_kept_if_the_board_is_gone() {
     std::io::Read::read_to_string(&mut said, &mut line).unwrap();
     assert!(line.contains("walk.led.csv: what was led"), "{line}");
     let rows = std::fs::read_to_string(&kept).unwrap().lines().count();
-    // Four seconds at 100 Hz; a busy machine may be late.
+    // Four seconds at 100 Hz; a busy machine may lose some rows.
     assert!(rows > 200, "{rows}");
     assert!(!std::path::Path::new(&show).exists());
 }

@@ -1,10 +1,10 @@
-//! `--rig`: a user's rig tracks motions of its own joints, as a person calls it.
+//! `--rig`: a user's rig tracks motions of its own joints.
 
 use std::path::{Path, PathBuf};
 
 use crate::common::{printed, sinew};
 
-/// An arm to start from, mounted so.
+/// Writes a new arm with a rotation of its mount.
 fn arm(folder: &Path, mount: &str) -> String {
     let path = folder.join("arm.toml");
     let text = printed(&["rig", "new", "--arm", "6"]);
@@ -13,7 +13,7 @@ fn arm(folder: &Path, mount: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// Mean angular error of all bodies over the first 40 s of all motions.
+/// Returns the mean angular error of all bodies over the first 40 s of all motions, deg.
 fn mean_deg(rig: &str, masses: &str) -> f64 {
     let set = format!("disturbance.masses={masses}");
     let methods = ["--methods", "recommended", "--seconds", "40", "--format", "csv"];
@@ -23,7 +23,7 @@ fn mean_deg(rig: &str, masses: &str) -> f64 {
     rows.find(|row| &row[2] == "all").expect("a row of all bodies")[4].parse().unwrap()
 }
 
-/// What the rigs must reach, deg.
+/// Largest mean error that the rigs may have, deg.
 const GOAL_DEG: f64 = 0.1;
 
 #[test]
@@ -88,7 +88,7 @@ fn what_a_rig_has_by_itself_is_refused() {
             "shares: expected each share once",
         ),
         (&["evaluate", "--speed-shares", "0.5"], "--rig"),
-        // Not lost rigs, but rigs that this plant does not simulate.
+        // Rigs that this plant cannot simulate are refused; they are not lost.
         (&["evaluate", "--rig", &rig, "--plant", "rapier"], "a rotor has inertia"),
         (
             &["evaluate", "robustness", "--rig", &rig, "--plant", "rapier", "--seconds", "1"],
@@ -133,7 +133,7 @@ fn a_setup_in_a_file_keeps_the_exact_plant() {
     assert!(table.contains("articulated-body algorithm in f64, 2 substep(s)"), "{table}");
 }
 
-/// The robots of `SINEW_DATA` that a rig can be made of as they are.
+/// The robots of `SINEW_DATA` that can become a rig without changes.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_follow_within_a_tenth_of_a_degree() {

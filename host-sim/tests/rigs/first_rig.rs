@@ -1,4 +1,4 @@
-//! `docs/first-rig.md`, from its first command to its last, in the simulator.
+//! Runs `docs/first-rig.md`, from its first command to its last, in the simulator.
 
 use std::path::Path;
 use std::process::Command;
@@ -6,7 +6,8 @@ use std::time::Instant;
 
 const PAGE: &str = include_str!("../../../docs/first-rig.md");
 
-/// Steps of the page with the lines of their blocks of commands; without those on metal, and those of `cargo`.
+/// Returns the steps of the page with the lines of their command blocks, without those for real hardware and those of
+/// `cargo`.
 fn steps() -> Vec<(String, Vec<String>)> {
     let (mut steps, mut is_block, mut is_metal) =
         (Vec::<(String, Vec<String>)>::new(), false, false);
@@ -30,17 +31,17 @@ fn steps() -> Vec<(String, Vec<String>)> {
     steps
 }
 
-/// What the page says that a person takes beside the commands, min.
+/// Returns the page's estimate of the work besides the commands, min.
 fn person_min() -> f64 {
     let row = PAGE.lines().find_map(|line| line.strip_prefix("| **without shopping")).unwrap();
     row.split("**").nth(2).unwrap().parse().unwrap()
 }
 
-/// Runs the lines of a step as a shell does; says how long they took, s.
+/// Runs the lines of a step in a shell, and returns their duration, s.
 fn run(folder: &Path, lines: &[String]) -> f64 {
     let bin = Path::new(env!("CARGO_BIN_EXE_sinew")).parent().unwrap();
     let path = std::env::var("PATH").unwrap();
-    // A busy machine is no servo line in real time. Boards answer when they do.
+    // On a busy machine, simulated servos may answer late. Boards need no such patience.
     let patient = |line: &String| {
         let is_of_servos = line.contains("sinew servo ");
         if is_of_servos {
@@ -50,7 +51,7 @@ fn run(folder: &Path, lines: &[String]) -> f64 {
         }
     };
     let script = lines.iter().map(patient).collect::<Vec<_>>().join("\n");
-    // What a failed line leaves running would keep the output open.
+    // Without this, a process that a failed line leaves running would keep the output open.
     let script = format!("trap 'kill $! 2>/dev/null || true' EXIT\n{script}");
     let start = Instant::now();
     let done = Command::new("sh")
@@ -69,7 +70,7 @@ fn run(folder: &Path, lines: &[String]) -> f64 {
 fn every_command_of_the_page_does_what_it_says() {
     let folder = tempfile::tempdir().unwrap();
     let steps = steps();
-    // See it move, stop, check, ids, clip, teach, face, board.
+    // The steps: see it move, stop, check, ids, clip, teach, face, board.
     assert_eq!(steps.len(), 8, "{steps:?}");
     println!("| step | lines | s |\n|---|---:|---:|");
     let mut all_s = 0.0;
@@ -80,7 +81,7 @@ fn every_command_of_the_page_does_what_it_says() {
     }
     let lines: usize = steps.iter().map(|(_, lines)| lines.len()).sum();
     println!("| **all commands** | **{lines}** | **{all_s:.1}** |");
-    // Not asserted: how fast a machine is, is no fault of the page.
+    // Not asserted: the speed of a machine is not a fault of the page.
     println!("with what a person takes: {:.0} min", all_s / 60.0 + person_min());
     for made in ["arm.html", "punch.show", "taught.csv", "led.show", "talk.show", "doctor.txt"] {
         assert!(folder.path().join(made).is_file(), "{made}");

@@ -1,4 +1,4 @@
-//! `sinew rig`, as a person calls it.
+//! `sinew rig` as a command.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn sinew(folder: &Path, args: &[&str], input: &str) -> Output {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // A command that refuses its arguments reads nothing.
+    // A command that refuses its arguments does not read its input.
     let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
     child.wait_with_output().unwrap()
 }
@@ -47,7 +47,7 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
-/// What a command says to people.
+/// Returns the messages of a command.
 fn text_of(output: &Output) -> &str {
     text(&output.stderr)
 }
@@ -70,7 +70,7 @@ fn from_a_urdf_to_the_page() {
     let imported = sinew(at, &["import", "lamp.urdf", "-o", "rig.toml"], "");
     assert_done(&imported);
     assert!(text(&imported.stderr).contains("mount.rotation_xyzw"), "what was turned is said");
-    // A person has edited it since: it is not written over.
+    // The file may contain edits, so it is not overwritten.
     let again = sinew(at, &["import", "lamp.urdf", "-o", "rig.toml"], "");
     assert_eq!(again.status.code(), Some(2));
     assert!(text(&again.stderr).contains("--force"));
@@ -78,7 +78,8 @@ fn from_a_urdf_to_the_page() {
     let checked = sinew(at, &["check", "rig.toml", "--format", "json"], "");
     assert_done(&checked);
     let review: serde_json::Value = serde_json::from_slice(&checked.stdout).unwrap();
-    // 2 kg at 0.1 m and 0.5 kg at up to 0.2 m by 0.1 m above: the worst pose leans by what balances the two.
+    // 2 kg at 0.1 m and 0.5 kg at up to 0.2 m by 0.1 m above: in the worst pose the common centre of mass is level
+    // with the hinge.
     let worst = 9.81 * f64::hypot(2.0 * 0.1 + 0.5 * 0.2, 0.5 * 0.1);
     let found = review["by_freedom"][0]["gravity_effort"].as_f64().unwrap();
     assert!((found - worst).abs() < 1e-9, "{found} {worst}");
@@ -90,12 +91,13 @@ fn from_a_urdf_to_the_page() {
     assert!(!page.contains("http://") && !page.contains("https://"), "nothing is fetched");
 }
 
-/// A file that holds g mm² as kg m²: the check names the body and the option, and the option mends it.
+/// A file with inertia in g mm² instead of kg m²: the check names the body and the option, and the option corrects
+/// it.
 #[test]
 fn inertia_in_g_mm2_is_found_and_read_as_that() {
     let folder = folder();
     let at = folder.path();
-    // Of the lift, 0.5 kg: as a CAD program prints 1e-4 kg m².
+    // The inertia of the lift, 0.5 kg: 1e-4 kg m² as a CAD program prints it.
     let printed = URDF.replace("1e-4", "1e5");
     assert_ne!(printed, URDF);
     std::fs::write(at.join("cad.urdf"), printed).unwrap();
@@ -127,7 +129,7 @@ fn torques_come_out_in_columns_of_any_order() {
     let folder = folder();
     let header = sinew(folder.path(), &["dynamics", "lamp.urdf", "--header"], "");
     assert_eq!(text(&header.stdout), "nod,rise\n");
-    // Level and still: 2 kg at 0.1 m and 0.5 kg at 0.2 m about -y of the file; the slide carries 0.5 kg.
+    // Horizontal and at rest: 2 kg at 0.1 m and 0.5 kg at 0.2 m about -y of the file; the slide carries 0.5 kg.
     let rows = "qdd.rise,q.rise,qd.nod,q.nod,qd.rise,qdd.nod\n0,0,0,0,0,0\n";
     let output = sinew(folder.path(), &["dynamics", "lamp.urdf"], rows);
     assert_done(&output);
@@ -136,7 +138,7 @@ fn torques_come_out_in_columns_of_any_order() {
     let numbers: Vec<f64> =
         lines.next().unwrap().split(',').map(|number| number.parse().unwrap()).collect();
     for (found, expected) in numbers.iter().zip([-9.81 * 0.3, 9.81 * 0.5]) {
-        // f32 in the core.
+        // The core computes in f32.
         assert!((found - expected).abs() < 1e-6 * 9.81, "{numbers:?}");
     }
     assert_eq!(lines.next(), None);
@@ -153,7 +155,7 @@ fn what_cannot_be_is_refused_by_line_and_name() {
             "q.nod,q.rise\n0,nan\n",
             "line 2, column `q.rise`: expected a number",
         ),
-        (&["dynamics", "lamp.urdf"], "q.nod,q.nod\n0,0\n", "column `q.nod` stands twice"),
+        (&["dynamics", "lamp.urdf"], "q.nod,q.nod\n0,0\n", "column `q.nod` occurs twice"),
         (&["check", "none.toml"], "", "none.toml"),
         (&["check", "lamp.urdf", "--rate-hz", "nan"], "", "expected a number from 1 to 100000"),
         (&["new"], "", "--arm"),
@@ -168,7 +170,7 @@ fn what_cannot_be_is_refused_by_line_and_name() {
 #[test]
 fn rigs_to_start_from_pass_their_check() {
     let folder = folder();
-    // Servos with loops of their own have no margins.
+    // Servos with their own control loops have no margins.
     for (args, name, has_margins) in
         [(&["new", "--arm", "6"][..], "arm.toml", true), (&["new", "--face"], "face.toml", false)]
     {
@@ -195,7 +197,7 @@ fn rigs_to_start_from_pass_their_check() {
     assert!(text(&checked.stdout).contains("by current it shakes"), "{}", text(&checked.stdout));
 }
 
-/// A name that would be taken for markup, were it not escaped.
+/// A name that would be markup if it were not escaped.
 #[test]
 fn names_are_no_markup() {
     let folder = folder();
@@ -228,8 +230,8 @@ fn a_rig_in_millimetres_is_refused_until_its_unit_is_told() {
     let done = sinew(folder.path(), &told, "");
     assert_done(&done);
     let said = text_of(&done);
-    assert!(said.contains("0.200 m across; a unit is 0.001 m (as you say)"), "{said}");
-    assert!(said.contains("y is up (as you say)"), "{said}");
+    assert!(said.contains("0.200 m across; a unit is 0.001 m (as you specified)"), "{said}");
+    assert!(said.contains("y is up (as you specified)"), "{said}");
     let rig = text(&done.stdout);
     assert!(rig.contains("position_m = [0.2, 0, 0]") && rig.contains("speed_m_s = 0.2"), "{rig}");
 

@@ -1,4 +1,4 @@
-//! Teaching by hand on a simulated arm: how near, and how long it stays.
+//! Teaching by hand on a simulated arm: how near the result is, and how long a floating arm stays.
 
 use sinew_rig::new::arm;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -14,8 +14,8 @@ use sinew_show::write::Settings;
 
 const DEG: f64 = std::f64::consts::PI / 180.0;
 
-/// An arm of six that is led; its bodies weigh `masses` times what its controller believes, its servos rub `friction`
-/// times what their kind does.
+/// Leads an arm with six joints. Its bodies have `masses` times the mass that its controller assumes, its servos
+/// `friction` times the friction of their kind.
 fn led(
     mode: Mode,
     let_go_s: f64,
@@ -47,7 +47,7 @@ fn most(numbers: &[f64]) -> f64 {
     numbers.iter().copied().fold(0.0, f64::max)
 }
 
-/// The issue's own bound, of the show that a board plays.
+/// The show that a board plays must be within one degree of the hand.
 #[test]
 fn what_is_taught_is_within_a_degree_of_the_hand() {
     let mechanism = arm(6).unwrap().mechanism().unwrap();
@@ -62,14 +62,14 @@ fn what_is_taught_is_within_a_degree_of_the_hand() {
             compare_with_guide(&mechanism, &played, &guide, taught.cut_s[0]).unwrap();
         println!("{mode:?}: {:.3} deg, {:.3} at most", mean / DEG, most / DEG);
         assert!(most < 1.0 * DEG, "{mode:?}: {}", most / DEG);
-        // A second of rest stands at both ends; what is slower than half a degree counts as rest, too.
+        // There is a second of rest at both ends; motion below half a degree counts as rest, too.
         let [before, behind] = taught.cut_s;
         assert!((0.7..2.0).contains(&before) && (0.7..2.0).contains(&behind), "{:?}", taught.cut_s);
     }
 }
 
-/// The issue's own bound, with masses a tenth more and less; and without dry friction it falls, so it is friction that
-/// keeps it.
+/// A floating arm must stay within 2 degrees, with masses a tenth larger or smaller. Friction holds it: without
+/// friction it falls.
 #[test]
 fn a_floating_arm_stays_where_it_is_left() {
     for masses in [0.9, 1.0, 1.1] {
@@ -79,7 +79,7 @@ fn a_floating_arm_stays_where_it_is_left() {
     }
 }
 
-/// It says what friction is for: the same arm without any.
+/// Shows the need for friction: the same arm without friction moves.
 #[test]
 fn without_friction_a_wrong_mass_moves_it() {
     let (taken, _) = led(Mode::Float, 2.0, [1.1, 0.0]).unwrap();

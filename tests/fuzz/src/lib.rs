@@ -1,4 +1,4 @@
-//! Inputs of fuzz targets that are or were interesting; the targets are tests.
+//! Inputs of the fuzz targets. The targets themselves are tests.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,14 +1,14 @@
-//! Writes the show that QEMU's `mps2-an386` performs, with its rig, and prints the hashes of the torques that this
-//! machine computes for it, as the image prints its own.
+//! Writes the show that QEMU's `mps2-an386` performs, with its rig. Prints the hashes of the torques that this
+//! machine computes for it, in the format of the image.
 //!
-//! `figure_show RIG SHOW`: the files to write.
+//! Usage: `figure_show RIG SHOW`, with the files to write.
 
 use std::error::Error;
 use std::fs;
 
 use sinew_test_support::figure::figure_show;
 
-/// How long the show is, s.
+/// Duration of the show, s.
 const SECONDS: f64 = 21.0;
 
 fn main() -> Result<(), Box<dyn Error>> {

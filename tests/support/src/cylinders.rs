@@ -1,6 +1,6 @@
-//! Surface integrals of cylinders in f64, another way than the core's: the integral along the axis is closed, and
-//! what is left, around it, is done by the double exponential rule (Takahasi and Mori 1974), which bears what a point
-//! on the surface does to it.
+//! Surface integrals of cylinders in f64, by another method than the core's: the integral along the axis is analytic.
+//! The integral around the axis uses the double exponential rule (Takahasi and Mori 1974), which tolerates the
+//! singularity of a point on the surface.
 
 use glam::DVec3;
 
@@ -21,7 +21,7 @@ pub fn distance_integral_m3(start_m: DVec3, end_m: DVec3, radius_m: f64, point_m
     2.0 * radius_m * from_zero_to_pi(along)
 }
 
-/// Of `√(x² + c)`.
+/// Returns the antiderivative of `√(x² + c)`.
 fn antiderivative(x: f64, c: f64) -> f64 {
     let logarithm = if c > 0.0 { (x / c.sqrt()).asinh() } else { 0.0 };
     0.5 * (x * (x * x + c).sqrt() + c * logarithm)
@@ -33,7 +33,7 @@ fn from_zero_to_pi(function: impl Fn(f64) -> f64) -> f64 {
     let term = |k: i32| {
         let t = step * f64::from(k);
         let u = FRAC_PI_2 * t.sinh();
-        // π (1 + tanh u) / 2, with all digits next to 0.
+        // π (1 + tanh u) / 2, written so that digits near 0 are exact.
         let angle = PI / (1.0 + (-2.0 * u).exp());
         function(angle) * FRAC_PI_2 * t.cosh() * FRAC_PI_2 / u.cosh().powi(2)
     };

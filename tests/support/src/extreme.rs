@@ -1,7 +1,8 @@
 //! Numbers at the ends of f32, and rigs and states that are made with them.
 //!
-//! What is not a number, or not a rotation, the core refuses; everything else that is here it takes. A *dose* says
-//! how many of a hundred numbers are extreme: with all of them so, everything overflows, and nothing else is seen.
+//! The core refuses values that are not numbers, and quaternions that are not rotations; it accepts everything else
+//! here. A *dose* is the percentage of numbers that are extreme: if all were extreme, everything would overflow, and
+//! other errors would stay hidden.
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI};
 
@@ -14,7 +15,7 @@ use sinew_core::{
     Tree, Twist, Wrench, math,
 };
 
-/// The ends of f32, and where squares, reciprocals and series change.
+/// The ends of f32, and the values at which squares, reciprocals and series change.
 pub const FINITE: [f32; 30] = [
     0.0,
     -0.0,
@@ -48,15 +49,15 @@ pub const FINITE: [f32; 30] = [
     f32::MIN,
 ];
 
-/// What is not a finite number.
+/// Values that are not finite numbers.
 pub const NOT_FINITE: [f32; 4] = [f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 
-/// All of them.
+/// Returns all these values.
 pub fn all() -> impl Iterator<Item = f32> {
     FINITE.into_iter().chain(NOT_FINITE)
 }
 
-/// Turns about which formulas differ: none, almost none, quarter and half turns, of either sign.
+/// Returns rotations near which formulas differ: none, almost none, quarter and half turns, with either sign.
 pub fn rotations() -> Vec<Quat> {
     let of = |x, y, z, w| Quat::from_xyzw(x, y, z, w);
     let half = FRAC_1_SQRT_2;
@@ -72,19 +73,19 @@ pub fn rotations() -> Vec<Quat> {
         of(0.0, 1e-20, 0.0, 1.0),
         of(0.0, 0.0, 1e-45, 1.0),
         of(0.5, 0.5, 0.5, 0.5),
-        // As far from unit as is taken.
+        // The largest deviations from unit length that are accepted.
         of(0.0, 0.0, 0.6, 0.8) * 1.000_9,
         of(0.6, 0.0, 0.0, 0.8) * 0.999_1,
     ];
     some.into_iter().flat_map(|q| [q, -q]).collect()
 }
 
-/// A number, extreme in `dose` of a hundred cases; finite.
+/// A finite number, extreme in `dose` of a hundred cases.
 pub fn number(dose: u32) -> impl Strategy<Value = f32> + Clone {
     prop_oneof![dose => select(FINITE.as_slice()), 100 - dose => -2.0f32..2.0]
 }
 
-/// A number, or what is none.
+/// Any value of f32, finite or not.
 pub fn any_number() -> impl Strategy<Value = f32> + Clone {
     prop_oneof![
         4 => select(FINITE.as_slice()),
@@ -104,41 +105,41 @@ pub fn any_vector() -> impl Strategy<Value = Vec3> + Clone {
     [any_number(), any_number(), any_number()].prop_map(Vec3::from_array)
 }
 
-/// A rotation, special in `dose` of a hundred cases; as unit as entrances ask.
+/// A rotation, special in `dose` of a hundred cases. Its length is within the tolerance of the core.
 pub fn rotation(dose: u32) -> impl Strategy<Value = Quat> + Clone {
     let ordinary =
         [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(|v| math::exp(Vec3::from_array(v)));
     prop_oneof![dose => select(rotations()), 100 - dose => ordinary]
 }
 
-/// Four numbers, a rotation or none.
+/// Four numbers that may be a rotation.
 pub fn any_quaternion() -> impl Strategy<Value = Quat> + Clone {
     let numbers = [any_number(), any_number(), any_number(), any_number()];
     prop_oneof![rotation(50), numbers.prop_map(Quat::from_array)]
 }
 
-/// A pose.
+/// A pose with a rotation and a vector of this dose.
 pub fn pose(dose: u32) -> impl Strategy<Value = Transform> + Clone {
     (rotation(dose), vector(dose)).prop_map(|(rotation, at)| Transform::new(rotation, at))
 }
 
-/// A pose, or what is none.
+/// A pose, valid or not.
 pub fn any_pose() -> impl Strategy<Value = Transform> + Clone {
     let wrong = (any_quaternion(), any_vector());
     prop_oneof![1 => wrong.prop_map(|(q, v)| Transform::new(q, v)), 2 => pose(20)]
 }
 
-/// An angular and a linear part.
+/// An angular and a linear part of this dose.
 pub fn motion(dose: u32) -> impl Strategy<Value = Twist> + Clone {
     (vector(dose), vector(dose)).prop_map(|(angular, linear)| Twist::new(angular, linear))
 }
 
-/// An angular and a linear part, numbers or not.
+/// An angular and a linear part of any values.
 pub fn any_motion() -> impl Strategy<Value = Twist> + Clone {
     (any_vector(), any_vector()).prop_map(|(angular, linear)| Twist::new(angular, linear))
 }
 
-/// Joints of all kinds.
+/// A joint of any kind.
 pub fn joint() -> impl Strategy<Value = JointKind> + Clone {
     let oblique = Vec3::new(0.6, 0.0, 0.8);
     select(vec![
@@ -154,12 +155,12 @@ pub fn joint() -> impl Strategy<Value = JointKind> + Clone {
     ])
 }
 
-/// Masses from nothing to the end of f32; moments that a body can have.
+/// An inertia with a mass from zero to the end of f32, and moments that are physically possible.
 pub fn inertia(dose: u32) -> impl Strategy<Value = Inertia> + Clone {
     (number(dose), vector(dose), vector(dose), any::<bool>()).prop_map(
         |(mass, center_of_mass_m, second_moments, point)| {
             let mass_kg = mass.abs();
-            // Any three second moments make a body; none of what weighs nothing.
+            // Any three second moments make a body. A body without mass must have none.
             let s = if point || mass_kg <= 0.0 { Vec3::ZERO } else { second_moments.abs() };
             let rotational_kg_m2 = RotationalInertia::diagonal(s.y + s.z, s.z + s.x, s.x + s.y);
             let good = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
@@ -169,18 +170,18 @@ pub fn inertia(dose: u32) -> impl Strategy<Value = Inertia> + Clone {
     )
 }
 
-/// A tree, how its joints should move and do move, and what pushes its bodies.
+/// A tree, the desired and the actual motion of its joints, and external wrenches on its bodies.
 #[derive(Debug, Clone)]
 pub struct Scene<const N: usize> {
-    /// The rig.
+    /// Bodies and joints of the rig.
     pub tree: Tree<N>,
-    /// What is wanted.
+    /// Desired motion of the joints.
     pub targets: JointTargets<N>,
-    /// What is.
+    /// Actual motion of the joints.
     pub measured: JointStates<N>,
-    /// A wrench on each body, or fewer; not all are numbers.
+    /// A wrench on each body, or on fewer; not all are numbers.
     pub external: Vec<Wrench>,
-    /// How many of a hundred numbers are extreme.
+    /// Percentage of numbers that are extreme.
     pub dose: u32,
 }
 

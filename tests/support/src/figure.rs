@@ -1,4 +1,4 @@
-//! The human figure as boards have a rig: its compact form, and shows of its coordinates.
+//! The human figure as boards use it: its compact form, and shows of its coordinates.
 
 use std::error::Error;
 
@@ -20,10 +20,10 @@ pub const COORDINATES: usize = 7 + 4 * (BODY_COUNT - 1);
 /// The clip of the show that emulated boards perform.
 const CLIP: &str = "kicks_01";
 
-/// How much larger than the clip's performer the rig of that show is.
+/// Scale of that show's rig, relative to the clip's performer.
 const SCALE: f64 = 1.1;
 
-/// A rig and a show of it, as boards read them.
+/// A rig and a show for it, in the format of boards.
 #[derive(Debug, Clone)]
 pub struct FigureShow {
     /// The rig in its compact form.
@@ -36,7 +36,7 @@ impl FigureShow {
     /// Returns a line for each method: the hash of the torques that this machine computes for the show.
     ///
     /// # Errors
-    /// Rig and show do not go together.
+    /// Rig and show do not match.
     pub fn torque_hashes(&self) -> Result<Vec<String>, Box<dyn Error>> {
         let (tree, show) = (tree::<BODY_COUNT, DOFS>(&self.rig)?, Show::open(&self.show)?);
         show.check_rig(self.rig.last_chunk().copied().map_or(0, u32::from_le_bytes))?;
@@ -50,10 +50,10 @@ impl FigureShow {
     }
 }
 
-/// The show that emulated boards perform: so many seconds of a built-in clip at most.
+/// Returns the show that emulated boards perform: at most `seconds` of a built-in clip.
 ///
 /// # Panics
-/// If clip and figure are not what they were.
+/// If the clip or the figure was changed.
 pub fn figure_show(seconds: f64) -> FigureShow {
     let clip = builtin::clips().into_iter().find(|clip| clip.name == CLIP).expect(CLIP);
     let (motion, _) = prepare(clip, &Settings::default()).expect("a built-in clip");
@@ -82,10 +82,10 @@ pub fn figure_show(seconds: f64) -> FigureShow {
     FigureShow { rig, show: written.bytes }
 }
 
-/// The figure in a rig's compact form, without servos.
+/// Returns the figure in a rig's compact form, without servos.
 ///
 /// # Panics
-/// If a number of it does not survive f32.
+/// If a number of the figure does not fit into f32.
 pub fn rig(mechanism: &Mechanism) -> Vec<u8> {
     let rig = BoardRig::<BODY_COUNT, DOFS, 0>::bake(&Description::default(), mechanism)
         .expect("the figure is a rig");
@@ -95,7 +95,7 @@ pub fn rig(mechanism: &Mechanism) -> Vec<u8> {
     bytes
 }
 
-/// The coordinates of the figure in a frame of a motion: of its root, then of its ball joints.
+/// Returns the coordinates of the figure in a frame of a motion: first its root, then its ball joints.
 fn coordinates(
     motion: &FigureMotion,
     mechanism: &Mechanism,

@@ -1,16 +1,16 @@
-//! Rigs, shows and other ways to their numbers, for the tests across Sinew's crates. They are a crate of their own so
-//! that they are optimized: the tests that call them are not, and compile in a fraction of the time.
+//! Rigs, shows and independent computations for the tests across Sinew's crates. They are a separate, optimized
+//! crate; the tests that call them are not optimized, so they compile in a fraction of the time.
 //!
-//! - [`cylinders`]: surface integrals in f64, another way than the core's;
+//! - [`cylinders`]: surface integrals in f64, by another method than the core's;
 //! - [`extreme`]: numbers at the ends of f32, and rigs and states made with them;
-//! - [`figure`]: the human figure as boards have a rig, and a show of it;
-//! - [`nearest_pose`]: what the projection looks for, by dense least squares in f64;
+//! - [`figure`]: the human figure as boards use it, and a show for it;
+//! - [`nearest_pose`]: the optimum of the projection, by dense least squares in f64;
 //! - [`newton_euler`]: inverse dynamics of given states in f64;
-//! - [`parity`]: runs of the evaluation for other machines, and where their numbers differ;
-//! - [`subtree_form`]: the other way to look for it, which the core's is compared with;
+//! - [`parity`]: runs of the evaluation for other machines, and the differences of their numbers;
+//! - [`subtree_form`]: another algorithm for the projection, with which the core's is compared;
 //! - [`rig`]: random trees of all joint kinds, and random states of them;
 //! - [`rounded`]: rigs and motions with their rounding, for limits that follow from it;
-//! - [`mod@reference`]: their dynamics in f64 from nothing but poses, independent of the core's recursions.
+//! - [`mod@reference`]: dynamics of rigs in f64, derived only from poses, independent of the core's recursions.
 
 pub mod cylinders;
 pub mod extreme;
@@ -25,10 +25,10 @@ pub mod subtree_form;
 
 use proptest::test_runner::{Config, FileFailurePersistence, RngSeed};
 
-/// Settings of a property: its cases are the same on every run, unless `PROPTEST_RNG_SEED` asks for others, and
-/// failures that were found once are kept beside the test and run first.
+/// Returns the settings of a property test. The cases are the same in every run, unless `PROPTEST_RNG_SEED` asks for
+/// others. Failing cases are stored beside the test and run first.
 pub fn property(cases: u32) -> Config {
-    // The default has the seed of the environment.
+    // The default reads the seed from the environment.
     let rng_seed = match Config::default().rng_seed {
         RngSeed::Random => RngSeed::Fixed(20_261_121),
         asked_for @ RngSeed::Fixed(_) => asked_for,

@@ -1,7 +1,7 @@
-//! The pose of a figure that is nearest to a desired one, by dense least squares in f64.
+//! The pose of a figure that is nearest to a desired pose, by dense least squares in f64.
 //!
-//! All joints' coordinates are one vector, all bodies' weighted residuals another, and the derivative is
-//! taken by differences of whole poses: nothing of the core's sweeps, inertias or Jacobians is used.
+//! All joints' coordinates are one vector, all bodies' weighted residuals another. The derivative is the difference
+//! of whole poses. The core's sweeps, inertias and Jacobians are not used.
 
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
@@ -13,15 +13,15 @@ use crate::reference::{Pose, turn};
 /// Step of the central differences: with residuals of the order of 1, truncation is 1e-10 and rounding 1e-11.
 const STEP: f64 = 1e-5;
 
-/// How near (rad or m) to the end of its range a coordinate is at it: what f32 knows of a turn is 1e-7, and of
-/// several that were multiplied together some more.
+/// Distance, rad or m, at which a coordinate counts as being at the end of its range: f32 resolves a turn to 1e-7,
+/// and a product of several turns less.
 const AT_END: f64 = 2e-6;
 
-/// A figure, where its bodies should be, and how much each counts.
+/// A figure, the desired poses of its bodies, and their weights.
 #[derive(Debug, Clone)]
 pub struct Problem {
     joints: Vec<Joint>,
-    /// World poses.
+    /// Desired poses in the world.
     desired: Vec<Pose>,
     weights: Vec<BodyWeight>,
 }
@@ -32,7 +32,7 @@ struct Joint {
     placement: Pose,
     kind: JointKind,
     range: JointRange,
-    /// The pose of a joint that cannot be moved at all.
+    /// Pose of a joint that cannot move.
     held: Option<Pose>,
 }
 
@@ -50,7 +50,7 @@ enum Coordinates {
 #[derive(Debug, Clone)]
 pub struct Solution(Vec<Coordinates>);
 
-/// In f64, the rotation made unit.
+/// Converts a pose to f64, with a unit rotation.
 pub fn pose(pose: &Transform) -> Pose {
     Pose {
         rotation: pose.rotation.as_dquat().normalize(),
@@ -58,7 +58,7 @@ pub fn pose(pose: &Transform) -> Pose {
     }
 }
 
-/// World poses of joints that are given in their parents' frames.
+/// Returns the world poses of joints that are given in their parents' frames.
 pub fn world(tree_parents: impl Iterator<Item = Option<usize>>, joints: &[Pose]) -> Vec<Pose> {
     let mut poses: Vec<Pose> = Vec::new();
     for (parent, joint) in tree_parents.zip(joints) {
@@ -69,7 +69,7 @@ pub fn world(tree_parents: impl Iterator<Item = Option<usize>>, joints: &[Pose])
 }
 
 impl Problem {
-    /// `desired`: as the core takes it, by joint in the parent's frame.
+    /// Creates a problem. `desired`: by joint in the parent's frame, as for the core.
     pub fn new<const N: usize>(
         tree: &Tree<N>,
         weights: &[BodyWeight],
@@ -96,7 +96,7 @@ impl Problem {
         }
     }
 
-    /// The coordinates next to the given poses, by joint in the parent's frame; within the ranges.
+    /// Returns the coordinates nearest to the given poses, by joint in the parent's frame, within the ranges.
     pub fn nearest(&self, poses: &[Transform]) -> Solution {
         let of_joint = |(joint, given): (&Joint, &Transform)| {
             joint.within_range(joint.coordinates(&pose(given)))
@@ -104,7 +104,7 @@ impl Problem {
         Solution(self.joints.iter().zip(poses).map(of_joint).collect())
     }
 
-    /// How far the given poses are from ones that the joints can take within their ranges, in rad or m.
+    /// Returns the distance of the given poses from poses that the joints can reach within their ranges, in rad or m.
     pub fn excess(&self, poses: &[Transform]) -> f64 {
         let nearest = self.nearest(poses);
         let joints = self.joints.iter().zip(&nearest.0).zip(poses);
@@ -113,20 +113,21 @@ impl Problem {
         })
     }
 
-    /// Poses of the joints in their parents' frames.
+    /// Returns the poses of the joints in their parents' frames.
     pub fn joint_poses(&self, solution: &Solution) -> Vec<Pose> {
         self.joints.iter().zip(&solution.0).map(|(joint, at)| joint.pose(at)).collect()
     }
 
-    /// What the projection makes least, of world poses: `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`, m².
+    /// Returns the cost that the projection minimizes, of world poses: `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`,
+    /// m².
     pub fn cost(&self, solution: &Solution) -> f64 {
         self.residuals(solution).norm_squared()
     }
 
-    /// One step from a solution whose bodies are turned as they should be, no range in its way: Gauss-Newton's, with
-    /// the curvature of arms that are pulled outwards, as rows of turns that should be none; by QR.
+    /// Takes one Gauss-Newton step, by QR, from a solution whose bodies have their desired orientations, without
+    /// regard to ranges. The curvature of arms that are pulled outwards is added as rows that resist turns.
     ///
-    /// The largest of its components, rad or m, comes with it.
+    /// Also returns the largest component of the step, rad or m.
     pub fn step(&self, solution: &Solution) -> (Solution, f64) {
         let jacobian = self.jacobian(solution);
         let rows = jacobian.nrows();
@@ -146,8 +147,8 @@ impl Problem {
         (self.moved(solution, &step), largest)
     }
 
-    /// By how much a turn of each body's parent is resisted by the pull on the body and all beyond it, outwards along
-    /// its arm.
+    /// Returns how strongly a turn of each body's parent is resisted by the pull on the body and all beyond it,
+    /// outwards along its arm.
     fn stiffening(&self, solution: &Solution) -> Vec<(usize, f64)> {
         let parents = self.joints.iter().map(|joint| joint.parent);
         let poses = world(parents, &self.joint_poses(solution));
@@ -169,15 +170,15 @@ impl Problem {
         stiffening
     }
 
-    /// How far off the best a solution is by the conditions of Karush, Kuhn and Tucker: the largest Gauss-Newton
-    /// step (rad or m) among the coordinates that are not pressed against the ends of their ranges.
+    /// Returns the deviation of a solution from the Karush-Kuhn-Tucker conditions: the largest Gauss-Newton step (rad
+    /// or m) among the coordinates that are not pressed against the ends of their ranges.
     pub fn off_the_best(&self, solution: &Solution) -> f64 {
         let jacobian = self.jacobian(solution);
         let gradient = jacobian.transpose() * self.residuals(solution);
         self.damped_step(solution, &jacobian, &gradient, 0.0).amax()
     }
 
-    /// The least by Levenberg-Marquardt steps over the coordinates that are free, from a solution.
+    /// Minimizes the cost by Levenberg-Marquardt steps over the free coordinates, starting at a solution.
     pub fn solve(&self, start: &Solution) -> Solution {
         let mut solution = start.clone();
         let mut cost = self.cost(&solution);
@@ -235,8 +236,8 @@ impl Problem {
         DMatrix::from_columns(&columns)
     }
 
-    /// By the normal equations: what it is off by is put right by the next step, and what a step must be zero
-    /// for is the gradient.
+    /// Returns a damped step by the normal equations. The next step corrects its rounding errors. It is zero exactly
+    /// if the gradient is zero.
     fn damped_step(
         &self,
         solution: &Solution,
@@ -258,7 +259,7 @@ impl Problem {
         normal.cholesky().expect("every turn has a weight").solve(&wanted)
     }
 
-    /// Columns at the end of their range that the cost would fall beyond.
+    /// Returns the columns at the end of their range beyond which the cost would fall.
     fn pressed(&self, solution: &Solution, gradient: &DVector<f64>) -> Vec<usize> {
         let mut pressed = Vec::new();
         let mut column = 0;
@@ -301,7 +302,7 @@ impl Joint {
         let back = self.placement.rotation.inverse();
         let rotation = (back * given.rotation).normalize();
         let position_m = back * (given.position_m - self.placement.position_m);
-        // The turn about an axis next to a rotation.
+        // The turn about an axis that is nearest to a rotation.
         let about = |axis: DVec3, rotation: DQuat| {
             let angle = 2.0 * rotation.xyz().dot(axis).atan2(rotation.w);
             (angle + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI
@@ -364,7 +365,7 @@ impl Joint {
         }
     }
 
-    /// Axes that a spherical joint's step is along: on the border of its range, the first is the way out.
+    /// Returns the axes of a spherical joint's step. On the border of its range, the first axis points outwards.
     fn basis(&self, rotation: DQuat) -> DMat3 {
         if !self.on_border(rotation) {
             return DMat3::IDENTITY;
@@ -379,7 +380,7 @@ impl Joint {
         turn(DQuat::IDENTITY, rotation).length() > f64::from(most) - AT_END
     }
 
-    /// Whether each column is at the least, and at the most, that its range lets it.
+    /// Returns whether each column is at the lower and at the upper end of its range.
     fn at_ends(&self, at: &Coordinates) -> Vec<[bool; 2]> {
         let along = |x: f64, [least, most]: [f32; 2]| {
             [x < f64::from(least) + AT_END, x > f64::from(most) - AT_END]
@@ -422,7 +423,7 @@ impl Coordinates {
     }
 }
 
-/// How far two poses are apart, the larger of rad and m.
+/// Returns the distance of two poses: the larger of rad and m.
 pub fn distance(a: &Pose, b: &Pose) -> f64 {
     let way = (a.position_m - b.position_m).length();
     turn(a.rotation, b.rotation).length().max(way)

@@ -1,27 +1,27 @@
-//! Inverse dynamics in f64, in world axes: what f32 ought to give for the very same states.
+//! Inverse dynamics in f64, in world axes: the exact result for the states that f32 code receives.
 //!
-//! Another formulation than the core's, which goes in the bodies' axes; [`crate::reference`] needs neither, but its
-//! numerical derivatives are too coarse for the outer bodies of long chains.
+//! The core computes in the bodies' axes instead. [`crate::reference`] uses neither form, but its numerical
+//! derivatives are too coarse for the outer bodies of long chains.
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Body, JointState, Twist};
 
 use crate::reference::WorldWrench;
 
-/// Where a body is and how it moves; world axes.
+/// Pose and motion of a body, in world axes.
 #[derive(Debug, Clone, Copy)]
 struct World {
     rotation: DQuat,
-    /// From the parent's origin.
+    /// Vector from the parent's origin, m.
     arm_m: DVec3,
     omega: DVec3,
     alpha: DVec3,
-    /// Of the origin, less gravity.
+    /// Acceleration of the origin minus gravity, m/s².
     acceleration: DVec3,
 }
 
-/// Wrench of each joint on its body about its origin, in body axes. `joints` and `accelerations` as
-/// [`inverse_dynamics`](sinew_core::dynamics::inverse_dynamics) takes them.
+/// Returns the wrench of each joint on its body about its origin, in body axes. `joints` and `accelerations` are
+/// those of [`inverse_dynamics`](sinew_core::dynamics::inverse_dynamics).
 pub fn inverse_dynamics(
     bodies: &[Body],
     joints: &[JointState],
@@ -75,7 +75,7 @@ fn moved(parent: &World, joint: &JointState, acceleration: &Twist) -> World {
     }
 }
 
-/// What moves a body so, about its origin.
+/// Returns the wrench that gives a body its motion, about the body's origin.
 fn needed(body: &Body, world: &World) -> WorldWrench {
     let i = &body.inertia.rotational_kg_m2;
     let in_body = DMat3::from_cols_array(

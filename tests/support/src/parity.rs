@@ -1,5 +1,5 @@
-//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] makes them on any machine, and where two answers
-//! differ; what any machine answers.
+//! Runs of the built-in evaluation as [`sinew_bit_parity::run`] repeats them on any machine, their answers, and the
+//! first difference of two answers.
 
 use std::fmt;
 use std::fs::File;
@@ -14,25 +14,25 @@ use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use crate::figure::{COORDINATES, DOFS, FigureShow, rig};
 
-/// A run of the evaluation: a clip, tracked by a figure of a scale with a method.
+/// A run of the evaluation: a figure of a scale tracks a clip with a method.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The clip's name.
+    /// Name of the clip.
     pub clip: String,
     /// Factor on the figure's dimensions.
     pub scale: f64,
-    /// The method.
+    /// Method of the tracker.
     pub method: MethodName,
-    /// As a machine reads it.
+    /// Request of the run, in the format of [`sinew_bit_parity`].
     bytes: Vec<u8>,
-    /// What the evaluation's own tracker computed, as a machine answers.
+    /// Numbers of the evaluation's own tracker, in the format of a machine's answer.
     evaluation: Vec<u8>,
     ticks: usize,
 }
 
 impl Run {
-    /// Makes the evaluation's run and records it: the rig, the joints' poses as the clip has them and as the tracker
-    /// got them, and every number that it computed in each tick.
+    /// Runs the evaluation and records it: the rig, the joints' poses in the clip and those that the tracker
+    /// received, and every number that it computed in each tick.
     pub fn record(motion: &FigureMotion, scale: f64, method: MethodName) -> Self {
         let index = MethodName::ALL.iter().position(|one| *one == method);
         let setup = Protocol::default().setup_of(scale, method);
@@ -66,41 +66,41 @@ impl Run {
         Self { clip: motion.name.clone(), scale, method, bytes, evaluation, ticks }
     }
 
-    /// What the evaluation itself computed, as a machine answers.
+    /// Returns the numbers of the evaluation itself, in the format of a machine's answer.
     pub fn evaluation(&self) -> &[u8] {
         &self.evaluation
     }
 
-    /// Number of ticks.
+    /// Returns the number of ticks.
     pub fn ticks(&self) -> usize {
         self.ticks
     }
 
-    /// What this very program computes of the recorded run: the bytes of its answer.
+    /// Repeats the recorded run in this program, and returns the bytes of the answer.
     pub fn here(&self) -> Vec<u8> {
         here(&self.bytes)
     }
 
-    /// What a machine computes: the bytes of its answer.
+    /// Repeats the recorded run on a machine, and returns the bytes of its answer.
     pub fn on(&self, machine: &Machine) -> Vec<u8> {
         machine.answer(&self.bytes).unwrap_or_else(|problem| panic!("{machine}, {self}: {problem}"))
     }
 }
 
-/// The request to play the first ticks of a show.
+/// Returns the request to play the first ticks of a show.
 ///
 /// # Panics
-/// If the show is longer than a request can say.
+/// If the show is too long for a request.
 pub fn to_play(FigureShow { rig, show }: &FigureShow, ticks: u32) -> Vec<u8> {
     let length = |bytes: &[u8]| u32::try_from(bytes.len()).unwrap();
     let numbers = [PLAY, ticks, length(rig), length(show)].map(u32::to_le_bytes);
     [&numbers.concat(), rig, show].map(|part| &part[..]).concat()
 }
 
-/// What this very program answers to a request.
+/// Returns this program's answer to a request.
 ///
 /// # Panics
-/// If something is wrong with the request.
+/// If the request is invalid.
 pub fn here(mut request: &[u8]) -> Vec<u8> {
     let (mut out, mut buffer) = (Vec::new(), vec![0; request.len()]);
     let read = |bytes: &mut [u8]| {
@@ -122,22 +122,22 @@ impl fmt::Display for Run {
     }
 }
 
-/// What runs the program of [`sinew_bit_parity`].
+/// A machine that runs the program of [`sinew_bit_parity`].
 #[derive(Debug, Clone)]
 pub struct Machine {
-    /// What to call it.
+    /// Name of the machine.
     pub name: &'static str,
-    /// The program.
+    /// Path of the program.
     pub program: PathBuf,
-    /// Whether QEMU runs it, as an image for its `mps2-an386`.
+    /// Whether the program is an image for QEMU's `mps2-an386`.
     pub emulated: bool,
 }
 
 impl Machine {
-    /// What its program answers to a request of [`sinew_bit_parity::answer`].
+    /// Returns the program's answer to a request of [`sinew_bit_parity::answer`].
     ///
     /// # Errors
-    /// What it says instead.
+    /// The program's message, or the reason why it cannot run.
     pub fn answer(&self, request: &[u8]) -> Result<Vec<u8>, String> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(request).unwrap();
@@ -167,26 +167,26 @@ impl fmt::Display for Machine {
     }
 }
 
-/// A number that came out differently.
+/// A number that differs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
     /// Frame of the clip.
     pub frame: usize,
     /// Name of the body.
     pub body: &'static str,
-    /// What of the body.
+    /// Quantity of the body.
     pub quantity: &'static str,
-    /// Which number of that.
+    /// Component of the quantity.
     pub component: &'static str,
-    /// Its bits in both answers.
+    /// Bits of the number in both answers.
     pub bits: [u32; 2],
 }
 
 impl Difference {
-    /// The first in the order in which the numbers are computed.
+    /// Returns the first difference, in the order in which the numbers are computed.
     ///
     /// # Panics
-    /// If the answers are not of the same ticks.
+    /// If the answers have different numbers of ticks.
     pub fn first(answers: [&[u8]; 2]) -> Option<Self> {
         let [here, there] = answers;
         assert_eq!(here.len(), there.len(), "bytes of the answers");

@@ -1,17 +1,17 @@
-//! Dynamics in f64 from nothing but poses.
+//! Dynamics in f64, derived only from poses.
 //!
-//! The joints' coordinates are moved along a path in time, the poses of all bodies are multiplied together,
-//! and everything else (velocities, accelerations, momenta, energies) is a numerical derivative of those.
-//! No formula for a relative velocity, a Coriolis term or a recursion of forces is used, so that a mistake
-//! in the core's cannot be here too.
+//! The joints' coordinates move along a path in time, the poses of all bodies are multiplied together, and everything
+//! else (velocities, accelerations, momenta, energies) is a numerical derivative of those poses. No formula for a
+//! relative velocity, a Coriolis term or a recursion of forces is used, so an error in the core's formulas cannot be
+//! repeated here.
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Body, JointKind, Wrench};
 
 use crate::rig::{Coordinates, Rig};
 
-/// Step of the derivatives, s: with four neighbours the error is of the order of `(ω h)⁴` of the result,
-/// 1e-8 at 10 rad/s, and rounding `1e-16 / h²`, 1e-10.
+/// Step of the derivatives, s. With four neighbours the error is about `(ω h)⁴` of the result, 1e-8 at 10 rad/s;
+/// rounding is `1e-16 / h²`, 1e-10.
 const STEP_S: f64 = 1e-3;
 
 /// Pose of a body in the world.
@@ -19,11 +19,11 @@ const STEP_S: f64 = 1e-3;
 pub struct Pose {
     /// Body axes to world axes.
     pub rotation: DQuat,
-    /// Origin, m.
+    /// Position of the origin, m.
     pub position_m: DVec3,
 }
 
-/// Motion of a body at one instant, world axes.
+/// Motion of a body's centre of mass at one instant, in world axes.
 #[derive(Debug, Clone, Copy)]
 struct CenterMotion {
     /// Position of the centre of mass, m.
@@ -32,21 +32,21 @@ struct CenterMotion {
     acceleration_m_s2: DVec3,
     omega_rad_s: DVec3,
     alpha_rad_s2: DVec3,
-    /// About the centre of mass.
+    /// Inertia about the centre of mass.
     inertia_kg_m2: DMat3,
     mass_kg: f64,
 }
 
-/// Wrench on a body, world axes, the moment about the body's origin.
+/// Wrench on a body in world axes; the moment is about the body's origin.
 #[derive(Debug, Clone, Copy)]
 pub struct WorldWrench {
-    /// N m.
+    /// Moment, N m.
     pub moment_nm: DVec3,
-    /// N.
+    /// Force, N.
     pub force_n: DVec3,
 }
 
-/// Poses of all bodies at `time_s` from now, moving with constant acceleration of their coordinates.
+/// Returns the poses of all bodies at `time_s` from now, with constant accelerations of their coordinates.
 pub fn poses(rig: &Rig, time_s: f64) -> Vec<Pose> {
     let mut poses: Vec<Pose> = Vec::new();
     for (body, motion) in rig.tree.bodies().iter().zip(&rig.motions) {
@@ -61,7 +61,7 @@ impl Pose {
     /// The world's own frame.
     pub const WORLD: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
 
-    /// The pose of a frame that is at `inner` in this one.
+    /// Returns the pose in the world of a frame with the pose `inner` relative to this one.
     #[must_use]
     pub fn times(&self, inner: &Self) -> Self {
         Self {
@@ -83,7 +83,7 @@ fn joint_pose(body: &Body, motion: &Coordinates, time_s: f64) -> Pose {
     let along = |k: usize| f64::from(motion.along[k]) + way(k);
     let ways = |first: usize| DVec3::new(way(first), way(first + 1), way(first + 2));
     let about = |axis: DVec3, angle: f64| DQuat::from_scaled_axis(axis.normalize() * angle);
-    // From the start in body axes: there the components of the angular velocity are the derivative.
+    // From the start in body axes: there the derivative equals the components of the angular velocity.
     let rotation = motion.rotation.as_dquat().normalize();
     let turned = || rotation * DQuat::from_scaled_axis(ways(0));
     let (rotation, position_m) = match body.joint {
@@ -94,13 +94,13 @@ fn joint_pose(body: &Body, motion: &Coordinates, time_s: f64) -> Pose {
             (about(first.as_dvec3(), along(0)) * about(second.as_dvec3(), along(1)), DVec3::ZERO)
         }
         JointKind::Spherical => (turned(), DVec3::ZERO),
-        // The speeds are in body axes as they are now.
+        // The speeds are in the present body axes.
         JointKind::Free => (turned(), motion.position_m.as_dvec3() + rotation * ways(3)),
     };
     placement.times(&Pose { rotation, position_m })
 }
 
-/// First and second derivative at the middle of five samples, fourth order.
+/// Returns first and second derivative at the middle of five samples, with fourth order.
 fn derivatives(samples: [DVec3; 5]) -> (DVec3, DVec3) {
     let [a, b, c, d, e] = samples;
     let first = (a - b * 8.0 + d * 8.0 - e) / (12.0 * STEP_S);
@@ -108,7 +108,7 @@ fn derivatives(samples: [DVec3; 5]) -> (DVec3, DVec3) {
     (first, second)
 }
 
-/// Motion of every body's centre of mass at `time_s`.
+/// Returns the motion of every body's centre of mass at `time_s`.
 fn motions(rig: &Rig, time_s: f64) -> Vec<CenterMotion> {
     let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| poses(rig, time_s + k * STEP_S));
     let of_body = |(index, body): (usize, &Body)| {
@@ -140,8 +140,8 @@ fn motions(rig: &Rig, time_s: f64) -> Vec<CenterMotion> {
     rig.tree.bodies().iter().enumerate().map(of_body).collect()
 }
 
-/// Wrench that each joint has to pass to its body: what all bodies beyond it need by Newton's and Euler's
-/// laws, less gravity, about the joint.
+/// Returns the wrench that each joint passes to its body: the sum over all bodies beyond it, by Newton's and Euler's
+/// laws, minus gravity, about the joint.
 pub fn joint_wrenches(rig: &Rig, gravity_m_s2: DVec3) -> Vec<WorldWrench> {
     let (poses, motions) = (poses(rig, 0.0), motions(rig, 0.0));
     let of_joint = |joint: usize| {
@@ -161,7 +161,7 @@ pub fn joint_wrenches(rig: &Rig, gravity_m_s2: DVec3) -> Vec<WorldWrench> {
     (0..rig.tree.len()).map(of_joint).collect()
 }
 
-/// Kinetic and potential energy, J, with that of the drives' rotors.
+/// Returns kinetic and potential energy, J, including that of the drives' rotors.
 pub fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
     let of_body = |m: &CenterMotion| {
         let turning = m.omega_rad_s.dot(m.inertia_kg_m2 * m.omega_rad_s);
@@ -172,8 +172,9 @@ pub fn energy_j(rig: &Rig, gravity_m_s2: DVec3, time_s: f64) -> f64 {
     of_bodies + rotor_energy_j(rig, time_s)
 }
 
-/// A rotor turns as fast as its joint's coordinate changes, and knows nothing of the bodies' motion. (Those of a ball
-/// joint's rotation vector are its angular velocity to first order of the time, which is all that a rate needs.)
+/// Returns the energy of the rotors. A rotor turns at the speed of its joint's coordinate, independent of the bodies'
+/// motion. (For a ball joint the derivative of the rotation vector equals the angular velocity to first order in
+/// time, which is enough for a rate.)
 fn rotor_energy_j(rig: &Rig, time_s: f64) -> f64 {
     let of_joint = |(body, motion): (&Body, &Coordinates)| {
         let speeds = motion.speed.iter().zip(&motion.acceleration);
@@ -184,7 +185,7 @@ fn rotor_energy_j(rig: &Rig, time_s: f64) -> f64 {
     rig.tree.bodies().iter().zip(&rig.motions).map(of_joint).sum()
 }
 
-/// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.
+/// Returns linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.
 fn momentum(rig: &Rig, time_s: f64) -> [DVec3; 2] {
     motions(rig, time_s).iter().fold([DVec3::ZERO; 2], |[linear, angular], m| {
         let of_body = m.velocity_m_s * m.mass_kg;
@@ -193,19 +194,19 @@ fn momentum(rig: &Rig, time_s: f64) -> [DVec3; 2] {
     })
 }
 
-/// Rate of the energy, W.
+/// Returns the rate of the energy, W.
 pub fn power_w(rig: &Rig, gravity_m_s2: DVec3) -> f64 {
     let at = |k: f64| DVec3::X * energy_j(rig, gravity_m_s2, k * STEP_S);
     derivatives([-2.0, -1.0, 0.0, 1.0, 2.0].map(at)).0.x
 }
 
-/// Rates of linear and angular momentum, N and N m.
+/// Returns the rates of linear and angular momentum, N and N m.
 pub fn momentum_rate(rig: &Rig) -> [DVec3; 2] {
     let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| momentum(rig, k * STEP_S));
     [0, 1].map(|part| derivatives(at.map(|momentum| momentum[part])).0)
 }
 
-/// Weight of all bodies, N, and its moment about the world's origin, N m.
+/// Returns the weight of all bodies, N, and its moment about the world's origin, N m.
 pub fn weight(rig: &Rig, gravity_m_s2: DVec3) -> [DVec3; 2] {
     motions(rig, 0.0).iter().fold([DVec3::ZERO; 2], |[force, moment], m| {
         let of_body = gravity_m_s2 * m.mass_kg;
@@ -213,7 +214,7 @@ pub fn weight(rig: &Rig, gravity_m_s2: DVec3) -> [DVec3; 2] {
     })
 }
 
-/// The core's wrench of a joint in world axes.
+/// Converts the core's wrench of a joint to world axes.
 pub fn in_world(wrench: &Wrench, pose: &Pose) -> WorldWrench {
     WorldWrench {
         moment_nm: pose.rotation * wrench.moment_nm.as_dvec3(),
@@ -221,7 +222,7 @@ pub fn in_world(wrench: &Wrench, pose: &Pose) -> WorldWrench {
     }
 }
 
-/// World accelerations of every body: angular in rad/s², and of its origin in m/s².
+/// Returns the world accelerations of every body: angular in rad/s², and of its origin in m/s².
 pub fn accelerations(rig: &Rig) -> Vec<[DVec3; 2]> {
     let at = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| poses(rig, k * STEP_S));
     (0..rig.tree.len())
@@ -234,7 +235,7 @@ pub fn accelerations(rig: &Rig) -> Vec<[DVec3; 2]> {
         .collect()
 }
 
-/// Rotation vector from one orientation to another, world axes; its derivatives at zero are ω and α.
+/// Returns the rotation vector from one orientation to another, in world axes. Its derivatives at zero are ω and α.
 pub fn turn(from: DQuat, to: DQuat) -> DVec3 {
     let turn = to * from.inverse();
     if turn.w < 0.0 { -turn } else { turn }.to_scaled_axis()

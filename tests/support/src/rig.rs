@@ -15,49 +15,49 @@ pub const CAPACITY: usize = 128;
 /// A rig, and one motion of it.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// The bodies.
+    /// Bodies of the rig.
     pub tree: Tree<CAPACITY>,
     /// Coordinates of each joint and their first two derivatives.
     pub motions: Vec<Coordinates>,
 }
 
-/// Coordinates of a joint along the columns of its motion subspace, and where they start from.
+/// Coordinates of a joint along the columns of its motion subspace, with its start.
 #[derive(Debug, Clone, Copy)]
 pub struct Coordinates {
     /// Orientation of a spherical or free joint.
     pub rotation: Quat,
     /// Position in m of a free joint in its joint frame.
     pub position_m: Vec3,
-    /// Angle in rad or way in m of the joints with one or two axes.
+    /// Angle in rad or displacement in m of the joints with one or two axes.
     pub along: [f32; 2],
-    /// Speeds, rad/s or m/s; angular ones first, in body axes.
+    /// Speeds, rad/s or m/s; first the angular ones, in body axes.
     pub speed: [f32; 6],
-    /// Their derivatives: of the components in body axes where those turn.
+    /// Derivatives of the speeds. For angular speeds in body axes, those of their components.
     pub acceleration: [f32; 6],
 }
 
-/// How the bodies of a rig hang together.
+/// How the bodies of a rig are connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// Each on the one before.
+    /// Each body on the previous one.
     Chain,
-    /// All on the root.
+    /// All bodies on the root.
     Star,
-    /// Any on any before it.
+    /// Each body on any previous body.
     Random,
 }
 
-/// What joints a rig has.
+/// The joints of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
-    /// Every kind, anywhere.
+    /// Every kind of joint, anywhere.
     Mixed,
-    /// A figure of mocap: a free root and spherical joints.
+    /// The joints of a mocap figure: a free root and spherical joints.
     Figure,
 }
 
-/// Two states of a figure of up to `most` bodies, desired and measured, that differ by up to about `size` rad
-/// (and m of the root, and a tenth of that per second).
+/// Two states of a figure of up to `most` bodies, desired and measured. They differ by up to about `size` rad (and m
+/// for the root, and a tenth of that per second).
 pub fn figures(most: usize, size: f32) -> impl Strategy<Value = (Rig, Rig)> {
     (rigs(most, Joints::Figure), vec(unit(), 12 * most)).prop_map(move |(desired, numbers)| {
         let mut measured = desired.clone();
@@ -73,13 +73,12 @@ pub fn figures(most: usize, size: f32) -> impl Strategy<Value = (Rig, Rig)> {
     })
 }
 
-/// Any number below 1 in size.
+/// A number below 1 in size.
 fn unit() -> impl Strategy<Value = f32> {
     -1.0f32..1.0
 }
 
-/// Rigs of 1 to `most` bodies with rotors in three of four drives, of much less inertia than a link has or of much
-/// more.
+/// Rigs of 1 to `most` bodies. Three of four drives have rotors, of much less or much more inertia than a link.
 pub fn rigs_with_rotors(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     let rotor =
         prop_oneof![1 => Just(0.0), 3 => (-4.0f32..0.5).prop_map(|power| 10f32.powf(power))];
@@ -89,12 +88,13 @@ pub fn rigs_with_rotors(most: usize, joints: Joints) -> impl Strategy<Value = Ri
 /// Rigs of 1 to `most` bodies, without rotors.
 pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     let shape = prop_oneof![Just(Shape::Chain), Just(Shape::Star), Just(Shape::Random)];
-    // A body and its motion are made from this many numbers.
+    // Each body and its motion use this many numbers.
     let body = (any::<u16>(), 0usize..6, vec(unit(), 48));
     (shape, vec(body, 1..=most)).prop_map(move |(shape, bodies)| build(shape, joints, &bodies))
 }
 
-/// A rig of bodies that are made from a pick of the parent, one of six kinds of joint, and 48 numbers below 1 in size.
+/// Builds a rig. Each body is given by a pick of its parent, one of six kinds of joint, and 48 numbers below 1 in
+/// size.
 pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
     let mut tree = Tree::new();
     let mut motions = Vec::new();
@@ -123,7 +123,7 @@ pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) ->
     Rig { tree, motions }
 }
 
-/// Numbers below 1 in size, used up one by one.
+/// Numbers below 1 in size, used one after the other.
 struct Numbers<'a>(std::slice::Iter<'a, f32>);
 
 impl Numbers<'_> {
@@ -139,7 +139,7 @@ impl Numbers<'_> {
         math::exp(self.vector() * 2.0)
     }
 
-    /// A unit vector; of the numbers that make none, X.
+    /// Returns a unit vector; X if the numbers are too small.
     fn axis(&mut self) -> Vec3 {
         let v = self.vector();
         let length = math::length(v);
@@ -164,7 +164,7 @@ impl Numbers<'_> {
         }
     }
 
-    /// Made from second moments of mass, which any body has: three that are not negative, turned.
+    /// Returns an inertia made from three non-negative second moments of mass, rotated. Any body has such moments.
     fn inertia(&mut self) -> Inertia {
         let mass_kg = 0.1 + 5.0 * self.next().abs();
         let moments = self.vector().abs() * 0.02 * mass_kg;
@@ -191,7 +191,7 @@ impl Numbers<'_> {
 }
 
 impl Coordinates {
-    /// The numbers that say where the joint of a body is.
+    /// Returns the position coordinates of a joint.
     fn position(&self, joint: JointKind) -> Vec<f32> {
         let numbers = match joint {
             JointKind::Spherical | JointKind::Free => {
@@ -202,14 +202,14 @@ impl Coordinates {
         numbers[..joint.coordinate_count()].to_vec()
     }
 
-    /// State of a joint with these coordinates.
+    /// Returns the state of a joint with these coordinates.
     pub fn state(&self, body: &Body) -> JointState {
         let position = self.position(body.joint);
         let speed = &self.speed[..body.joint.dof_count()];
         body.joint.state(body.placement, &position, speed).expect("coordinates are valid")
     }
 
-    /// Acceleration of the joint, as inverse dynamics takes it.
+    /// Returns the acceleration of the joint in the form of inverse dynamics.
     pub fn joint_acceleration(&self, body: &Body) -> Twist {
         let state = self.state(body);
         let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
@@ -224,7 +224,7 @@ impl Coordinates {
 }
 
 impl Rig {
-    /// The same rig with these rotors in the drives of its joints, those that have one.
+    /// Adds rotors to the drives of the joints that have a drive.
     #[must_use]
     fn with_rotors(self, rotors: &[f32]) -> Self {
         let mut tree = Tree::new();
@@ -236,7 +236,7 @@ impl Rig {
         Self { tree, ..self }
     }
 
-    /// Positions, speeds and accelerations of all joints, one after the other: `q`, `qd` and `qdd`.
+    /// Returns positions, speeds and accelerations of all joints in order: `q`, `qd` and `qdd`.
     pub fn coordinates(&self) -> [Vec<f32>; 3] {
         let mut all = [vec![], vec![], vec![]];
         for (body, motion) in self.tree.bodies().iter().zip(&self.motions) {
@@ -248,7 +248,7 @@ impl Rig {
         all
     }
 
-    /// States of the joints.
+    /// Returns the states of the joints.
     pub fn states(&self) -> JointStates<CAPACITY> {
         let mut states = JointStates::rest(&self.tree);
         for (joint, (body, motion)) in self.tree.bodies().iter().zip(&self.motions).enumerate() {
@@ -257,14 +257,14 @@ impl Rig {
         states
     }
 
-    /// States of the bodies in the world.
+    /// Returns the states of the bodies in the world.
     pub fn world(&self) -> Vec<BodyState> {
         let mut world = vec![BodyState::WORLD; self.tree.len()];
         kinematics::body_states(self.tree.bodies(), self.states().as_slice(), &mut world);
         world
     }
 
-    /// The same figure, larger by a factor: states only, the tree stays.
+    /// Returns the states of a figure that is larger by a factor. The tree is unchanged.
     pub fn scaled_states(&self, factor: f32) -> JointStates<CAPACITY> {
         let mut states = self.states();
         for (joint, (state, body)) in
@@ -277,7 +277,7 @@ impl Rig {
         states
     }
 
-    /// Wrenches of the joints, by the core.
+    /// Returns the wrenches of the joints, computed by the core.
     pub fn wrenches(
         &self,
         joints: &[JointState],
@@ -300,8 +300,8 @@ impl Rig {
         out
     }
 
-    /// The mass matrix, column by column what a unit acceleration of a dof takes along all of them, at rest and
-    /// without gravity.
+    /// Returns the mass matrix. Each column has the efforts of all dofs for a unit acceleration of one dof, at rest
+    /// and without gravity.
     pub fn mass_matrix_by_torques(&self) -> Vec<Vec<f64>> {
         let (bodies, states) = (self.tree.bodies(), self.states());
         let still: Vec<_> =
@@ -322,7 +322,7 @@ impl Rig {
         dofs.iter().map(column).collect()
     }
 
-    /// Accelerations of the joints, as inverse dynamics takes them.
+    /// Returns the accelerations of the joints in the form of inverse dynamics.
     pub fn accelerations(&self) -> Vec<Twist> {
         let bodies = self.tree.bodies().iter();
         bodies.zip(&self.motions).map(|(body, motion)| motion.joint_acceleration(body)).collect()

@@ -11,20 +11,20 @@ use crate::rig::{Coordinates, Rig};
 /// A rig and states of its joints with their rounding.
 #[derive(Debug)]
 pub struct Rounded {
-    /// Its bodies.
+    /// Bodies of the rig.
     pub links: Vec<Link>,
-    /// Its joints.
+    /// States of the joints.
     pub joints: Vec<Joint>,
 }
 
 impl Rounded {
-    /// Of states as f32 has them.
+    /// Creates a rig with states that are exact in f32.
     pub fn of_states(bodies: &[Body], states: &[JointState]) -> Self {
         let links = bodies.iter().map(Link::known).collect();
         Self { links, joints: states.iter().map(Joint::known).collect() }
     }
 
-    /// Of coordinates: states are made of them with roundings, too.
+    /// Creates a rig from coordinates. The conversion to states also rounds.
     pub fn of_coordinates(rig: &Rig) -> Self {
         let bodies = rig.tree.bodies();
         let links: Vec<_> = bodies.iter().map(Link::known).collect();
@@ -36,7 +36,7 @@ impl Rounded {
         Self { links, joints }
     }
 
-    /// Wrenches of the joints that accelerate the coordinates of a rig as it is to move.
+    /// Returns the wrenches of the joints for the accelerations of the rig's motion.
     pub fn wrenches(&self, rig: &Rig, gravity_m_s2: Vec3) -> Vec<Motion> {
         let accelerations: Vec<_> = rig
             .motions
@@ -57,12 +57,12 @@ impl Rounded {
         rounding::inverse_dynamics(&self.links, &self.joints, &accelerations, gravity)
     }
 
-    /// States of the bodies in the world.
+    /// Returns the states of the bodies in the world.
     pub fn world(&self) -> Vec<State> {
         body_states(&self.links, &self.joints)
     }
 
-    /// Differences of states as bodies see them: the one of the list, or the world.
+    /// Returns the differences of states relative to reference bodies; `None` is the world.
     pub fn differences(
         desired: &[State],
         measured: &[State],
@@ -80,7 +80,7 @@ fn known(x: f32) -> Number {
     Number::known(f64::from(x))
 }
 
-/// Motion along the dofs of a joint.
+/// Returns the motion along the dofs of a joint.
 fn along(link: &Link, joint: &Joint, amounts: &[f32]) -> Motion {
     link.columns(joint).iter().zip(amounts).fold(Motion::ZERO, |sum, (column, amount)| Motion {
         angular: sum.angular + column.angular * known(*amount),
@@ -88,7 +88,7 @@ fn along(link: &Link, joint: &Joint, amounts: &[f32]) -> Motion {
     })
 }
 
-/// A joint at rest.
+/// Returns a joint at rest.
 fn placed(body: &Body, motion: &Coordinates, link: &Link) -> Joint {
     let turn = |axis: Vec3, angle: f32| Rotation::exp(Vector::known(axis) * known(angle));
     let [a, b] = motion.along;
@@ -109,7 +109,7 @@ fn placed(body: &Body, motion: &Coordinates, link: &Link) -> Joint {
     Joint { rotation: link.placement.after(in_joint), arm, velocity: Motion::ZERO }
 }
 
-/// Accelerations as f32 has them.
+/// Converts accelerations that are exact in f32.
 pub fn motions(twists: &[Twist]) -> Vec<Motion> {
     let motion = |twist: &Twist| Motion {
         angular: Vector::known(twist.angular),

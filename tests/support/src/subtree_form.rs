@@ -1,17 +1,17 @@
-//! The other way to the nearest pose: each body is turned alone, what hangs on it moves along as it is.
+//! Another algorithm for the nearest pose: each body is turned alone, and its subtree moves along rigidly.
 //!
-//! The root is first moved by the mean of all residuals. Then, from parents to children, a body's turn `d` in world
-//! axes solves `(w 1 + Σ n_c (|l_c|² 1 - l_c l_cᵀ)) d = -w θ + Σ l_c × s_c`, the sums over its children: `l_c` the
-//! child's offset, `n_c` the number of bodies from it outwards, `s_c` the sum of their residuals, `θ` what the body
-//! is turned by from its desired orientation, and `w` the weight of a squared turn in m².
+//! First the root moves by the mean of all residuals. Then, from parents to children, a body's turn `d` in world axes
+//! solves `(w 1 + Σ n_c (|l_c|² 1 - l_c l_cᵀ)) d = -w θ + Σ l_c × s_c`, with sums over its children: `l_c` is the
+//! child's offset, `n_c` the number of bodies from it outwards, `s_c` the sum of their residuals, `θ` the turn of the
+//! body from its desired orientation, and `w` the weight of a squared turn in m².
 
 use sinew_core::glam::{Mat3, Quat, Vec3};
 use sinew_core::{Transform, Tree, math};
 
-/// What is remembered of the last frame.
+/// State from the last frame.
 #[derive(Debug, Clone)]
 pub struct SubtreeForm {
-    /// Of each body in its desired axes.
+    /// Deviation of each body, in its desired axes.
     deviations: Vec<Quat>,
     root_shift_m: Vec3,
     rotation_weight_m2: f32,
@@ -19,7 +19,7 @@ pub struct SubtreeForm {
 }
 
 impl SubtreeForm {
-    /// Every position with a weight of 1.
+    /// Creates the algorithm for a tree. Every position has weight 1; `rotation_m` is the weight of rotations.
     pub fn new<const N: usize>(tree: &Tree<N>, rotation_m: f32) -> Self {
         Self {
             deviations: vec![Quat::IDENTITY; tree.len()],
@@ -29,7 +29,7 @@ impl SubtreeForm {
         }
     }
 
-    /// Poses of all joints in their parents' frames, of a tree of spherical joints with a free root.
+    /// Returns the poses of all joints in their parents' frames, for a tree of spherical joints with a free root.
     pub fn project<const N: usize>(
         &mut self,
         tree: &Tree<N>,
@@ -72,7 +72,7 @@ impl SubtreeForm {
                     let outer = Mat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
                     let square = Mat3::from_diagonal(Vec3::splat(arm.dot(arm)));
                     left += (square - outer) * self.counts[child];
-                    // The bodies farther in have already moved.
+                    // The bodies nearer to the root have already moved.
                     right += arm.cross(sums[child] - moved[index] * self.counts[child]);
                 }
                 let turn = math::exp(left.inverse() * right);

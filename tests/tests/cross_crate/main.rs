@@ -1,4 +1,5 @@
-//! Properties and golden numbers that hold across the crates. One program: the core's kernels are compiled for it once.
+//! Properties and golden numbers across the crates. They are one program so that the core's kernels are compiled for
+//! it once.
 
 mod limits;
 mod motion;

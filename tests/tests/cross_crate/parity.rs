@@ -1,10 +1,11 @@
-//! The same bits on every machine: all numbers of the built-in evaluation, with each method at both sizes.
+//! Checks for equal bits on every machine: all numbers of the built-in evaluation, with each method at both sizes.
 //!
-//! The evaluation writes down what its own tracker gets and computes; its runs are made again here and on each other
-//! machine, tick by tick as the boards make them. `cargo xtask test` and `cargo xtask parity` build the other
-//! machines' programs. Emulators are slow: the former gives that with an FPU a sixth of the runs, the latter all.
+//! The evaluation records the inputs and results of its own tracker. Its runs are repeated here and on each other
+//! machine, tick by tick as on boards. `cargo xtask test` and `cargo xtask parity` build the other machines'
+//! programs. Emulators are slow: the first command gives the emulator with an FPU a sixth of the runs, the second one
+//! all.
 //!
-//! And a show of the figure, performed by a stand-in for servos, and recorded shows of ten minutes, decoded.
+//! Other tests compare a show of the figure, played with simulated servos, and ten minutes of decoded shows.
 
 #[path = "../../../crates/show/examples/size/performance.rs"]
 mod performance;
@@ -30,25 +31,26 @@ const SCALES: [f64; 2] = [1.0, 1.1];
 /// Frames of the paper's evaluation.
 const PAPER_FRAMES: usize = 22_560;
 
-/// Emulated machines get one run in so many, unless [`ALL`] is set: of each figure and method that share of the clips,
-/// of each clip that share of figures and methods.
+/// Emulated machines get one run in this number, unless [`ALL`] is set: this share of the clips for each figure and
+/// method, and this share of figures and methods for each clip.
 const SHARE: usize = 6;
 
-/// The environment variable that gives all runs to all machines with an FPU, and that without twice as many.
+/// The environment variable that gives all runs to all machines with an FPU, and twice as many to the machine
+/// without.
 const ALL: &str = "SINEW_PARITY_ALL";
 
-/// Ticks a second at which recorded shows are decoded: not their samples, so that all of a span is come by.
+/// Tick rate at which recorded shows are decoded, Hz: not their sample rate, so that all phases of a span occur.
 const DECODE_HZ: u32 = 125;
 
-/// How long a show is performed, s, and its ticks; on emulated machines, one of which has no FPU.
+/// Duration of a played show, s, and its number of ticks; on emulated machines, one of which has no FPU, fewer.
 const PLAYED_S: f64 = 21.0;
 const TICKS: u32 = 2_100;
 const EMULATED_TICKS: u32 = 200;
 
-/// The most differences that are shown.
+/// Largest number of differences that are printed.
 const MESSAGES: usize = 12;
 
-/// A machine whose program is named by an environment variable; none if the variable is empty.
+/// Returns a machine whose program is named by an environment variable; `None` if the variable is empty.
 fn machine(name: &'static str, variable: &str, emulated: bool) -> Option<Machine> {
     let program = env::var_os(variable).unwrap_or_else(|| {
         panic!("{variable} is not set: run this test with `cargo xtask parity`")
@@ -56,7 +58,7 @@ fn machine(name: &'static str, variable: &str, emulated: bool) -> Option<Machine
     (!program.is_empty()).then(|| Machine { name, program: program.into(), emulated })
 }
 
-/// All machines but the slowest.
+/// Returns all machines except the slowest.
 fn machines() -> Vec<Machine> {
     let machines = [
         machine("this host, release", "SINEW_PARITY_RELEASE", false),
@@ -75,7 +77,7 @@ fn motions() -> Vec<FigureMotion> {
 #[ignore = "needs programs that `cargo xtask parity` builds"]
 fn every_machine_computes_the_same_bits() {
     let machines = machines();
-    // Slow: a clip for each method, at one of the two sizes in turns; with `ALL` one for each method and size.
+    // Slow: a clip for each method, alternating between the two sizes; with `ALL` a clip for each method and size.
     let soft_float = machine("Cortex-M4 without FPU", "SINEW_PARITY_M4", true);
     let soft_float = soft_float.as_slice();
 
@@ -143,8 +145,8 @@ fn every_machine_computes_the_same_bits() {
     );
 }
 
-/// The show of the image for QEMU's board, from its compact rig and its splines to torques. Emulated machines perform a
-/// part of it: `cargo xtask firmware mps2_an386` has a board perform all of it.
+/// The show of the image for QEMU's board, from its compact rig and its splines to torques. Emulated machines play a
+/// part of it; with `cargo xtask firmware mps2_an386` a board plays all of it.
 #[test]
 #[ignore = "needs programs that `cargo xtask parity` builds"]
 fn every_machine_plays_a_show_with_the_same_torques() {
@@ -159,8 +161,8 @@ fn every_machine_plays_a_show_with_the_same_torques() {
     });
 }
 
-/// 10 minutes of the 20 joint angles that move most in recorded fights, and in walks: bytes and largest error are those
-/// of the page, and every bit that each machine decodes is the same.
+/// 10 minutes of the 20 joint angles that move most in recorded fights, and in walks: bytes and largest error equal
+/// those of the page, and every bit that a machine decodes is the same.
 #[test]
 #[ignore = "needs SINEW_DATA, and programs that `cargo xtask parity` builds"]
 fn recorded_shows_are_decoded_to_the_same_bits() {
@@ -210,7 +212,7 @@ fn a_flipped_bit_is_found_and_named() {
     assert_eq!(Difference::first([&here, &run.here()]), None);
 
     let body = BODIES.iter().position(|body| body.name == "forearm_l").unwrap();
-    // The torques are the last of a tick: six numbers a body.
+    // The torques are the last numbers of a tick: six numbers per body.
     let tick = here.len() / run.ticks();
     let forward = 8 * tick - (BODIES.len() - body) * 6 * 4 + 5 * 4;
     let mut there = here.clone();
@@ -227,7 +229,7 @@ fn a_flipped_bit_is_found_and_named() {
         )
     );
 
-    // Of two, the one that is computed first.
+    // With two differences, the one that is computed first is reported.
     there[7 * tick] ^= 0x80;
     let difference = Difference::first([&here, &there]).unwrap();
     assert_eq!(
@@ -249,7 +251,7 @@ fn the_emulated_board_is_the_host() {
     let mut qemu = Command::new("qemu-system-arm");
     qemu.args(["-machine", "mps2-an386", "-nographic"]);
     qemu.args(["-semihosting-config", "enable=on,target=native", "-kernel"]).arg(image);
-    // The board counts instructions, too.
+    // The board also prints instruction counts.
     let is_count = |word: &&str| word.starts_with("tick=") || word.starts_with("worst=");
     let torques = |line: &String| {
         line.split(' ').filter(|word| !is_count(word)).collect::<Vec<_>>().join(" ")

@@ -1,4 +1,4 @@
-//! Shows of clips on rigs: the node of boards, as an Arm image in QEMU, says on the wire what the controller says in
+//! Shows of clips on rigs: the node of boards, as an Arm image in QEMU, sends the same bytes as the controller in
 //! process.
 
 use std::cell::RefCell;
@@ -30,7 +30,7 @@ struct Case {
     show: Vec<u8>,
 }
 
-/// A play: its table, and when each state began, in ticks.
+/// Result of a play: its table, and the tick at which each state began.
 #[derive(Debug, PartialEq)]
 struct Played {
     table: String,
@@ -62,7 +62,7 @@ impl Case {
         Self { rig, mechanism, parts, show: baked.written.bytes }
     }
 
-    /// Plays to the end. `peer`: what drives the servos beside the controller in process.
+    /// Plays to the end. `peer`: the controller that drives the servos beside the one in process.
     fn play(&self, peer: Option<&Rc<RefCell<QemuController>>>) -> Played {
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
@@ -89,8 +89,8 @@ impl Case {
         Played { table: tally.table(&sim, director.raised()), states }
     }
 
-    /// Plays in process, then in QEMU: the same table, hash and states. Returns the hash, and how many ticks and
-    /// packets were compared.
+    /// Plays in process, then in QEMU: table, hash and states must be equal. Returns the hash, and the numbers of
+    /// compared ticks and packets.
     fn is_same_in_qemu(&self) -> (String, [u64; 2]) {
         let image: PathBuf = std::env::var_os(IMAGE)
             .unwrap_or_else(|| panic!("{IMAGE}: `cargo xtask node` sets it"))
@@ -126,9 +126,9 @@ fn an_arm_says_in_qemu_what_it_says_in_process() {
     }
 }
 
-/// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, whole, and rows
-/// of docs/boards.md are printed. Else, since emulators are slow, each robot and clip once, for some seconds: more than
-/// the 4 s of a show's block.
+/// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, the whole clips are
+/// played, and rows of docs/boards.md are printed. Otherwise, since emulators are slow, each robot and clip is played
+/// once, for some seconds: longer than the 4 s of a show's block.
 #[test]
 #[ignore = "needs SINEW_DATA, and the image that `cargo xtask node` builds"]
 fn robots_say_in_qemu_what_they_say_in_process() {
@@ -139,7 +139,7 @@ fn robots_say_in_qemu_what_they_say_in_process() {
         for joint in rig.joints.iter_mut().filter(|joint| Some(joint.name.as_str()) == turned) {
             joint.axis = joint.axis.map(|axis| axis.map(|x| 0.0 - x));
         }
-        // As a user has it: in a file.
+        // Through a file, as a user would have it.
         let mut rig = toml_file::read(&toml_file::write(&rig)).unwrap();
         put_servos(&mut rig, &[servo.parse().unwrap()]).unwrap();
         rig

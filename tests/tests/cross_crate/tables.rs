@@ -1,5 +1,5 @@
-//! The paper's tables from the built-in clips, as a committed snapshot: a change of behaviour shows in review as a
-//! change of figures. `cargo insta review`, or `INSTA_UPDATE=always` with this test, accepts one.
+//! The paper's tables from the built-in clips, as a committed snapshot: a change of behaviour is visible in review as
+//! a change of numbers. `cargo insta review`, or this test with `INSTA_UPDATE=always`, accepts a change.
 
 use sinew_evaluation::{Protocol, evaluate, report};
 use sinew_figure::builtin;

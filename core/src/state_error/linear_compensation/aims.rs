@@ -1,4 +1,4 @@
-//! What the bodies of a tree aim at.
+//! Aims of the bodies of a tree.
 
 use core::fmt;
 
@@ -9,7 +9,7 @@ use crate::body_set::BodySet;
 use crate::fixed;
 use crate::tree::Tree;
 
-/// What a body aims at.
+/// The aim of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -17,20 +17,20 @@ use crate::tree::Tree;
     serde(rename_all = "snake_case")
 )]
 pub enum Aim {
-    /// Nothing: a leaf. World Space Error.
+    /// Nothing: a leaf, with World Space Error.
     #[default]
     None,
-    /// The origin of this child, where the desired figure has it.
+    /// The origin of this child in the desired figure.
     Child(usize),
-    /// The origins of these children, all at once: the turn that makes the sum of their squared distances
-    /// from where the desired figure has them least.
+    /// The origins of these children together: the rotation minimises the sum of their squared distances from their
+    /// positions in the desired figure.
     Children(BodySet),
     /// A point fixed in the body, in body axes of the desired figure, m: (0, 0, d) in the paper.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     Point(Vec3),
 }
 
-/// Aims of all bodies, validated once.
+/// The validated aims of all bodies.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Aims<const N: usize> {
@@ -38,11 +38,11 @@ pub struct Aims<const N: usize> {
 }
 
 impl<const N: usize> Aims<N> {
-    /// Aims by body. O(n).
+    /// Validates aims, one per body. O(n).
     ///
     /// # Errors
-    /// [`AimsError`] if there is not one for each body, one aims at what is not its child, or a point is
-    /// not finite.
+    /// [`AimsError`] if the number of aims is not the number of bodies, an aim is not a child of its body, or a point
+    /// is not finite.
     pub fn new(tree: &Tree<N>, aims: &[Aim]) -> Result<Self, AimsError> {
         if aims.len() != tree.len() {
             return Err(AimsError::Count { expected: tree.len(), found: aims.len() });
@@ -67,10 +67,10 @@ impl<const N: usize> Aims<N> {
         Ok(Self { aims: fixed::collect(aims.iter().copied()) })
     }
 
-    /// Every body aims at the child with the heaviest subtree (without masses: with most bodies), the
-    /// lowest index among equals. O(n · depth).
+    /// Aims every body at the child with the heaviest subtree (without masses: with most bodies); among equals, at
+    /// the lowest index. O(n · depth).
     ///
-    /// One child, not their mean: the mean of two hips and a spine is close to zero.
+    /// A single child, not the children's mean: the mean of two hips and a spine is close to zero.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};
@@ -95,7 +95,7 @@ impl<const N: usize> Aims<N> {
                 .sum();
             (mass, subtree.len())
         };
-        // Where all masses are zero, most bodies decide; a tie of masses goes to the lower index.
+        // If all masses are zero, the number of bodies decides. Equal masses select the lower index.
         let massless = weight(0).0 <= 0.0;
         let heavier = |a: (f32, usize), b: (f32, usize)| {
             if massless { a.1 > b.1 } else { a.0 > b.0 }
@@ -113,9 +113,9 @@ impl<const N: usize> Aims<N> {
         Self { aims: fixed::collect((0..tree.len()).map(aim)) }
     }
 
-    /// Every body aims at all its children, by least squares.
+    /// Aims every body at all its children, by least squares.
     ///
-    /// What has one child aims at that one, just as with [`Self::heaviest_child`]. O(n).
+    /// A body with a single child aims at this child, like [`Self::heaviest_child`]. O(n).
     ///
     /// ```
     /// use sinew_core::{Body, BodySet, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};
@@ -146,34 +146,34 @@ impl<const N: usize> Aims<N> {
         Self { aims: fixed::collect((0..tree.len()).map(aim)) }
     }
 
-    /// The aims by body.
+    /// Returns the aims by body.
     pub fn as_slice(&self) -> &[Aim] {
         &self.aims
     }
 }
 
-/// Why aims were refused.
+/// An error in aims.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum AimsError {
-    /// There must be one for each body.
+    /// The number of aims is not the number of bodies.
     Count {
         /// Number of bodies.
         expected: usize,
         /// Number of aims.
         found: usize,
     },
-    /// A body aims at one that is not its child.
+    /// A body aims at a body that is not its child.
     NotAChild {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// What it aims at.
+        /// Index of the body it aims at.
         child: usize,
     },
     /// A point has a NaN or infinite component.
     NonFinite {
-        /// The body.
+        /// Index of the body.
         body: usize,
     },
 }

@@ -1,11 +1,11 @@
-//! Settings of Linear Compensation, what becomes of aims, and the error with a compensating rotation.
+//! Settings of Linear Compensation, the treatment of aims, and the error with a compensating rotation.
 
 use glam::{Quat, Vec3};
 
 use crate::state::BodyState;
 use crate::state_error::StateError;
 
-/// How strongly, and with which rate term, Linear Compensation acts.
+/// Strength and rate term of Linear Compensation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -14,21 +14,21 @@ use crate::state_error::StateError;
     serde(deny_unknown_fields)
 )]
 pub struct Compensation {
-    /// β of eq. (9): 0 is World Space Error exactly, 1 the paper's method.
+    /// Weight β of eq. (9): 0 is exactly World Space Error, 1 the paper's method.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::read::finite"))]
     pub beta: f32,
-    /// The derivative of the compensating rotation.
+    /// Rate of the compensating rotation.
     pub rate_term: RateTerm,
 }
 
 impl Default for Compensation {
-    /// β = 1 with the corrected rate.
+    /// Returns β = 1 with the corrected rate.
     fn default() -> Self {
         Self { beta: 1.0, rate_term: RateTerm::default() }
     }
 }
 
-/// The extra term of the angular rate in eq. (10).
+/// The additional term of the angular rate in eq. (10).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -37,15 +37,14 @@ impl Default for Compensation {
     serde(rename_all = "snake_case")
 )]
 pub enum RateTerm {
-    /// `β (z - p_d) × ė_lin / d²`: the rate of the rotation that is really applied, to first order in
-    /// the linear error. For several children `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)` with
-    /// their arms `aₖ`.
+    /// `β (z - p_d) × ė_lin / d²`: the rate of the rotation that is actually applied, to first order in the linear
+    /// error. For several children with arms `aₖ`: `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)`.
     #[default]
     Corrected,
-    /// `β ė_lin × (z - p_d) / d²`: the sign as the paper prints it, which fits rotations of the other
-    /// sense (for several children likewise). For comparison.
+    /// `β ė_lin × (z - p_d) / d²`: the sign as printed in the paper, which fits rotations in the opposite sense (the
+    /// same applies to several children). For comparison.
     AsPrinted,
-    /// No extra term.
+    /// No additional term.
     None,
 }
 
@@ -59,33 +58,32 @@ pub enum RateTerm {
 )]
 #[non_exhaustive]
 pub enum AimStatus {
-    /// A leaf: World Space Error.
+    /// The body is a leaf: World Space Error is used.
     #[default]
     Leaf,
-    /// Compensated.
+    /// A body with a compensating rotation.
     Compensated,
-    /// The child lies in the desired direction already, several children are as near as they can be: no
-    /// rotation, but its rate.
+    /// The child is already in the desired direction, or several children are as near as possible: no rotation, but
+    /// its rate.
     Parallel,
-    /// The measured origin is beyond the goal: the shortest rotation is half a turn about no particular
-    /// axis (for several children: no one rotation is the best), and a figure must not jump: World Space
-    /// Error.
+    /// The measured origin is beyond the goal: the shortest rotation is a half turn about an undefined axis (for
+    /// several children: no rotation is the single best). A figure must not jump, so World Space Error is used.
     Antiparallel,
-    /// The measured origin is at the goal, no direction leads there: World Space Error.
+    /// The measured origin is at the goal, which gives no direction: World Space Error.
     Coincident,
-    /// The child sits (all children sit) almost at the body's origin, the direction is noise: World Space
+    /// The child (or every child) is almost at the body's origin, and the direction would be noise: World Space
     /// Error.
     ZeroAim,
-    /// The goal is so far away that f32 does not have what is computed of the distance (its square; for several
-    /// children the fourth power), or no number: World Space Error.
+    /// The goal is not finite, or too distant for f32 (the square of the distance overflows; for several children the
+    /// fourth power): World Space Error.
     NotFinite,
 }
 
-/// World error with the desired orientation turned by `turn`, and the rate of that turn, both weighted
-/// with β: eq. (9) and (10).
+/// Returns the world error with the desired orientation rotated by `turn`, and the rate of that rotation, both
+/// already weighted with β: eq. (9) and (10).
 #[expect(
     clippy::inline_always,
-    reason = "as a call it costs 60 instructions a body, that go through memory"
+    reason = "a call would cost 60 more instructions per body, to pass values through memory"
 )]
 #[inline(always)]
 pub(super) fn with_turn(

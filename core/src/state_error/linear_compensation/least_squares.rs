@@ -1,4 +1,4 @@
-//! The turn that takes several points of a body as near to their goals as they can be together.
+//! The rotation that brings several points of a body as near to their goals as possible.
 
 use glam::{Mat3, Quat, Vec3};
 
@@ -9,32 +9,32 @@ use crate::matrix::outer;
 use crate::state::BodyState;
 use crate::state_error::StateError;
 
-/// Points less wide apart than this share of their squared distances, as seen from the body's origin, are
-/// on one line: 0.6 degrees between two children of the same distance. The turn about that line would be a
-/// large answer to a difference that hardly counts.
+/// Minimum spread of points, as a share of their squared distances from the body's origin. Narrower points count as
+/// collinear: 0.6 degrees between two children of the same distance. A rotation about their line would be a large
+/// response to a negligible difference.
 const NARROWEST: f32 = 1e-4;
 
-/// Two or three steps do for figures that are close, seven was the most in 10,000 random cases of any size:
-/// the steps double the digits, and the best angle about each axis brings them near.
+/// Maximum number of Newton steps. Figures that are close need two or three; 10,000 random cases of any size needed
+/// at most seven. The steps double the digits, and the best angle about each axis brings them near.
 const MOST_STEPS: usize = 12;
 
-/// In units of the largest curvature there can be.
+/// Shifts of the curvature matrix, in units of the largest possible curvature.
 const LIFTS: [f32; 5] = [0.01, 0.04, 0.16, 0.64, 2.56];
 
-/// After a step as small as this the next one would be below f32 rounding.
+/// Last step, rad: after a step this small, the next step would be below f32 rounding.
 const LAST_STEP_RAD: f32 = 1e-5;
 
-/// Linear Compensation Error of one body that aims at several children, in world axes. `goal_arms_m` are
-/// the `z_k - p_d`, from the desired origin to the goals, in world axes.
+/// Returns the Linear Compensation Error of a body that aims at several children, in world axes. `goal_arms_m`: the
+/// `z_k - p_d`, from the desired origin to the goals, in world axes.
 ///
-/// The turn Φ makes `Σ |p_m + Φ a_k - z_k|²` least (Wahba, "A Least Squares Estimate of Satellite
-/// Attitude", 1965), `a_k` the arms. For one child that is [`compensate`](super::compensate) but for a turn about the
-/// arm, so there, and where all children are on one line with the origin, it is that function that answers.
+/// The rotation Φ minimises `Σ |p_m + Φ a_k - z_k|²` (Wahba, "A Least Squares Estimate of Satellite Attitude", 1965),
+/// with the arms `a_k`. For a single child, or if all children are on a line through the origin, the result is that
+/// of [`compensate`](super::compensate), which leaves out the undefined rotation about the line.
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
 /// use sinew_core::state_error::{AimStatus, Compensation, compensate_all};
-/// // Two hips below a pelvis that hangs 0.05 m too low: no turn brings both of them nearer.
+/// // Two hips below a pelvis that is 0.05 m too low: no rotation brings both of them nearer.
 /// let desired = BodyState { pose: Transform::from_translation(Vec3::Y * 0.05), ..BodyState::WORLD };
 /// let hips = [Vec3::new(0.1, -0.1, 0.0), Vec3::new(-0.1, -0.1, 0.0)];
 /// let settings = Compensation::default();
@@ -55,17 +55,17 @@ pub fn compensate_all(
     }
 }
 
-/// How the arms to a body's children lie.
+/// The arrangement of the arms to a body's children.
 pub(super) enum Arms {
-    /// There are none, or so that no turn brings the children nearer.
+    /// No arms, or arms for which no rotation brings the children nearer.
     Without(AimStatus),
-    /// On one line through the origin: only a turn across it counts, and it is that of this one arm.
+    /// Arms on a line through the origin: only a rotation across the line matters, as for this single arm.
     Line(Vec3),
-    /// In a plane or in space.
+    /// Arms in a plane or in space.
     Spread(Spread),
 }
 
-/// All that the best turn depends on.
+/// The sums that determine the best rotation.
 pub(super) struct Spread {
     /// `Σ a`, m.
     sum: Vec3,
@@ -90,14 +90,14 @@ impl Arms {
         let squares = trace(second_moment);
         let shortest = SHORTEST_AIM_M * SHORTEST_AIM_M;
         if squares < shortest {
-            // All of them: what has no length has no direction.
+            // The sum covers all arms: an arm without length has no direction.
             return Self::Without(AimStatus::ZeroAim);
         }
         if !(squares * squares).is_finite() {
             return Self::Without(AimStatus::NotFinite);
         }
-        // The second eigenvalue, if it is small: the second elementary symmetric function of the three over
-        // the first.
+        // The second eigenvalue, if it is small: the second elementary symmetric function of the eigenvalues divided
+        // by the first.
         let m = second_moment;
         let across = (minor(m.x_axis.x, m.y_axis.y, m.x_axis.y)
             + minor(m.x_axis.x, m.z_axis.z, m.x_axis.z)
@@ -106,13 +106,13 @@ impl Arms {
         if across >= shortest.max(NARROWEST * squares) {
             return Self::Spread(Spread { sum, second_moment });
         }
-        // Every column of the moment of a line has its direction; the longest has it best.
+        // Every column of a line's moment has its direction; the longest column is the most accurate.
         let longer = |a: Vec3, b: Vec3| if b.dot(b) > a.dot(a) { b } else { a };
         let along = longer(longer(m.x_axis, m.y_axis), m.z_axis);
         let direction = along / math::length(along);
         let lever = sum.dot(direction);
         if lever * lever < SMALLEST_SINE * SMALLEST_SINE * squares {
-            // Evenly to both sides of the origin.
+            // The arms balance about the origin.
             return Self::Without(AimStatus::Parallel);
         }
         Self::Line(direction * (squares / lever))
@@ -120,7 +120,7 @@ impl Arms {
 }
 
 impl Spread {
-    /// The error of a body with such arms to its children, in world axes.
+    /// Returns the error of a body with these arms to its children, in world axes.
     pub(super) fn compensate(
         &self,
         settings: Compensation,
@@ -140,19 +140,19 @@ impl Spread {
         (with_turn(turn, rate, settings.rate_term, desired, measured), status)
     }
 
-    /// The largest curvature that there can be, m².
+    /// Returns the largest possible curvature, m².
     fn scale(&self, shift: Vec3) -> f32 {
         trace(self.second_moment) + math::length(shift) * math::length(self.sum)
     }
 
-    /// The rotation Φ that makes `Σ |Φ a - (a + e)|²` least, `e` the desired less the measured origin; the
-    /// identity if nothing is better, or why there is none: no way to better ones is the best, or f32 does not have
-    /// the curvature's square.
+    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin.
+    /// The result is the identity if no rotation is better. Errors: several rotations are equally good, or the square
+    /// of the curvature overflows f32.
     ///
-    /// It makes `tr(Φᵀ B)` largest, `B = Σ (a + e) aᵀ`. About a unit axis n through angle θ that grows by
+    /// Φ maximises `tr(Φᵀ B)`, `B = Σ (a + e) aᵀ`. A rotation about a unit axis n through an angle θ increases it by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature
-    /// `H = tr(B Φᵀ) 1 - sym(B Φᵀ)`: so each step takes the axis that Newton's method gives, and the very
-    /// best angle about it. It never goes down, and has no second maximum to end at.
+    /// `H = tr(B Φᵀ) 1 - sym(B Φᵀ)`. Each step therefore takes the axis of Newton's method, and the exactly best
+    /// angle about it. The value never decreases, and there is no second maximum to end at.
     fn best_turn(&self, shift: Vec3) -> Result<Quat, AimStatus> {
         let scale = self.scale(shift);
         if !(scale * scale).is_finite() {
@@ -171,11 +171,11 @@ impl Spread {
                 Mat3::from_diagonal(Vec3::splat(trace(now))) - (now + now.transpose()) * 0.5;
             let newton = solve(curvature, SMALLEST_SINE * scale, slope);
             if math::length(slope) <= SMALLEST_SINE * scale {
-                // At a saddle more than one way leads up, and none of them is better than the others.
+                // At a saddle, several directions lead up, and none is better than the others.
                 return newton.map(|_| turn).ok_or(AimStatus::Antiparallel);
             }
-            // Far from the best rotation the curvature has to be lifted for a direction that leads up: by
-            // little more than needed, or the steps get short. The last is enough for any.
+            // Far from the best rotation, the curvature must be shifted for a direction that leads up: by little more
+            // than necessary, or the steps become short. The last shift suffices for any case.
             let lifted = || {
                 LIFTS.iter().find_map(|lift| {
                     let lift = Mat3::from_diagonal(Vec3::splat(lift * scale));
@@ -193,8 +193,8 @@ impl Spread {
         Ok(turn)
     }
 
-    /// Rate of the best turn where the linear error is small: `M φ = Σ a × e` there, with the curvature
-    /// `M = Σ (|a|² 1 - a aᵀ)` at no turn.
+    /// Returns the rate of the best rotation for a small linear error: there `M φ = Σ a × e`, with the curvature
+    /// `M = Σ (|a|² 1 - a aᵀ)` at the identity.
     fn turn_rate(&self, shift_rate: Vec3) -> Vec3 {
         let squares = trace(self.second_moment);
         let curvature = Mat3::from_diagonal(Vec3::splat(squares)) - self.second_moment;
@@ -206,12 +206,12 @@ fn trace(m: Mat3) -> f32 {
     m.x_axis.x + m.y_axis.y + m.z_axis.z
 }
 
-/// Of the symmetric matrix with the diagonal `a`, `b`.
+/// Returns the determinant of the symmetric matrix with the diagonal `a`, `b`.
 fn minor(a: f32, b: f32, off: f32) -> f32 {
     a * b - off * off
 }
 
-/// Solves `m x = b` for a symmetric matrix by its factors L D Lᵀ; none if a pivot is not above `floor`.
+/// Solves `m x = b` for a symmetric matrix by its factors L D Lᵀ. Returns `None` if a pivot is not above `floor`.
 fn solve(m: Mat3, floor: f32, b: Vec3) -> Option<Vec3> {
     let (xx, xy, xz) = (m.x_axis.x, m.x_axis.y, m.x_axis.z);
     let (yy, yz, zz) = (m.y_axis.y, m.y_axis.z, m.z_axis.z);

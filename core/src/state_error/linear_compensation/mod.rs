@@ -16,9 +16,9 @@ use crate::state::BodyState;
 use least_squares::Arms;
 use one_goal::toward;
 
-/// Linear Compensation Error of each body in world axes: eq. (6)-(10) of Notman et al. (2011). O(n).
+/// Computes the Linear Compensation Error of each body in world axes: eq. (6)-(10) of Notman et al. (2011). O(n).
 ///
-/// `status` tells what became of each body's aim.
+/// `status` receives the treatment of each body's aim.
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
@@ -34,7 +34,7 @@ use one_goal::toward;
 /// let aims = [Aim::Child(1), Aim::None];
 /// let settings = Compensation::default();
 /// linear_compensation(&aims, settings, &desired, &measured, &mut errors, &mut status);
-/// // The thigh turns inwards, so that the knee comes nearer to where it should be.
+/// // The thigh rotates inwards, which brings the knee nearer to its desired position.
 /// assert_eq!(status, [AimStatus::Compensated, AimStatus::Leaf]);
 /// assert!((errors[0].angular_rad.z + (0.1f32 / 0.4).atan()).abs() < 1e-6);
 /// assert_eq!(errors[1].angular_rad, Vec3::ZERO);
@@ -54,7 +54,7 @@ pub fn linear_compensation(
     }
 }
 
-/// Linear Compensation Error of one body, in world axes.
+/// Returns the Linear Compensation Error of a body, in world axes.
 #[inline]
 pub(crate) fn aimed(
     aim: &Aim,
@@ -63,8 +63,8 @@ pub(crate) fn aimed(
     of_desired: &BodyState,
     of_measured: &BodyState,
 ) -> (StateError, AimStatus) {
-    // z - p_d of eq. (6): the goal is where the *desired* figure has the child. Only then is the child's own linear
-    // error what is minimised, whatever the model's dimensions.
+    // z - p_d of eq. (6): the goal is the child's position in the *desired* figure. Only then does the method
+    // minimise the child's own linear error, for any dimensions of the model.
     let arm_to = |child: usize| {
         let child = desired.get(child)?;
         Some(child.pose.translation_m - of_desired.pose.translation_m)
@@ -73,7 +73,7 @@ pub(crate) fn aimed(
         Aim::None => Err(AimStatus::Leaf),
         Aim::Child(child) => arm_to(child).ok_or(AimStatus::Leaf),
         Aim::Point(point) => Ok(math::rotate(of_desired.pose.rotation, point)),
-        // One place for a single goal, whatever it is of: images hold what is in line once.
+        // All single goals meet in one call below, because an image then contains the inlined code only once.
         Aim::Children(children) => match Arms::new(children.iter().filter_map(arm_to)) {
             Arms::Without(status) => Err(status),
             Arms::Line(arm) => Ok(arm),

@@ -1,4 +1,4 @@
-//! The turn that takes one point of a body to its goal, or as near as it can be.
+//! The rotation that brings a point of a body to its goal, or as near as possible.
 
 use glam::{Quat, Vec3};
 
@@ -7,24 +7,24 @@ use crate::math;
 use crate::state::BodyState;
 use crate::state_error::StateError;
 
-/// Below this length an aim, or the way to the goal, has no direction in f32: positions of a few metres
-/// carry some 5e-7 m of rounding, so a direction over 1 mm is good to 1e-3 rad at best.
+/// Minimum length of an aim, or of the vector to the goal, m. Positions of a few metres have about 5e-7 m of f32
+/// rounding, so a direction over 1 mm is accurate to 1e-3 rad at best.
 pub(super) const SHORTEST_AIM_M: f32 = 1e-3;
 
-/// Below this sine two directions are parallel to f32 rounding, and the axis between them is noise.
+/// Minimum sine between two directions. Below it they are parallel within f32 rounding, and the axis between them is
+/// noise.
 pub(super) const SMALLEST_SINE: f32 = 1e-6;
 
-/// Linear Compensation Error of one body, in world axes. `goal_arm_m` is `z - p_d`, from the desired
-/// origin to the goal of the aimed child, in world axes; `None` for a leaf.
+/// Returns the Linear Compensation Error of a body, in world axes. `goal_arm_m` is `z - p_d`, from the desired origin
+/// to the goal of the aimed child, in world axes; `None` for a leaf.
 ///
-/// Three points where the paper's printed form does not do what its text wants are put right: the angle
-/// is taken by atan2, the rotation turns *towards* the goal, and the rate has the sign of that rotation
-/// ([`RateTerm`](super::RateTerm)).
+/// Three points in which the paper's printed form contradicts its text are corrected: the angle is computed by atan2,
+/// the rotation turns *towards* the goal, and the rate has the sign of that rotation ([`RateTerm`](super::RateTerm)).
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3};
 /// use sinew_core::state_error::{AimStatus, Compensation, compensate};
-/// // The measured body hangs 0.1 m beside the desired one: to reach the goal 0.3 m below, it must turn.
+/// // The measured body is 0.1 m beside the desired one. It must rotate to reach the goal 0.3 m below.
 /// let desired = BodyState::WORLD;
 /// let measured = BodyState { pose: Transform::from_translation(Vec3::X * 0.1), ..BodyState::WORLD };
 /// let goal_arm = Some(Vec3::new(0.0, -0.3, 0.0));
@@ -42,7 +42,7 @@ pub fn compensate(
     toward(goal_arm_m.ok_or(AimStatus::Leaf), settings, desired, measured)
 }
 
-/// [`compensate`] of a body that has a goal, or of one that has none for a reason.
+/// Returns the error like [`compensate`], or the status that explains why there is no goal.
 #[inline]
 pub(super) fn toward(
     goal_arm_m: Result<Vec3, AimStatus>,
@@ -64,34 +64,39 @@ pub(super) fn toward(
     }
 }
 
-/// The turn that brings what is `arm` from where the body should be to its goal, its origin being `linear_m` from
-/// there; or why there is none.
+/// Returns the rotation that brings the end of `arm` to its goal, or the status that explains why there is none.
+/// `arm`: from the desired origin to the goal. `linear_m`: desired minus measured origin.
 #[inline]
 fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus), AimStatus> {
-    // Lengths stay squares as far as they can: r_d of eq. (7) and r_m of (8) are `arm` and `way` over theirs.
+    // Lengths stay squared as long as possible: r_d of eq. (7) and r_m of (8) are `arm` and `way` divided by their
+    // lengths.
     let arm_squared = arm.dot(arm);
     if arm_squared < SHORTEST_AIM_M * SHORTEST_AIM_M {
         return Err(AimStatus::ZeroAim);
     }
-    // z - p_m; the difference of the origins first, so that its rounding does not grow with the distance
-    // from the world's origin, and a figure without error is not turned.
+    // z - p_m. The difference of the origins is computed first: its rounding then does not grow with the distance
+    // from the world's origin, and a figure without error is not rotated.
     let way = linear_m + arm;
     let way_squared = way.dot(way);
     if way_squared < SHORTEST_AIM_M * SHORTEST_AIM_M {
         return Err(AimStatus::Coincident);
     }
     let lengths_squared = arm_squared * way_squared;
-    // Four times that is what the turn below takes the root of.
+    // The rotation below takes the root of four times this product.
     if !(4.0 * lengths_squared).is_finite() {
         return Err(AimStatus::NotFinite);
     }
-    // Sine and cosine, times both lengths.
+    // Sine and cosine, each times both lengths.
     let axis = arm.cross(way);
     let (sine_squared, cosine) = (axis.dot(axis), arm.dot(way));
     if sine_squared >= SMALLEST_SINE * SMALLEST_SINE * lengths_squared {
-        #[expect(clippy::float_cmp, reason = "as it was set: next to 1 the other way is right too")]
+        #[expect(
+            clippy::float_cmp,
+            reason = "a setting is compared; for values near 1 the other branch is right, too"
+        )]
         let turn = if beta == 1.0 && cosine > 0.0 {
-            // The paper's whole turn takes no arctangent: half-way between no turn and twice the turn.
+            // The paper's full rotation (β = 1) needs no arctangent: it is halfway between the identity and twice the
+            // rotation.
             let lengths = math::sqrt(lengths_squared);
             let w = lengths + cosine;
             let share = 1.0 / math::sqrt(2.0 * lengths * w);

@@ -1,4 +1,4 @@
-//! An axis of a joint: where it may go, and how fast.
+//! An axis of a joint: its range, speed and acceleration.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
@@ -7,18 +7,18 @@ use sinew_rig::mechanism::{JointModel, Link};
 
 use super::error::ExerciseError;
 
-/// Slower than any servo: the speed of an axis that has no limit, rad/s and m/s.
+/// Speeds of an axis without a speed limit, rad/s and m/s. They are lower than those of any servo.
 pub(super) const SPEED: [f64; 2] = [2.0, 0.5];
-/// The acceleration of an axis that has no limit, rad/s² and m/s².
+/// Accelerations of an axis without an acceleration limit, rad/s² and m/s².
 pub(super) const ACCELERATION: [f64; 2] = [20.0, 5.0];
-/// How far an axis without range goes to both sides of its home, rad and m.
+/// Maximum distance of an axis without a range from its home, to each side, rad and m.
 const REACH: [f64; 2] = [FRAC_PI_2, 0.1];
-/// How far a ball joint without range goes, rad.
+/// Range of a ball joint without a range, rad.
 const BALL_RAD: f64 = FRAC_PI_3;
-/// Share of a range that is kept free at both ends.
+/// Share of a range that is left unused at each end.
 const MARGIN: f64 = 0.05;
 
-/// An axis of a joint: where it may go, and how fast.
+/// An axis of a joint: its range, speed and acceleration.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
     pub(super) home: f64,
@@ -29,7 +29,7 @@ pub(super) struct Axis {
 }
 
 impl Axis {
-    /// The axes of a joint.
+    /// Returns the axes of a joint.
     pub(super) fn of_joint(link: &Link) -> Result<Vec<Self>, ExerciseError> {
         let expected = link.joint.kind().coordinate_count();
         if link.home.len() != expected || !link.home.iter().all(|at| at.is_finite()) {
@@ -53,7 +53,8 @@ impl Axis {
             JointModel::Fixed | JointModel::Free => Vec::new(),
             JointModel::Spherical => {
                 let most = link.ranges.first().map_or(BALL_RAD, |range| range[1].min(BALL_RAD));
-                // The corners of the cube that they go through are within the range; so is their speed together.
+                // The three components span a cube whose corners are within the range. Their combined speed is
+                // within the limit too.
                 let most = most / f64::sqrt(3.0);
                 let &[x, y, z, w] = link.home.as_slice() else { return Ok(Vec::new()) };
                 let q = DQuat::from_xyzw(x, y, z, w).normalize();
@@ -73,7 +74,7 @@ impl Axis {
                         .get(index)
                         .copied()
                         .unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-                    // Where there is no limit, as far as from home.
+                    // A missing limit is replaced by the reach from home.
                     let least = if least.is_finite() { least } else { home.min(most) - reach };
                     let most = if most.is_finite() { most } else { home.max(least) + reach };
                     [least, most]
@@ -84,18 +85,18 @@ impl Axis {
         })
     }
 
-    /// The same within two ends, or still at home if there is nothing between them.
+    /// Returns the axis narrowed to two ends. If nothing remains between them, the axis stays at home.
     pub(super) fn within(self, least: f64, most: f64) -> Self {
         let (least, most) =
             (self.least.max(least).min(self.home), self.most.min(most).max(self.home));
         Self { least, most, ..self }
     }
 
-    /// Time from one place to another at a share of what the axis can, s.
+    /// Returns the time for a distance at a share of the axis's maximum speed and acceleration, s.
     pub(super) fn duration_s(&self, way: f64, share: f64) -> f64 {
-        // The largest speed and acceleration of minimum jerk over a way of 1 in 1 s.
+        // Maximum speed of minimum jerk over a distance of 1 in 1 s.
         const SPEED: f64 = 1.875;
-        // 10 / √3.
+        // Maximum acceleration of that motion: 10 / √3.
         const ACCELERATION: f64 = 5.773_502_691_896_258;
         let way = way.abs();
         (SPEED * way / (share * self.speed))

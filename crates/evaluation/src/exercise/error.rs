@@ -1,40 +1,40 @@
-//! The error of rigs and settings that allow no exercises.
+//! The error of rigs and settings for which no exercise is possible.
 
 use sinew_figure::plant::PlantError;
 use thiserror::Error;
 
-/// An error of a rig or of settings that allow no exercises.
+/// An error of a rig or of settings for which no exercise is possible.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ExerciseError {
-    /// A setting that cannot be.
+    /// An invalid setting.
     #[error("{key}: expected {expected}, found {found}")]
     Setting {
-        /// Its name.
+        /// Name of the setting.
         key: &'static str,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         found: f64,
     },
-    /// A number of the rig that no machine has.
+    /// A number of the rig that is physically impossible.
     #[error(transparent)]
     Rig(#[from] PlantError),
-    /// A joint has another number of coordinates than its home.
+    /// A joint whose home has the wrong number of coordinates.
     #[error("joint {joint}: expected {expected} finite coordinates of its home, found {found:?}")]
     Home {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// How many there must be.
+        /// Expected number of coordinates.
         expected: usize,
-        /// The values that there are.
+        /// Values that were found.
         found: Vec<f64>,
     },
-    /// A kinematic rig.
+    /// A rig without masses.
     #[error(
         "no body of the rig has mass, so there is nothing to simulate; expected masses, or `sinew rig view` to see it move"
     )]
     NoMass,
-    /// There is nothing to move.
+    /// A rig without a movable joint.
     #[error(
         "the rig has no joint that can move; expected a hinge, a slide, a universal or a ball joint with room in its range and in \
          the limits that join it to others"

@@ -1,11 +1,11 @@
-//! Limits that join two joints: ties are followed, ranges are shared out.
+//! Limits that link two joints. A tied joint follows the other joint; a range is divided among its joints.
 
 use sinew_rig::mechanism::Mechanism;
 
 use super::axis::Axis;
 use super::profile::Profile;
 
-/// The axis of a joint that is tied to another: it is at `factor · leader + offset`.
+/// The axis of a joint that is tied to another joint. Its position is `factor · leader + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Follower {
     body: usize,
@@ -14,15 +14,16 @@ pub(super) struct Follower {
     offset: f64,
 }
 
-/// Narrows the axes so that whatever they do by themselves, all limits hold that join two of them. Those that are tied
-/// to others stay still, for [`follow`].
+/// Narrows the axes until all limits that link two of them hold for any independent motion. Tied axes do not move
+/// independently; [`follow`] sets them.
 pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower> {
     let mut followers: Vec<Follower> = Vec::new();
     for one in &mechanism.linked {
         let [least, most] = one.range;
         let tied = least.to_bits() == most.to_bits();
         let follows = |body: usize| followers.iter().any(|other| other.body == body);
-        // The joint follows the other, or the other way round if it follows a third one already.
+        // Each joint of the pair may follow the other. The second possibility is used if the first joint already
+        // follows a third.
         let ends = [
             (one.body, one.factor, one.other, one.other_factor),
             (one.other, one.other_factor, one.body, one.factor),
@@ -36,7 +37,7 @@ pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower
     let followers: Vec<Follower> = followers
         .iter()
         .filter_map(|one| {
-            // To the end of a chain; one that bites its tail has none.
+            // Follow the chain to its end. A cyclic chain has no end.
             let mut end = *one;
             for _ in 0..followers.len() {
                 let Some(next) = followers.iter().find(|other| other.body == end.leader) else {
@@ -83,7 +84,7 @@ pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower
     followers
 }
 
-/// Gives each axis its part of the room that the sum of all has on both sides of home.
+/// Divides the room of the sum on both sides of home equally among its axes.
 fn share_out(axes: &mut [Vec<Axis>], terms: &[(usize, f64)], [least, most]: [f64; 2]) {
     let of =
         |axes: &[Vec<Axis>], body: usize| axes.get(body).and_then(|axes| axes.first().copied());
@@ -91,7 +92,7 @@ fn share_out(axes: &mut [Vec<Axis>], terms: &[(usize, f64)], [least, most]: [f64
         terms.iter().filter_map(|(body, factor)| Some(factor * of(axes, *body)?.home)).sum();
     let parts = terms.len() as f64;
     for (body, factor) in terms {
-        // A tie that is kept: nothing is left of the other's factor.
+        // A tie that always holds: the other axis's factor has cancelled.
         if factor.abs() < 1e-9 {
             continue;
         }
@@ -108,7 +109,7 @@ fn put(axes: &mut [Vec<Axis>], body: usize, axis: Axis) {
     }
 }
 
-/// Lets axes that are tied to others do what these do.
+/// Gives tied axes the profile of their leaders.
 pub(super) fn follow(followers: &[Follower], profiles: &mut [Vec<Profile>]) {
     for one in followers {
         let Some(leader) = profiles.get(one.leader).and_then(|profiles| profiles.first()).cloned()

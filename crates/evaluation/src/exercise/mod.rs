@@ -1,8 +1,9 @@
-//! Built-in motions of a rig's own joints: each in turn, then all together.
+//! Built-in motions of a rig's own joints: each joint in turn, then all together.
 //!
-//! An axis goes from place to place by minimum jerk (Flash and Hogan 1985), at rest in each: smooth up to its
-//! acceleration, within its range, and at a stated share of what it can. A ball joint goes along the three components
-//! of its rotation vector. A root that is free, and other free bodies, stay where they are at home.
+//! An axis moves from place to place by minimum jerk (Flash and Hogan 1985) and is at rest at each place. Its
+//! motion is smooth up to the acceleration, within its range, and at a stated share of its maximum speed and
+//! acceleration. A ball joint moves along the three components of its rotation vector. Free roots and other free
+//! bodies stay at home.
 
 mod axis;
 mod error;
@@ -36,14 +37,14 @@ pub struct Exercise {
     mechanism: Arc<Mechanism>,
     dt_s: f64,
     frames: usize,
-    /// Of every joint, as many as it has axes.
+    /// Profiles of every joint, one per axis.
     profiles: Vec<Vec<Profile>>,
 }
 
-/// Makes the motions of a rig: for each share one with all joints in turn, and one with all together.
+/// Makes the motions of a rig: for each share, a motion of all joints in turn and a motion of all together.
 ///
 /// # Errors
-/// [`ExerciseError`] if a setting or the rig cannot be, or nothing of it moves.
+/// [`ExerciseError`] if a setting or the rig is invalid, or nothing moves.
 pub fn make_exercises(
     name: &str,
     mechanism: &Mechanism,
@@ -71,7 +72,7 @@ pub fn make_exercises(
             follow(&followers, &mut profiles);
             let ends = profiles.iter().flatten().map(Profile::end_s);
             let last_s = ends.fold(0.0, f64::max);
-            // All together they stop at once, wherever they are.
+            // The motion of all joints together stops abruptly, wherever the axes are.
             let last_s = if kind == "together" { last_s.min(settings.seconds) } else { last_s };
             let last = last_s * settings.rate_hz;
             #[expect(
@@ -138,7 +139,7 @@ impl EvaluatedMotion for Exercise {
     }
 }
 
-/// Pose of a body in its joint frame at coordinates along its axes.
+/// Returns the pose of a body in its joint frame, from coordinates along its axes.
 fn in_joint(link: &Link, along: [f64; 3]) -> Pose {
     match link.joint {
         JointModel::Spherical => {

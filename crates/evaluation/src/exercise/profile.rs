@@ -1,4 +1,4 @@
-//! The way of an axis over time.
+//! The path of an axis over time.
 
 use sinew_host_util::random::{Random, Subject};
 
@@ -9,7 +9,7 @@ use super::settings::ExerciseSettings;
 #[derive(Debug, Clone)]
 pub(super) struct Profile {
     pub(super) home: f64,
-    /// In the order of time: when each begins and how long it takes, in s, and where it leads.
+    /// Moves in the order of time.
     pub(super) moves: Vec<Move>,
 }
 
@@ -25,13 +25,13 @@ impl Profile {
         self.moves.last().map_or(0.0, |last| last.from_s + last.duration_s)
     }
 
-    /// Goes on to a place, from a time on.
+    /// Appends a move to a place that begins at a time.
     fn go(&mut self, axis: &Axis, from_s: f64, to: f64, share: f64) {
         let from = self.moves.last().map_or(self.home, |last| last.to);
         self.moves.push(Move { from_s, duration_s: axis.duration_s(to - from, share), to });
     }
 
-    /// Where it is at a time.
+    /// Returns the position at a time.
     pub(super) fn at(&self, time_s: f64) -> f64 {
         let begun = self.moves.partition_point(|one| one.from_s <= time_s);
         let Some(last) = begun.checked_sub(1) else { return self.home };
@@ -45,7 +45,7 @@ impl Profile {
     }
 }
 
-/// Plans that every axis goes to one end, to the other, and home, one after the other.
+/// Plans a motion in which each axis moves to one end, to the opposite end and home, one axis after the other.
 pub(super) fn plan_in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Profile>> {
     let mut now_s = 0.0;
     let mut profile = |axis: &Axis| {
@@ -59,7 +59,7 @@ pub(super) fn plan_in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Profile>> 
     axes.iter().map(|axes| axes.iter().map(&mut profile).collect()).collect()
 }
 
-/// Plans that every axis goes from place to place in its range, each in its own time.
+/// Plans a motion in which every axis moves from place to place in its range, each with its own timing.
 pub(super) fn plan_together(
     axes: &[Vec<Axis>],
     share: f64,
@@ -70,7 +70,7 @@ pub(super) fn plan_together(
         let mut random = Random::numbered(settings.seed, number, Subject::Exercise);
         number += 1;
         let mut profile = Profile { home: axis.home, moves: Vec::new() };
-        // A rig whose range is a point stays there.
+        // An axis whose range is a point stays there.
         while profile.end_s() < settings.seconds && axis.most > axis.least {
             let from_s = profile.end_s();
             profile.go(axis, from_s, random.between(axis.least, axis.most), share);

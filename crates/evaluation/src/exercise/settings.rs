@@ -2,19 +2,19 @@
 
 use super::error::ExerciseError;
 
-/// The settings of exercises: which motions there are.
+/// Settings of exercises: rate, speeds and kinds of motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExerciseSettings {
-    /// Frames a second, which is the rate of control too.
+    /// Frame rate in Hz, which is also the control rate.
     pub rate_hz: f64,
-    /// Shares of the largest speed and acceleration of every axis that it goes at, above 0 and at most 1: two motions
-    /// for each.
+    /// Shares of every axis's maximum speed and acceleration, above 0 and at most 1. For each share there are two
+    /// motions.
     pub shares: Vec<f64>,
-    /// Whether the joints go each in turn, too, in a motion of their own.
+    /// Whether there is also a motion in which the joints move in turn.
     pub in_turn: bool,
-    /// How long all joints move together, s.
+    /// Duration of the motion of all joints together, s.
     pub seconds: f64,
-    /// Seed of where they go then.
+    /// Seed of the random places in that motion.
     pub seed: u64,
 }
 

@@ -8,7 +8,7 @@ use super::axis::{ACCELERATION, SPEED};
 use super::*;
 use crate::{Errors, Evaluation, MethodName, Protocol, evaluate, report};
 
-/// An arm: turntable, shoulder, elbow, a slide, a wrist of two axes and a ball joint, standing on `base`.
+/// Returns an arm on `base`: turntable, shoulder, elbow, a slide, a wrist of two axes and a ball joint.
 fn arm(base: DQuat) -> Mechanism {
     let mass = |mass_kg: f64, length_m: f64| MassProperties {
         mass_kg,
@@ -36,7 +36,7 @@ fn arm(base: DQuat) -> Mechanism {
         if parent.is_none() {
             body.rotation = base;
         } else {
-            // A little aside, as joints are.
+            // Slightly rotated in its parent, like real joints.
             body.rotation = DQuat::from_rotation_z(0.2);
         }
         match joint {
@@ -78,7 +78,7 @@ fn a_true_model_is_followed_by_every_method_however_it_stands() {
         let evaluation = evaluated(&arm(base), |protocol| protocol.methods = methods.collect());
         for (method, errors) in totals(&evaluation) {
             assert!(errors.all.n > 10_000);
-            // What the issue asks of rigs.
+            // The accuracy that is required of rigs.
             let mean_deg = errors.all.angular_mean_deg();
             assert!(mean_deg < 0.1 && mean_deg > 0.0, "{method}: {mean_deg}");
             assert!(errors.all.linear_mean_cm() < 0.05, "{method}");
@@ -121,10 +121,11 @@ fn axes_stay_in_their_ranges_and_below_their_limits_and_are_smooth() {
                 for three in at.windows(3) {
                     assert!((three[1] - three[0]).abs() / h <= speed * (1.0 + 1e-9));
                     let now = (three[0] - 2.0 * three[1] + three[2]) / (h * h);
-                    // Differences of numbers near 1 over h².
+                    // Rounding of differences of numbers near 1, divided by h².
                     assert!(now.abs() <= acceleration + 1e-9 / h, "{}: {now}", link.name);
-                    // The largest jerk is at the ends, 60 ways in T³: with T from above, 60 / 5.77^1.5 times
-                    // a^1.5 / way^0.5, here of ways of a degree or more; a step of acceleration is none of time.
+                    // The maximum jerk is at the ends, 60 distance / T³. With T as in `duration_s` that is 60 /
+                    // 5.77^1.5 times a^1.5 / distance^0.5, here for distances of a degree or more. A jump of
+                    // acceleration would not depend on the step.
                     assert!(
                         (now - before).abs() < 0.5 * acceleration,
                         "{}: {before} {now}",
@@ -217,10 +218,11 @@ fn limits_that_join_two_joints_hold_all_the_time() {
         range,
     };
     mechanism.linked = vec![
-        // The elbow follows the turntable at half its angle, and the shoulder the elbow the other way round.
+        // The elbow is tied to the turntable at half its angle, and the shoulder to the elbow with the opposite
+        // sign.
         between(2, 3, 1.0, [0.1, 0.1]),
         between(3, 1, -0.5, [0.05, 0.05]),
-        // The elbow and the turntable stay near each other.
+        // The angles of elbow and turntable stay near each other.
         between(3, 1, -1.0, [-0.4, 0.3]),
     ];
     let mut sums = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
@@ -236,7 +238,7 @@ fn limits_that_join_two_joints_hold_all_the_time() {
     for (one, [least, most]) in mechanism.linked.iter().zip(sums) {
         assert!(least >= one.range[0] - 1e-12 && most <= one.range[1] + 1e-12, "{least} {most}");
     }
-    // The range that is left is used.
+    // The remaining range is used.
     assert!(sums[2][1] - sums[2][0] > 0.5, "{sums:?}");
 }
 

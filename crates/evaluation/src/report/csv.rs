@@ -1,4 +1,4 @@
-//! The result as CSV.
+//! Writes the result as CSV.
 
 use serde::Serialize;
 
@@ -16,21 +16,22 @@ struct Row<'a> {
     linear_mean_cm: f64,
     angular_max_deg: f64,
     linear_max_cm: f64,
-    /// Of whole poses: the leaves have none.
+    /// Errors of whole poses; rows of leaves have none.
     weighted_mean_cm: Option<f64>,
     weighted_max_cm: Option<f64>,
-    /// Of a rig against the performers of its clips: limbs, not leaves. Other evaluations have no such columns.
+    /// Angles between a rig and the performers of its clips, for all limbs, not for leaves. Other evaluations do
+    /// not have these columns.
     #[serde(skip_serializing_if = "Option::is_none")]
     retargeting_mean_deg: Option<Cell>,
     #[serde(skip_serializing_if = "Option::is_none")]
     total_mean_deg: Option<Cell>,
 }
 
-/// A cell of a column that not every table has: empty where the row has no such number.
+/// A cell of a column that not every table has. It is empty if the row has no number for it.
 #[derive(Serialize)]
 struct Cell(Option<f64>);
 
-/// One row per scale, method and group of joints, over all clips.
+/// Returns one row per scale, method and group of joints, over all clips.
 pub fn result_csv(evaluation: &Evaluation) -> String {
     let mut rows = Vec::new();
     for figure in &evaluation.figures {
@@ -41,7 +42,7 @@ pub fn result_csv(evaluation: &Evaluation) -> String {
     text(&rows)
 }
 
-/// The same for every single clip.
+/// Returns one row per clip, scale, method and group of joints.
 pub fn clips_csv(evaluation: &Evaluation) -> String {
     let mut rows = Vec::new();
     for figure in &evaluation.figures {

@@ -1,4 +1,4 @@
-//! The result as one JSON object, schema `sinew-evaluate/1`.
+//! Writes the result as one JSON object, schema `sinew-evaluate/1`.
 
 use serde::{Serialize, Serializer};
 use sinew_figure::plant::Description;
@@ -13,7 +13,7 @@ struct Document<'a> {
     schema: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     rig: Option<&'a str>,
-    /// How the base of a user's rig is held.
+    /// Support of a user's rig's base.
     #[serde(skip_serializing_if = "Option::is_none")]
     base: Option<&'static str>,
     plant: Description,
@@ -29,7 +29,7 @@ struct Figure {
     methods: Methods,
 }
 
-/// An object with a key for each method, in the protocol's order.
+/// A JSON object with a key for each method, in the protocol's order.
 struct Methods(Vec<(MethodName, Groups)>);
 
 impl Serialize for Methods {
@@ -42,23 +42,23 @@ impl Serialize for Methods {
 struct Groups {
     all: Totals,
     leaf: Totals,
-    /// Of whole poses, every joint by what it moves.
+    /// Errors of whole poses, where every joint has the weight of the skin that it moves.
     weighted: Weighted,
-    /// Of the plant's joints.
+    /// Widest gap at the plant's joints.
     widest_gap_mm: f64,
-    /// How often a joint was not given the torque that it wanted.
+    /// Number of times that a joint did not receive its desired torque.
     limited: u64,
-    /// Of a rig against the performers of its clips.
+    /// Angles between the limbs of a rig and those of the performers of its clips.
     #[serde(skip_serializing_if = "Option::is_none")]
     performer: Option<Performer>,
 }
 
-/// The limbs of a rig against a performer's.
+/// Angles between a rig's limbs and a performer's.
 #[derive(Serialize)]
 struct Performer {
-    /// Of its own target.
+    /// Angles of the rig's target pose.
     retargeting: Limbs,
-    /// Of the simulated rig.
+    /// Angles of the simulated rig.
     total: Limbs,
 }
 
@@ -135,7 +135,7 @@ impl From<&FigureResult> for Figure {
     }
 }
 
-/// The JSON text, with a line end.
+/// Returns the JSON text, with a newline at the end.
 pub fn json(evaluation: &Evaluation) -> String {
     let document = Document {
         schema: "sinew-evaluate/1",

@@ -1,12 +1,12 @@
-//! The table of the largest latencies.
+//! Writes the table of the maximum latencies.
 
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use crate::capacity::MAX_LATENCY_STEPS;
 use crate::latency::LatencyLimits;
 
-/// Writes the table of the largest latencies: a row for each method without and with looking ahead, a column for each
-/// rate.
+/// Returns the table of the maximum latencies: two rows for each method, without and with prediction, and a column
+/// for each rate.
 pub fn latency_table(limits: &LatencyLimits) -> String {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN);

@@ -1,10 +1,10 @@
-//! Three errors of clips on a rig, kept apart.
+//! Writes the three errors of clips on a rig: tracking, retargeting and total.
 
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
 use super::super::Evaluation;
 
-/// The table of the three errors, by clip and method; `None` if no clip is a performer's.
+/// Returns the table of the three errors, by clip and method; `None` if no clip has a performer.
 pub(super) fn likeness(evaluation: &Evaluation) -> Option<String> {
     let mut table = Table::new();
     table.load_style(ASCII_MARKDOWN);

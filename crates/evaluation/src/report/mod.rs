@@ -1,4 +1,4 @@
-//! The result as text, JSON and CSV.
+//! Writes the result as text, JSON and CSV.
 
 mod csv;
 mod json;

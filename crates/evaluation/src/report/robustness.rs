@@ -1,4 +1,4 @@
-//! Tables of methods on rigs as they are built.
+//! Writes tables of methods on rigs with random errors.
 
 use comfy_table::{CellAlignment, Table, presets::ASCII_MARKDOWN};
 
@@ -7,8 +7,8 @@ use crate::pareto::on_front;
 use crate::robustness::{MeanError, Robustness};
 use crate::trial::Trial;
 
-/// Writes the table of all rigs, their medians, and on how many rigs the last method is better than each other one.
-/// With weights of the projection a second table follows: angle against distance.
+/// Returns the table of all rigs with their medians, and for each other method the number of rigs on which the
+/// last method is better. If the projection has several weights, a second table compares angle and distance.
 pub fn robustness_tables(result: &Robustness) -> String {
     let mut text = format!("{}\n", table(result));
     for line in wins(result) {
@@ -53,7 +53,7 @@ fn table(result: &Robustness) -> Table {
     table
 }
 
-/// The table of angle against distance.
+/// Returns the table of angle against distance.
 fn front(result: &Robustness) -> Table {
     use MeanError::{Angular, Linear};
     let Robustness { variants, trials, .. } = result;
@@ -95,7 +95,7 @@ fn front(result: &Robustness) -> Table {
     table
 }
 
-/// Counts on how many rigs the last method is better than each other one.
+/// Returns a line for each other method: the number of rigs on which the last method is better.
 fn wins(result: &Robustness) -> Vec<String> {
     let Some((last, others)) = result.methods.split_last() else { return Vec::new() };
     let better = |trials: &[Trial], other: usize| match (&trials[others.len()], &trials[other]) {

@@ -1,4 +1,4 @@
-//! Tables 1 to 4 of the paper, ours beside the paper's.
+//! Writes tables 1 to 4 of the paper, with the paper's numbers beside ours.
 
 use std::fmt::Write as _;
 
@@ -8,8 +8,9 @@ use super::super::paper::{self, Kind};
 use super::super::{Errors, Evaluation, FigureResult, MethodName, MethodResult};
 use super::likeness::likeness;
 
-/// All tables, each with its heading and the error that is weighted by importance as the last column: first every
-/// figure's numbers divided by Local's (the paper's tables 1 and 2), then the numbers themselves (3 and 4).
+/// Returns all tables, each with its heading and with the importance-weighted error as the last column. Every
+/// figure's numbers divided by Local's (the paper's tables 1 and 2) are first, then the numbers themselves (3 and
+/// 4).
 pub fn tables(evaluation: &Evaluation) -> String {
     let mut out = String::new();
     let write = |out: &mut String, text: std::fmt::Arguments<'_>| {
@@ -60,7 +61,8 @@ pub fn tables(evaluation: &Evaluation) -> String {
     out
 }
 
-/// How often the drives of a rig could not give what was wanted, if ever.
+/// Returns a line with the share of desired torques that a rig's drives could not give, for each method; `None` if
+/// there is no such case.
 fn limited(evaluation: &Evaluation) -> Option<String> {
     evaluation.rig.as_ref()?;
     let methods = evaluation.figures.iter().flat_map(|figure| &figure.methods);
@@ -80,7 +82,8 @@ fn widest_gap_m(evaluation: &Evaluation) -> f64 {
     results.map(|result| result.total.widest_gap_m).fold(0.0, f64::max)
 }
 
-/// The paper's numbers of a figure, if it is the paper's and has some.
+/// Returns the paper's numbers for a figure, if the evaluation uses the paper's figure and the paper has this
+/// scale.
 fn published(evaluation: &Evaluation, figure: &FigureResult) -> Option<&'static paper::Figure> {
     match evaluation.rig {
         None => paper::Figure::of_scale(figure.scale),
@@ -104,7 +107,7 @@ fn heading(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> String
     format!("{number}{figure}: {what}")
 }
 
-/// The table of one figure; `None` if there is nothing to divide by.
+/// Returns the table of one figure; `None` if it should be normalised, but Local was not evaluated.
 fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<Table> {
     let local = figure.method(MethodName::Local);
     if kind == Kind::Normalised {
@@ -122,7 +125,7 @@ fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<T
         "max linear",
         "mean weighted",
     ];
-    // All rows' of a column are as wide as Local's, to a digit that happens not to be there.
+    // All numbers of a column get the width of Local's. A number may have one digit fewer.
     let bracket_widths = published
         .and_then(|figure| figure.row(kind, MethodName::Local))
         .map_or([0; 4], |row| row.all.map(|value| number(value).len() + 2));
@@ -147,12 +150,12 @@ fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<T
                 let ours = number(ours[column]);
                 cells.push(match published {
                     Some(Some(row)) => format!("{ours} ({})", number(row[column])),
-                    // Under the others' first number.
+                    // Aligned with the first number of the other rows.
                     Some(None) => format!("{ours} {:1$}", "", bracket_widths[column]),
                     None => ours,
                 });
             }
-            // Of whole poses, and none of the paper's.
+            // The weighted error exists only for whole poses, and not in the paper.
             let weighted = |result: &MethodResult| result.total.weighted.mean_cm();
             cells.push(match (joints, kind, local) {
                 ("all", Kind::Normalised, Some(local)) => {

@@ -1,4 +1,4 @@
-//! Why a sweep was refused or could not go on.
+//! Errors of sweeps.
 
 use std::path::{Path, PathBuf};
 
@@ -7,106 +7,106 @@ use thiserror::Error;
 
 use crate::SetupError;
 
-/// Why a sweep was refused or could not go on.
+/// An error that prevents or stops a sweep.
 #[derive(Debug, Error)]
 pub enum SweepError {
-    /// The file system refused.
+    /// A file that could not be read or written.
     #[error("{}: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Not a sweep file.
+    /// A file that is not a sweep file.
     #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Line, column and what was expected.
+        /// Line, column and expectation, from the TOML parser.
         source: Box<toml::de::Error>,
     },
-    /// A grid that cannot be.
+    /// An invalid grid.
     #[error("{}: grid {grid}: {what}", file.display())]
     Grid {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
         /// Number of the grid, from 1.
         grid: usize,
-        /// What is wrong with it.
+        /// Description of the fault.
         what: String,
     },
-    /// A cell whose setup cannot be.
+    /// A cell whose setup is invalid.
     #[error("{}: {place}: {source}", file.display())]
     Setup {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// `[setup]`, or the grid and the values that it gives the cell.
+        /// Place in the file: `[setup]`, or the grid and its values for the cell.
         place: String,
-        /// Why not.
+        /// Reason why the setup is invalid.
         source: SetupError,
     },
-    /// The folder holds another sweep.
+    /// A folder that contains another sweep.
     #[error(
-        "{}: of another sweep: its {what} differ; give another folder, or remove this file to start over",
+        "{}: belongs to another sweep: its {what} differ; give another folder, or remove this file to start over",
         journal.display()
     )]
     Foreign {
-        /// The journal.
+        /// Path of the journal.
         journal: PathBuf,
-        /// What differs.
+        /// Name of the part that differs.
         what: &'static str,
     },
-    /// A journal's line cannot be read.
+    /// A line of a journal that cannot be read.
     #[error("{}:{line}: {what}; restore the file or remove it to start over", journal.display())]
     Damaged {
-        /// The journal.
+        /// Path of the journal.
         journal: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Description of the fault.
         what: String,
     },
-    /// Somebody else works on it.
+    /// A journal to which another process is writing.
     #[error("{}: another sweep is writing to it", journal.display())]
     Busy {
-        /// The journal.
+        /// Path of the journal.
         journal: PathBuf,
     },
-    /// Two shards have the same unit with different results.
-    #[error("{}: cell {cell} on clip {clip} came out otherwise in another shard", journal.display())]
+    /// A unit with different results in two shards.
+    #[error("{}: cell {cell} on clip {clip} has a different result in another shard", journal.display())]
     Contradiction {
-        /// The journal.
+        /// Path of the journal.
         journal: PathBuf,
-        /// The cell.
+        /// Index of the cell.
         cell: usize,
-        /// The clip.
+        /// Name of the clip.
         clip: String,
     },
-    /// The shards do not make up the whole.
+    /// Shards that are not complete together.
     #[error(
-        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}; what there \
-         is has been put together: merge the other shards, or make the runs here without --merge"
+        "{missing} runs are in none of the shards, the first of them cell {cell} on clip {clip}; the tables contain \
+         the others: merge the other shards, too, or run these here without --merge"
     )]
     Incomplete {
-        /// How many.
+        /// Number of missing units.
         missing: usize,
-        /// Cell of the first.
+        /// Index of the first missing unit's cell.
         cell: usize,
-        /// Clip of the first.
+        /// Name of the first missing unit's clip.
         clip: String,
     },
-    /// A table cannot be written as Parquet.
+    /// A table that cannot be written as Parquet.
     #[error("{}: {source}", file.display())]
     Parquet {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the library says.
+        /// Error of the Parquet library.
         source: parquet::errors::ParquetError,
     },
 }
 
-/// Makes an error of the system one of a file.
+/// Returns a function that adds a file's path to an error of the operating system.
 pub(super) fn io(file: &Path) -> impl FnOnce(std::io::Error) -> SweepError {
     move |source| SweepError::Io { file: file.to_path_buf(), source }
 }

@@ -1,4 +1,4 @@
-//! Sweep files (TOML): what all setups have in common, and grids of what they have not.
+//! Sweep files (TOML): common keys of all setups, and grids of the keys that vary.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,58 +10,58 @@ use sinew_rig::Mechanism;
 use super::error::{SweepError, io};
 use crate::Setup;
 
-/// More cells than anybody waits for are a mistake in a list, and would not fit in memory.
+/// Maximum number of cells. A larger number is a mistake in a list, and would not fit in memory.
 const MOST_CELLS: usize = 100_000;
 
 /// A sweep file, read and checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepFile {
-    /// The text, as it was read.
+    /// Text of the file.
     pub text: String,
-    /// The cells of all grids in their order, each setup once.
+    /// Cells of all grids in their order, without repetitions of a setup.
     pub cells: Vec<Cell>,
-    /// Cells that were left out because an earlier one has the same setup.
+    /// Number of cells that were omitted because an earlier cell has the same setup.
     pub repeated: usize,
 }
 
 /// One setup of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
-    /// The setup.
+    /// Setup of the cell.
     pub setup: Setup,
-    /// The setup as TOML, every key with its value: equal for equal setups.
+    /// Setup as TOML with every key: equal setups have equal texts.
     pub key: String,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    /// Keys of a setup that all cells have.
+    /// Keys of a setup that apply to all cells.
     #[serde(default)]
     setup: toml::Table,
-    /// Keys of a setup with lists of values: every combination is a cell.
+    /// Keys of a setup with lists of values. Every combination is a cell.
     grid: Vec<toml::Table>,
 }
 
 impl SweepFile {
-    /// Reads a sweep file, for a rig of the user or for the figure. Of a rig, the plant is the exact one if none is
-    /// named.
+    /// Reads a sweep file, for a user's rig or for the figure. For a rig, the plant is the exact plant if the file
+    /// names none.
     ///
-    /// The cells of a grid go through its lists, the last key in alphabetical order fastest. Keys may be
-    /// dotted, in quotes too, or lie in tables.
+    /// The cells of a grid iterate over its lists, with the last key in alphabetical order fastest. Keys may be
+    /// dotted, also in quotes, or be in tables.
     ///
     /// # Errors
-    /// [`SweepError`] with the file's name and what is wrong where; nothing has been run then.
+    /// [`SweepError`] with the file's name and the place of the fault. Nothing has been run in that case.
     pub fn read(path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
         let kinds = [Kind::Sweep, Kind::Toml];
         let text = read::text_of(path, "a sweep in TOML", &kinds).map_err(io(path))?;
         Self::parse(text, path, rig)
     }
 
-    /// Reads the text of the sweep file at `path`.
+    /// Parses the text of the sweep file at `path`.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// Those of [`Self::read`].
     pub fn parse(text: String, path: &Path, rig: Option<&Mechanism>) -> Result<Self, SweepError> {
         let file = || PathBuf::from(path);
         let mut content: File = toml::from_str(&text)
@@ -88,7 +88,7 @@ impl SweepFile {
                     setup.check_for(rig).map(|()| setup)
                 };
                 let setup = read(table).map_err(|source| {
-                    // What is wrong without the grid's values too is not their fault.
+                    // A fault that exists without the grid's values is not the grid's fault.
                     let common = read(content.setup.clone());
                     let place = if common.as_ref() == Err(&source) {
                         "[setup]".to_owned()
@@ -113,14 +113,14 @@ impl SweepFile {
     }
 }
 
-/// A key of a setup, dotted into its parts, and its values.
+/// A key of a setup as a list of its parts, and the values of the key.
 type Axis = (Vec<String>, Vec<toml::Value>);
 
-/// The axes of a grid in alphabetical order; a single value is a list of one.
+/// Returns the axes of a grid in alphabetical order. A single value counts as a list of one.
 fn axes(grid: &toml::Table) -> Result<Vec<Axis>, String> {
     let mut axes = Vec::new();
     collect(&[], grid, &mut axes)?;
-    // `beta` in `controller` and "controller.beta" are the same key, but not for TOML.
+    // `beta` in `controller` and "controller.beta" are one key, but TOML treats them as two.
     let mut keys = BTreeSet::new();
     match axes.iter().find(|(key, _)| !keys.insert(key)) {
         Some((key, _)) => Err(format!("{}: expected once, found twice", key.join("."))),
@@ -144,7 +144,7 @@ fn collect(path: &[String], table: &toml::Table, axes: &mut Vec<Axis>) -> Result
     Ok(())
 }
 
-/// What is left of the cells that a file may have after a grid of these axes.
+/// Returns the number of cells that remain allowed after a grid with these axes.
 fn remaining(left: usize, axes: &[Axis]) -> Result<usize, String> {
     let cells = axes.iter().try_fold(1usize, |cells, (_, values)| cells.checked_mul(values.len()));
     cells.and_then(|cells| left.checked_sub(cells)).ok_or_else(|| {
@@ -157,7 +157,7 @@ fn remaining(left: usize, axes: &[Axis]) -> Result<usize, String> {
     })
 }
 
-/// Every combination of one value of each axis, the last axis fastest.
+/// Returns every combination of one value of each axis, the last axis fastest.
 fn combinations(axes: &[Axis]) -> Vec<Vec<&toml::Value>> {
     let mut all = vec![Vec::new()];
     for (_, values) in axes {

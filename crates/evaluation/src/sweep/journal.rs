@@ -1,7 +1,7 @@
-//! The journal of a sweep: a line per finished unit, written at once.
+//! The journal of a sweep: a line for each finished unit, written immediately.
 //!
-//! The first line says what sweep it is. A line that was cut off by a crash is the last one; it is dropped
-//! and its unit run again.
+//! The first line identifies the sweep. Only the last line can be cut off by a crash; it is dropped and its unit
+//! is run again.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -16,30 +16,31 @@ use super::error::{SweepError, io};
 use super::plan::{ClipIdentity, Plan, Unit};
 use crate::Errors;
 
-/// The journal's file in a sweep's folder.
+/// Name of the journal's file in a sweep's folder.
 pub(super) const NAME: &str = "journal.jsonl";
 
-/// The most work that a crash of the machine costs; that of the program alone costs none.
+/// Interval of synchronization to disk: the maximum amount of work that a crash of the machine loses. A crash of
+/// the program alone loses nothing.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
-/// What came of a unit.
+/// The result of a unit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// How far the figure was off.
+    /// Errors of the figure.
     Errors(Errors),
-    /// The figure was lost, or could not be built: why.
+    /// Reason why the figure was lost or could not be built.
     Lost(String),
 }
 
-/// What a reader of the journal should know.
+/// A message about the state of a journal that was opened.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Notice {
-    /// Finished units were found.
-    #[error("goes on with {0} finished runs")]
+    /// The journal contains finished units.
+    #[error("continues with {0} finished runs")]
     Resumed(usize),
-    /// The last line was cut off.
-    #[error("the last line was cut off; its run is made again")]
+    /// The last line is cut off.
+    #[error("the last line was cut off; its run is repeated")]
     Torn,
 }
 
@@ -53,7 +54,7 @@ pub struct Journal {
     outcomes: BTreeMap<Unit, Outcome>,
 }
 
-/// The first line.
+/// Content of the first line, which identifies the sweep.
 #[derive(Debug, PartialEq, Serialize, Deserialize)]
 struct Head {
     schema: String,
@@ -69,7 +70,7 @@ struct Line {
     cell: usize,
     clip: usize,
     outcome: Outcome,
-    /// Of the three above: changed digits are still numbers.
+    /// Checksum of the fields above. Without it, a changed digit would remain undetected.
     sum: String,
 }
 
@@ -95,7 +96,7 @@ impl Head {
         }
     }
 
-    /// What makes this the head of another sweep.
+    /// Returns the name of the first part that differs from another sweep's head.
     fn difference(&self, other: &Self) -> Option<&'static str> {
         [
             (self.schema != other.schema, "file formats"),
@@ -110,10 +111,11 @@ impl Head {
 }
 
 impl Journal {
-    /// Opens the journal of a plan in `folder`, or begins it. Nobody else can write to it meanwhile.
+    /// Opens the journal of a plan in `folder`, or creates it. It is locked against other writers.
     ///
     /// # Errors
-    /// [`SweepError`] if the journal is of another sweep, in use or damaged; it is left as it is.
+    /// [`SweepError`] if the journal is of another sweep, in use or damaged. The journal is not changed in that
+    /// case.
     pub fn open(folder: &Path, plan: &Plan) -> Result<(Self, Vec<Notice>), SweepError> {
         fs::create_dir_all(folder).map_err(io(folder))?;
         let path = folder.join(NAME);
@@ -135,7 +137,7 @@ impl Journal {
         let whole = whole_lines(&bytes);
         let outcomes = read(whole, &path, plan)?;
         let (whole, length) = (whole.len(), bytes.len());
-        // Only now: a journal of another sweep is left as it is.
+        // Truncated only after the checks: a journal of another sweep is not changed.
         if whole < length {
             notices.push(Notice::Torn);
             file.set_len(whole as u64).map_err(io(&path))?;
@@ -153,17 +155,17 @@ impl Journal {
         Ok((journal, notices))
     }
 
-    /// Where the journal lies.
+    /// Returns the folder of the journal.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Whether a unit is finished.
+    /// Returns whether a unit is finished.
     pub fn has(&self, unit: Unit) -> bool {
         self.outcomes.contains_key(&unit)
     }
 
-    /// What came of a unit.
+    /// Returns the result of a finished unit.
     pub(super) fn outcome(&self, unit: Unit) -> Option<&Outcome> {
         self.outcomes.get(&unit)
     }
@@ -181,7 +183,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Waits until all finished units are on the disk.
+    /// Waits until all finished units are on disk.
     ///
     /// # Errors
     /// [`SweepError::Io`].
@@ -191,10 +193,10 @@ impl Journal {
         Ok(())
     }
 
-    /// Takes over what the journal in another folder has; returns how many units were new.
+    /// Copies the finished units of the journal in another folder. Returns the number of new units.
     ///
     /// # Errors
-    /// [`SweepError`] if it is of another sweep, damaged, or has another result for a unit.
+    /// [`SweepError`] if that journal is of another sweep, damaged, or has a different result for a unit.
     pub fn take_over(&mut self, plan: &Plan, folder: &Path) -> Result<usize, SweepError> {
         let path = folder.join(NAME);
         let bytes = sinew_mocap::read::bytes(&path).map_err(io(&path))?;
@@ -220,8 +222,8 @@ impl Journal {
         Ok(new)
     }
 
-    /// One write for the whole line: a killed process leaves no line half written but by the system's own
-    /// failure.
+    /// Appends a line with a single write: a process that is killed does not leave an incomplete line, unless the
+    /// operating system fails.
     fn append(&mut self, line: &impl Serialize) -> Result<(), SweepError> {
         let mut text = serde_json::to_string(line).expect("plain data turns into JSON");
         text.push('\n');
@@ -229,13 +231,13 @@ impl Journal {
     }
 }
 
-/// The lines that have an end: a crash may cut the last one anywhere, within a character, too.
+/// Returns the complete lines. A crash may cut the last line anywhere, also within a character.
 fn whole_lines(bytes: &[u8]) -> &[u8] {
     let end = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
     &bytes[..end]
 }
 
-/// The finished units in a journal's whole lines.
+/// Reads the finished units from a journal's complete lines.
 fn read(bytes: &[u8], path: &Path, plan: &Plan) -> Result<BTreeMap<Unit, Outcome>, SweepError> {
     let damaged =
         |line: usize, what: String| SweepError::Damaged { journal: path.to_path_buf(), line, what };

@@ -1,9 +1,9 @@
-//! Sweeps: many setups on many clips, in parallel, over many machines, and without losing what is done.
+//! Sweeps: many setups on many clips, in parallel, on several machines, and resumable.
 //!
-//! A sweep file holds grids of values; each combination is a cell, a [`Setup`](crate::Setup) of its own.
-//! What is run is a unit: one cell on one clip. Every finished unit goes to a journal at once, so that a
-//! sweep that was killed resumes; the tables are written from the journal when it is complete,
-//! and are the same bytes however it came about.
+//! A sweep file contains grids of values; each combination is a cell, a [`Setup`](crate::Setup) of its own. A unit
+//! is one cell on one clip. Every finished unit is immediately written to a journal, from which an interrupted
+//! sweep resumes. The tables are written from the complete journal, and are the same bytes however often the sweep
+//! was interrupted.
 
 mod error;
 mod file;
@@ -38,11 +38,11 @@ pub fn count_missing_steps(
     missing.map(|unit| count_steps(&motions[unit.clip], plan.seconds)).sum()
 }
 
-/// Runs what the journal lacks, then writes the tables beside it. `progress` gets the number of steps
-/// done, now and then.
+/// Runs the units that the journal lacks, then writes the tables to the journal's folder. `progress` receives the
+/// number of completed steps from time to time.
 ///
 /// # Errors
-/// [`SweepError`] if the journal or a table cannot be written; what is finished stays in the journal.
+/// [`SweepError`] if the journal or a table cannot be written. Finished units remain in the journal.
 pub fn sweep(
     plan: &Plan,
     journal: Journal,
@@ -70,10 +70,10 @@ pub fn sweep(
     finish(plan, &journal, &folder, missing.len(), resumed)
 }
 
-/// Puts the journals of all shards together and writes the tables of the whole.
+/// Merges the journals of all shards and writes the tables of the whole sweep.
 ///
 /// # Errors
-/// [`SweepError`] if a shard is of another sweep, or units are in none of them.
+/// [`SweepError`] if a shard is of another sweep, or units are in none of the shards.
 pub fn merge(plan: &Plan, mut journal: Journal, shards: &[PathBuf]) -> Result<Summary, SweepError> {
     let mut taken = 0;
     for shard in shards {
@@ -100,7 +100,7 @@ fn finish(
     resumed: usize,
 ) -> Result<Summary, SweepError> {
     let (files, mut ranking) = table::write(plan, journal, folder)?;
-    // A cell may be bettered by one of another shard.
+    // A cell of another shard may be better than a cell of this shard.
     let whole = if plan.shard == Shard::WHOLE { &ranking[..] } else { &[] };
     let fronts = pareto::fronts(
         whole.iter().map(|(cell, errors)| (*cell, &plan.cells[*cell].setup, *errors)),

@@ -1,31 +1,32 @@
-//! Which cells of a sweep are on the front of mean linear over mean angular error.
+//! Finds the cells of a sweep that are on the front of mean linear error over mean angular error.
 
 use std::collections::BTreeMap;
 
 use crate::pareto::on_front;
 use crate::{ControllerSettings, Errors, Setup};
 
-/// The front among cells of the same task: what is controlled is the same, how it is controlled is not.
+/// The Pareto front among cells of one task: the rig and its disturbances are equal, the controllers differ.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParetoFront {
-    /// How many cells were compared.
+    /// Number of compared cells.
     pub of: usize,
-    /// Those on the front with their errors, the smallest mean angular error first.
+    /// Cells on the front with their errors, in increasing order of mean angular error.
     pub cells: Vec<(usize, Errors)>,
 }
 
-/// What is controlled, as text: of a setup all but its controller. Only rows of the same task can be compared.
+/// Returns the task of a setup as text: everything except its controller. Only rows of one task are comparable.
 pub(super) fn task(setup: &Setup) -> String {
     let task = Setup { controller: ControllerSettings::default(), ..setup.clone() };
     task.to_toml()
 }
 
-/// Mean angular and mean linear error of all joints.
+/// Returns mean angular and mean linear error of all joints.
 fn means(errors: &Errors) -> [f64; 2] {
     [errors.all.angular_mean_deg(), errors.all.linear_mean_cm()]
 }
 
-/// Of each row whether it is on the front of those with the same key; of a row without errors, nothing.
+/// Returns, for each row, whether it is on the front of the rows with an equal key; `None` for a row without
+/// errors.
 pub(super) fn of_rows<K: Ord>(rows: &[(K, Option<Errors>)]) -> Vec<Option<bool>> {
     let mut groups: BTreeMap<&K, Vec<(usize, [f64; 2])>> = BTreeMap::new();
     for (row, (key, errors)) in rows.iter().enumerate() {
@@ -43,7 +44,7 @@ pub(super) fn of_rows<K: Ord>(rows: &[(K, Option<Errors>)]) -> Vec<Option<bool>>
     of_rows
 }
 
-/// The fronts of all tasks that several cells have, in the order of their first cells.
+/// Returns the fronts of all tasks with several cells, in the order of their first cells.
 pub(super) fn fronts<'a>(
     cells: impl Iterator<Item = (usize, &'a Setup, Errors)>,
 ) -> Vec<ParetoFront> {

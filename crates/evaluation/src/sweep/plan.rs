@@ -1,4 +1,4 @@
-//! What is to be run: cells, clips, and the share of them that one machine takes.
+//! The plan of a sweep: cells, clips, and the share of one machine.
 
 use std::fmt;
 use std::str::FromStr;
@@ -9,27 +9,27 @@ use sha2::{Digest as _, Sha256};
 use super::file::{Cell, SweepFile};
 use crate::motion::{EvaluatedMotion, count_steps};
 
-/// What is to be run.
+/// The plan of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// The sweep file's text, for the record.
+    /// Text of the sweep file, for the record.
     pub text: String,
-    /// All cells, also those of other shards.
+    /// All cells, including those of other shards.
     pub cells: Vec<Cell>,
-    /// The clips.
+    /// Clips of the sweep.
     pub clips: Vec<ClipIdentity>,
-    /// Use only this much of the beginning of every clip, in seconds.
+    /// Duration of the part of every clip that is used, from its beginning, in seconds; `None` for whole clips.
     pub seconds: Option<f64>,
-    /// The share of the cells.
+    /// Share of the cells on this machine.
     pub shard: Shard,
 }
 
-/// A clip, known again by its content.
+/// The identity of a clip, by its content.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClipIdentity {
-    /// The clip's name.
+    /// Name of the clip.
     pub name: String,
-    /// Its time step in seconds.
+    /// Time step of the clip in seconds.
     pub dt_s: f64,
     /// SHA-256 of the motion and its rig, the first 16 hexadecimal digits.
     pub sha256: String,
@@ -52,7 +52,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// All cells.
+    /// The share of all cells.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
     fn has(self, cell: usize) -> bool {
@@ -79,7 +79,7 @@ impl fmt::Display for Shard {
 }
 
 impl Plan {
-    /// A plan for all clips.
+    /// Creates a plan with all clips.
     pub fn new(
         file: SweepFile,
         motions: &[impl EvaluatedMotion],
@@ -90,12 +90,12 @@ impl Plan {
         Self { text: file.text, cells: file.cells, clips, seconds, shard }
     }
 
-    /// Indices of the cells of this shard.
+    /// Returns the indices of this shard's cells.
     pub fn shard_cells(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.cells.len()).filter(|cell| self.shard.has(*cell))
     }
 
-    /// The units of this shard: by cell, then by clip.
+    /// Returns the units of this shard, by cell, then by clip.
     pub fn units(&self) -> impl Iterator<Item = Unit> + '_ {
         self.shard_cells()
             .flat_map(|cell| (0..self.clips.len()).map(move |clip| Unit { cell, clip }))
@@ -106,7 +106,8 @@ impl Plan {
         self.units().map(|unit| count_steps(&motions[unit.clip], self.seconds)).sum()
     }
 
-    /// SHA-256 of all setups, in hexadecimal: the grids may be written otherwise, what is run may not.
+    /// Returns the SHA-256 of all setups, in hexadecimal. It does not depend on how the grids are written, only on
+    /// the setups.
     pub(super) fn cells_sha256(&self) -> String {
         let mut hash = Sha256::new();
         for cell in &self.cells {
@@ -144,7 +145,7 @@ mod tests {
 
     use super::*;
 
-    /// A grid with lists of these lengths.
+    /// Returns a grid with lists of these lengths.
     fn text(lengths: &[usize]) -> String {
         let keys = ["controller.kp", "dimensions.scale", "dimensions.trunk"];
         let line = |(key, length): (&str, &usize)| {

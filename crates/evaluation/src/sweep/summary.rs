@@ -6,28 +6,28 @@ use super::pareto::ParetoFront;
 use super::plan::Plan;
 use crate::metrics::Errors;
 
-/// The summary of a sweep.
+/// The counts, the ranking and the fronts of a finished sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Summary {
-    /// Cells of this shard.
+    /// Number of cells of this shard.
     pub cells: usize,
-    /// Units that were run now.
+    /// Number of units that were run now.
     pub run: usize,
-    /// Units that the journal had.
+    /// Number of finished units in the journal at the start.
     pub resumed: usize,
-    /// Cells whose figure was lost on some clip.
+    /// Number of cells whose figure was lost on at least one clip.
     pub lost: usize,
-    /// All others with their errors over all clips, the smallest mean linear error first.
+    /// All other cells with their errors over all clips, in increasing order of mean linear error.
     pub ranking: Vec<(usize, Errors)>,
-    /// What is on the front of mean linear over mean angular error of all joints, for each task of several
-    /// cells; of a shard, nothing.
+    /// Fronts of mean linear error over mean angular error of all joints, for each task with several cells; empty
+    /// for a shard.
     pub fronts: Vec<ParetoFront>,
-    /// The tables.
+    /// Paths of the tables.
     pub files: Vec<PathBuf>,
 }
 
 impl Summary {
-    /// Writes the summary in words: counts, the fronts, the ends of the ranking, and the tables' paths.
+    /// Writes the summary in words: counts, fronts, both ends of the ranking, and the tables' paths.
     pub fn text(&self, plan: &Plan) -> String {
         let Summary { cells, run, resumed, lost, ranking, fronts, files } = self;
         let mut lines = vec![format!("{cells} cells; {run} runs made, {resumed} taken over")];
@@ -52,14 +52,14 @@ impl Summary {
     }
 }
 
-/// How many cells of either end are shown.
+/// Number of cells that are shown from each end of the ranking.
 const SHOWN: usize = 3;
 
-/// How many fronts are shown, and how many cells of each.
+/// Number of fronts that are shown. The next constant is the number of cells of each front.
 const FRONTS: usize = 8;
 const FRONT_CELLS: usize = 20;
 
-/// Lists of every cell the settings that not all cells have in common.
+/// Lists, for every cell, the settings that are not common to all cells.
 fn own_settings(plan: &Plan) -> Vec<Vec<String>> {
     let mut own: Vec<Vec<String>> =
         plan.cells.iter().map(|cell| cell.setup.differences()).collect();

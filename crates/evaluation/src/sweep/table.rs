@@ -35,17 +35,17 @@ enum Values {
 /// A cell, and its errors over all clips.
 pub(super) type Total = (usize, Errors);
 
-/// What a row is about.
+/// Content of a row.
 struct Row<'a> {
     cell: usize,
     setup: &'a Setup,
     clip: Option<&'a str>,
-    /// Errors, or the clip that the figure was lost on and why.
+    /// Errors, or the clip on which the figure was lost and the reason.
     result: Result<Errors, (&'a str, &'a str)>,
 }
 
-/// Writes all tables into `folder`; returns their paths, and the cells that were not lost with their errors
-/// over all clips.
+/// Writes all tables to `folder`. Returns their paths, and the cells that were not lost with their errors over all
+/// clips.
 pub(super) fn write(
     plan: &Plan,
     journal: &Journal,
@@ -96,7 +96,8 @@ fn replace(file: &Path, bytes: &[u8]) -> std::io::Result<()> {
     pending.finish()
 }
 
-/// The columns of all rows there are, or of some of them: those have no front.
+/// Returns the columns of these rows. `whole` is false if the rows are only a part of the sweep; the front is then
+/// left empty.
 fn columns(rows: &[Row<'_>], whole: bool) -> Vec<Column> {
     let mut columns = vec![Column {
         name: "cell".to_owned(),
@@ -138,7 +139,8 @@ fn columns(rows: &[Row<'_>], whole: bool) -> Vec<Column> {
     columns
 }
 
-/// Whether a row's mean errors of all joints are on the front of the rows of its task, and of its clip.
+/// Returns, for each row, whether its mean errors of all joints are on the front of the rows of its task and its
+/// clip.
 fn on_front(rows: &[Row<'_>], whole: bool) -> Vec<Option<String>> {
     if !whole {
         return vec![None; rows.len()];
@@ -159,7 +161,8 @@ fn leaf(errors: &Errors) -> [f64; 4] {
     errors.leaf.figures()
 }
 
-/// Every key of the setups, constant or not: a table says all about its rows. Subjects by their name.
+/// Returns a column for every key of the setups, even for constant keys: a table then describes its rows
+/// completely. Subjects are listed by name.
 fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
     let mut template = Vec::new();
     flatten("", &Setup::default().to_table(), &mut template);
@@ -199,7 +202,7 @@ fn setup_columns(rows: &[Row<'_>]) -> Vec<Column> {
     columns
 }
 
-/// A value without the quotes of TOML.
+/// Returns a value without TOML's quotes.
 fn plain(value: &toml::Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
@@ -235,7 +238,7 @@ impl Values {
         }
     }
 
-    /// A value as text; empty where there is none.
+    /// Returns a value as text; empty if there is none.
     fn text(&self, row: usize) -> String {
         match self {
             Self::Text(values) => values[row].clone().unwrap_or_default(),
@@ -303,7 +306,7 @@ fn parquet_bytes(columns: &[Column], plan: &Plan) -> Result<Vec<u8>, ParquetErro
     writer.into_inner()
 }
 
-/// Definition level 1 is a value, 0 is none.
+/// Writes a column. Definition level 1 is a value, 0 is a missing value.
 fn write_column<T: parquet::data_type::DataType>(
     chunk: &mut SerializedColumnWriter<'_>,
     values: &[Option<T::T>],

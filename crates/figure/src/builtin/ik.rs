@@ -2,28 +2,29 @@
 
 use glam::DVec3;
 
-/// A solved limb: shoulder, elbow, wrist, or hip, knee, ankle. Unit vectors in the world.
+/// A solved limb: shoulder, elbow, wrist, or hip, knee, ankle. All vectors are unit vectors, in the frame of the
+/// inputs of [`solve`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct TwoBones {
-    /// Along the upper bone.
+    /// Direction of the upper bone.
     pub upper: DVec3,
-    /// Along the lower bone.
+    /// Direction of the lower bone.
     pub lower: DVec3,
-    /// The hinge: a right-handed turn about it bends the lower bone away from the upper. Well
-    /// defined in a straight limb too.
+    /// Hinge axis: a right-handed turn about it bends the lower bone away from the upper bone. Also defined in a
+    /// straight limb.
     pub hinge: DVec3,
     /// Angle between the bones' directions: 0 in a straight limb.
     pub flexion_rad: f64,
 }
 
-/// The longest reach as a share of the limb: 0.998 leaves 7 degrees of flexion, so that a joint
-/// never snaps straight.
+/// Longest reach, as a share of the limb's length. 0.998 leaves 7 degrees of flexion, which keeps a joint from
+/// snapping straight.
 pub(super) const LONGEST_REACH: f64 = 0.998;
 
-/// Bends a limb of two bones from `root` to `target`, the middle joint towards `pole`.
+/// Bends a limb of two bones so that it reaches from `root` to `target`, with the middle joint towards `pole`.
 ///
-/// All in one frame; `pole` is a direction of any length that is not along the limb. A target out
-/// of reach is approached as far as [`LONGEST_REACH`] allows.
+/// All vectors are in one frame. `pole` is a direction of any length that is not parallel to the limb. A target
+/// out of reach is approached as far as [`LONGEST_REACH`] allows.
 pub(super) fn solve(
     root: DVec3,
     target: DVec3,
@@ -36,7 +37,7 @@ pub(super) fn solve(
     let reach_m = to_target.length().min(LONGEST_REACH * (upper_m + lower_m));
     let side = (pole - axis * pole.dot(axis)).normalize();
 
-    // The triangle's foot on the axis and height over it, from the three sides.
+    // Law of cosines: where the middle joint projects onto the axis, and its height over the axis.
     let along_m = (reach_m * reach_m + upper_m * upper_m - lower_m * lower_m) / (2.0 * reach_m);
     let height_m = libm::sqrt((upper_m * upper_m - along_m * along_m).max(0.0));
     let upper = (axis * along_m + side * height_m) / upper_m;

@@ -1,7 +1,7 @@
 //! Kicks as keyed poses: front, side and roundhouse kick, written for the right leg.
 //!
-//! Either leg may kick, in either stance: keys give whole poses in the stance's axes, mirrored for
-//! the left leg, and the guard is taken off them.
+//! Either leg may kick, in either stance. The keys give whole poses in the stance's axes. They are mirrored for
+//! the left leg, and the guard pose is subtracted from them.
 
 use glam::DVec3;
 
@@ -12,29 +12,29 @@ use super::stance;
 use super::strike::{Cue, StrikeKind};
 use super::timing::Beats;
 
-/// One key of a kick with the right leg; vectors in the stance's axes.
+/// One key pose of a kick with the right leg. Vectors are in the stance's axes.
 struct Key {
-    /// From the start of the kick, in seconds.
+    /// Time from the start of the kick, in seconds.
     time_s: f64,
-    /// Pelvis from the ball of the supporting foot, at its height in guard, in metres: such that the
-    /// centre of mass is above the foot.
+    /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in
+    /// metres. Chosen to keep the centre of mass above the foot.
     shift: DVec3,
-    /// Pelvis against the stance, in degrees about x, y, z.
+    /// Rotation of the pelvis relative to the stance, in degrees about x, y, z.
     pelvis: DVec3,
-    /// Thorax against the pelvis, in degrees.
+    /// Rotation of the thorax relative to the pelvis, in degrees about x, y, z.
     trunk: DVec3,
-    /// Ankle from the hip, in leg lengths.
+    /// Position of the ankle relative to the hip, in leg lengths.
     ankle: DVec3,
-    /// Direction of the knee.
+    /// Direction in which the knee points.
     knee: DVec3,
     plantarflexion_deg: f64,
-    /// Turn of the supporting foot against the stance.
+    /// Turn of the supporting foot relative to the stance, in degrees.
     pivot_deg: f64,
-    /// Wrist on the kicking side from guard, in metres: the arm swings against the leg.
+    /// Position of the wrist on the kicking side relative to guard, in metres: the arm swings against the leg.
     swing: DVec3,
 }
 
-/// A kick: its keys, which of them is the impact, and its length.
+/// A kick: its keys, the index of the impact key, and its duration.
 struct Kick {
     keys: &'static [Key],
     impact: usize,
@@ -176,12 +176,12 @@ const ROUNDHOUSE: Kick = Kick {
     length_s: 1.52,
 };
 
-/// How long the pelvis and the trunk are ahead of the foot.
+/// Time by which the pelvis moves before the foot, in seconds. The next constant is for the trunk.
 const HIPS_AHEAD_S: f64 = 0.060;
 const TRUNK_AHEAD_S: f64 = 0.030;
-/// Change of the elbow's direction per metre of swing: outwards and back, out of the arm's own line.
+/// Change of the elbow's direction per metre of swing: outwards and back, to keep it off the line of the arm.
 const ELBOW_PER_SWING: DVec3 = v(-1.6, 1.6, -1.0);
-/// Rise of the supporting heel while the foot turns, as pitch.
+/// Rise of the supporting heel while the foot turns, as pitch in degrees.
 const PIVOT_HEEL_DEG: f64 = 7.0;
 
 fn kick(kind: StrikeKind) -> &'static Kick {
@@ -193,7 +193,7 @@ fn kick(kind: StrikeKind) -> &'static Kick {
     }
 }
 
-/// Impact and end of a kick, from its start, at tempo 1.
+/// Returns the times of impact and end of a kick, in seconds from its start, at tempo 1.
 pub(super) fn timing_s(kind: StrikeKind) -> (f64, f64) {
     let kick = kick(kind);
     (kick.keys[kick.impact].time_s, kick.length_s)
@@ -209,7 +209,7 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
     );
     let (hips, trunk) = (foot.ahead_by(HIPS_AHEAD_S), foot.ahead_by(TRUNK_AHEAD_S));
     let (leg, support) = (cue.side.index(), cue.side.opposite());
-    // Told for the right leg.
+    // The keys describe the right leg.
     let point = |right: DVec3| if cue.side == Side::Right { right } else { mirror_point(right) };
     let turn =
         |right: DVec3| radians(if cue.side == Side::Right { right } else { mirror_turn(right) });
@@ -247,7 +247,7 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
         ..LegMove::default()
     };
 
-    // Where the foot has to be depends on where the pelvis has carried the hip by then.
+    // The foot's target depends on where the pelvis has moved the hip by then.
     let carried = performer.with(strike.clone());
     let offsets: Vec<(DVec3, DVec3)> = keys
         .iter()

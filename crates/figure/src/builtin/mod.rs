@@ -1,12 +1,12 @@
-//! The built-in clips: a fighter of our own making, so that nothing need be downloaded.
+//! The built-in clips: a synthetic fighter. With them, no motion data need be downloaded.
 //!
-//! Twelve clips at 120 Hz hold 80 punches and 40 kicks with the guard and the steps between them.
-//! A script says what happens when; key poses, minimum-jerk tracks and inverse kinematics make it a
-//! motion of the 18 bodies; noise and gaps make it a recording. All random numbers have explicit
-//! seeds and all functions come from `libm`: every machine makes the same bits.
+//! Twelve clips at 120 Hz contain 80 punches and 40 kicks, with the guard and the steps between them. A script
+//! lists the events of a clip. Key poses, minimum-jerk tracks and inverse kinematics turn it into a motion of the
+//! 18 bodies; noise and gaps then turn the motion into a recording. All random numbers have explicit seeds and all
+//! functions are from `libm`: every machine produces the same bits.
 //!
-//! After the pipeline's 6 Hz low-pass the knuckles of a punching fist reach 5 to 10 m/s and the toes
-//! of a kicking foot 6 to 12 m/s, in the world.
+//! After the pipeline's 6 Hz low-pass the knuckles of a punching fist reach 5 to 10 m/s and the toes of a kicking
+//! foot 6 to 12 m/s, in the world.
 
 mod ik;
 mod kicks;
@@ -34,17 +34,18 @@ use timing::RATE_HZ;
 pub use skeleton::Side;
 pub use strike::{Strike, StrikeKind};
 
-/// All built-in clips, in the order of their names' numbers, punches first.
+/// Returns all built-in clips, punches first, in the order of the numbers in their names.
 pub fn clips() -> Vec<Recording> {
     par_clips().collect()
 }
 
-/// The same in parallel, each made where it is used, so that never all of them are in memory.
+/// Returns all built-in clips as a parallel iterator. Each clip is made where it is used, to avoid holding all of
+/// them in memory.
 pub fn par_clips() -> impl IndexedParallelIterator<Item = Recording> {
     script::scripts().into_par_iter().map(|script| clip(&script))
 }
 
-/// The strikes in the built-in clip called `name`, in order; `None` if there is no such clip.
+/// Returns the strikes in the built-in clip called `name`, in order; `None` if there is no clip of that name.
 pub fn strikes(name: &str) -> Option<Vec<Strike>> {
     script::scripts()
         .iter()
@@ -63,7 +64,7 @@ fn clip(script: &Script) -> Recording {
     }
 }
 
-/// The motion itself, without noise and gaps.
+/// Returns the motion of a script, without noise and gaps.
 fn perform(script: &Script) -> Vec<Pose> {
     let footwork = Footwork::new(script.first, &script.steps);
     let sway = Sway::new(&mut Random::new(script.seed, Subject::Sway));

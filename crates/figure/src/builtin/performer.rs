@@ -1,4 +1,4 @@
-//! Puts guard, steps, sway and moves together to the pose of every moment.
+//! Combines guard, steps, sway and moves into the pose at any time.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -11,33 +11,33 @@ use super::stance::{self, Footwork, Stance, Sway};
 use super::timing::{Track, Track3};
 use crate::BODY_COUNT;
 
-/// What one strike adds to the guard: zero at its start and at its end.
+/// Contribution of one strike to the guard pose. It is zero at the strike's start and end.
 ///
-/// Vectors in the stance's axes, metres and radians; turns are angles about x, y, z.
+/// Vectors are in the stance's axes, in metres and radians; turns are angles about x, y, z.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Move {
     pub pelvis_shift: Track3,
     pub pelvis_turn: Track3,
-    /// Of the thorax against the pelvis.
+    /// Turn of the thorax relative to the pelvis.
     pub trunk_turn: Track3,
     pub arms: [ArmMove; 2],
     pub legs: [LegMove; 2],
 }
 
-/// What one strike adds to an arm in guard.
+/// Contribution of one strike to an arm in guard.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ArmMove {
     pub wrist: Track3,
-    /// Of the direction the elbow points in.
+    /// Change of the direction in which the elbow points.
     pub elbow: Track3,
     pub pronation: Track,
-    /// The shoulder forwards, as angle of the clavicle.
+    /// Forward movement of the shoulder, as the angle of the clavicle.
     pub protraction: Track,
-    /// The shoulder upwards, as angle of the clavicle.
+    /// Upward movement of the shoulder, as the angle of the clavicle.
     pub elevation: Track,
 }
 
-/// What one strike adds to a leg on the floor.
+/// Contribution of one strike to a leg on the floor.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LegMove {
     /// Turn of the foot on its ball.
@@ -45,15 +45,15 @@ pub(super) struct LegMove {
     /// Pitch of the foot on its ball, heel up.
     pub heel: Track,
     pub ankle: Track3,
-    /// Of the direction the knee points in.
+    /// Change of the direction in which the knee points.
     pub knee: Track3,
-    /// 0: the foot is held by the floor; 1: by its shank.
+    /// Blend of the foot's rotation: at 0 the floor determines it, at 1 the shank does.
     pub loose: Track,
-    /// Of a loose foot, toes down.
+    /// Plantarflexion of a loose foot; positive turns the toes down.
     pub plantarflexion: Track,
 }
 
-/// The stance, and pelvis, abdomen and thorax in the world.
+/// Position of the stance, and frames of pelvis, abdomen and thorax in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Trunk {
     stance_m: DVec3,
@@ -78,23 +78,23 @@ pub(super) struct Performer {
 struct Guard {
     /// Rotation of the thorax in guard, in the stance's axes.
     thorax: DQuat,
-    /// Wrist and direction of the elbow on each side, in the thorax's frame.
+    /// Position of the wrist and direction of the elbow on each side, in the thorax's frame.
     arms: [(DVec3, DVec3); 2],
 }
 
-/// Share of the trunk's turn that the abdomen takes; the rest is the thorax's.
+/// Share of the trunk's turn that the abdomen makes. The thorax makes the rest.
 const ABDOMEN_SHARE: f64 = 0.45;
-/// Share of the trunk's turn that an arm in guard follows: it stays between chin and opponent.
+/// Share of the trunk's turn that an arm in guard follows. Less than 1 keeps it between chin and opponent.
 const GUARD_FOLLOWS: f64 = 0.5;
-/// Extension of the wrist per radian of elbow flexion: bent in guard, straight at impact.
+/// Extension of the wrist per radian of elbow flexion. The wrist is bent in guard and straight at impact.
 const WRIST_PER_ELBOW: f64 = 0.09;
-/// Farthest turn and nod of the head.
+/// Limits of the head's turn and nod, in degrees.
 const HEAD_LIMIT_DEG: [f64; 2] = [75.0, 40.0];
-/// Eyes above the neck's joint.
+/// Position of the eyes relative to the neck's joint.
 const EYES_M: DVec3 = DVec3::new(0.0, 0.15, 0.10);
 
 impl Performer {
-    /// A fighter who steps and sways; moves are pushed one by one.
+    /// Creates a fighter who steps and sways. Moves are added with [`push`](Self::push).
     pub(super) fn new(footwork: Footwork, sway: Sway) -> Self {
         let neutral = trunk(
             &Stance { origin_m: DVec3::ZERO, heading_rad: 0.0 },
@@ -117,7 +117,7 @@ impl Performer {
         self.moves.push(strike);
     }
 
-    /// The same performer with one more move.
+    /// Returns a copy of the performer with one more move.
     pub(super) fn with(&self, strike: Move) -> Self {
         let mut performer = self.clone();
         performer.push(strike);
@@ -128,12 +128,12 @@ impl Performer {
         self.moves.iter().map(part).sum()
     }
 
-    /// The stance at a time.
+    /// Returns the stance at a time.
     pub(super) fn stance(&self, time_s: f64) -> Stance {
         self.footwork.stance(time_s)
     }
 
-    /// The trunk at a time.
+    /// Returns the trunk at a time.
     pub(super) fn trunk(&self, time_s: f64) -> Trunk {
         let shift = self.sway.shift_m(time_s) + self.sum(|m| m.pelvis_shift.at(time_s));
         let pelvis_turn =
@@ -154,24 +154,24 @@ impl Performer {
             * DQuat::from_rotation_z(side.sign() * elevation)
     }
 
-    /// World position of the shoulder.
+    /// Returns the world position of the shoulder.
     pub(super) fn shoulder_m(&self, time_s: f64, side: Side) -> DVec3 {
         let clavicle =
             self.trunk(time_s).thorax.child(side.clavicle(), self.clavicle(time_s, side));
         clavicle.point(offset_m(side.clavicle() + 1))
     }
 
-    /// World position of the hip.
+    /// Returns the world position of the hip.
     pub(super) fn hip_m(&self, time_s: f64, side: Side) -> DVec3 {
         self.trunk(time_s).pelvis.point(offset_m(side.thigh()))
     }
 
-    /// World position of the wrist and direction of the elbow if the arm stayed in guard.
+    /// Returns the world position of the wrist and the direction of the elbow for an arm that stays in guard.
     pub(super) fn guard_arm(&self, time_s: f64, side: Side) -> (DVec3, DVec3) {
         self.guard_arm_on(&self.trunk(time_s), time_s, side)
     }
 
-    /// The same on the trunk of that time.
+    /// Computes [`guard_arm`](Self::guard_arm) from a trunk that is already known.
     fn guard_arm_on(&self, trunk: &Trunk, time_s: f64, side: Side) -> (DVec3, DVec3) {
         let Trunk { axes, thorax, .. } = *trunk;
         let frame = Frame {
@@ -182,12 +182,12 @@ impl Performer {
         (frame.point(wrist) + axes * self.sway.wrist_m(time_s, side), frame.rotation * elbow)
     }
 
-    /// World position of the ball of a foot on the floor.
+    /// Returns the world position of the ball of a foot on the floor.
     pub(super) fn ball_m(&self, time_s: f64, side: Side) -> DVec3 {
         self.footwork.ball_m(time_s, side)
     }
 
-    /// World position of the ankle and rotation of the foot if it stayed on the floor.
+    /// Returns the frame of a foot that stays on the floor: world position of the ankle, and rotation.
     pub(super) fn planted_foot(&self, time_s: f64, side: Side) -> Frame {
         let turn = self.footwork.foot_rad(time_s, side)
             + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
@@ -198,14 +198,14 @@ impl Performer {
         Frame { rotation, origin_m: self.ball_m(time_s, side) + rotation * ankle_from_ball }
     }
 
-    /// Direction of the knee if the foot stayed on the floor: above the toes.
+    /// Returns the direction of the knee for a foot that stays on the floor: above the toes.
     pub(super) fn planted_knee(&self, time_s: f64, side: Side) -> DVec3 {
         let turn = self.footwork.foot_rad(time_s, side)
             + self.sum(|m| m.legs[side.index()].pivot.at(time_s));
         DQuat::from_rotation_y(turn) * DVec3::Z
     }
 
-    /// The pose at a time.
+    /// Returns the pose at a time.
     pub(super) fn pose(&self, time_s: f64) -> Pose {
         let trunk = self.trunk(time_s);
         let mut rotation = vec![DQuat::IDENTITY; BODY_COUNT];
@@ -221,7 +221,7 @@ impl Performer {
         Pose { root_m: trunk.pelvis.origin_m, rotation }
     }
 
-    /// Rotations of clavicle, upper arm, forearm and hand.
+    /// Returns the rotations of clavicle, upper arm, forearm and hand.
     fn arm(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 4] {
         let sign = side.sign();
         let axes = trunk.axes;
@@ -235,7 +235,7 @@ impl Performer {
         let clavicle = trunk.thorax.child(side.clavicle(), clavicle_turn);
         let shoulder = clavicle.point(offset_m(side.clavicle() + 1));
         let limb = ik::solve(shoulder, wrist, UPPER_ARM_M, FOREARM_M, elbow);
-        // In the rest pose the arm lies along x and flexes forwards, about y.
+        // In the rest pose the arm points along x and flexes forwards, about y.
         let upper = from_axes(limb.upper * sign, limb.hinge * -sign);
         let flexion = DQuat::from_rotation_y(-sign * limb.flexion_rad);
         [
@@ -246,7 +246,7 @@ impl Performer {
         ]
     }
 
-    /// Rotations of thigh, shank and foot.
+    /// Returns the rotations of thigh, shank and foot.
     fn leg(&self, time_s: f64, trunk: &Trunk, side: Side) -> [DQuat; 3] {
         let Trunk { axes, pelvis, .. } = *trunk;
         let planted = self.planted_foot(time_s, side);
@@ -258,7 +258,7 @@ impl Performer {
 
         let hip = pelvis.point(offset_m(side.thigh()));
         let limb = ik::solve(hip, ankle, THIGH_M, SHANK_M, knee);
-        // In the rest pose the leg hangs along -y and flexes about x.
+        // In the rest pose the leg points along -y and flexes about x.
         let thigh = from_axes(limb.hinge, -limb.upper);
         let flexion = DQuat::from_rotation_x(limb.flexion_rad);
         let shank = thigh * flexion;
@@ -279,7 +279,7 @@ fn trunk(stance: &Stance, pelvis_m: DVec3, pelvis_turn: DVec3, trunk_turn: DVec3
     Trunk { stance_m: stance.origin_m, axes, pelvis, abdomen, thorax }
 }
 
-/// The head looks at the opponent as far as the neck allows.
+/// Returns the rotation of the head, which looks at the opponent as far as the neck allows.
 fn head(trunk: &Trunk) -> DQuat {
     let Trunk { stance_m, axes, thorax, .. } = *trunk;
     let opponent = stance_m + axes * stance::OPPONENT_M;
@@ -290,12 +290,12 @@ fn head(trunk: &Trunk) -> DQuat {
     from_turn(DVec3::new(softly_limited(nod, nod_limit), softly_limited(turn, turn_limit), 0.0))
 }
 
-/// Heading about y, then pitch about x, then roll about z.
+/// Returns the rotation made of a heading about y, then a pitch about x, then a roll about z.
 fn from_turn(turn: DVec3) -> DQuat {
     DQuat::from_rotation_y(turn.y) * DQuat::from_rotation_x(turn.x) * DQuat::from_rotation_z(turn.z)
 }
 
-/// The rotation that has these x and y axes, unit and at right angles.
+/// Returns the rotation with these x and y axes, which must be unit vectors at right angles.
 fn from_axes(x: DVec3, y: DVec3) -> DQuat {
     DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).normalize()
 }
@@ -304,12 +304,12 @@ fn relative(parent: &Frame, world: DQuat) -> DQuat {
     (parent.rotation.conjugate() * world).normalize()
 }
 
-/// About the angle itself when small, never past the limit.
+/// Limits an angle smoothly: small angles hardly change, and the result never exceeds the limit.
 fn softly_limited(angle: f64, limit: f64) -> f64 {
     angle / libm::sqrt(1.0 + (angle / limit) * (angle / limit))
 }
 
-/// Degrees to radians.
+/// Converts degrees to radians.
 pub(super) fn radians(degrees: DVec3) -> DVec3 {
     degrees * 1.0_f64.to_radians()
 }

@@ -1,7 +1,7 @@
 //! Punches as keyed poses: jab, cross, and hook and uppercut of either hand.
 //!
-//! Told for an orthodox fighter: the left hand leads. Hips go before shoulders, shoulders before
-//! fist; a straight punch stops at arm's length, hook and uppercut go through the target.
+//! Written for an orthodox fighter, whose left hand leads. Hips move before shoulders, and shoulders before the
+//! fist. A straight punch stops at arm's length; hook and uppercut go through the target.
 
 use glam::DVec3;
 
@@ -11,30 +11,30 @@ use super::stance;
 use super::strike::{Cue, StrikeKind};
 use super::timing::Beats;
 
-/// One key of a punch; vectors in the stance's axes.
+/// One key pose of a punch. Vectors are in the stance's axes.
 struct Key {
-    /// From the start of the punch, in seconds.
+    /// Time from the start of the punch, in seconds.
     time_s: f64,
-    /// Pelvis from guard, in metres.
+    /// Position of the pelvis relative to guard, in metres.
     shift: DVec3,
-    /// Pelvis from guard, in degrees about x, y, z.
+    /// Rotation of the pelvis relative to guard, in degrees about x, y, z.
     pelvis: DVec3,
-    /// Thorax against pelvis from guard, in degrees.
+    /// Rotation of the thorax relative to the pelvis, as a difference from guard, in degrees.
     trunk: DVec3,
-    /// Wrist from the shoulder, in arm lengths.
+    /// Position of the wrist relative to the shoulder, in arm lengths.
     wrist: DVec3,
-    /// Direction of the elbow.
+    /// Direction in which the elbow points.
     elbow: DVec3,
     pronation_deg: f64,
     protraction_deg: f64,
     elevation_deg: f64,
-    /// Turn of the foot on the punching side on its ball.
+    /// Turn of the foot on the punching side about its ball, in degrees.
     pivot_deg: f64,
-    /// Rise of its heel, as pitch.
+    /// Rise of that foot's heel, as pitch in degrees.
     heel_deg: f64,
 }
 
-/// A punch: its keys, which of them is the impact, and its length.
+/// A punch: its keys, the index of the impact key, and its duration.
 struct Punch {
     keys: &'static [Key],
     impact: usize,
@@ -373,7 +373,8 @@ const REAR_UPPERCUT: Punch = Punch {
     length_s: 1.04,
 };
 
-/// How long hips, shoulders and shoulder girdle are ahead of the fist.
+/// Time by which the hips move before the fist, in seconds. The next two constants are for trunk and shoulder
+/// girdle.
 const HIPS_AHEAD_S: f64 = 0.050;
 const TRUNK_AHEAD_S: f64 = 0.025;
 const GIRDLE_AHEAD_S: f64 = 0.010;
@@ -390,7 +391,7 @@ fn punch(kind: StrikeKind, side: Side) -> &'static Punch {
     }
 }
 
-/// Impact and end of a punch, from its start, at tempo 1.
+/// Returns the times of impact and end of a punch, in seconds from its start, at tempo 1.
 pub(super) fn timing_s(kind: StrikeKind, side: Side) -> (f64, f64) {
     let punch = punch(kind, side);
     (punch.keys[punch.impact].time_s, punch.length_s)
@@ -424,7 +425,7 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
         ..ArmMove::default()
     };
 
-    // Where the fist has to be depends on where the trunk has carried the shoulder by then.
+    // The fist's target depends on where the trunk has moved the shoulder by then.
     let carried = performer.with(strike.clone());
     let offsets: Vec<(DVec3, DVec3)> = keys
         .iter()
@@ -442,7 +443,7 @@ pub(super) fn perform(performer: &mut Performer, cue: &Cue) {
     performer.push(strike);
 }
 
-/// The same reach, aimed higher: what lies in front is turned up about x.
+/// Rotates a reach upwards about x by `height_rad`, to aim higher.
 pub(super) fn raised(reach: DVec3, height_rad: f64) -> DVec3 {
     let (sin, cos) = (libm::sin(height_rad), libm::cos(height_rad));
     DVec3::new(reach.x, reach.y * cos + reach.z * sin, reach.z * cos - reach.y * sin)

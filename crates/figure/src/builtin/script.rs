@@ -1,4 +1,4 @@
-//! What happens in each clip: strikes in shuffled order, steps between them, all from seeds.
+//! Scripts of the clips: strikes in shuffled order with steps between them, all from seeds.
 
 use glam::{DQuat, DVec3};
 use sinew_host_util::random::{Random, Subject};
@@ -16,7 +16,7 @@ use StrikeKind::{Cross, FrontKick, Hook, Jab, RoundhouseKick, SideKick, Uppercut
 pub(super) struct Script {
     pub name: String,
     pub seed: u64,
-    /// The side that leads; for a right lead the performance is mirrored.
+    /// The leading side. For a right lead the performance is mirrored.
     pub lead: Side,
     /// Number of frames to record.
     pub frames: u32,
@@ -26,7 +26,7 @@ pub(super) struct Script {
 }
 
 impl Script {
-    /// The strikes as the clip shows them.
+    /// Returns the strikes as they appear in the clip, with the clip's sides.
     pub(super) fn strikes(&self) -> impl Iterator<Item = Strike> {
         self.cues.iter().map(|cue| {
             let side = if self.lead == Side::Left { cue.side } else { cue.side.opposite() };
@@ -36,7 +36,7 @@ impl Script {
     }
 }
 
-/// Lowest and highest aim of a kind of strike against its key pose, as pitch.
+/// Returns the lowest and highest aim of a kind of strike relative to its key pose, as pitch in radians.
 const fn heights_rad(kind: StrikeKind) -> (f64, f64) {
     match kind {
         Jab | Cross => (-0.08, 0.12),
@@ -57,7 +57,7 @@ fn timing_s(cue: &Cue) -> (f64, f64) {
     (cue.start_s + impact_s / cue.tempo, cue.start_s + end_s / cue.tempo)
 }
 
-/// Ten strikes of a clip and the time for each with the step that follows.
+/// Ten strikes of a clip, and the time for each strike with the step that follows it.
 struct Programme {
     slot_s: f64,
     strikes: [(StrikeKind, Side); 10],
@@ -126,25 +126,27 @@ const KICKS_B: Programme = Programme {
 
 const PUNCH_SLOT_S: f64 = 1.70;
 const KICK_SLOT_S: f64 = 2.17;
-/// Guard before the first strike.
+/// Time in guard before the first strike, in seconds.
 const LEAD_IN_S: f64 = 0.30;
-/// Guard after the last step: enough for the differences that the evaluation forms at the end.
+/// Time in guard after the last step, in seconds: enough for the differences that the evaluation forms at the end.
 const LEAD_OUT_S: f64 = 0.20;
-/// A strike begins this long after its slot, at least and at most: hips move before the limb.
+/// Shortest and longest delay from the start of a slot to the start of its strike, in seconds. Hips move before
+/// the limb.
 const SLOT_TO_START_S: (f64, f64) = (0.08, 0.18);
 
-/// Fastest step, in metres per second of the whole stance, and farthest.
+/// Highest speed of a step, in metres per second of the whole stance. `STEP_M` is its greatest length.
 const STEP_SPEED_M_S: f64 = 0.5;
 const STEP_M: f64 = 0.20;
-/// The fighter stays this close to where it began.
+/// Maximum distance from the place where the fighter began, in metres.
 const RING_M: f64 = 0.8;
-/// Turn of the stance in one step and in all.
+/// Maximum turn of the stance in one step; `LARGEST_TURN_DEG` is the maximum in all.
 const STEP_TURN_DEG: f64 = 8.0;
 const LARGEST_TURN_DEG: f64 = 25.0;
 
-/// The twelve clips: 80 punches and 40 kicks, each stance in half of them.
+/// Returns the twelve clips: 80 punches and 40 kicks, each stance in half of them.
 ///
-/// Every programme is fought in both stances equally often, so left and right strike equally often.
+/// Every programme is performed in both stances equally often, which makes left and right strikes equally
+/// frequent.
 pub(super) fn scripts() -> Vec<Script> {
     let punches = [
         &PUNCHES_A, &PUNCHES_A, &PUNCHES_B, &PUNCHES_B, &PUNCHES_A, &PUNCHES_A, &PUNCHES_B,
@@ -197,7 +199,7 @@ fn script(name: String, seed: u64, lead: Side, programme: &Programme) -> Script 
     Script { name, seed, lead, frames, first, steps, cues }
 }
 
-/// A step any way, but not out of the ring.
+/// Draws a step in a random direction that does not leave the ring.
 fn next_stance(random: &mut Random, at: &Stance, time_s: f64) -> Stance {
     let longest_m = STEP_M.min(STEP_SPEED_M_S * time_s);
     let length_m = longest_m * random.between(0.5, 1.0);

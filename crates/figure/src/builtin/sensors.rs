@@ -1,4 +1,4 @@
-//! What a capture system does to a perfect performance: white noise and gaps.
+//! Simulates the errors of a capture system: adds white noise and gaps to a perfect performance.
 
 use glam::DQuat;
 use sinew_host_util::random::{Random, Subject};
@@ -7,18 +7,19 @@ use sinew_mocap::JointSample;
 use super::skeleton::{PELVIS, Pose, offset_m};
 use crate::BODY_COUNT;
 
-/// Standard deviation of each joint's rotation about each axis.
+/// Standard deviation of each joint's rotation about each axis, in degrees.
 pub(super) const ROTATION_NOISE_DEG: f64 = 0.3;
-/// Standard deviation of the root's position along each axis.
+/// Standard deviation of the root's position along each axis, in metres.
 pub(super) const POSITION_NOISE_M: f64 = 0.0015;
-/// Gaps in a clip, each in a joint of its own.
+/// Number of gaps in a clip. Each gap is in another joint.
 pub(super) const GAPS: usize = 8;
 /// Shortest and longest gap, in frames: at 120 Hz up to 0.21 s.
 pub(super) const GAP_FRAMES: (usize, usize) = (3, 25);
-/// No gap so close to an end of the clip that it could not be bridged from both sides.
+/// Minimum distance of a gap from both ends of the clip, in frames. Nearer gaps could not be bridged from both
+/// sides.
 pub(super) const GAP_MARGIN_FRAMES: usize = 36;
 
-/// The frames as they are recorded.
+/// Returns the frames as the capture system would record them.
 pub(super) fn record(poses: &[Pose], seed: u64) -> Vec<Vec<Option<JointSample>>> {
     let mut noise = Random::new(seed, Subject::Noise);
     let mut frames: Vec<Vec<Option<JointSample>>> = poses
@@ -46,7 +47,7 @@ fn sample(pose: &Pose, body: usize, noise: &mut Random) -> JointSample {
     }
 }
 
-/// Body, first frame and length of each gap.
+/// Draws the body, first frame and length of each gap.
 fn gaps(frames: usize, seed: u64) -> impl Iterator<Item = (usize, usize, usize)> {
     let mut random = Random::new(seed, Subject::Gaps);
     let mut bodies: Vec<usize> = (0..BODY_COUNT).collect();

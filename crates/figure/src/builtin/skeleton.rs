@@ -1,12 +1,12 @@
 //! The fighter's skeleton and its poses.
 //!
-//! An adult man of 1.78 m. Segment lengths: P. de Leva, "Adjustments to Zatsiorsky-Seluyanov's
-//! segment inertia parameters", J. Biomechanics 29 (1996), 1223-1230, table 4, males (mean stature
-//! 1.741 m). Heights and breadths it does not give: D. A. Winter, *Biomechanics and Motor Control of
-//! Human Movement*, figure 4.1 (Drillis and Contini); distance of the hip centres: A. L. Bell,
-//! D. R. Pedersen and R. A. Brand, J. Biomechanics 23 (1990), 617-621.
+//! The skeleton is an adult man of 1.78 m. Segment lengths: P. de Leva, "Adjustments to Zatsiorsky-Seluyanov's
+//! segment inertia parameters", J. Biomechanics 29 (1996), 1223-1230, table 4, males (mean stature 1.741 m).
+//! Heights and breadths that are not in that table: D. A. Winter, *Biomechanics and Motor Control of Human
+//! Movement*, figure 4.1 (Drillis and Contini). Distance of the hip centres: A. L. Bell, D. R. Pedersen and R. A.
+//! Brand, J. Biomechanics 23 (1990), 617-621.
 //!
-//! Rest pose: T-pose, palms down, facing +z with the left side at +x; all frames along the world's.
+//! Rest pose: T-pose, palms down, facing +z with the left side at +x. All frames are parallel to the world's.
 
 use std::sync::LazyLock;
 
@@ -16,40 +16,42 @@ use sinew_mocap::{Skeleton, SkeletonJoint};
 use crate::{BODIES, BODY_COUNT};
 
 const STATURE_M: f64 = 1.78;
-/// From de Leva's mean man to ours.
+/// Scale from de Leva's mean man to this one.
 const SCALE: f64 = STATURE_M / 1.741;
 
-/// Mid-hip to omphalion.
+/// Length from mid-hip to omphalion (navel).
 const PELVIS_M: f64 = 0.1457 * SCALE;
-/// Omphalion to xiphoid.
+/// Length from omphalion to xiphoid (lower end of the breastbone).
 const ABDOMEN_M: f64 = 0.2155 * SCALE;
-/// Xiphoid to suprasternale: the sternal ends of the clavicles.
+/// Length from xiphoid to suprasternale, which is level with the sternal ends of the clavicles.
 const STERNUM_M: f64 = 0.1707 * SCALE;
-/// Xiphoid to cervicale, and how far this lies behind.
+/// Vector from xiphoid to cervicale, which is 35 mm farther back.
 const NECK_M: DVec3 = DVec3::new(0.0, 0.2165 * SCALE, -0.035);
-/// Cervicale to vertex, which lies in front of it.
+/// Vector from cervicale to vertex, which is 40 mm farther forward.
 const HEAD_M: DVec3 = DVec3::new(0.0, 0.2395 * SCALE, 0.040);
-/// Shoulder to elbow.
+/// Length from shoulder to elbow.
 pub(super) const UPPER_ARM_M: f64 = 0.2817 * SCALE;
-/// Elbow to wrist.
+/// Length from elbow to wrist.
 pub(super) const FOREARM_M: f64 = 0.2689 * SCALE;
-/// Wrist to third knuckle: the hand is a fist.
+/// Length from wrist to third knuckle: the hand is a fist.
 const FIST_M: f64 = 0.0862 * SCALE;
-/// Sternal end of a clavicle from the middle.
+/// Distance of the sternal end of a clavicle from the middle.
 const STERNAL_END_M: f64 = 0.025;
-/// Half the breadth of the acromia, 0.129 statures, less 3 cm to the centre of the joint.
+/// Distance of a shoulder joint from the middle: half the breadth of the acromia, 0.129 statures, minus 3 cm to
+/// the centre of the joint.
 const HALF_SHOULDERS_M: f64 = 0.129 * STATURE_M - 0.030;
 /// Half the distance of the hip centres.
 const HALF_HIPS_M: f64 = 0.087;
-/// Hip to knee.
+/// Length from hip to knee.
 pub(super) const THIGH_M: f64 = 0.4222 * SCALE;
-/// Knee to ankle.
+/// Length from knee to ankle.
 pub(super) const SHANK_M: f64 = 0.4340 * SCALE;
-/// Ankle above the sole (0.039 statures).
+/// Height of the ankle above the sole (0.039 statures).
 pub(super) const ANKLE_HEIGHT_M: f64 = 0.039 * STATURE_M;
-/// Ball of the foot in front of the ankle.
+/// Distance of the ball of the foot in front of the ankle.
 pub(super) const ANKLE_TO_BALL_M: f64 = 0.130;
-/// Middle of the toe cap; a foot is 0.2581 * 1.022 = 0.264 m long, a quarter of it behind the ankle.
+/// Middle of the toe cap, relative to the ankle. A foot is 0.2581 * 1.022 = 0.264 m long, a quarter of it behind
+/// the ankle.
 const TOE_M: DVec3 = DVec3::new(0.0, 0.020 - ANKLE_HEIGHT_M, 0.198);
 
 /// Length of the arm from shoulder to wrist.
@@ -65,17 +67,17 @@ pub(super) const HEAD: usize = 3;
 /// A side of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Side {
-    /// At +x in the rest pose.
+    /// The side at +x in the rest pose.
     Left,
-    /// At -x in the rest pose.
+    /// The side at -x in the rest pose.
     Right,
 }
 
 impl Side {
-    /// Both sides.
+    /// Both sides, left first.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
-    /// The other side.
+    /// Returns the opposite side.
     #[must_use]
     pub const fn opposite(self) -> Self {
         match self {
@@ -84,7 +86,7 @@ impl Side {
         }
     }
 
-    /// +1 on the left, -1 on the right: the sign of the rest pose's x.
+    /// Returns +1 for the left, -1 for the right: the sign of x in the rest pose.
     pub const fn sign(self) -> f64 {
         match self {
             Self::Left => 1.0,
@@ -92,40 +94,40 @@ impl Side {
         }
     }
 
-    /// Index in arrays of two.
+    /// Returns the side's index in arrays of two: left 0, right 1.
     pub const fn index(self) -> usize {
         self as usize
     }
 
-    /// The clavicle; upper arm, forearm and hand follow it.
+    /// Returns the index of the clavicle. Upper arm, forearm and hand follow it.
     pub const fn clavicle(self) -> usize {
         [4, 8][self.index()]
     }
 
-    /// The hand.
+    /// Returns the index of the hand.
     pub const fn hand(self) -> usize {
         self.clavicle() + 3
     }
 
-    /// The thigh; shank and foot follow it.
+    /// Returns the index of the thigh. Shank and foot follow it.
     pub const fn thigh(self) -> usize {
         [12, 15][self.index()]
     }
 
-    /// The foot.
+    /// Returns the index of the foot.
     pub const fn foot(self) -> usize {
         self.thigh() + 2
     }
 }
 
-/// Position of joint `body` in its parent's frame.
+/// Returns the position of joint `body` in its parent's frame.
 pub(super) fn offset_m(body: usize) -> DVec3 {
     static OFFSETS_M: LazyLock<[DVec3; BODY_COUNT]> =
         LazyLock::new(|| std::array::from_fn(named_offset_m));
     OFFSETS_M[body]
 }
 
-/// The same, by the body's name.
+/// Computes [`offset_m`] from the body's name.
 fn named_offset_m(body: usize) -> DVec3 {
     let (segment, x) = segment(body);
     match segment {
@@ -144,7 +146,7 @@ fn named_offset_m(body: usize) -> DVec3 {
     }
 }
 
-/// End of a leaf segment in its own frame: vertex, third knuckle or toe cap.
+/// Returns the end of a leaf segment in its own frame: vertex, third knuckle or toe cap. `None` for other bodies.
 pub(super) fn end_site_m(body: usize) -> Option<DVec3> {
     let (segment, x) = segment(body);
     match segment {
@@ -155,7 +157,7 @@ pub(super) fn end_site_m(body: usize) -> Option<DVec3> {
     }
 }
 
-/// Name of a body without its side, and the side's sign.
+/// Returns the name of a body without its side, and the sign of the side (0 for bodies of the trunk).
 fn segment(body: usize) -> (&'static str, f64) {
     let name = BODIES[body].name;
     match (name.strip_suffix("_l"), name.strip_suffix("_r")) {
@@ -165,7 +167,7 @@ fn segment(body: usize) -> (&'static str, f64) {
     }
 }
 
-/// The skeleton of every built-in clip: the figure's bodies, same names, same order.
+/// Returns the skeleton of every built-in clip: the figure's bodies, with the same names in the same order.
 pub(super) fn skeleton() -> Skeleton {
     let joints = BODIES
         .iter()
@@ -180,7 +182,7 @@ pub(super) fn skeleton() -> Skeleton {
     Skeleton { joints }
 }
 
-/// Place of a body in the world.
+/// Pose of a body in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Frame {
     /// Rotation from the body's frame to the world's, unit.
@@ -190,12 +192,12 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// World position of a point of the body.
+    /// Returns the world position of a point of the body.
     pub(super) fn point(&self, local_m: DVec3) -> DVec3 {
         self.origin_m + self.rotation * local_m
     }
 
-    /// The frame of a child joint that is turned by `rotation` against this body.
+    /// Returns the frame of a child joint that is turned by `rotation` relative to this body.
     pub(super) fn child(&self, body: usize, rotation: DQuat) -> Self {
         Self {
             rotation: (self.rotation * rotation).normalize(),
@@ -214,7 +216,7 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// All bodies in the world.
+    /// Returns the frames of all bodies in the world.
     #[cfg(test)]
     pub(super) fn world(&self) -> Vec<Frame> {
         let mut frames =
@@ -227,7 +229,7 @@ impl Pose {
         frames
     }
 
-    /// The pose seen in a mirror in the plane x = 0: left and right change places.
+    /// Returns the pose seen in a mirror in the plane x = 0: left and right change places.
     pub(super) fn mirrored(&self) -> Self {
         let mut rotation: Vec<_> = self.rotation.iter().copied().map(mirror_rotation).collect();
         for segment in 0..4 {
@@ -240,12 +242,12 @@ impl Pose {
     }
 }
 
-/// A point or direction in the mirror x = 0.
+/// Mirrors a point or a direction in the plane x = 0.
 pub(super) fn mirror_point(point: DVec3) -> DVec3 {
     DVec3::new(-point.x, point.y, point.z)
 }
 
-/// A rotation in the mirror x = 0; the same rule holds for angles about the axes.
+/// Mirrors a rotation in the plane x = 0. Angles about the axes obey this rule too.
 fn mirror_rotation(rotation: DQuat) -> DQuat {
     DQuat::from_xyzw(rotation.x, -rotation.y, -rotation.z, rotation.w)
 }

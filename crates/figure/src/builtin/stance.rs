@@ -1,7 +1,7 @@
-//! The guard a fighter stands in, the steps that carry it about, and its sway.
+//! The fighter's guard stance, the steps that move it, and its sway.
 //!
-//! Everything up to the finished pose is written for an orthodox fighter, left side leading; a southpaw
-//! is the mirror image. Stance frame: origin on the floor below the guard, y up, z to the opponent.
+//! Everything up to the finished pose is written for an orthodox fighter, whose left side leads; a southpaw is the
+//! mirror image. Stance frame: origin on the floor below the guard, y up, z towards the opponent.
 
 use glam::{DQuat, DVec3};
 use sinew_host_util::random::Random;
@@ -9,40 +9,40 @@ use sinew_host_util::random::Random;
 use super::skeleton::Side;
 use super::timing::{Track, Track3};
 
-/// Pelvis in the stance frame, in metres.
+/// Position of the pelvis in the stance frame, in metres.
 pub(super) const PELVIS_M: DVec3 = DVec3::new(0.03, 0.87, -0.02);
-/// Turn of the pelvis against the stance, in degrees about x, y, z.
+/// Rotation of the pelvis relative to the stance, in degrees about x, y, z.
 pub(super) const PELVIS_TURN_DEG: DVec3 = DVec3::new(4.0, -35.0, 0.0);
-/// Turn of the thorax against the pelvis.
+/// Rotation of the thorax relative to the pelvis, in degrees about x, y, z.
 pub(super) const TRUNK_TURN_DEG: DVec3 = DVec3::new(13.0, -3.0, 0.0);
-/// Wrists in the stance frame, left (leading) and right, in metres.
+/// Positions of the wrists in the stance frame, left (leading) and right, in metres.
 pub(super) const WRISTS_M: [DVec3; 2] =
     [DVec3::new(0.12, 1.43, 0.42), DVec3::new(-0.05, 1.42, 0.19)];
 /// Direction of the elbows in the stance frame.
 pub(super) const ELBOWS: [DVec3; 2] = [DVec3::new(0.35, -1.0, -0.1), DVec3::new(-0.45, -1.0, -0.1)];
 /// Pronation of the forearms from the palm-down rest pose; the palms face inwards.
 pub(super) const PRONATION_DEG: f64 = 5.0;
-/// Where the opponent's face is, in the stance frame.
+/// Position of the opponent's face in the stance frame.
 pub(super) const OPPONENT_M: DVec3 = DVec3::new(0.0, 1.55, 1.3);
 
-/// Balls of the feet in the stance frame.
+/// Positions of the balls of the feet in the stance frame, left and right.
 const BALLS_M: [DVec3; 2] = [DVec3::new(0.10, 0.0, 0.36), DVec3::new(-0.17, 0.0, -0.20)];
-/// Direction of the feet, turned about y from z.
+/// Headings of the feet, as turns about y from z.
 const FEET_DEG: [f64; 2] = [-18.0, -48.0];
-/// Height of the heels as pitch of the feet: the rear heel is off the floor.
+/// Heights of the heels, as pitch of the feet. The rear heel is off the floor.
 pub(super) const HEELS_DEG: [f64; 2] = [0.0, 12.0];
 
-/// Place of the stance frame in the world.
+/// Pose of the stance frame in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stance {
-    /// Origin, on the floor.
+    /// Origin of the frame, on the floor.
     pub origin_m: DVec3,
-    /// Turn about y from the world's z to the opponent.
+    /// Heading: the turn about y from the world's z to the direction of the opponent.
     pub heading_rad: f64,
 }
 
 impl Stance {
-    /// Rotation from the stance's axes to the world's.
+    /// Returns the rotation from the stance's axes to the world's.
     pub(super) fn rotation(&self) -> DQuat {
         DQuat::from_rotation_y(self.heading_rad)
     }
@@ -56,7 +56,7 @@ impl Stance {
     }
 }
 
-/// Turn of a foot in guard against the stance.
+/// Returns the heading of a foot in guard relative to the stance.
 pub(super) fn foot_heading_rad(side: Side) -> f64 {
     FEET_DEG[side.index()].to_radians()
 }
@@ -69,7 +69,7 @@ pub(super) struct Step {
     pub to: Stance,
 }
 
-/// Where the stance and the feet are, over a whole clip.
+/// Tracks of the stance and of the feet, over a whole clip.
 #[derive(Debug, Clone)]
 pub(super) struct Footwork {
     origin: Track3,
@@ -78,13 +78,13 @@ pub(super) struct Footwork {
     feet: [Track; 2],
 }
 
-/// Highest point of a stepping foot.
+/// Greatest height of a stepping foot.
 const STEP_HEIGHT_M: f64 = 0.04;
-/// Share of a step in which one foot is in the air; the two overlap a little.
+/// Share of a step's duration for which one foot is in the air. The two feet overlap a little.
 const FOOT_SHARE: f64 = 0.58;
 
 impl Footwork {
-    /// From the first stance through all steps, which are in order and apart.
+    /// Builds the tracks from the first stance and all steps. The steps are in order and do not overlap.
     pub(super) fn new(first: Stance, steps: &[Step]) -> Self {
         let mut at = first;
         let mut origin = vec![(0.0, first.origin_m)];
@@ -113,23 +113,24 @@ impl Footwork {
         }
     }
 
-    /// The stance at a time.
+    /// Returns the stance at a time.
     pub(super) fn stance(&self, time_s: f64) -> Stance {
         Stance { origin_m: self.origin.at(time_s), heading_rad: self.heading.at(time_s) }
     }
 
-    /// World position of the ball of a foot.
+    /// Returns the world position of the ball of a foot.
     pub(super) fn ball_m(&self, time_s: f64, side: Side) -> DVec3 {
         self.balls[side.index()].at(time_s)
     }
 
-    /// Turn of a foot about y from the world's z.
+    /// Returns the heading of a foot: its turn about y from the world's z.
     pub(super) fn foot_rad(&self, time_s: f64, side: Side) -> f64 {
         self.feet[side.index()].at(time_s)
     }
 }
 
-/// The foot on the side of the movement goes first, so that the legs never cross.
+/// Returns the start and end of a foot's time in the air. The foot on the side of the movement goes first, to keep
+/// the legs from crossing.
 fn air_time(from: &Stance, step: &Step, side: Side) -> (f64, f64) {
     let way = step.to.origin_m - from.origin_m;
     let lead_from_rear = from.rotation() * (BALLS_M[0] - BALLS_M[1]);
@@ -145,11 +146,11 @@ fn air_time(from: &Stance, step: &Step, side: Side) -> (f64, f64) {
 /// Involuntary movement: bounce, shift of weight and breath as sums of sines.
 #[derive(Debug, Clone)]
 pub(super) struct Sway {
-    /// Of the pelvis, in the stance's axes.
+    /// Shift of the pelvis, in the stance's axes.
     shift_m: Waves,
-    /// Of the pelvis and, the other way, of the trunk.
+    /// Turn of the pelvis. The trunk turns in the opposite direction.
     turn_rad: Waves,
-    /// Of the wrists.
+    /// Shift of each wrist.
     wrists_m: [Waves; 2],
 }
 
@@ -164,7 +165,7 @@ struct Wave {
 }
 
 impl Waves {
-    /// One wave per `(amplitude, lowest and highest frequency in hertz)`.
+    /// Draws one wave for each `(amplitude, lowest frequency, highest frequency)`, frequencies in Hz.
     fn new(random: &mut Random, bands: &[(DVec3, f64, f64)]) -> Self {
         let mut wave = |&(amplitude, low_hz, high_hz): &(DVec3, f64, f64)| Wave {
             amplitude,
@@ -208,22 +209,22 @@ impl Sway {
         }
     }
 
-    /// Shift of the pelvis in the stance's axes.
+    /// Returns the shift of the pelvis in the stance's axes.
     pub(super) fn shift_m(&self, time_s: f64) -> DVec3 {
         self.shift_m.at(time_s)
     }
 
-    /// Turn of the pelvis, as angles about x, y, z.
+    /// Returns the turn of the pelvis, as angles about x, y, z.
     pub(super) fn pelvis_turn_rad(&self, time_s: f64) -> DVec3 {
         self.turn_rad.at(time_s)
     }
 
-    /// Turn of the trunk: it takes back half of the pelvis's.
+    /// Returns the turn of the trunk, which undoes half of the pelvis's turn.
     pub(super) fn trunk_turn_rad(&self, time_s: f64) -> DVec3 {
         -0.5 * self.turn_rad.at(time_s)
     }
 
-    /// Shift of a wrist in the stance's axes.
+    /// Returns the shift of a wrist in the stance's axes.
     pub(super) fn wrist_m(&self, time_s: f64, side: Side) -> DVec3 {
         self.wrists_m[side.index()].at(time_s)
     }

@@ -1,4 +1,4 @@
-//! Strikes: their kinds, and how the performer and the clips name them.
+//! Strikes: their kinds, and their description for the performer and for users of the clips.
 
 use super::skeleton::Side;
 
@@ -22,37 +22,37 @@ pub enum StrikeKind {
 }
 
 impl StrikeKind {
-    /// Whether a leg strikes.
+    /// Returns whether the strike is a kick.
     pub const fn is_kick(self) -> bool {
         matches!(self, Self::FrontKick | Self::SideKick | Self::RoundhouseKick)
     }
 }
 
-/// A strike that a clip holds.
+/// A strike that a clip contains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Strike {
-    /// The kind.
+    /// Kind of strike.
     pub kind: StrikeKind,
-    /// The side of the fist or foot that strikes.
+    /// Side of the fist or foot that strikes.
     pub side: Side,
-    /// When it leaves the guard, in seconds from the first frame.
+    /// Time at which the limb leaves the guard, in seconds from the first frame.
     pub start_s: f64,
-    /// When fist or foot is at the target.
+    /// Time at which the fist or foot is at the target, in seconds from the first frame.
     pub impact_s: f64,
-    /// When the fighter is back in guard.
+    /// Time at which the fighter is back in guard, in seconds from the first frame.
     pub end_s: f64,
 }
 
-/// A strike as the performer is given it, who always leads with the left.
+/// A strike as input of the performer, whose left side always leads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cue {
     pub kind: StrikeKind,
     pub side: Side,
     pub start_s: f64,
-    /// Speed as a multiple of the key poses' own.
+    /// Speed, as a multiple of the key poses' speed.
     pub tempo: f64,
-    /// Turn of hips and trunk as a multiple of the key poses' own.
+    /// Turn of hips and trunk, as a multiple of the key poses' turn.
     pub power: f64,
-    /// Aim above the key poses' own, as pitch.
+    /// Aim above that of the key poses, as pitch.
     pub height_rad: f64,
 }

@@ -1,4 +1,5 @@
-//! What the built-in clips promise, measured on the motion before noise unless said otherwise.
+//! Tests of the documented properties of the built-in clips, measured on the motion before noise unless stated
+//! otherwise.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,7 +42,7 @@ fn frame_at(time_s: f64) -> usize {
 }
 
 impl Take {
-    /// Path of the fist's knuckles or the foot's toes that strike.
+    /// Returns the path of the knuckles or toes that strike.
     fn weapon(&self, strike: &Strike) -> Vec<DVec3> {
         let body = if strike.kind.is_kick() { strike.side.foot() } else { strike.side.hand() };
         let tip = end_site_m(body).unwrap();
@@ -53,7 +54,7 @@ impl Take {
     }
 }
 
-/// Two passes of a second-order Butterworth low-pass, with -3 dB at 6 Hz in all.
+/// Applies a second-order Butterworth low-pass forwards and backwards: -3 dB at 6 Hz in total.
 fn low_passed(path: &[DVec3]) -> Vec<DVec3> {
     let cutoff_hz = 6.0 / libm::pow(libm::sqrt(2.0) - 1.0, 0.25);
     let filter = || {
@@ -117,7 +118,7 @@ fn frames_after_resampling_reach_the_papers_number() {
     for clip in CLIPS.iter() {
         let seconds = (clip.frames.len() - 1) as f64 * clip.frame_time_s.unwrap();
         assert!((10.0..30.0).contains(&seconds), "{}: {seconds} s", clip.name);
-        // The pipeline leaves out the first 0.1 s and resamples to 100 Hz.
+        // The pipeline drops the first 0.1 s and resamples to 100 Hz.
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -181,7 +182,7 @@ fn impacts_reach_the_opponent() {
     }
 }
 
-/// Centre of mass, with de Leva's masses (1996, table 4, males) at the middles of the segments.
+/// Returns the centre of mass, with de Leva's masses (1996, table 4, males) at the middles of the segments.
 fn centre_of_mass(bodies: &[Frame]) -> DVec3 {
     let (mut moment, mut mass) = (DVec3::ZERO, 0.0);
     for (body, part) in BODIES.iter().enumerate() {
@@ -215,13 +216,13 @@ fn kicks_are_balanced_on_the_supporting_foot() {
             let bodies = &take.bodies[frame_at(strike.impact_s)];
             let [heel, ball, _] = sole(&bodies[strike.side.opposite().foot()]);
             let off_m = (centre_of_mass(bodies) - heel.midpoint(ball)).with_y(0.0).length();
-            // Half of the way from heel to ball.
+            // Half of the distance from heel to ball.
             assert!(off_m < 0.095, "{}: {strike:?}: {off_m} m", take.script.name);
         }
     }
 }
 
-/// Heel, ball and toes of a foot.
+/// Returns heel, ball and toes of a foot.
 fn sole(foot: &Frame) -> [DVec3; 3] {
     [-0.06, ANKLE_TO_BALL_M, 0.198].map(|z| {
         foot.point(DVec3::new(0.0, if z > 0.15 { 0.020 } else { 0.0 } - ANKLE_HEIGHT_M, z))
@@ -242,7 +243,7 @@ fn planted_feet_do_not_slip_and_no_foot_sinks() {
                     take.script.name
                 );
 
-                // Within a millimetre of the floor a foot counts as planted, a lifting one too.
+                // Within a millimetre of the floor a foot counts as planted, even while it lifts.
                 let ball = points[1];
                 landed = (ball.y < 0.001).then(|| landed.unwrap_or(ball));
                 let slip_m = landed.map_or(0.0, |at| (ball - at).length());
@@ -252,7 +253,7 @@ fn planted_feet_do_not_slip_and_no_foot_sinks() {
     }
 }
 
-/// Largest value that `measure` finds on either side in any frame, and where.
+/// Returns the largest value that `measure` finds on either side in any frame, and the place.
 fn largest(measure: impl Fn(&Pose, Side) -> f64) -> (f64, String) {
     let mut worst = (f64::MIN, String::new());
     for take in TAKES.iter() {
@@ -268,7 +269,7 @@ fn largest(measure: impl Fn(&Pose, Side) -> f64) -> (f64, String) {
     worst
 }
 
-/// Twist of a rotation about an axis, in (-180, 180] degrees.
+/// Returns the twist of a rotation about an axis, in (-180, 180] degrees.
 fn twist_deg(rotation: DQuat, axis: DVec3) -> f64 {
     let along = rotation.xyz().dot(axis);
     let twist = 2.0 * libm::atan2(along, rotation.w);
@@ -279,8 +280,8 @@ fn degrees(sine: f64) -> f64 {
     libm::asin(sine.clamp(-1.0, 1.0)).to_degrees()
 }
 
-/// Limits: active ranges of the American Academy of Orthopaedic Surgeons (1965), with the hip's as
-/// kickers have them, where pelvis and lumbar spine add to what is one joint here.
+/// Limits: active ranges of the American Academy of Orthopaedic Surgeons (1965). The hip's range is that of
+/// kickers, since the figure's hip joint includes the motion of pelvis and lumbar spine.
 #[test]
 fn joints_stay_in_human_ranges() {
     type Measure = fn(&Pose, Side) -> f64;
@@ -325,13 +326,13 @@ fn angle_deg(rotation: DQuat) -> f64 {
     2.0 * libm::atan2(rotation.xyz().length(), rotation.w.abs()).to_degrees()
 }
 
-/// Negative when the elbow bends backwards.
+/// Returns the flexion of the elbow; negative if the elbow bends backwards.
 fn elbow_deg(pose: &Pose, side: Side) -> f64 {
     let forearm = pose.rotation[side.clavicle() + 2] * (DVec3::X * side.sign());
     libm::atan2(forearm.z, side.sign() * forearm.x).to_degrees()
 }
 
-/// Negative when the knee bends forwards.
+/// Returns the flexion of the knee; negative if the knee bends forwards.
 fn knee_deg(pose: &Pose, side: Side) -> f64 {
     let shank = pose.rotation[side.thigh() + 1] * DVec3::NEG_Y;
     libm::atan2(-shank.z, -shank.y).to_degrees()
@@ -349,7 +350,7 @@ fn foot(pose: &Pose, side: Side) -> DQuat {
     pose.rotation[side.foot()]
 }
 
-/// A limb at its longest would mean that the target was out of reach.
+/// Checks that no limb is at its longest, which would mean that its target was out of reach.
 #[test]
 fn every_target_is_within_reach() {
     let straight_deg = {
@@ -362,9 +363,9 @@ fn every_target_is_within_reach() {
     assert!(-knee > straight_deg + 5.0, "{} deg in {at_knee}", -knee);
 }
 
-/// No jump anywhere, between strikes or in them: a limb that flips over or a kinked track makes more
-/// than 10,000 rad/s^2, the strikes themselves make less than 800. A fighter on the floor can hardly
-/// throw the pelvis about with more than 6 g.
+/// Checks that accelerations have no jumps, neither between strikes nor in them. A limb that flips over or a
+/// kinked track gives more than 10,000 rad/s²; the strikes give less than 800. A fighter on the floor can hardly
+/// accelerate the pelvis by more than 6 g.
 #[test]
 fn accelerations_are_those_of_a_body() {
     for take in TAKES.iter() {
@@ -438,8 +439,8 @@ fn gaps_are_short_and_apart() {
     }
 }
 
-/// FNV-1a over every bit of every clip. It changes when the clips do, and only then: the tables of
-/// the evaluation change with it.
+/// Compares the FNV-1a hash of every bit of every clip. It changes only when the clips change, and with them the
+/// tables of the evaluation.
 #[test]
 fn clips_are_the_same_bits_everywhere() {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;

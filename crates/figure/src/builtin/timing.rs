@@ -1,17 +1,17 @@
-//! Quantities over time: smooth tracks through timed keys.
+//! Smooth tracks of quantities over time, through timed keys.
 
 use glam::DVec3;
 
-/// Recorded frames per second; the pipeline resamples to 100.
+/// Recorded frames per second. The pipeline resamples to 100.
 pub(super) const RATE_HZ: f64 = 120.0;
 
 /// A smooth function of time through keys.
 ///
-/// Each span is the quintic polynomial that meets position and speed of both of its keys with no
-/// acceleration there: the minimum-jerk movement between them (Flash and Hogan 1985). The whole is
-/// twice differentiable. Speeds at inner keys are the harmonic mean of the neighbouring slopes
-/// (Fritsch and Butland 1984), so a track never runs past its keys and stops where it turns.
-/// Before the first key and after the last it stands still; without keys it is zero.
+/// Each span is the quintic polynomial that has the position and speed of both of its keys and zero acceleration
+/// there: the minimum-jerk movement between them (Flash and Hogan 1985). The whole track is twice differentiable.
+/// The speed at an inner key is the harmonic mean of the neighbouring slopes (Fritsch and Butland 1984): a track
+/// never overshoots its keys, and it stops where it turns. The value is constant before the first key and after
+/// the last, and zero without keys.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Track {
     keys: Vec<Key>,
@@ -25,7 +25,7 @@ struct Key {
 }
 
 impl Track {
-    /// The track through `(time in seconds, value)`, times strictly rising.
+    /// Creates the track through `(time in seconds, value)`, times strictly rising.
     pub(super) fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut keys: Vec<Key> =
             points.into_iter().map(|(time_s, value)| Key { time_s, value, speed: 0.0 }).collect();
@@ -35,7 +35,7 @@ impl Track {
         Self { keys }
     }
 
-    /// The value at a time. Before and after the movement, which is where most of a clip is, it costs no search.
+    /// Returns the value at a time. Before and after the movement, which is most of a clip, no search is needed.
     #[inline]
     pub(super) fn at(&self, time_s: f64) -> f64 {
         let [first, .., last] = self.keys.as_slice() else {
@@ -61,8 +61,8 @@ fn slope(from: Key, to: Key) -> f64 {
     (to.value - from.value) / (to.time_s - from.time_s)
 }
 
-/// Zero at a turn. At most twice the smaller slope: a quintic without end accelerations is monotone
-/// up to 15/7 of its mean slope at both ends.
+/// Returns the speed at an inner key: zero at a turn, and at most twice the smaller slope. A quintic without end
+/// accelerations is monotone up to 15/7 of its mean slope at both ends.
 fn inner_speed(before: f64, after: f64) -> f64 {
     if before * after <= 0.0 { 0.0 } else { 2.0 * before * after / (before + after) }
 }
@@ -84,7 +84,7 @@ pub(super) struct Track3 {
 }
 
 impl Track3 {
-    /// The track through `(time in seconds, value)`, times strictly rising.
+    /// Creates the track through `(time in seconds, value)`, times strictly rising.
     pub(super) fn new(points: impl IntoIterator<Item = (f64, DVec3)>) -> Self {
         let points: Vec<(f64, DVec3)> = points.into_iter().collect();
         let axis =
@@ -92,7 +92,7 @@ impl Track3 {
         Self { axes: [axis(0), axis(1), axis(2)] }
     }
 
-    /// The value at a time.
+    /// Returns the value at a time.
     #[inline]
     pub(super) fn at(&self, time_s: f64) -> DVec3 {
         let [x, y, z] = &self.axes;
@@ -100,35 +100,35 @@ impl Track3 {
     }
 }
 
-/// When a movement leaves the guard, passes its keys, and is back.
+/// Times at which a movement leaves the guard, passes its keys, and is back in guard.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Beats {
-    /// Start, one time per key, end; seconds from the clip's start.
+    /// The start, one time per key, and the end, in seconds from the clip's start.
     times_s: Vec<f64>,
 }
 
 impl Beats {
-    /// A movement from `start_s` to `end_s` through keys at `keys_s`.
+    /// Creates the times of a movement from `start_s` to `end_s` through keys at `keys_s`.
     pub(super) fn new(start_s: f64, keys_s: impl IntoIterator<Item = f64>, end_s: f64) -> Self {
         Self { times_s: core::iter::once(start_s).chain(keys_s).chain([end_s]).collect() }
     }
 
-    /// The same movement earlier: a proximal segment leads the distal ones.
+    /// Returns the same movement earlier, for a proximal segment, which leads the distal ones.
     pub(super) fn ahead_by(&self, lead_s: f64) -> Self {
         Self { times_s: self.times_s.iter().map(|time_s| time_s - lead_s).collect() }
     }
 
-    /// The times of the keys, without start and end.
+    /// Returns the times of the keys, without start and end.
     pub(super) fn keys_s(&self) -> &[f64] {
         &self.times_s[1..self.times_s.len() - 1]
     }
 
-    /// A track that is zero at both ends and takes `values` at the keys.
+    /// Creates a track that is zero at both ends and has `values` at the keys.
     pub(super) fn track(&self, values: impl IntoIterator<Item = f64>) -> Track {
         Track::new(self.with_zero_ends(values, 0.0))
     }
 
-    /// As [`Beats::track`], for vectors.
+    /// Creates a track like [`Beats::track`], for vectors.
     pub(super) fn track3(&self, values: impl IntoIterator<Item = DVec3>) -> Track3 {
         Track3::new(self.with_zero_ends(values, DVec3::ZERO))
     }

@@ -1,4 +1,4 @@
-//! What is wrong with a subject.
+//! Errors of a subject's measurements.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,96 +8,96 @@ use sinew_host_util::parse_message;
 /// A subject file that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SubjectError {
-    /// The file system refused.
+    /// A file that could not be read.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A key is missing, unknown, or has a value that cannot be.
+    /// A key that is missing or unknown, or that has an invalid value.
     #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Line, column and what was expected.
+        /// Line, column and expectation, from the TOML parser.
         source: Box<toml::de::Error>,
     },
-    /// The values do not go together.
+    /// Values that contradict one another.
     #[error("{}: {source}", file.display())]
     Inputs {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The values.
+        /// Error with the contradictory values.
         source: InputError,
     },
 }
 
-/// Inputs that no body can have together.
+/// Inputs that are impossible in combination.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum InputError {
-    /// A girth too small to go round a breadth: a semi-axis of the section would not be positive.
+    /// A girth too small for a breadth: a semi-axis of the section would not be positive.
     #[error(
         "the {segment}: {girths} cannot go round {breadths}: expected a circumference{} above {least_m:.3}",
         if girths.0.len() > 1 { " (in the mean)" } else { "" }
     )]
     Girth {
-        /// The segment.
+        /// Name of the segment.
         segment: &'static str,
-        /// The circumferences whose mean it is.
+        /// Circumferences whose mean is the girth.
         girths: Values,
-        /// The breadths whose mean it is to go round.
+        /// Breadths whose mean the girth must enclose.
         breadths: Values,
-        /// What the mean circumference must exceed, in metres.
+        /// Lower bound of the mean circumference, in metres.
         least_m: f64,
     },
-    /// A regression gives no mass.
+    /// A regression whose mass is not positive.
     #[error(
         "the {segment} would weigh {mass_kg:.3} kg by the regression on {values}: expected values of an adult, \
          which give a mass above 0"
     )]
     Mass {
-        /// The segment.
+        /// Name of the segment.
         segment: &'static str,
-        /// The mass in kg.
+        /// Mass by the regression, in kg.
         mass_kg: f64,
-        /// What it is computed from.
+        /// Inputs of the regression.
         values: Values,
     },
-    /// Mass and volume do not go together.
+    /// A mass and a volume that give an impossible density.
     #[error(
         "the {segment} would have a density of {density_kg_m3:.0} kg/m³ ({mass_kg:.3} kg in {:.3} litres) by \
          {values}: expected 850 to 1250; is one of them in another unit (metres are expected), or wrong?",
         1e3 * volume_m3
     )]
     Density {
-        /// The segment.
+        /// Name of the segment.
         segment: &'static str,
-        /// Its density.
+        /// Density of the segment.
         density_kg_m3: f64,
-        /// Its mass by the regression.
+        /// Mass of the segment by the regression.
         mass_kg: f64,
-        /// Its volume.
+        /// Volume of the segment.
         volume_m3: f64,
-        /// What they are computed from.
+        /// Inputs of mass and volume.
         values: Values,
     },
-    /// The regressions are for another body.
+    /// Masses by regression whose sum differs too much from the subject's mass.
     #[error(
         "the segments' masses sum to {sum_kg:.3} kg, {:+.1} % from mass_kg = {mass_kg}: expected at most 10 %; \
          is mass_kg in kilograms, and are all values of one subject?",
         100.0 * (sum_kg / mass_kg - 1.0)
     )]
     Sum {
-        /// The sum in kg.
+        /// Sum of the masses in kg.
         sum_kg: f64,
-        /// The given total in kg.
+        /// Given total mass in kg.
         mass_kg: f64,
     },
 }
 
-/// Inputs by their keys.
+/// Inputs with their keys.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values(pub Vec<(&'static str, f64)>);
 
@@ -121,7 +121,7 @@ impl fmt::Display for Values {
     }
 }
 
-/// Inputs by their keys: `values!(inputs; chest_breadth_m, hip_breadth_m)`.
+/// Collects inputs with their keys: `values!(inputs; chest_breadth_m, hip_breadth_m)`.
 macro_rules! values {
     ($inputs:expr; $($key:ident),+) => {
         $crate::hanavan::error::Values(vec![$((stringify!($key), $inputs.$key.get())),+])

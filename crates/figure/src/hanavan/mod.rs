@@ -1,19 +1,18 @@
-//! The body model of Hanavan as modified by Kwon: segments of a measured subject as solids of uniform
-//! density.
+//! Hanavan's body model as modified by Kwon: the segments of a measured subject are solids of uniform density.
 //!
-//! E. P. Hanavan, "A Mathematical Model of the Human Body", AMRL-TR-64-102 (1964); Y.-H. Kwon,
-//! dissertation (1993). Kwon's text was not available: geometry and masses are those of implementations of
-//! the model, and what they leave open is decided here and said where it is.
+//! E. P. Hanavan, "A Mathematical Model of the Human Body", AMRL-TR-64-102 (1964); Y.-H. Kwon, dissertation
+//! (1993). Kwon's text was not available: geometry and masses are those of implementations of the model. Questions
+//! that they leave open are decided here and marked in the comments.
 //!
-//! - Limbs are truncated cones, thighs and feet elliptical solids, head and hands ellipsoids; the trunk is
-//!   an elliptical column above, an elliptical solid and a column below. The upper one is cut in thorax and
-//!   two clavicle bodies (`cut.rs`). The head starts at its joint: the model has no neck.
-//! - Masses come from regressions (`masses.rs`). Their sum differs from the total mass by some percent; the
-//!   subject's `normalise` scales that away.
-//! - On a clip's skeleton mass and cross-sections are the subject's. Limbs are as long as their bones, and
-//!   all other segments have the subject's length times one factor, which is the ratio of the clip's legs
-//!   to the subject's. The shoulder parts stay where they are in the upper trunk's column, so that the
-//!   three together are the column in the zero pose, wherever the skeleton has its clavicle joints.
+//! - Limbs are truncated cones, thighs and feet elliptical solids, head and hands ellipsoids. The trunk is, from
+//!   top to bottom, an elliptical column, an elliptical solid and a column. The upper column is cut into thorax
+//!   and two clavicle bodies (`cut.rs`). The head starts at its joint: the model has no neck.
+//! - Masses are computed by regressions (`masses.rs`). Their sum differs from the total mass by some percent; the
+//!   subject's `normalise` scales the difference away.
+//! - On a clip's skeleton, masses and cross-sections are the subject's. A limb is as long as its bone. All other
+//!   segments have the subject's length times one factor, the ratio of the clip's legs to the subject's. The
+//!   shoulder parts keep their place in the upper trunk's column: in the zero pose the three parts together are
+//!   the column, wherever the skeleton has its clavicle joints.
 
 mod error;
 mod inputs;

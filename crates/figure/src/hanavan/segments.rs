@@ -1,4 +1,4 @@
-//! The segments of a subject: shape, length and mass, checked against each other.
+//! The segments of a subject: shape, length and mass, checked for consistency.
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -11,30 +11,30 @@ use crate::placement::BodyPart;
 /// A segment of a subject.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Its cross-sections.
+    /// Cross-sections of the segment.
     pub shape: Shape,
-    /// Its length along the longitudinal axis in metres.
+    /// Length along the longitudinal axis in metres.
     pub length_m: f64,
-    /// Its mass in kg.
+    /// Mass in kg.
     pub mass_kg: f64,
 }
 
 impl Segment {
-    /// Volume of its solid in m³.
+    /// Returns the volume of the segment's solid in m³.
     pub fn volume_m3(&self) -> f64 {
         self.shape.solid(self.length_m).volume_m3
     }
 
-    /// Mass over volume in kg/m³.
+    /// Returns the density, mass over volume, in kg/m³.
     pub fn density_kg_m3(&self) -> f64 {
         self.mass_kg / self.volume_m3()
     }
 }
 
-/// The segment of each part, in the order of [`BodyPart::ALL`].
+/// Computes the segment of each part, in the order of [`BodyPart::ALL`].
 ///
 /// # Errors
-/// [`InputError`] if a girth does not go round its breadth, or a mass or a density cannot be.
+/// [`InputError`] if a girth is too small for its breadth, or a mass or a density is impossible.
 pub(super) fn segments(inputs: &Inputs) -> Result<[Segment; BodyPart::ALL.len()], InputError> {
     let i = inputs;
     let masses = Masses::new(i);
@@ -82,11 +82,12 @@ pub(super) fn segments(inputs: &Inputs) -> Result<[Segment; BodyPart::ALL.len()]
     Ok(core::array::from_fn(|part| made[part]))
 }
 
-/// Relative density of the upper trunk, which holds the lungs, and of the other two parts.
+/// Relative density of the upper trunk, which contains the lungs. `ABDOMEN` is that of the other two parts.
 const THORAX: f64 = 0.92;
 const ABDOMEN: f64 = 1.01;
 
-/// The shapes of the trunk's parts. They share the trunk's mass by relative density times volume.
+/// Shapes of the trunk's parts. Each part's share of the trunk's mass is proportional to its relative density
+/// times its volume.
 struct Trunk {
     upper_a_m: f64,
     upper_b_m: f64,
@@ -120,7 +121,7 @@ impl Trunk {
         Ok(Self {
             upper_a_m,
             upper_b_m,
-            // The body's joint is at its lower end.
+            // The body's joint is at its lower end, which is listed first.
             mid: Shape::Elliptical {
                 a_m: [i.omphalion_breadth_m.get() / 2.0, i.xyphion_breadth_m.get() / 2.0],
                 b_m: [omphalion_b_m, xyphion_b_m],
@@ -153,7 +154,7 @@ fn cone(near: Metres, far: Metres) -> Shape {
     Shape::Cone { radius_m: [near.get() / TAU, far.get() / TAU] }
 }
 
-/// An ellipse at the hip, a circle at the knee.
+/// Returns the shape of the thigh: an ellipse at the hip, a circle at the knee.
 fn thigh(i: &Inputs) -> Result<Shape, InputError> {
     let depths = values!(i; upper_thigh_depth_m);
     let b_m = half_breadth(&depths);
@@ -162,8 +163,8 @@ fn thigh(i: &Inputs) -> Result<Shape, InputError> {
     Ok(Shape::Elliptical { a_m: [a_m, knee_m], b_m: [b_m, knee_m] })
 }
 
-/// A circle at the heel, an ellipse at the toes. The sources disagree on the ellipse's height; here it follows
-/// from the mean girth as the depth of the trunk does.
+/// Returns the shape of the foot: a circle at the heel, an ellipse at the toes. The sources disagree on the
+/// ellipse's height; this function derives it from the mean girth, like the depth of the trunk.
 fn foot(i: &Inputs) -> Result<Shape, InputError> {
     let breadths = values!(i; foot_breadth_m, toe_breadth_m);
     let a_m = half_breadth(&breadths);
@@ -173,12 +174,12 @@ fn foot(i: &Inputs) -> Result<Shape, InputError> {
     Ok(Shape::Elliptical { a_m: [heel_m, a_m], b_m: [heel_m, b_m] })
 }
 
-/// Half the mean breadth.
+/// Returns half of the mean breadth.
 fn half_breadth(breadths: &Values) -> f64 {
     breadths.mean() / 2.0
 }
 
-/// The semi-axis of an ellipse across the one that is half the breadth, from its perimeter π (a + b), nearly.
+/// Returns the second semi-axis of an ellipse, from its perimeter, approximately π (a + b), and its breadth 2 a.
 fn other_semi_axis(
     segment: &'static str,
     girths: Values,
@@ -193,7 +194,7 @@ fn other_semi_axis(
     Err(InputError::Girth { segment, girths, breadths, least_m })
 }
 
-/// Densities that a segment may have in kg/m³: outside of it one of its inputs is in another unit, or wrong.
+/// Plausible densities of a segment in kg/m³. A density outside means that an input is wrong or in another unit.
 const DENSITY_KG_M3: core::ops::RangeInclusive<f64> = 850.0..=1250.0;
 
 fn check(part: BodyPart, inputs: &Inputs, segment: &Segment) -> Result<(), InputError> {
@@ -210,10 +211,10 @@ fn check(part: BodyPart, inputs: &Inputs, segment: &Segment) -> Result<(), Input
     Err(InputError::Density { segment: name, density_kg_m3, mass_kg, volume_m3, values })
 }
 
-/// Name of a part, and the inputs that its mass and its shape are computed from.
+/// Returns the name of a part, and the inputs from which its mass and its shape are computed.
 fn measured(part: BodyPart, i: &Inputs) -> (&'static str, Values) {
     match part {
-        // They share one mass, so that each density depends on all.
+        // The parts of the trunk share one mass, which makes each density depend on all of these inputs.
         BodyPart::LowerTrunk | BodyPart::MidTrunk | BodyPart::Thorax | BodyPart::Shoulder => (
             "trunk",
             values!(i; mass_kg, trunk_length_m, upper_trunk_length_m, mid_trunk_length_m,

@@ -1,12 +1,12 @@
-//! The shapes of the model's segments: their cross-sections, which any length may be given.
+//! Shapes of the model's segments. A shape gives the cross-sections; the length is separate.
 
 use glam::DVec3;
 
 use crate::cut::CutDisc;
 use crate::solids::{self, Solid};
 
-/// A segment's shape. Semi-axes `a_m` are along the transverse axis, `b_m` along the sagittal one; of two
-/// numbers the first is for the end at the body's joint.
+/// Shape of a segment. Semi-axes `a_m` are along the transverse axis, `b_m` along the sagittal one. In a pair, the
+/// first number is for the end at the body's joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
     /// Ellipsoid of revolution about the longitudinal axis.
@@ -16,7 +16,7 @@ pub enum Shape {
     },
     /// Truncated circular cone.
     Cone {
-        /// Radii in metres.
+        /// Radii of the two ends in metres.
         radius_m: [f64; 2],
     },
     /// Elliptical solid.
@@ -32,7 +32,7 @@ pub enum Shape {
         a_m: f64,
         /// Sagittal semi-axis of the whole column in metres.
         b_m: f64,
-        /// What of it.
+        /// Piece of the column that the segment is.
         piece: Piece,
     },
 }
@@ -40,7 +40,7 @@ pub enum Shape {
 /// A piece of an elliptical column that two sagittal planes cut.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Piece {
-    /// All of it.
+    /// The whole column.
     Whole,
     /// The part between the planes.
     Middle,
@@ -49,7 +49,7 @@ pub enum Piece {
 }
 
 impl Shape {
-    /// A name for tables.
+    /// Returns a name for tables.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Ellipsoid { .. } => "ellipsoid",
@@ -61,8 +61,8 @@ impl Shape {
         }
     }
 
-    /// The solid of this shape and a length. x is the transverse axis, y the sagittal and z the longitudinal
-    /// one, on which the centre is measured from the end at the body's joint.
+    /// Returns the solid with this shape and length. x is the transverse axis, y the sagittal and z the
+    /// longitudinal axis. The centre is measured along z from the end at the body's joint.
     pub fn solid(&self, length_m: f64) -> Solid {
         match *self {
             Self::Ellipsoid { radius_m } => {
@@ -87,8 +87,8 @@ impl Shape {
         }
     }
 
-    /// Distance of the centre of mass from the middle of the column that this is the side of, in metres;
-    /// zero if it is not the side of one.
+    /// Returns the distance of the centre of mass from the middle of the whole column, in metres, if this is a
+    /// column's side piece; otherwise zero.
     pub fn center_to_side_m(&self) -> f64 {
         match *self {
             Self::Column { a_m, piece: Piece::Side, .. } => a_m * CutDisc::new().center,
@@ -97,8 +97,8 @@ impl Shape {
     }
 }
 
-/// The part of a column that has `share` of its area; `mean_squares` are those of the part's two coordinates
-/// about its centre, on the unit disc.
+/// Returns the part of a column that has `share` of its area. `mean_squares` are those of the part's two
+/// coordinates about its centre, on the unit disc.
 fn part(column: Solid, a_m: f64, b_m: f64, share: f64, mean_squares: [f64; 2]) -> Solid {
     let (x2, y2) = (a_m * a_m * mean_squares[0], b_m * b_m * mean_squares[1]);
     let z2 = 4.0 * column.center_z_m * column.center_z_m / 12.0;

@@ -8,7 +8,7 @@ use crate::error::BodyModelError;
 use crate::placement::{self, BodyPart, Placement, Skeleton, named};
 use crate::plant::MassProperties;
 
-/// The solids laid on a skeleton.
+/// Returns the mass properties of the subject's solids placed on a skeleton.
 pub(crate) fn bodies(
     placement: &Placement<'_>,
     subject: &Subject,
@@ -17,7 +17,7 @@ pub(crate) fn bodies(
     let [thorax] = named(["thorax"]);
     placement::each_body(|body| {
         let (part, segment) = (BodyPart::new(body), subject.segment(body));
-        // A shoulder part lies in the column that it was cut from.
+        // A shoulder part keeps its place in the column that it was cut from.
         let place = placement.place(if part == BodyPart::Shoulder { thorax } else { body })?;
         let length_m =
             if part.is_limb() { place.bone_m.length() } else { segment.length_m * scale };
@@ -41,7 +41,7 @@ pub(crate) fn bodies(
     })
 }
 
-/// 1 on the left, -1 on the right, 0 in the middle.
+/// Returns 1 for a body on the left, -1 on the right, 0 in the middle.
 fn side(body: usize) -> f64 {
     let name = BODIES[body].name;
     f64::from(u8::from(name.ends_with("_l"))) - f64::from(u8::from(name.ends_with("_r")))
@@ -49,10 +49,10 @@ fn side(body: usize) -> f64 {
 
 /// Joints and segment ends of a subject's own figure, standing with its arms down: x left, y up, z forward.
 ///
-/// The model says how long segments are and leaves open where they are joined. Here the pelvis joint is in
-/// the middle of the hips, each hip joint in the middle of its half of the hips' breadth; the trunk's joints
-/// are on its axis; a shoulder joint is on the side of the upper trunk, level with its top, where head and
-/// clavicles are joined too.
+/// The model gives the lengths of the segments, but not where they are joined. These positions are our choice: the
+/// pelvis joint is in the middle of the hips, each hip joint in the middle of its half of the hips' breadth. The
+/// trunk's joints are on its axis. A shoulder joint is on the side of the upper trunk, level with its top, which
+/// is also where head and clavicles are joined.
 pub(crate) struct OwnSkeleton {
     pub offset_m: Vec<DVec3>,
     pub segment_end_m: Vec<DVec3>,

@@ -12,7 +12,7 @@ use super::segments::{self, Segment};
 use crate::body::BODY_COUNT;
 use crate::placement::BodyPart;
 
-/// A measured subject whose inputs go together.
+/// A measured subject whose inputs are consistent.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Inputs", into = "Inputs")]
 pub struct Subject {
@@ -35,11 +35,11 @@ impl From<Subject> for Inputs {
     }
 }
 
-/// How far the masses may sum from the given total, as a fraction of it.
+/// Maximum difference between the sum of the masses and the given total, as a fraction of the total.
 const SUM_TOLERANCE: f64 = 0.1;
 
 impl Subject {
-    /// The subject of `subjects/reference.toml`: 1.80 m, 75 kg.
+    /// Returns the subject of `subjects/reference.toml`: 1.80 m, 75 kg.
     pub fn built_in() -> &'static Self {
         static SUBJECT: LazyLock<Subject> = LazyLock::new(|| {
             let text = include_str!("../../subjects/reference.toml");
@@ -49,10 +49,10 @@ impl Subject {
         &SUBJECT
     }
 
-    /// Reads the subject file at `path`; what it holds is said in `subjects/reference.toml`.
+    /// Reads the subject file at `path`. `subjects/reference.toml` describes the format.
     ///
     /// # Errors
-    /// [`SubjectError`] with the file's name, and line or keys and values.
+    /// [`SubjectError`] with the file's name, and the line or the keys and values.
     pub fn read(path: &Path) -> Result<Self, SubjectError> {
         let file = || path.to_path_buf();
         let text = read::text_of(path, "a measured subject in TOML", &[Kind::Toml])
@@ -62,11 +62,11 @@ impl Subject {
         Self::new(inputs).map_err(|source| SubjectError::Inputs { file: file(), source })
     }
 
-    /// A subject of these inputs.
+    /// Creates a subject from these inputs.
     ///
     /// # Errors
-    /// [`InputError`] if a girth does not go round its breadth, a mass is not above 0, a density is none of a
-    /// human body, or the masses sum to something else than the total mass, more than 10 % off.
+    /// [`InputError`] if a girth is too small for its breadth, a mass is not above 0, a density is impossible for
+    /// a human body, or the sum of the masses differs from the total mass by more than 10 %.
     pub fn new(inputs: Inputs) -> Result<Self, InputError> {
         let segments = segments::segments(&inputs)?;
         let mut subject = Self { inputs, segments, regression_sum_kg: 0.0 };
@@ -83,12 +83,12 @@ impl Subject {
         Ok(subject)
     }
 
-    /// What was measured.
+    /// Returns the measurements.
     pub fn inputs(&self) -> &Inputs {
         &self.inputs
     }
 
-    /// The segment that a body of the figure is.
+    /// Returns the segment that corresponds to a body of the figure.
     ///
     /// # Panics
     /// If `body` is not below [`BODY_COUNT`].
@@ -96,12 +96,13 @@ impl Subject {
         &self.segments[BodyPart::new(body) as usize]
     }
 
-    /// Mass of all bodies in kg.
+    /// Returns the mass of all bodies in kg.
     pub fn mass_kg(&self) -> f64 {
         (0..BODY_COUNT).map(|body| self.segment(body).mass_kg).sum()
     }
 
-    /// What the regressions' masses sum to in kg: the mass of all bodies if they are not normalised.
+    /// Returns the sum of the regressions' masses in kg. It equals the mass of all bodies if they are not
+    /// normalised.
     pub fn regression_sum_kg(&self) -> f64 {
         self.regression_sum_kg
     }

@@ -10,7 +10,7 @@ use crate::{BODIES, FigureMotion, Root, de_leva_mass_fraction, solids};
 
 const REFERENCE: &str = include_str!("../../subjects/reference.toml");
 
-/// The built-in subject's file with other lines for some keys.
+/// Returns the built-in subject's file with some keys' lines replaced.
 fn with(lines: &[&str]) -> String {
     let key = |line: &str| line.split('=').next().unwrap_or_default().trim().to_owned();
     let mut text = String::new();
@@ -34,7 +34,7 @@ fn refusal(text: &str) -> String {
     Subject::read(&file).expect_err("the file is refused").to_string()
 }
 
-/// The numbers that the equations give for these inputs, computed apart from this code.
+/// The expected numbers were computed from the equations independently of this code.
 #[test]
 fn the_built_in_subject_weighs_what_was_computed_by_hand() {
     let subject = Subject::built_in();
@@ -53,7 +53,7 @@ fn the_built_in_subject_weighs_what_was_computed_by_hand() {
         (&["pelvis"], 10.726),
     ] {
         let sum: f64 = bodies.iter().map(|body| subject.segment(named([*body])[0]).mass_kg).sum();
-        // Half of the last digit, and the doubt of a number that ends in 5.
+        // Tolerance: half of the last digit, and a margin for a number that ends in 5.
         assert!((sum - mass_kg).abs() < 0.000_51, "{bodies:?}: {sum}");
     }
     assert!((subject.mass_kg() - 76.483).abs() < 0.000_51, "{}", subject.mass_kg());
@@ -85,7 +85,7 @@ fn normalised_masses_sum_to_the_given_one() {
     }
 }
 
-/// Mass, centre of mass and inertia about it of several bodies, each at a place in a common frame
+/// Returns mass, centre of mass and inertia about it of several bodies, each at a place in a common frame
 /// (parallel axes).
 fn together(bodies: &[(DVec3, &MassProperties)]) -> MassProperties {
     let mass_kg = bodies.iter().map(|(_, body)| body.mass_kg).sum();
@@ -103,7 +103,7 @@ fn together(bodies: &[(DVec3, &MassProperties)]) -> MassProperties {
     MassProperties { mass_kg, center_of_mass_m, rotational_kg_m2 }
 }
 
-/// On the subject's own skeleton, and on one whose clavicle joints are elsewhere.
+/// Tests the subject's own skeleton, and a skeleton whose clavicle joints are elsewhere.
 #[test]
 fn thorax_and_clavicles_are_the_upper_trunks_column() {
     let subject = Subject::built_in();
@@ -138,7 +138,7 @@ fn thorax_and_clavicles_are_the_upper_trunks_column() {
     }
 }
 
-/// Frames as documented: x left, y up, z forward.
+/// Checks the documented frames: x left, y up, z forward.
 #[test]
 fn the_own_figure_stands_upright() {
     let model = BodyModel::from_subject(Subject::built_in()).unwrap();
@@ -149,7 +149,7 @@ fn the_own_figure_stands_upright() {
     assert!((model.bodies[hand].center_of_mass_m - DVec3::new(0.0, -0.0525, 0.0)).length() < 1e-15);
     let thigh = model.bodies[thigh].rotational_kg_m2;
     assert!(thigh.x_axis.x > 5.0 * thigh.y_axis.y && thigh.z_axis.z > 5.0 * thigh.y_axis.y);
-    // A column is broader than it is deep: harder to turn about the axis from front to back.
+    // A column is broader than deep: its inertia is greater about the axis from front to back.
     let column = together(&[
         (DVec3::ZERO, &model.bodies[2]),
         (model.offset_m[4], &model.bodies[4]),
@@ -169,7 +169,7 @@ fn the_own_figure_scales() {
     }
 }
 
-/// On a clip the limbs are as long as the bones, the masses are the subject's.
+/// Checks that on a clip the limbs have the length of its bones, and the masses are the subject's.
 #[test]
 fn limbs_take_the_length_of_their_bones() {
     let subject = Subject::built_in();
@@ -232,7 +232,7 @@ fn what_no_body_can_have_is_refused_by_name() {
     assert!(refusal("name = \"x\"").contains("missing field `mass_kg`"));
 }
 
-/// All numbers of a file in centimetres, or in feet.
+/// Converts all numbers of a file to centimetres, or to feet.
 #[test]
 fn a_file_in_another_unit_is_refused() {
     for (factor, expected) in [(100.0, "is it in centimetres"), (1.0 / 0.3048, "at most 3")] {
@@ -248,7 +248,7 @@ fn a_file_in_another_unit_is_refused() {
     }
 }
 
-/// Only those that no equation uses may be left out.
+/// Checks that only the inputs that no equation uses may be omitted.
 #[test]
 fn unused_inputs_change_nothing_and_used_ones_are_needed() {
     let unused = [
@@ -277,8 +277,8 @@ fn unused_inputs_change_nothing_and_used_ones_are_needed() {
     assert_eq!(used + unused.len(), 41);
 }
 
-/// What the two models are known to differ by: cadavers weighed more in the trunk and less in the thighs, which
-/// were cut elsewhere, than the living men of de Leva's table.
+/// Checks the known differences between the two models: the cadavers of the regressions had a heavier trunk and
+/// lighter thighs than the living men of de Leva's table, and were cut at other places.
 #[test]
 fn shares_are_near_de_levas() {
     let subject = Subject::built_in();
@@ -297,9 +297,10 @@ fn shares_are_near_de_levas() {
     assert!((ratio(&trunk) - 1.14).abs() < 0.01);
 }
 
-/// Two bodies on one skeleton: radii of gyration agree within a factor of 1.5; an exchanged axis of a limb is
-/// off by more. The model's hand is a fist, the table's is open. Centres agree within 5 cm, but those of the
-/// shoulder parts, which lie on the clavicle there and in the middle of the column here.
+/// Compares two body models on one skeleton. Radii of gyration agree within a factor of 1.5; an exchanged axis of
+/// a limb would be off by more. Hands are left out, since the model's hand is a fist and the table's is open.
+/// Centres agree within 5 cm, except those of the shoulder parts, which are on the clavicle in the table and in
+/// the middle of the column in the model.
 #[test]
 fn inertia_is_near_de_levas_on_the_same_skeleton() {
     let motion = standing();

@@ -1,4 +1,4 @@
-//! A mapping on one skeleton: names are joints, and lengths metres.
+//! A mapping bound to one skeleton: names are resolved to joints, and lengths are in metres.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::skeleton_map::{BodyJoints, MissingEnd};
@@ -9,27 +9,27 @@ use super::known::joint_names;
 use crate::body::{BODIES, Body};
 use crate::motion::FigureMotion;
 
-/// The two sides of a skeleton are not of one body.
+/// The error of a skeleton whose left and right limbs have very different lengths.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "{part}: expected sides of about one length, found {left_m:.3} m on the left and {right_m:.3} m on the right: an \
      offset in the file is damaged, or the mapping wrong"
 )]
 pub struct UnlikeSides {
-    /// The limb.
+    /// Name of the limb.
     pub part: String,
-    /// On the left.
+    /// Length on the left, m.
     pub left_m: f64,
-    /// On the right.
+    /// Length on the right, m.
     pub right_m: f64,
 }
 
-/// A mapping bound to one skeleton: names are joints now, and lengths metres.
+/// A mapping bound to one skeleton: names are resolved to joints, and lengths are in metres.
 #[derive(Debug, Clone)]
 pub struct Binding {
-    /// The joint at the origin of each body.
+    /// Index of the joint at the origin of each body.
     origin: Vec<usize>,
-    /// The joint whose frame each body has.
+    /// Index of the joint whose frame each body has.
     rotation: Vec<usize>,
     /// Position of each body's origin in its parent's frame, in metres; zero for the pelvis.
     pub(super) offset_m: Vec<DVec3>,
@@ -37,7 +37,7 @@ pub struct Binding {
     pub(super) segment_end_m: Vec<DVec3>,
 }
 
-/// Where a body is on the skeleton.
+/// A body placed on the skeleton.
 #[derive(Debug, Clone, Copy)]
 struct Placed {
     origin: usize,
@@ -46,7 +46,8 @@ struct Placed {
 }
 
 impl Placed {
-    /// Body `i`, its parent placed before; `None` if a mistake leaves nothing to go on with.
+    /// Places body `i`, whose parent is already placed. Returns `None` if a mistake makes it impossible to
+    /// continue.
     fn new(
         i: usize,
         part: &BodyJoints,
@@ -91,7 +92,7 @@ impl Placed {
                 }
             }
         }
-        // Without its end a body can still carry others.
+        // Even without its end, a body can carry other bodies.
         Some(Self { origin, rotation, end_m: end_m.unwrap_or_default() })
     }
 }
@@ -100,8 +101,8 @@ impl Binding {
     /// Binds `mapping` to `skeleton`.
     ///
     /// # Errors
-    /// [`Error::Wrong`] with all that does not fit: joints and end sites that the skeleton lacks, bodies that do not
-    /// move with their parents.
+    /// [`Error::Wrong`] with everything that does not fit: joints and end sites that the skeleton lacks, and
+    /// bodies that do not move with their parents.
     pub fn new(mapping: &Mapping, skeleton: &Skeleton) -> Result<Self, Error> {
         let rest_m = skeleton.rest_positions_m();
         let prefix = mapping.signature.prefix(skeleton).unwrap_or_default();
@@ -129,7 +130,7 @@ impl Binding {
         })
     }
 
-    /// The figure's motion in `clip`, which must be of the skeleton this was bound to.
+    /// Returns the figure's motion in `clip`, whose skeleton must be the bound one.
     pub fn map(&self, clip: &Clip) -> FigureMotion {
         let mut motion = FigureMotion {
             name: clip.name.clone(),
@@ -152,12 +153,12 @@ impl Binding {
         motion
     }
 
-    /// The joint at the origin of a body.
+    /// Returns the index of the joint at the origin of a body.
     pub fn joint_of(&self, body: &str) -> Option<usize> {
         self.origin.get(BODIES.iter().position(|place| place.name == body)?).copied()
     }
 
-    /// Which joints of `skeleton` turn a body of the figure.
+    /// Returns, for each joint of `skeleton`, whether it moves a body of the figure.
     pub fn turning_joints(&self, skeleton: &Skeleton) -> Vec<bool> {
         let mut turns = vec![false; skeleton.joints.len()];
         for &joint in &self.rotation {
@@ -170,7 +171,7 @@ impl Binding {
         turns
     }
 
-    /// How tall the figure stands upright, from the ankle to the crown, in metres.
+    /// Returns the figure's height when it stands upright, from the ankle to the crown, in metres.
     pub fn height_m(&self) -> f64 {
         let of = |name: &str, vectors: &[DVec3]| {
             let body = BODIES.iter().position(|body| body.name == name);
@@ -182,13 +183,13 @@ impl Binding {
         leg_m + trunk_m + of("head", &self.segment_end_m)
     }
 
-    /// Refuses limbs of which one side is longer by half than the other: both hang on one body. What shall be found
-    /// is a damaged digit, and how unlike real sides can be is not known to us: both numbers are choices. One digit
-    /// in the first place changes a length by half of it or more where that digit is small (1 to 2, 3 to 5), or where
-    /// a digit more makes it ten times as long; what is smaller harms in proportion, and passes.
+    /// Refuses a limb if one side is at least half as long again as the other. The aim is to find a damaged digit.
+    /// Both thresholds are choices, since we do not know how much real sides can differ. A change of the first
+    /// digit changes a length by half or more if the digit is small (1 to 2, 3 to 5), and an additional digit
+    /// multiplies the length by ten. Smaller errors are accepted; they do proportionally less harm.
     ///
     /// # Errors
-    /// If the two sides of a limb differ by half or more.
+    /// [`UnlikeSides`] if the two sides of a limb differ by half or more.
     pub fn check_sides(&self) -> Result<(), UnlikeSides> {
         for (left, body) in BODIES.iter().enumerate() {
             let Some(part) = body.name.strip_suffix("_l") else { continue };
@@ -196,7 +197,8 @@ impl Binding {
             let Some(right) = BODIES.iter().position(other) else { continue };
             for lengths_m in [&self.offset_m, &self.segment_end_m] {
                 let [left_m, right_m] = [left, right].map(|side| lengths_m[side].length());
-                // Bones shorter than this are those of hands, feet and clavicles, whose ends makers place as they like.
+                // Shorter bones are those of hands, feet and clavicles. Their ends vary from one maker of
+                // skeletons to another.
                 if (left_m - right_m).abs() > 0.1 && left_m.max(right_m) > 1.5 * left_m.min(right_m)
                 {
                     return Err(UnlikeSides { part: part.to_owned(), left_m, right_m });
@@ -206,14 +208,14 @@ impl Binding {
         Ok(())
     }
 
-    /// World position of each body's origin joint in one frame of the recording, in metres.
+    /// Returns the world position of each body's origin joint in one frame of the recording, in metres.
     pub fn joint_positions_m(&self, skeleton: &Skeleton, frame: &[JointSample]) -> Vec<DVec3> {
         let world = forward_kinematics(skeleton, frame);
         self.origin.iter().map(|joint| world[*joint].position_m).collect()
     }
 
-    /// The largest distance over `clip` between each body's origin in `motion` and the joint of the
-    /// recording that it stands for, in metres: what the figure's stiff trunk and neck cost.
+    /// Returns, for each body, the largest distance over `clip` between its origin in `motion` and its joint in
+    /// the recording, in metres. The distance is the cost of the figure's stiff trunk and neck.
     pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> Vec<f64> {
         let mut worst_m = vec![0.0; BODIES.len()];
         for (f, frame) in clip.frames.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The mapping of a recording: the one given, a known one, or a proposal.
+//! Finds the mapping of a recording: the given mapping, a known skeleton's mapping, or a proposal.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -10,26 +10,27 @@ use super::binding::Binding;
 use super::file::{Error, Mapping};
 use super::known::choose;
 
-/// What is less sure is not taken without asking: animals, and humans that lack what tells their joints apart.
+/// Minimum confidence of a proposal that is used without asking. Below it are animals, and humans whose skeleton
+/// does not allow their joints to be distinguished.
 const SURE: f64 = 0.45;
 
-/// A recording's mapping, and where it is from.
+/// A recording's mapping, and its source.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChosenMapping<'a> {
-    /// The mapping.
+    /// The mapping to use.
     pub mapping: Cow<'a, Mapping>,
-    /// How sure it is, if nobody wrote it.
+    /// The confidence, if the mapping is a proposal.
     pub proposed: Option<Proposal>,
 }
 
-/// How sure a proposal is.
+/// Confidence of a proposed mapping.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
-    /// The least sure body.
+    /// Name of the least certain body.
     pub body: String,
-    /// 0 is a guess, 1 certain.
+    /// Confidence of that body: 0 is a guess, 1 certain.
     pub confidence: f64,
-    /// Why it is no surer.
+    /// Reason for the limited confidence.
     pub reason: String,
 }
 
@@ -44,11 +45,11 @@ impl fmt::Display for Proposal {
     }
 }
 
-/// The mapping of `recording`: `given`, else that of a known skeleton, else a proposal.
+/// Finds the mapping of `recording`: `given`, or else that of a known skeleton, or else a proposal.
 ///
 /// # Errors
-/// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found, or not surely;
-/// [`Error::SeveralMatch`].
+/// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found with sufficient
+/// confidence; [`Error::SeveralMatch`].
 pub fn find_mapping<'a>(
     recording: &Recording,
     given: Option<&'a Mapping>,
@@ -58,7 +59,7 @@ pub fn find_mapping<'a>(
         return Ok(as_it_is(mapping));
     }
     let unknown = match choose(&recording.skeleton) {
-        // A skeleton of the same names may hang together in another way.
+        // A skeleton with the same names may have other parents.
         Ok(mapping) => match Binding::new(mapping, &recording.skeleton) {
             Ok(_) => return Ok(as_it_is(mapping)),
             Err(error) => error,
@@ -74,7 +75,8 @@ fn propose(recording: &Recording) -> Result<ChosenMapping<'static>, String> {
     let by_height = matched.unit.as_ref().and_then(|unit| unit.metres_per_unit);
     let head = MapHead {
         name: &recording.name,
-        // Where nothing tells the unit, the height that comes of metres is refused.
+        // Without any evidence for the unit, metres are assumed. If that gives a wrong height, the recording is
+        // refused.
         metres_per_unit: recording.metres_per_unit.or(by_height).unwrap_or(1.0),
         rate_hz: None,
     };
@@ -90,7 +92,8 @@ fn propose(recording: &Recording) -> Result<ChosenMapping<'static>, String> {
         proposed.as_ref().filter(|least| least.confidence < SURE)
     {
         return Err(format!(
-            "not sure of {body}: {reason}. Look at what `sinew clip map` prints, and give it with --mapping if it is right"
+            "not sure of {body}: {reason}. Check the output of `sinew clip map`, and give it with --mapping if it is \
+             right"
         ));
     }
     let mapping = Mapping::try_from(proposal.map)?;

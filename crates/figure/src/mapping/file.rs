@@ -9,97 +9,97 @@ use sinew_mocap::{Kind, Recording, SkeletonMap, Up, read};
 
 use crate::{BODIES, BODY_COUNT};
 
-/// A skeleton that cannot be mapped, or a mapping file that cannot be read.
+/// The error of a skeleton that cannot be mapped, or of a mapping file that cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file system refused.
+    /// A file that could not be read.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Not a mapping file.
+    /// A file that is not a mapping file.
     #[error("{}: {}", file.display(), parse_message(source))]
     Toml {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Line, column and what was expected.
+        /// Line, column and expectation, from the TOML parser.
         source: Box<toml::de::Error>,
     },
-    /// Neither a file nor a name.
+    /// A path that is neither a file nor the name of a known skeleton.
     #[error(
         "{}: no such file, and no known skeleton of that name: expected a file or one of {known}", path.display()
     )]
     NoSuchMapping {
-        /// What was asked for.
+        /// The requested file or name.
         path: PathBuf,
-        /// Names of the known ones.
+        /// Names of the known skeletons.
         known: String,
     },
-    /// The skeleton is unknown.
+    /// A skeleton that matches no known mapping.
     #[error(
-        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping after what \
-         `sinew clip map` prints, and give it with --mapping"
+        "no known skeleton has the joints {found} (tried: {tried}).{nearest} Write a mapping, starting from the output \
+         of `sinew clip map`, and give it with --mapping"
     )]
     NoneMatches {
-        /// The skeleton's joints.
+        /// Joints of the skeleton.
         found: String,
-        /// Names of the mappings.
+        /// Names of the mappings that were tried.
         tried: String,
-        /// A sentence on the nearest one, or nothing.
+        /// A sentence about the nearest mapping; empty if none is near.
         nearest: String,
     },
-    /// The skeleton is unknown, and no mapping can be proposed.
+    /// An unknown skeleton for which no mapping can be proposed.
     #[error("{unknown}\nNone is proposed: {why}")]
     NotProposed {
-        /// That no known one is for it.
+        /// The error that no known mapping matches.
         unknown: Box<Error>,
-        /// Why not.
+        /// Reason why no mapping is proposed.
         why: String,
     },
-    /// Two mappings claim the same skeleton.
+    /// A skeleton that matches several mappings.
     #[error("the skeleton fits several mappings ({names}); give one of them with --mapping")]
     SeveralMatch {
-        /// Names of the mappings.
+        /// Names of the matching mappings.
         names: String,
     },
-    /// The mapping is for another skeleton.
+    /// A mapping that does not fit the skeleton.
     #[error("mapping `{mapping}`{}", told(mistakes, found))]
     Wrong {
         /// Name of the mapping.
         mapping: String,
-        /// All that is wrong.
+        /// Everything in the mapping that does not fit.
         mistakes: Vec<Mistake>,
-        /// The skeleton's joints.
+        /// Joints of the skeleton.
         found: String,
     },
 }
 
-/// Neither the file nor its mapping tells the frame rate.
+/// The error of a recording whose frame rate is neither in the file nor in its mapping.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the file does not tell its frame rate, and neither does mapping `{mapping}`: expected \
-     `rate_hz = 120` or the like in the mapping"
+    "the file does not state its frame rate, nor does mapping `{mapping}`: expected a line such as `rate_hz = 120` in \
+     the mapping"
 )]
 pub struct NoRate {
     /// Name of the mapping.
     pub mapping: String,
 }
 
-/// What of a mapping does not fit a skeleton.
+/// A part of a mapping that does not fit a skeleton.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Mistake {
-    /// A joint is missing.
+    /// A joint that the skeleton lacks.
     #[error("body `{body}` needs joint `{joint}`")]
     NoSuchJoint {
         /// Name of the body.
         body: &'static str,
-        /// The joint.
+        /// Name of the missing joint.
         joint: String,
     },
-    /// A body would not move with its parent.
+    /// A body that would not move with its parent.
     #[error(
         "body `{body}`, {key}: expected a joint that moves with `{parent_joint}`, whose frame its parent `{parent}` has; \
          found `{joint}`, which does not"
@@ -107,26 +107,26 @@ pub enum Mistake {
     BrokenTree {
         /// Name of the body.
         body: &'static str,
-        /// `origin` or `rotation`.
+        /// Key of the wrong entry: `origin` or `rotation`.
         key: &'static str,
-        /// The joint it names.
+        /// Name of the joint in that entry.
         joint: String,
-        /// The body's parent.
+        /// Name of the body's parent.
         parent: &'static str,
-        /// The joint whose frame the parent has.
+        /// Name of the joint whose frame the parent has.
         parent_joint: String,
     },
-    /// The joint goes on in other joints, or just ends.
+    /// A joint without the end site that the mapping needs.
     #[error("the end of body `{body}` needs an end site on joint `{joint}`")]
     NoEndSite {
         /// Name of the body.
         body: &'static str,
-        /// The joint without one.
+        /// Name of the joint.
         joint: String,
     },
 }
 
-/// All mistakes, each in a line if there are several; and the skeleton's joints where one is missing.
+/// Formats all mistakes, one per line if there are several, and the skeleton's joints if one is missing.
 fn told(mistakes: &[Mistake], found: &str) -> String {
     let mut text = match mistakes {
         [one] => format!(": {one}"),
@@ -141,21 +141,21 @@ fn told(mistakes: &[Mistake], found: &str) -> String {
     text
 }
 
-/// How a recorded skeleton makes the figure.
+/// A mapping from a recorded skeleton to the figure.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(try_from = "SkeletonMap")]
 pub struct Mapping {
-    /// Name for messages.
+    /// Name of the mapping, for messages.
     pub name: String,
-    /// Length of the file's unit, in metres, for files that do not tell it.
+    /// Length of the file's unit, in metres, for files that do not contain it.
     pub metres_per_unit: f64,
-    /// Frames per second, for files that do not tell them.
+    /// Frames per second, for files that do not contain the rate.
     pub rate_hz: Option<f64>,
-    /// The axis of the files that points up; `None` to see it in the motion.
+    /// Axis of the files that points up; `None` to infer it from the motion.
     pub up: Option<Up>,
-    /// How the skeleton is known.
+    /// Conditions by which the skeleton is recognized.
     pub signature: Signature,
-    /// What makes each body, in the figure's order.
+    /// Joints of each body, in the figure's order.
     pub parts: Vec<BodyJoints>,
 }
 
@@ -181,10 +181,10 @@ impl Mapping {
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })
     }
 
-    /// Time between the frames of a recording, in seconds: its own, or else the mapping's.
+    /// Returns the time between the frames of a recording, in seconds: its own, or else the mapping's.
     ///
     /// # Errors
-    /// [`NoRate`] if nobody tells the rate.
+    /// [`NoRate`] if neither the recording nor the mapping gives the rate.
     pub fn frame_time_s(&self, recording: &Recording) -> Result<f64, NoRate> {
         let told_s = recording.frame_time_s.or(self.rate_hz.map(f64::recip));
         told_s.ok_or_else(|| NoRate { mapping: self.name.clone() })

@@ -1,4 +1,4 @@
-//! The skeletons that are known, and by what.
+//! The known skeletons, their mappings, and how they are recognized.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -11,13 +11,13 @@ use super::file::{Error, Mapping};
 /// A known skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KnownSkeleton {
-    /// What it is, in a line.
+    /// Description of the skeleton, in one line.
     pub about: &'static str,
-    /// Its mapping.
+    /// Mapping of the skeleton to the figure.
     pub mapping: Mapping,
 }
 
-/// Every skeleton that is known.
+/// Returns every known skeleton.
 pub fn known_skeletons() -> &'static [KnownSkeleton] {
     static KNOWN: LazyLock<Vec<KnownSkeleton>> = LazyLock::new(|| {
         macro_rules! mappings {
@@ -58,7 +58,7 @@ pub fn known_skeletons() -> &'static [KnownSkeleton] {
 }
 
 impl Mapping {
-    /// What `--mapping` says: a mapping file, else the name of a known skeleton.
+    /// Resolves the value of `--mapping`: a mapping file, or else the name of a known skeleton.
     ///
     /// # Errors
     /// [`Error::NoSuchMapping`] if it is neither; those of [`read`](Self::read).
@@ -75,12 +75,13 @@ impl Mapping {
     }
 }
 
-/// The first sentence of a file's comment, as far as its first line goes.
+/// Returns the text of the comment in a file's first line.
 fn about(text: &'static str) -> &'static str {
     text.lines().next().and_then(|line| line.strip_prefix("# ")).unwrap_or_default()
 }
 
-/// The known mappings whose signature `skeleton` bears; of several those that ask for most.
+/// Returns the known mappings whose signature matches `skeleton`. If several match, only those with the most
+/// conditions are kept.
 fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
     let asks = |mapping: &Mapping| {
         let signature = &mapping.signature;
@@ -94,11 +95,12 @@ fn matching(skeleton: &Skeleton) -> Vec<&'static Mapping> {
     matching
 }
 
-/// The known mapping whose signature `skeleton` bears; of several the one that asks for most.
+/// Returns the known mapping whose signature matches `skeleton`. If several match, the one with the most
+/// conditions is chosen.
 ///
 /// # Errors
-/// [`Error::NoneMatches`] with the joints found and the mappings tried, or [`Error::SeveralMatch`] with their names if
-/// several ask for as much.
+/// [`Error::NoneMatches`] with the joints found and the mappings tried, or [`Error::SeveralMatch`] with the names
+/// if several have equally many conditions.
 pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
     let best = matching(skeleton);
     match best[..] {
@@ -119,12 +121,12 @@ pub fn choose(skeleton: &Skeleton) -> Result<&'static Mapping, Error> {
     }
 }
 
-/// Names of mappings, for a message.
+/// Lists the names of mappings, for a message.
 pub(super) fn names<'a>(mappings: impl Iterator<Item = &'a Mapping>) -> String {
     mappings.map(|mapping| mapping.name.as_str()).collect::<Vec<_>>().join(", ")
 }
 
-/// The joints of a skeleton for a message, not all of a long list.
+/// Lists the joints of a skeleton, for a message. A long list is shortened.
 pub(super) fn joint_names(skeleton: &Skeleton) -> String {
     const SHOWN_MAX: usize = 40;
     let names: Vec<_> =
@@ -134,8 +136,9 @@ pub(super) fn joint_names(skeleton: &Skeleton) -> String {
     if rest > 0 { format!("{names} and {rest} more") } else { names }
 }
 
-/// The known mapping that is the skeleton's own, else the one of whose signature's joints `skeleton` has the largest
-/// share, behind any prefix; and those it lacks.
+/// Returns the nearest known mapping, and the joints that the skeleton lacks for it. A matching mapping is
+/// nearest; otherwise the mapping of which `skeleton` has the largest share of the signature's joints, after any
+/// prefix.
 pub fn find_nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
     if let [own, ..] = matching(skeleton)[..] {
         return Some((own, Vec::new()));
@@ -147,7 +150,7 @@ pub fn find_nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'stat
         .min_by_key(|(mapping, lacking)| lacking.len() * 1000 / mapping.signature.joints.len())
 }
 
-/// The joints of a signature that a skeleton lacks, behind the prefix with which it lacks least.
+/// Returns the joints of a signature that a skeleton lacks, with the name prefix for which the fewest are missing.
 fn lacking(mapping: &'static Mapping, skeleton: &Skeleton) -> Vec<&'static str> {
     let wanted: Vec<&'static str> = mapping.signature.joints.iter().map(String::as_str).collect();
     let found: BTreeSet<&str> = skeleton.joints.iter().map(|joint| joint.name.as_str()).collect();
@@ -158,7 +161,7 @@ fn lacking(mapping: &'static Mapping, skeleton: &Skeleton) -> Vec<&'static str> 
         let is_there = |name: &&str| found.contains(format!("{prefix}{name}").as_str());
         wanted.iter().copied().filter(|name| !is_there(name)).collect()
     };
-    // Of what is behind one most is there: single names end like others by chance.
+    // A real prefix is followed by most of the names. Single names match another name's end by chance.
     prefixes
         .into_iter()
         .map(|(_, prefix)| behind(prefix))

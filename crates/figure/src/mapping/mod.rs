@@ -1,9 +1,9 @@
-//! From a recorded skeleton to the 18-body figure.
+//! Maps a recorded skeleton to the 18-body figure.
 //!
-//! A mapping file says for each body of the figure which joint of the recording it hangs on, which
-//! joint's frame it takes, and where its segment ends. The offsets of the figure are those of the
-//! recorded skeleton at rest, so that they are constant over a clip; the rotation of a body relative
-//! to its parent holds the rotations of all joints between the two.
+//! For each body of the figure, a mapping file names the joint of the recording at the body's origin, the joint
+//! whose frame the body has, and the end of the body's segment. The offsets of the figure are those of the
+//! recorded skeleton at rest, which makes them constant over a clip. The rotation of a body relative to its parent
+//! contains the rotations of all joints between the two.
 
 mod binding;
 mod chosen;

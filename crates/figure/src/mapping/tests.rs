@@ -5,7 +5,7 @@ use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
 use super::*;
 use crate::body::{BODIES, Body};
 
-/// A chain of joints, each 1 m above the last, with an end site 0.5 m above its top.
+/// Returns a chain of joints, each 1 m above its parent, with an end site 0.5 m above its top.
 fn chain(names: &[&str]) -> Skeleton {
     let joint = |(i, name): (usize, &&str)| SkeletonJoint {
         name: (*name).to_owned(),
@@ -16,7 +16,7 @@ fn chain(names: &[&str]) -> Skeleton {
     Skeleton { joints: names.iter().enumerate().map(joint).collect() }
 }
 
-/// A mapping of every body on joint `joint` that ends at `end`, in TOML.
+/// Returns TOML of a mapping in which every body has joint `joint` and ends at `end`.
 fn file(joint: &str, end: &str) -> String {
     let body = |Body { name, .. }: &Body| {
         format!("{name} = {{ origin = '{joint}', rotation = '{joint}', end = {end} }}")
@@ -63,7 +63,7 @@ fn knows_skeletons_by_different_names() {
     }
 }
 
-/// A skeleton with all joints of each map, and what else its makers' files have, is known as that map behind any
+/// A skeleton with all joints of a map, and the additional ones of its makers' files, is recognized after any
 /// prefix.
 #[test]
 fn known_skeletons_are_known_behind_any_prefix() {
@@ -134,8 +134,8 @@ fn names_joints_and_mappings_when_none_matches() {
         choose(&chain(&["a", "b"])).unwrap_err().to_string(),
         "no known skeleton has the joints a, b (tried: sinew, cgspeed_mb, cgspeed_mb_asf, asfamc, cmu_asf, \
          cgspeed_daz, m21, bandai, geno, deepmimic, mixamo, mixamo_body, lafan1, xsens_mvn, xsens_bvh, axis_neuron, \
-         rokoko, mocopi, makehuman, makehuman_walks, second_life). Write a mapping after what `sinew clip map` prints, and \
-         give it with --mapping"
+         rokoko, mocopi, makehuman, makehuman_walks, second_life). Write a mapping, starting from the output of `sinew \
+         clip map`, and give it with --mapping"
     );
 }
 
@@ -162,7 +162,8 @@ fn names_the_nearest_mapping_and_what_it_lacks() {
     assert_eq!((mapping.name.as_str(), lacking), ("geno", vec!["Neck1"]));
     let names: Vec<&str> = of("bandai").signature.joints.iter().map(String::as_str).collect();
     assert_eq!(choose(&chain(&names)).unwrap().name, "bandai");
-    // All names of cgspeed_mb, but one of its zero offsets is not: it has no thorax bone to be asfamc.
+    // The skeleton has all names of cgspeed_mb, but a zero offset of that map is not zero here. It has no thorax
+    // bone, and therefore is not asfamc either.
     let zero = of("cgspeed_mb");
     let mut skeleton =
         chain(&zero.signature.joints.iter().chain(&zero.signature.zero_offsets).fold(
@@ -182,7 +183,7 @@ fn names_the_nearest_mapping_and_what_it_lacks() {
 
 #[test]
 fn refuses_a_body_that_does_not_move_with_its_parent() {
-    // b and c both hang on a.
+    // b and c are both children of a.
     let mut skeleton = chain(&["a", "b", "c"]);
     skeleton.joints[2].parent = Some(0);
     let good = file("b", "'b'");
@@ -234,7 +235,7 @@ fn finds_segment_ends_at_joints_sites_and_beyond() {
 
 #[test]
 fn folds_the_joints_between_two_bodies() {
-    // Every body hangs on `a` and turns as `c` does, but the pelvis, which turns as `a` does.
+    // Every body has its origin at `a` and the rotation of `c`, except the pelvis, which has the rotation of `a`.
     let text = file("c", "'c'").replace("origin = 'c'", "origin = 'a'").replacen(
         "rotation = 'c'",
         "rotation = 'a'",

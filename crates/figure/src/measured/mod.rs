@@ -1,5 +1,5 @@
-//! How large what a file holds is, and which way up: said by the user, told by the file, or guessed from the body, and
-//! then said so. All commands that read a clip or a character ask here.
+//! Determines the size and the up axis of a file's content: given by the user, read from the file, or inferred
+//! from the body and then reported. All commands that read a clip or a character use this module.
 
 mod unit;
 mod up;
@@ -15,36 +15,37 @@ use unit::short;
 pub use unit::MappingSource;
 pub use up::UpGuess;
 
-/// What the user says of a file.
+/// The user's options about a file's unit and up axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UnitOverrides {
-    /// Length of its unit, in metres.
+    /// Length of the file's unit, in metres.
     pub metres_per_unit: Option<f64>,
-    /// The axis that points up.
+    /// Axis that points up.
     pub up: Option<Up>,
 }
 
-/// Unit, up and height of a recording.
+/// Unit, up axis and height of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// Length of the file's unit, in metres; `None` where nothing tells it.
+    /// Length of the file's unit, in metres; `None` if it cannot be determined.
     pub metres_per_unit: Option<f64>,
-    /// Why this unit, or why none is known.
+    /// Reason for this unit, or for the lack of one.
     pub unit_reason: String,
-    /// Which axis points up.
+    /// Axis that points up.
     pub up: UpGuess,
-    /// Height of the standing body by the lengths of its bones, in the file's unit; of what is no human body the extent
-    /// along up.
+    /// Height of the standing body, computed from the lengths of its bones, in the file's unit. If the skeleton is
+    /// not a human body: the extent along up.
     pub height_units: f64,
-    /// Whether the skeleton is a human body's.
+    /// Whether the skeleton is that of a human body.
     pub is_body: bool,
 }
 
-/// Sizes from joint to joint that are believed of what is no human body, m: from a hand's to a horse's with a neck.
+/// Plausible sizes, from joint to joint, of a skeleton that is not a human body, m: from a hand to a horse with
+/// its neck.
 const OTHER_SIZE_M: std::ops::RangeInclusive<f64> = 0.05..=5.0;
 
 impl Measured {
-    /// Measures a recording. `matched` is its skeleton's match.
+    /// Measures a recording. `matched` is the match of its skeleton.
     pub fn new(
         recording: &Recording,
         matched: &SkeletonMatch,
@@ -55,7 +56,7 @@ impl Measured {
         Self::with_word(recording, matched, by, units, of_mapping)
     }
 
-    /// Measures the rest pose of what comes in metres with y up: so its format says.
+    /// Measures the rest pose of a file whose format prescribes metres with y up.
     pub fn of_format(rest: &Recording, matched: &SkeletonMatch) -> Self {
         Self::with_word(
             rest,
@@ -84,25 +85,25 @@ impl Measured {
         Self { metres_per_unit, unit_reason, up, height_units, is_body: body.is_some() }
     }
 
-    /// With this unit where nothing tells it, in metres.
+    /// Uses this unit, in metres, if nothing else determines it.
     #[must_use]
     pub fn or_unit(mut self, metres_per_unit: Option<f64>) -> Self {
         if self.metres_per_unit.is_none() && metres_per_unit.is_some() {
-            self.unit_reason = format!("taken so: {}; see --metres-per-unit", self.unit_reason);
+            self.unit_reason = format!("assumed: {}; see --metres-per-unit", self.unit_reason);
             self.metres_per_unit = metres_per_unit;
         }
         self
     }
 
-    /// Its height, m.
+    /// Returns the height in metres, if the unit is known.
     pub fn height_m(&self) -> Option<f64> {
         self.metres_per_unit.map(|metres| metres * self.height_units)
     }
 
-    /// Length of the unit, or why it is not known and what to do.
+    /// Returns the length of the unit in metres.
     ///
     /// # Errors
-    /// The reason, as a sentence that goes on behind the file's name.
+    /// The reason why the unit is unknown and the remedy, as a sentence that continues after the file's name.
     pub fn unit(&self) -> Result<f64, String> {
         self.metres_per_unit.ok_or_else(|| {
             format!(
@@ -112,17 +113,17 @@ impl Measured {
         })
     }
 
-    /// The recording in metres, y up.
+    /// Returns the recording in metres, y up.
     ///
     /// # Errors
     /// Those of [`unit`](Self::unit).
     pub fn apply(&self, mut recording: Recording) -> Result<Recording, String> {
-        // It overrules the file's own.
+        // The measured unit overrides the file's own.
         recording.metres_per_unit = Some(self.unit()?);
         Ok(recording.in_metres(1.0).upright(self.up.axis, self.up.rest))
     }
 
-    /// What is not believable of it.
+    /// Returns warnings about implausible measurements.
     pub fn warnings(&self) -> Vec<String> {
         let range = if self.is_body { BODY_HEIGHT_M } else { OTHER_SIZE_M };
         let size = self.height_m().filter(|height_m| !range.contains(height_m)).map(|height_m| {
@@ -138,7 +139,7 @@ impl Measured {
     }
 }
 
-/// Height, unit and up on one line.
+/// Writes height, unit and up axis on one line.
 impl Display for Measured {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let what = if self.is_body { "tall" } else { "high" };
@@ -157,8 +158,8 @@ impl Display for Measured {
     }
 }
 
-/// Extents of a recording's joints and ends in its first whole frame, else at rest: along up, and the largest across.
-/// In the file's unit.
+/// Returns the extents of a recording's joints and ends in its first complete frame, or else at rest: along up,
+/// and the largest across it. In the file's unit.
 pub fn extents(recording: &Recording, up: DVec3) -> [f64; 2] {
     up::extents(recording, up)
 }

@@ -4,10 +4,11 @@ use sinew_mocap::{JointSample, Recording, Skeleton, SkeletonJoint};
 use super::*;
 use crate::mapping;
 
-/// A person of `height` units in a file whose joints have Mixamo's names; `up` points up in the pose at rest.
+/// Returns a person of `height` units in a file whose joints have Mixamo's names. `up` points up in the pose at
+/// rest.
 fn person(height: f64, up: DVec3) -> Recording {
     let turn = sinew_mocap::to_y(up).inverse();
-    // Shares of the stature.
+    // Offsets as shares of the stature.
     let rows = [
         ("Hips", None, [0.0, 0.0, 0.0]),
         ("Spine", Some(0), [0.0, 0.1, 0.0]),
@@ -42,7 +43,7 @@ fn person(height: f64, up: DVec3) -> Recording {
     }
 }
 
-/// With frames in which the root stands at a place, turned.
+/// Adds frames in which the root is at a place, with a rotation.
 fn with_root(mut recording: Recording, place: DVec3, turn: DQuat) -> Recording {
     let sample = |joint: &SkeletonJoint| {
         let root = joint.parent.is_none();
@@ -69,7 +70,7 @@ fn the_unit_is_guessed_from_the_height_and_else_asked_for() {
         assert!((1.5..1.9).contains(&measured.height_m().unwrap()), "{measured}");
         assert!(measured.warnings().is_empty(), "{measured}");
     }
-    // 7 cm in metres, 40 of what can be inches or CMU's unit.
+    // 0.07 is a body of 7 cm in metres; 40 can be inches or CMU's unit.
     for height in [0.07, 40.0] {
         let measured = measured(&person(height, DVec3::Y), UnitOverrides::default());
         let refused = measured.unit().unwrap_err();
@@ -90,10 +91,10 @@ fn a_known_skeleton_in_another_unit_is_noticed() {
         Measured::new(&recording, &matched, Some(by), UnitOverrides::default()).metres_per_unit
     };
     assert_eq!(unit(170.0, false), Some(0.01));
-    // Half a metre tall in centimetres, a person in inches.
+    // 67 units would be a body of 0.67 m in centimetres, but are a person in inches.
     assert_eq!(unit(67.0, false), Some(0.0254));
     assert_eq!(unit(1.7, false), Some(1.0));
-    // A small one that nothing else explains: the skeleton's own unit decides between several.
+    // A small body that no other unit explains: the skeleton's own unit decides among several.
     assert_eq!(unit(90.0, false), Some(0.01));
     assert_eq!(unit(67.0, true), Some(0.01), "the user's word");
 }
@@ -111,7 +112,7 @@ fn z_is_up_where_the_body_stands_along_it() {
             up.reason
         );
     }
-    // The rest pose has y up, the world z: the root turns it.
+    // In the rest pose y is up. In the world z is up, since the root is rotated.
     let turned = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     let standing = with_root(person(1.7, DVec3::Y), DVec3::new(3.0, 2.0, 0.9), turned);
     let found = up(&standing);
@@ -120,7 +121,7 @@ fn z_is_up_where_the_body_stands_along_it() {
     let root = upright.frames[0][0].unwrap();
     assert!((root.rotation * DVec3::Y).distance(DVec3::Y) < 1e-12);
     assert!((root.position_m.y - 0.9).abs() < 1e-12);
-    // Somebody who lies on the floor stands on none across.
+    // A body that lies on the floor does not stand on a floor across the axis.
     let lying = with_root(person(1.7, DVec3::Y), DVec3::new(3.0, 0.1, 2.0), turned);
     let found = up(&lying);
     assert_eq!(found.axis, DVec3::Y, "{}", found.reason);

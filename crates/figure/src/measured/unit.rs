@@ -1,24 +1,25 @@
-//! The length of a file's unit.
+//! Finds the length of a file's unit.
 
 use sinew_mocap::Recording;
 use sinew_retarget::skeleton::{BODY_HEIGHT_M, SkeletonMatch};
 
 use crate::mapping::Mapping;
 
-/// A mapping that a recording is read by.
+/// The mapping with which a recording is read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MappingSource<'a> {
     /// The mapping.
     pub mapping: &'a Mapping,
-    /// Whether the user gave it: then its unit is the user's word, not what files of this skeleton usually have.
+    /// Whether the user gave the mapping. Its unit is then the user's instruction, not only the usual unit of
+    /// files with this skeleton.
     pub is_given: bool,
 }
 
-/// The unit in metres and why: the user's, the file's own, the given mapping's, else that of the known skeleton's files
-/// where it makes a believable body, else by the body's height.
+/// Finds the unit in metres and the reason for it. In this order: the user's unit, the file's own, the given
+/// mapping's, the known skeleton's if it gives a plausible body, or else a unit inferred from the body's height.
 ///
 /// # Errors
-/// Why nothing tells it.
+/// The reason why the unit cannot be determined.
 pub(super) fn find(
     recording: &Recording,
     matched: &SkeletonMatch,
@@ -26,7 +27,7 @@ pub(super) fn find(
     given: Option<f64>,
 ) -> Result<(f64, String), String> {
     if let Some(metres) = given {
-        return Ok((metres, "as you say".to_owned()));
+        return Ok((metres, "as you specified".to_owned()));
     }
     if let Some(metres) = recording.metres_per_unit {
         return Ok((metres, "as its format says".to_owned()));
@@ -36,7 +37,7 @@ pub(super) fn find(
     if let Some(MappingSource { mapping, is_given }) = by {
         let metres = mapping.metres_per_unit;
         let why = if is_given { "as the mapping says" } else { "as other files of this skeleton" };
-        // A guess by height can only contradict where there is a body.
+        // A guess by height can contradict the mapping only if there is a body.
         let is_believable =
             guess.is_none_or(|unit| BODY_HEIGHT_M.contains(&(metres * unit.height)));
         let same = by_height.as_ref().is_none_or(|(guess, _)| same_unit(*guess, metres));
@@ -58,16 +59,16 @@ pub(super) fn find(
     }
     by_height.ok_or_else(|| match guess {
         Some(unit) => unit.reason.clone(),
-        None => "no arms and legs tell the body's height".to_owned(),
+        None => "no arms and legs show the body's height".to_owned(),
     })
 }
 
-/// Whether two lengths are one unit but for rounding: CMU's is written with six digits.
+/// Returns whether two lengths are one unit up to rounding: CMU's unit is written with six digits.
 fn same_unit(a: f64, b: f64) -> bool {
     (a / b - 1.0).abs() < 1e-3
 }
 
-/// A number of metres with as many digits as a person needs.
+/// Formats a length in metres with up to six decimals, without trailing zeros.
 pub(super) fn short(metres: f64) -> String {
     let text = format!("{metres:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,39 +1,40 @@
-//! Which axis of a file points up.
+//! Finds the axis of a file that points up.
 
 use glam::DVec3;
 use sinew_mocap::{JointSample, Recording, Skeleton, Up, axis_name, forward_kinematics};
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_retarget::{Landmark, Side};
 
-/// The axis that points up, and why.
+/// The axis that points up, and the reason for the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UpGuess {
-    /// In the world of the file, unit.
+    /// Up axis in the file's world, a unit vector.
     pub axis: DVec3,
-    /// In the pose in which no joint is turned, unit.
+    /// Up axis in the rest pose, in which no joint is turned, a unit vector.
     pub rest: DVec3,
-    /// Why, in plain words.
+    /// Reason for the choice, in plain words.
     pub reason: String,
-    /// What speaks against it: the body lies on its side.
+    /// Warning that contradicts the choice: the body lies on its side or is head down.
     pub doubt: Option<String>,
 }
 
-/// A clip is looked at in so many frames, evenly spread.
+/// Number of frames of a clip that are examined, evenly spread.
 const FRAMES: usize = 48;
-/// How near the body's own up must be to an axis, in the mean over a clip, for the clip to say something: half of a
-/// right angle.
+/// Minimum agreement between the body's own up and an axis, in the mean over a clip, for the clip to count as
+/// evidence. It corresponds to about half of a right angle.
 const AGREEMENT: f64 = 0.7;
-/// How far the lowest point of a body on the floor may be from the file's zero, as a part of its height: soles are
+/// Maximum distance of a standing body's lowest point from the file's zero, as a fraction of its height. Soles are
 /// below the toes' joints, and capture floors are a few centimetres off.
 const FLOOR: f64 = 0.1;
-/// In so many frames of ten.
+/// Number of frames out of ten in which the body must be on the floor.
 const FLOOR_FRAMES: usize = 9;
 
 impl UpGuess {
-    /// The user's word, else the mapping's or the format's (`said`, with who says it), else what the body shows.
+    /// Chooses the user's axis, or else that of the mapping or the format (`said`, with its source), or else the
+    /// axis that the body indicates.
     ///
-    /// Another axis than y is believed where the rest pose stands along it too, or where the body stands on the floor
-    /// that lies across it: somebody who lies, crawls or stands on their hands does neither.
+    /// An axis other than y is accepted if the rest pose also stands along it, or if the body stands on a floor
+    /// perpendicular to it. A body that lies, crawls or stands on its hands does neither.
     pub(super) fn new(
         recording: &Recording,
         matched: &SkeletonMatch,
@@ -43,13 +44,13 @@ impl UpGuess {
         let rest = rest_up(&recording.skeleton, matched);
         let found = |axis: DVec3, reason: &str, doubt| Self {
             axis,
-            // A clip that stands is left as it is, whatever its rest pose.
+            // A clip with y up is left unchanged, whatever its rest pose.
             rest: if axis == DVec3::Y { axis } else { rest.unwrap_or(axis) },
             reason: reason.to_owned(),
             doubt,
         };
         if let Some(up) = units {
-            return found(up.axis(), "as you say", lies(matched, up.axis()));
+            return found(up.axis(), "as you specified", lies(matched, up.axis()));
         }
         if let Some((up, who)) = said {
             return found(up.axis(), who, lies(matched, up.axis()));
@@ -70,7 +71,7 @@ impl UpGuess {
     }
 }
 
-/// Says that the body lies where `up` points up.
+/// Returns a warning if the body lies on its side or head down when `up` points up.
 fn lies(matched: &SkeletonMatch, up: DVec3) -> Option<String> {
     let body = matched.up.as_ref().filter(|body| body.agreement > AGREEMENT)?;
     (body.axis != up).then(|| {
@@ -83,7 +84,7 @@ fn lies(matched: &SkeletonMatch, up: DVec3) -> Option<String> {
     })
 }
 
-/// The axis along which the rest pose stands, if it is the pose of a body at all.
+/// Returns the axis along which the rest pose stands, if it is the pose of a standing body.
 fn rest_up(skeleton: &Skeleton, matched: &SkeletonMatch) -> Option<DVec3> {
     let rest = skeleton.rest_positions_m();
     let middle = |landmark: fn(Side) -> Landmark| -> Option<DVec3> {
@@ -95,14 +96,14 @@ fn rest_up(skeleton: &Skeleton, matched: &SkeletonMatch) -> Option<DVec3> {
     let legs = (hips - middle(Landmark::Ankle)?).try_normalize()?;
     let trunk = (middle(Landmark::Shoulder).or(head)? - hips).try_normalize()?;
     let up = (legs + trunk).try_normalize()?;
-    // As straight as a body that stands, and along an axis.
+    // The body must be straight, as if standing, and along an axis.
     let axis =
         DVec3::AXES.into_iter().max_by(|a, b| up.dot(*a).abs().total_cmp(&up.dot(*b).abs()))?;
     let axis = axis * up.dot(axis).signum();
     (legs.dot(trunk) > AGREEMENT && up.dot(axis) > AGREEMENT).then_some(axis)
 }
 
-/// Whether the lowest point of the body is near the zero of an axis, in nearly all frames.
+/// Returns whether the lowest point of the body is near the zero of an axis, in nearly all frames.
 fn stands_on_floor(recording: &Recording, matched: &SkeletonMatch, axis: DVec3) -> bool {
     let Some(height) = matched.unit.as_ref().map(|unit| unit.height) else { return false };
     let (mut near, mut count) = (0, 0);
@@ -114,7 +115,7 @@ fn stands_on_floor(recording: &Recording, matched: &SkeletonMatch, axis: DVec3) 
     count > 0 && 10 * near >= FLOOR_FRAMES * count
 }
 
-/// Places of all joints and ends in frames without a gap.
+/// Returns the positions of all joints and ends in the frames without a gap.
 fn whole_frames(recording: &Recording) -> impl Iterator<Item = Vec<DVec3>> + '_ {
     let step = recording.frames.len().div_ceil(FRAMES).max(1);
     let whole = recording.frames.iter().step_by(step).filter_map(|frame| {
@@ -132,7 +133,7 @@ fn places(skeleton: &Skeleton, samples: &[JointSample]) -> Vec<DVec3> {
     poses.iter().map(|pose| pose.position_m).chain(ends).collect()
 }
 
-/// Extents along up and across, see [`super::extents`].
+/// Returns the extents along up and across; see [`super::extents`].
 pub(super) fn extents(recording: &Recording, up: DVec3) -> [f64; 2] {
     let rest = || recording.skeleton.rest_positions_m();
     let places = whole_frames(recording).next().unwrap_or_else(rest);

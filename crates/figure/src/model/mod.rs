@@ -1,4 +1,4 @@
-//! Mass properties of the figure's bodies from published regressions, on the dimensions of a clip.
+//! Mass properties of the figure's bodies, from a body model on the dimensions of a clip.
 
 use glam::DVec3;
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
@@ -11,10 +11,10 @@ use super::placement::{Placement, Skeleton};
 use crate::FigureMotion;
 use crate::plant::{MassProperties, link};
 
-/// The figure as a mechanism: where its joints are, and the mass properties of its bodies.
+/// The figure as a mechanism: positions of its joints, and mass properties of its bodies.
 ///
-/// Built from de Leva's segment table or from the Hanavan-Kwon solids of a measured subject, on the joints that
-/// a clip's skeleton has. How segments lie on it is said in `placement.rs`.
+/// It is built from de Leva's segment table or from the Hanavan-Kwon solids of a measured subject, on the joints
+/// of a clip's skeleton. `placement.rs` describes how segments are placed on the skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyModel {
     /// Position of joint `i` in the frame of body `i`'s parent, in metres; zero for the root.
@@ -24,7 +24,7 @@ pub struct BodyModel {
 }
 
 impl BodyModel {
-    /// The mean man of de Leva's table, 73 kg, with the dimensions of a clip.
+    /// Builds the mean man of de Leva's table, 73 kg, with the dimensions of a clip.
     ///
     /// # Errors
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
@@ -33,8 +33,8 @@ impl BodyModel {
         Ok(Self { offset_m: motion.offset_m.clone(), bodies: de_leva::bodies(&placement)? })
     }
 
-    /// A measured subject on the joints of a clip: its masses and cross-sections, and lengths as said in
-    /// [`hanavan`].
+    /// Builds a measured subject on the joints of a clip. Masses and cross-sections are the subject's; [`hanavan`]
+    /// describes the lengths.
     ///
     /// # Errors
     /// [`BodyModelError`] if a dimension is not finite, a limb has no length, or the hips coincide.
@@ -46,8 +46,8 @@ impl BodyModel {
         })
     }
 
-    /// Returns the figure of a subject itself, without a clip: it stands with its arms down; in all frames x points
-    /// left, y up and z forward, and the origin is in the body's joint.
+    /// Builds the figure of a subject itself, without a clip. The figure stands with its arms down. In all frames
+    /// x points left, y up and z forward, and the origin is at the body's joint.
     ///
     /// # Errors
     /// [`BodyModelError`] if a segment is too short to have a direction.
@@ -58,14 +58,14 @@ impl BodyModel {
         Ok(Self { offset_m: own.offset_m, bodies })
     }
 
-    /// The same figure with all dimensions times `factor`, at the same density.
+    /// Returns the figure with all dimensions multiplied by `factor`, at the same density.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         self.scaled_by(&[factor; BODIES.len()])
     }
 
-    /// The same figure with every body in its own factor's dimensions, at the same density. A joint lies on
-    /// its parent body and moves with that.
+    /// Returns the figure with each body's dimensions multiplied by its own factor, at the same density. A joint's
+    /// position is scaled with its parent body.
     #[must_use]
     pub fn scaled_by(&self, factors: &[f64]) -> Self {
         let offset_m = |(body, offset_m): (usize, &DVec3)| {
@@ -78,12 +78,13 @@ impl BodyModel {
         }
     }
 
-    /// Mass of the whole figure in kg.
+    /// Returns the mass of the whole figure in kg.
     pub fn mass_kg(&self) -> f64 {
         self.bodies.iter().map(|body| body.mass_kg).sum()
     }
 
-    /// The figure as a mechanism: the root as given, all other joints spherical, without friction or ranges.
+    /// Returns the figure as a mechanism with the given root. All other joints are spherical, without friction or
+    /// ranges.
     pub fn mechanism(&self, root: Root) -> Mechanism {
         let bodies = BODIES.iter().zip(&self.offset_m).zip(&self.bodies);
         let bodies = bodies.map(|((place, offset_m), mass)| {

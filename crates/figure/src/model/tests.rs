@@ -3,7 +3,7 @@ use glam::{DMat3, DQuat, EulerRot};
 use super::*;
 use crate::fixture::standing;
 
-/// The same skeleton with either body.
+/// Builds both body models on one skeleton.
 fn both(motion: &FigureMotion) -> [BodyModel; 2] {
     [
         BodyModel::from_motion(motion).unwrap(),
@@ -26,7 +26,7 @@ fn masses_sum_to_the_whole_and_scale_with_the_volume() {
 fn every_inertia_is_one_that_a_body_can_have() {
     for model in both(&standing()) {
         for scale in [0.1, 1.0, 1.1, 10.0] {
-            // The tree refuses impossible ones in f32; here in f64, and with a margin.
+            // The tree refuses impossible inertias in f32; this test checks them in f64, with a margin.
             model.scaled(scale).mechanism(Root::Driven).tree::<18>().unwrap();
         }
         for (place, body) in BODIES.iter().zip(&model.bodies) {
@@ -55,7 +55,7 @@ fn left_and_right_are_mirror_images() {
     }
 }
 
-/// The same body in a skeleton whose frames lie otherwise has the same inertia, turned.
+/// Checks that a body has the same inertia, only rotated, in a skeleton whose frames have other orientations.
 #[test]
 fn the_body_does_not_depend_on_how_frames_lie() {
     let straight = standing();

@@ -1,4 +1,4 @@
-//! Clips on their own skeletons, for what compares and joins motions.
+//! Clips on their own skeletons, for commands that compare and join motions.
 
 use sinew_mocap::damage::take_out_jumps;
 use sinew_mocap::files::ClipFile;
@@ -7,33 +7,33 @@ use sinew_mocap::{Clip, Recording, format, gaps};
 use super::{Error, Notice, Settings, believed, in_metres, noticed, tpose, unfilled};
 use crate::mapping::{self, Binding, Mapping, NoRate};
 
-/// A clip on its own skeleton at its own rate, and what its file tells besides.
+/// A clip on its own skeleton at its own rate, with further facts from its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedClip {
-    /// The motion; its first frame is the first that is no inserted T-pose.
+    /// The motion. Its first frame is the first that is not an inserted T-pose.
     pub clip: Clip,
-    /// Frames of the file before that.
+    /// Number of the file's frames before that.
     pub skipped: usize,
     /// Length of the file's unit, in metres.
     pub metres_per_unit: f64,
-    /// How the skeleton maps on the figure; `None` if it is no human's.
+    /// Mapping of the skeleton to the figure; `None` if the skeleton is not human.
     pub mapping: Option<Mapping>,
 }
 
-/// The unit of a skeleton whose file does not tell it, and whose height does not either.
+/// Unit of a skeleton if neither the file nor the height determines it, in metres.
 const UNIT_M: f64 = 0.01;
 
-/// Reads one clip of any skeleton, skips an inserted T-pose and fills gaps. It is neither low-passed nor resampled.
+/// Reads a clip of any skeleton, skips an inserted T-pose and fills gaps. It does not low-pass or resample.
 ///
 /// # Errors
-/// [`Error::Read`], [`Error::Mapping`] if the mapping given does not fit, [`Error::NoRate`], [`Error::Unit`],
+/// [`Error::Read`], [`Error::Mapping`] if the given mapping does not fit, [`Error::NoRate`], [`Error::Unit`],
 /// [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
 pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Vec<Notice>), Error> {
     let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
     let name = || file.path.display().to_string();
     let of_mapping =
         |source: mapping::Error| Error::Mapping { clip: name(), source: source.into() };
-    // A skeleton that is no human's has none.
+    // A skeleton that is not human has no mapping.
     let found = mapping::find_mapping(&recording, settings.mapping.as_ref()).ok();
     let (mapping, proposed) =
         found.map_or((None, None), |found| (Some(found.mapping.into_owned()), found.proposed));
@@ -43,7 +43,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
         source: NoRate { mapping: mapping.as_ref().map_or_else(String::new, |m| m.name.clone()) },
     })?;
     let known = mapping.as_ref().filter(|_| proposed.is_none());
-    // A human's body tells its unit, and is refused where it does not.
+    // The unit of a human body can be inferred from its height; if not, the clip is refused.
     let otherwise = mapping.is_none().then_some(UNIT_M);
     let (mut recording, measured) = in_metres(recording, known, otherwise, settings, &name())?;
     let metres_per_unit = measured.metres_per_unit.unwrap_or(UNIT_M);

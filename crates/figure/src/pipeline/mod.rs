@@ -1,5 +1,5 @@
-//! From files to the figure's motion, in one line of steps:
-//! skip, fill gaps, find flips, low-pass, resample, map on the figure.
+//! Converts files to the figure's motion in a sequence of steps: skip, fill gaps, find flips, low-pass, resample,
+//! map to the figure.
 
 mod loaded;
 pub mod tpose;
@@ -23,23 +23,23 @@ use crate::measured::{MappingSource, Measured, UnitOverrides};
 
 pub use loaded::{LoadedClip, load_clip};
 
-/// How a clip is prepared.
+/// Settings of the preparation of a clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// Rate of the figure's motion.
+    /// Rate of the figure's motion, Hz.
     pub rate_hz: f64,
-    /// Rate of the frames that a show keeps, where it is lower: `rate_hz` is a multiple of it, and the
-    /// motion goes smoothly through the frames.
+    /// Rate of a show's frames, Hz, if lower than `rate_hz`, which must be a multiple of it. The motion then
+    /// passes smoothly through these frames.
     pub frame_rate_hz: Option<f64>,
-    /// Cutoff of the low-pass.
+    /// Cutoff of the low-pass, Hz.
     pub cutoff_hz: f64,
-    /// What is left out at the start of every clip: recordings settle there.
+    /// Time omitted at the start of every clip, s, since recordings settle there.
     pub lead_in_s: f64,
-    /// The longest gap that is filled.
+    /// Longest gap that is filled, s.
     pub gap_max_s: f64,
-    /// The mapping of all clips; `None` to choose a known one by the skeleton.
+    /// Mapping for all clips; `None` to choose a known mapping by the skeleton.
     pub mapping: Option<Mapping>,
-    /// What the user says of the files.
+    /// The user's options about unit and up axis of the files.
     pub units: UnitOverrides,
 }
 
@@ -57,101 +57,103 @@ impl Default for Settings {
     }
 }
 
-/// From a puppet to a giant: beyond, the unit of length is wrong.
+/// Plausible heights in metres, from a puppet to a giant. Outside, the unit of length is wrong.
 const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 
-/// What was done to a clip that its user should know; without the clip's name.
+/// Something done to a clip that its user should know. The message does not contain the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
-    /// How tall, in which unit, and which way up.
+    /// Height, unit and up axis of the clip.
     #[error("{0}")]
     Measured(Box<Measured>),
-    /// The file is not as it says, or not believable.
+    /// The file contradicts its own header, or its content is implausible.
     #[error("{0}")]
     File(String),
-    /// The mapping gave the frame rate.
-    #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not tell its rate")]
+    /// The frame rate is the mapping's.
+    #[error(
+        "taken as {rate_hz} Hz, the mapping's `rate_hz`: the recording does not state its rate"
+    )]
     RateAssumed {
-        /// The rate.
+        /// Rate in Hz.
         rate_hz: f64,
     },
-    /// Nobody wrote the mapping.
+    /// The mapping is a proposal.
     #[error("{0}")]
     MappingProposed(Proposal),
-    /// Frame 0 was left out.
+    /// Frame 0 was omitted.
     #[error("skipped frame 0, an inserted T-pose")]
     TPoseSkipped,
-    /// The start was left out.
+    /// The start was omitted.
     #[error("skipped the first {seconds} s ({})", counted(*frames, "frame"))]
     LeadInSkipped {
-        /// Frames left out.
+        /// Number of frames omitted.
         frames: usize,
-        /// The time asked for.
+        /// Requested time to omit, in seconds.
         seconds: f64,
     },
-    /// Samples that no body can have were taken out.
+    /// Samples that are impossible for a body were removed.
     #[error("{0}")]
     RemovedJumps(RemovedJumps),
-    /// Missing samples were made up.
+    /// Missing samples were interpolated.
     #[error("{0}")]
     GapsFilled(FilledGaps),
-    /// Joints turn as no human's do.
+    /// Joints turn faster than those of any human.
     #[error("{0}")]
     JointFlips(Flips),
-    /// The clip's rate cannot hold the cutoff.
+    /// The clip's rate is too low for the cutoff.
     #[error(
-        "not low-passed: a rate of {rate_hz} Hz holds nothing above the cutoff of {cutoff_hz} Hz"
+        "not low-passed: a rate of {rate_hz} Hz contains nothing above the cutoff of {cutoff_hz} Hz"
     )]
     NotFiltered {
-        /// Rate of the clip.
+        /// Rate of the clip, Hz.
         rate_hz: f64,
-        /// The cutoff asked for.
+        /// Requested cutoff, Hz.
         cutoff_hz: f64,
     },
 }
 
-/// Clips that cannot be read or prepared.
+/// The error of clips that cannot be read or prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file is not a motion.
+    /// A file that is not a motion.
     #[error(transparent)]
     Read(#[from] format::Error),
-    /// The paths do not name clips.
+    /// Paths that do not name clips.
     #[error(transparent)]
     Files(#[from] files::Error),
-    /// Nothing says the frame rate.
+    /// A clip without a known frame rate.
     #[error("{clip}: {source}")]
     NoRate {
-        /// The file.
+        /// Path of the file.
         clip: String,
-        /// What is missing.
+        /// Details of the missing rate.
         source: NoRate,
     },
-    /// The skeleton cannot be mapped.
+    /// A skeleton that cannot be mapped.
     #[error("{clip}: {source}")]
     Mapping {
         /// File or name of the clip.
         clip: String,
-        /// Why not.
+        /// Reason for the failure.
         source: Box<mapping::Error>,
     },
-    /// A gap cannot be filled.
+    /// A gap that cannot be filled.
     #[error("{clip}: {source}")]
     Gap {
         /// Name of the clip.
         clip: String,
-        /// Where, in the frames of the recording.
+        /// Place of the gap, in the frames of the recording.
         source: GapError,
     },
-    /// A joint cannot be low-passed.
+    /// A joint that cannot be low-passed.
     #[error("{clip}: {source}")]
     Filter {
         /// Name of the clip.
         clip: String,
-        /// Where, in the frames of the recording.
+        /// Place of the failure, in the frames of the recording.
         source: FilterError,
     },
-    /// Nothing to move is left.
+    /// A clip with too few frames.
     #[error(
         "{clip}: too short: expected at least 2 frames at {rate_hz} Hz after the {} skipped at its start, \
          found {frames} of the recording's {}",
@@ -160,24 +162,24 @@ pub enum Error {
     TooShort {
         /// Name of the clip.
         clip: String,
-        /// Frames left, at the rate asked for.
+        /// Number of frames left, at the requested rate.
         frames: usize,
-        /// The rate asked for.
+        /// Requested rate, Hz.
         rate_hz: f64,
         /// Recorded frames that were skipped: the T-pose and the lead-in.
         skipped: usize,
-        /// Frames of the recording.
+        /// Number of frames in the recording.
         recorded: usize,
     },
-    /// The unit of length is not known.
+    /// A clip whose unit of length is unknown.
     #[error("{clip}: {reason}")]
     Unit {
         /// Name of the clip.
         clip: String,
-        /// Why not.
+        /// Reason why the unit is unknown.
         reason: String,
     },
-    /// The unit of length is wrong.
+    /// A clip whose unit of length gives an implausible height.
     #[error(
         "{clip}: expected a figure 0.3 to 3 m tall, found {height_m:.3} m: give the length of the file's unit with \
          --metres-per-unit, or check metres_per_unit in the mapping"
@@ -185,33 +187,33 @@ pub enum Error {
     Height {
         /// Name of the clip.
         clip: String,
-        /// From the ankle to the crown.
+        /// Height from the ankle to the crown.
         height_m: f64,
     },
-    /// A bone is longer than the body.
+    /// A bone that is longer than a body.
     #[error("{clip}: {source}")]
     Bone {
         /// Name of the clip.
         clip: String,
-        /// Which.
+        /// Details of the bone.
         source: LongBone,
     },
-    /// Left and right are not of one body.
+    /// Left and right limbs of very different lengths.
     #[error("{clip}: {source}")]
     Sides {
         /// Name of the clip.
         clip: String,
-        /// Which.
+        /// Details of the limb.
         source: UnlikeSides,
     },
-    /// A setting makes no sense.
+    /// A setting whose value is invalid.
     #[error("{name}: expected {expected}, found {value}")]
     Setting {
-        /// The field of [`Settings`].
+        /// Name of the field of [`Settings`].
         name: &'static str,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         value: f64,
     },
 }
@@ -238,15 +240,15 @@ impl Settings {
         Ok(())
     }
 
-    /// How many steps of the figure's motion a frame lasts.
+    /// Returns the number of steps of the figure's motion per frame of the show.
     fn ticks_per_frame(&self) -> Result<usize, Error> {
         let Some(frame_rate_hz) = self.frame_rate_hz else { return Ok(1) };
         let factor = self.rate_hz / frame_rate_hz;
-        // Beyond, the rates are no rates; written so that NaN is refused.
+        // Larger factors are implausible. The condition is written to refuse NaN.
         if !((1.0..=1e4).contains(&factor) && (factor - factor.round()).abs() < 1e-9 * factor) {
             return Err(Error::Setting {
                 name: "frame_rate_hz",
-                expected: "a rate of frames that goes into the rate of control a whole number of times",
+                expected: "a frame rate that divides the control rate",
                 value: frame_rate_hz,
             });
         }
@@ -255,7 +257,7 @@ impl Settings {
     }
 }
 
-/// Reads one recording that can be prepared: a mapping is known for it, and its frame rate.
+/// Reads a recording and checks that it can be prepared: that its mapping and its frame rate are known.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Mapping`] and [`Error::NoRate`].
@@ -269,7 +271,7 @@ pub fn load(file: &ClipFile, settings: &Settings) -> Result<Recording, Error> {
     Ok(recording)
 }
 
-/// Reads one recording, and finds its mapping.
+/// Reads a recording and finds its mapping.
 fn read<'a>(
     file: &ClipFile,
     settings: &'a Settings,
@@ -281,18 +283,18 @@ fn read<'a>(
     Ok((recording, found))
 }
 
-/// Reads all recordings that `paths` name, see [`files::expand`] and [`load`].
+/// Reads all recordings that `paths` name; see [`files::expand`] and [`load`].
 ///
 /// # Errors
-/// Those of the two, for the first path that has one.
+/// Those of both functions, for the first path that fails.
 pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Recording>, Error> {
     files::expand(paths)?.iter().map(|file| load(file, settings)).collect()
 }
 
-/// Skips the T-pose and the lead-in, fills gaps, looks for joint flips, low-passes, resamples and maps,
-/// in this order.
+/// Skips the T-pose and the lead-in, fills gaps, looks for joint flips, low-passes, resamples and maps, in this
+/// order.
 ///
-/// The low-pass works at the clip's own rate, so that it also keeps the resampling from aliasing.
+/// The low-pass works at the clip's own rate, before resampling, to prevent aliasing too.
 ///
 /// # Errors
 /// [`Error::Setting`], [`Error::Mapping`], [`Error::Unit`], [`Error::Height`], [`Error::Gap`], [`Error::Filter`],
@@ -378,8 +380,8 @@ pub fn prepare(
     Ok((if factor > 1 { motion.interpolated(factor) } else { motion }, notices))
 }
 
-/// A recording in metres, y up, and how it was measured. `known`: a mapping that somebody wrote; `otherwise`: the unit
-/// where nothing tells it, in metres.
+/// Converts a recording to metres, y up, and returns its measurements too. `known` is a mapping that is not a
+/// proposal; `otherwise` is the unit in metres if nothing determines it.
 fn in_metres(
     recording: Recording,
     known: Option<&Mapping>,
@@ -394,20 +396,21 @@ fn in_metres(
     Ok((measured.apply(recording).map_err(refused)?, measured))
 }
 
-/// What is to be said of a recording before anything is done to it.
+/// Returns the notices about a recording as it was read, before its preparation.
 fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
     let of_file = recording.notes.drain(..).chain(measured.warnings()).map(Notice::File);
     std::iter::once(Notice::Measured(Box::new(measured.clone()))).chain(of_file).collect()
 }
 
-/// Refuses a recording in metres whose skeleton no body has. It is as tall as the longest of figures at most.
+/// Refuses a recording in metres whose skeleton is impossible for a body: a bone longer than the tallest figure,
+/// or very different sides.
 fn believed(clip: &str, binding: &Binding, recording: &Recording) -> Result<(), Error> {
     check_bones(recording, *HEIGHT_M.end())
         .map_err(|source| Error::Bone { clip: clip.to_owned(), source })?;
     binding.check_sides().map_err(|source| Error::Sides { clip: clip.to_owned(), source })
 }
 
-/// A gap that cannot be filled; where samples were taken out, that they were.
+/// Returns the error of a gap that cannot be filled. If samples were removed, the error mentions them.
 fn unfilled(clip: &str, jumps: &RemovedJumps, source: GapError) -> Error {
     let clip = if jumps.is_empty() {
         clip.to_owned()
@@ -417,7 +420,7 @@ fn unfilled(clip: &str, jumps: &RemovedJumps, source: GapError) -> Error {
     Error::Gap { clip, source }
 }
 
-/// Frames earlier than `seconds`; the small term keeps 0.1 s at 120 Hz at 12.
+/// Returns the number of frames earlier than `seconds`. The small term makes 0.1 s at 120 Hz exactly 12 frames.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

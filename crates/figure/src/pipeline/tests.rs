@@ -4,7 +4,7 @@ use sinew_mocap::JointSample;
 use super::*;
 use crate::builtin;
 
-/// A built-in clip without gaps, of `frame_count` frames that are all the same.
+/// Returns a built-in clip without gaps, of `frame_count` identical frames.
 fn still(frame_count: usize) -> Recording {
     let mut clip = builtin::clips().swap_remove(0);
     let pose = clip.frames.iter().find(|frame| frame.iter().all(Option::is_some)).unwrap().clone();
@@ -51,7 +51,7 @@ fn skips_an_inserted_t_pose_but_no_clip_that_starts_in_one() {
     let (motion, notices) = prepare(clip.clone(), &Settings::default()).unwrap();
     assert_eq!(notices[1], Notice::TPoseSkipped);
     assert_eq!(notices[2].to_string(), "skipped the first 0.1 s (12 frames)");
-    // 27 frames at 120 Hz are left, which end 0.2167 s after the first.
+    // 27 frames at 120 Hz are left, the last 0.2167 s after the first.
     assert_eq!(motion.rotation.len(), 22);
 
     clip.frames = vec![rest(&clip); 40];
@@ -66,9 +66,9 @@ fn leaves_the_low_pass_out_where_the_rate_is_too_low() {
     let (motion, notices) = prepare(clip, &Settings::default()).unwrap();
     assert_eq!(
         notices[2].to_string(),
-        "not low-passed: a rate of 12 Hz holds nothing above the cutoff of 6 Hz"
+        "not low-passed: a rate of 12 Hz contains nothing above the cutoff of 6 Hz"
     );
-    // 0.1 s is 1.2 frames, so that 38 frames are left: 37 / 12 s.
+    // 0.1 s is 1.2 frames; therefore 38 frames are left: 37 / 12 s.
     assert_eq!(motion.rotation.len(), 309);
 }
 

@@ -1,25 +1,25 @@
-//! Finds the T-pose that some conversions put before the recording.
+//! Finds the T-pose that some conversions insert before the recording.
 //!
-//! The cgspeed files of CMU's data begin with it; others do not, and where a clip was cut or thinned
-//! out it may be gone, so that the frames themselves must tell. Frame 0 is an inserted T-pose if
-//! arms and legs lie as in a T-pose and the pose then jumps as it does not in the frames after.
+//! The cgspeed files of CMU's data begin with a T-pose; others do not. If a clip was cut or thinned out the T-pose
+//! may be missing, which leaves only the frames themselves as evidence. Frame 0 is an inserted T-pose if arms and
+//! legs are in a T-pose and the next step is a jump, much larger than the steps after it.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{JointSample, Recording, forward_kinematics};
 
-/// Largest angle of a limb from where a T-pose has it. In the CMU data it is 0.14 to 0.31 rad in
-/// inserted T-poses, and 0.35 or more in every other first frame that is followed by a jump.
+/// Largest angle of a limb from its direction in a T-pose. In the CMU data it is 0.14 to 0.31 rad in inserted
+/// T-poses, and 0.35 or more in every other first frame that is followed by a jump.
 const LIMB_ANGLE_MAX_RAD: f64 = 0.33;
-/// Least ratio of the first step between frames to the median of those that follow: 6.8 or more
+/// Least ratio of the first step between frames to the median of the steps after it. The ratio is 6.8 or more
 /// after the T-poses of the CMU data.
 const JUMP_MIN: f64 = 5.0;
-/// Least jump that counts where the recording then stands still: root mean square over the joints.
+/// Least jump that counts if the recording is at rest afterwards: root mean square over the joints.
 const STEP_MIN_RAD: f64 = 0.02;
-/// How many steps between frames to compare with.
+/// Number of later steps between frames for the comparison.
 const STEPS: usize = 60;
 
-/// Whether frame 0 of `recording` is an inserted T-pose. The recording is in metres; `origin` says which of its joints
-/// is at the origin of a body of the figure: arms and legs are looked at.
+/// Returns whether frame 0 of `recording` is an inserted T-pose. The recording is in metres; `origin` returns the
+/// joint at the origin of a body of the figure, by the body's name.
 pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>) -> bool {
     let complete = |frame: &Vec<Option<JointSample>>| -> Option<Vec<JointSample>> {
         frame.iter().copied().collect()
@@ -30,8 +30,8 @@ pub fn is_inserted(recording: &Recording, origin: impl Fn(&str) -> Option<usize>
     is_t(at) && jumps(recording)
 }
 
-/// Whether the arms point level away from each other and the legs down, by the places of bodies of the figure in a
-/// world with y up; one that is not there is NaN.
+/// Returns whether the arms point away from each other horizontally and the legs point down. `at` returns the
+/// position of a body of the figure in a world with y up; NaN for a missing body.
 pub fn is_t(at: impl Fn(&str) -> DVec3) -> bool {
     limb_angles_rad(at).into_iter().all(|angle| angle < LIMB_ANGLE_MAX_RAD)
 }
@@ -51,7 +51,7 @@ fn limb_angles_rad(at: impl Fn(&str) -> DVec3) -> [f64; 8] {
     ]
 }
 
-/// Whether the first step between frames is far above the steps after it.
+/// Returns whether the first step between frames is far larger than the steps after it.
 fn jumps(recording: &Recording) -> bool {
     let mut steps =
         recording.frames.windows(2).take(1 + STEPS).map(|pair| step_rad(&pair[0], &pair[1]));
@@ -62,7 +62,7 @@ fn jumps(recording: &Recording) -> bool {
     first > STEP_MIN_RAD && first > JUMP_MIN * usual
 }
 
-/// Root mean square over the joints of the angles between two frames.
+/// Returns the root mean square over the joints of the angles between two frames.
 fn step_rad(a: &[Option<JointSample>], b: &[Option<JointSample>]) -> f64 {
     let angle = |a: DQuat, b: DQuat| a.angle_between(b);
     let (sum, count) = a

@@ -1,4 +1,4 @@
-//! What can be simulated: numbers that a machine can have, in a tree.
+//! Checks that a mechanism can be simulated: that its numbers are physically possible and that it is a tree.
 
 use ::nalgebra as na;
 use glam::{DMat3, DQuat, DVec3};
@@ -6,87 +6,87 @@ use thiserror::Error;
 
 use super::{JointModel, Link, Mechanism, MovingPose};
 
-/// How far quaternions and axes may be from unit length.
+/// Maximum deviation of quaternions and axes from unit length.
 const UNIT_TOLERANCE: f64 = 1e-6;
 
-/// Rounding of an inertia, as a share of the largest moment: bodies come out of f32, too.
+/// Rounding error of an inertia, as a share of the largest moment. Some bodies were converted from f32.
 const ROUNDING: f64 = 1e-5;
 
-/// Why a plant could not be built.
+/// The error of a plant that could not be built.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PlantError {
-    /// A step cannot be cut in no parts.
+    /// A step with zero substeps.
     #[error("substeps: expected 1 or more, found 0")]
     NoSubsteps,
-    /// A step takes time.
+    /// A time step that is not a positive, finite time.
     #[error("time step: expected a finite number of seconds above 0, found {found}")]
     TimeStep {
-        /// What it was to be, in s.
+        /// Requested step, in s.
         found: f64,
     },
-    /// There is nothing to build.
+    /// A mechanism without bodies.
     #[error("a mechanism without bodies; expected one or more")]
     NoBodies,
-    /// Each body starts in a state.
+    /// A number of states that differs from the number of bodies.
     #[error("{states} states for {bodies} bodies; expected one for each")]
     StateCount {
-        /// The bodies there are.
+        /// Number of bodies.
         bodies: usize,
-        /// The states given.
+        /// Number of states.
         states: usize,
     },
-    /// Body 0 is the root, and parents come before children.
+    /// A wrong parent. Body 0 is the root, and parents must precede their children.
     #[error(
         "body {body}: parent {parent:?}; body 0, and only that, has none, and parents come before \
          children"
     )]
     Parent {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// What it was to hang on.
+        /// Index of its parent, as given.
         parent: Option<usize>,
     },
-    /// A number of a body, or of the state that it starts in, that no machine has.
+    /// A number of a body, or of its initial state, that is physically impossible.
     #[error("body {body}, {item}: expected {expected}, found {found}")]
     Body {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// The field.
+        /// Name of the field.
         item: &'static str,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// What it is: of several numbers the first that cannot be.
+        /// Value that was found: the first invalid number of several.
         found: f64,
     },
-    /// A joint without anything to accelerate: it would be infinitely fast.
+    /// A joint without inertia to accelerate: it would become infinitely fast.
     #[error(
         "body {body}: nothing resists its joint; expected mass or inertia that it moves, or a rotor_inertia above 0"
     )]
     Weightless {
-        /// The body.
+        /// Index of the body.
         body: usize,
     },
-    /// The engine does not simulate such a joint.
+    /// A feature that the engine does not simulate.
     #[error(
         "body {body}: {what}, which the engine does not simulate; the plant `articulated` does"
     )]
     Engine {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// What it does not.
+        /// Name of the feature.
         what: &'static str,
     },
-    /// The principal axes found do not give the inertia back.
+    /// An inertia that the engine's principal axes do not reproduce.
     #[error("body {body}: the engine's inertia differs from the given one by {relative:e} of it")]
     Inertia {
-        /// The body.
+        /// Index of the body.
         body: usize,
-        /// Largest difference over the largest element.
+        /// Largest difference divided by the largest element.
         relative: f64,
     },
 }
 
-/// Whether this is a tree of possible bodies with a possible state for each, and steps that go on.
+/// Checks that this is a tree of possible bodies with a possible state for each, and a positive step.
 pub(super) fn check(
     mechanism: &Mechanism,
     start: &[MovingPose],
@@ -119,10 +119,10 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Checks that a machine can have this body and its joint.
+/// Checks that a body and its joint are physically possible.
 ///
 /// # Errors
-/// If a number of the body or its joint is one that no machine can have.
+/// [`PlantError::Body`] for the first number of the body or its joint that is impossible.
 pub fn check_link(body: usize, link: &Link) -> Result<(), PlantError> {
     match body_fault(link).or_else(|| joint_fault(link)) {
         Some((item, expected, found)) => Err(PlantError::Body { body, item, expected, found }),
@@ -130,7 +130,7 @@ pub fn check_link(body: usize, link: &Link) -> Result<(), PlantError> {
     }
 }
 
-/// A field, what it may be, and what it is.
+/// A field's name, its accepted values, and its value.
 type Fault = (&'static str, &'static str, f64);
 
 fn body_fault(link: &Link) -> Option<Fault> {
@@ -151,7 +151,7 @@ fn joint_fault(link: &Link) -> Option<Fault> {
         JointModel::Fixed | JointModel::Spherical | JointModel::Free => &[],
     };
     for axis in axes {
-        // Written so that NaN is a fault, here and below.
+        // This condition and those below are written to refuse NaN.
         let unit = (axis.length() - 1.0).abs() <= UNIT_TOLERANCE;
         if !unit {
             return Some(("axis", "a vector of length 1", axis.length()));
@@ -225,7 +225,7 @@ fn state_fault(state: &MovingPose) -> Option<Fault> {
 
 fn rotation_fault(item: &'static str, rotation: DQuat) -> Option<Fault> {
     let length = rotation.length();
-    // Written so that NaN is a fault.
+    // The condition is written to refuse NaN.
     let unit = (length - 1.0).abs() <= UNIT_TOLERANCE;
     (!unit).then_some((item, "a quaternion of length 1", length))
 }

@@ -26,13 +26,13 @@ pub(super) fn diagonal(x: f64, y: f64, z: f64) -> DMat3 {
     DMat3::from_diagonal(DVec3::new(x, y, z))
 }
 
-/// `R D Rᵀ`.
+/// Returns `R D Rᵀ`.
 pub(super) fn tilted(moments: DMat3, rotation_vector: DVec3) -> DMat3 {
     let axes = DMat3::from_quat(DQuat::from_scaled_axis(rotation_vector));
     axes * moments * axes.transpose()
 }
 
-/// A body on a bolted one, its joint at the world's origin.
+/// Returns a body attached to a bolted body, with its joint at the world's origin.
 pub(super) fn hung(mass: MassProperties) -> Mechanism {
     let block = solid(1.0, DVec3::ZERO, DMat3::IDENTITY);
     Mechanism {
@@ -44,20 +44,20 @@ pub(super) fn hung(mass: MassProperties) -> Mechanism {
     }
 }
 
-/// No force, no torque.
+/// Returns a drive without force and torque.
 pub(super) fn passive(bodies: usize) -> Drive {
     Drive::none(bodies)
 }
 
-/// A random tree of 18 bodies of 0.5 to 5 kg on ball joints, turning at random against each other at up to 5 rad/s;
-/// the root free or fixed.
+/// Returns a random tree of 18 bodies of 0.5 to 5 kg on ball joints. They turn relative to each other with random
+/// velocities of up to 5 rad/s; the root is free or fixed.
 pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let mut random = Random::new(seed, Subject::Masses);
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
     let mut bodies: Vec<Link> = Vec::new();
     let mut start: Vec<MovingPose> = Vec::new();
     for index in 0..18 {
-        // Chains and forks: on the body before or one farther back.
+        // Chains and forks: the parent is the previous body or an earlier body.
         let parent = (index > 0).then(|| index - 1 - (index * index) % index.min(4));
         let mass_kg = 2.75 + vector(2.25).x;
         // Half-axes of a box of that mass.
@@ -81,7 +81,7 @@ pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<Moving
         bodies.push(link(parent, joint, offset_m, &mass));
     }
     if root == JointModel::Fixed {
-        // Seen from the root, which then does not move.
+        // Velocities relative to the root, which then does not move.
         let root = start[0];
         for body in &mut start {
             let arm = body.pose.position_m - root.pose.position_m;
@@ -92,7 +92,7 @@ pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<Moving
     (Mechanism { bodies, linked: Vec::new() }, start)
 }
 
-/// Torques of up to 0.5 N m on all joints, none on the root.
+/// Returns torques of up to 0.5 N m on all joints, none on the root.
 pub(super) fn random_torques(seed: u64) -> Drive {
     let mut random = Random::new(seed, Subject::Noise);
     let mut drive = passive(18);
@@ -102,7 +102,8 @@ pub(super) fn random_torques(seed: u64) -> Drive {
     drive
 }
 
-/// The same tree on joints of all kinds, turned in their parents and moving at random.
+/// Returns the tree of [`random_tree`] with joints of all kinds, rotated in their parents and with random
+/// velocities.
 pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let (mut mechanism, balls) = random_tree(JointModel::Free, seed);
     let mut random = Random::new(seed, Subject::Dimensions);
@@ -126,7 +127,7 @@ pub(super) fn random_tree_of_all_kinds(seed: u64) -> (Mechanism, Vec<MovingPose>
         link.rotation = DQuat::from_scaled_axis(vector(1.5));
         let (along, speeds) = (vector(1.0), vector(2.0));
         let mut in_joint = link.joint.motion(&[along.x, 0.3 * along.y]);
-        // Against the joint frame: angular velocity and velocity.
+        // Angular velocity and velocity relative to the joint frame.
         let (spin, slide) = match link.joint {
             JointModel::Fixed => (DVec3::ZERO, DVec3::ZERO),
             JointModel::Revolute(axis) => (axis * speeds.x, DVec3::ZERO),

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// What a body weighs and how its mass is spread, in its own frame.
+/// Mass and mass distribution of a body, in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MassProperties {
     /// Mass in kg.
@@ -14,7 +14,7 @@ pub struct MassProperties {
 }
 
 impl MassProperties {
-    /// Those of a body of `factor` times the dimensions, at the same density.
+    /// Returns the mass properties of a body of `factor` times the dimensions, at the same density.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let (area, volume) = (factor * factor, factor * factor * factor);

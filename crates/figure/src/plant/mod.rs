@@ -1,4 +1,4 @@
-//! What is controlled: a simulated mechanism behind one trait.
+//! Plants: simulated mechanisms that are controlled through one trait.
 
 mod articulated;
 mod check;
@@ -22,13 +22,13 @@ pub use rapier::{EngineSettings, RapierPlant};
 pub use sinew_rig::mechanism::GRAVITY_M_S2;
 pub use sinew_rig::mechanism::{JointModel, Link, Mechanism, Pose};
 
-/// Which plant, and how its steps are cut.
+/// Choice of the plant, and of its substeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PlantSettings {
-    /// The plant.
+    /// Kind of plant.
     pub kind: PlantKind,
-    /// Equal parts that a step is cut in, with the torques held; at least 1. An engine may cut them further.
+    /// Number of equal parts of a step, with constant torques; at least 1. An engine may divide them further.
     pub substeps: usize,
 }
 
@@ -38,23 +38,23 @@ impl Default for PlantSettings {
     }
 }
 
-/// The plants there are.
+/// The available plants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 #[value(rename_all = "snake_case")]
 pub enum PlantKind {
     /// The game engine rapier in maximal coordinates, set up for torque control.
     Rapier,
-    /// The same, but with the engine's own gyroscopic term.
+    /// rapier as above, but with the engine's own gyroscopic term.
     RapierGyroscopic,
-    /// rapier as it comes: it cuts each of our substeps in 4 of its own.
+    /// rapier with its default settings: it divides each of our substeps into 4 of its own.
     RapierDefaults,
-    /// Exact dynamics in reduced coordinates: joints that cannot drift.
+    /// Exact dynamics in reduced coordinates: joints cannot drift.
     Articulated,
 }
 
 impl PlantSettings {
-    /// Builds the mechanism in the given state, one of `start` per body; the poses must fit the joints.
+    /// Builds the mechanism in the given state. `start` has one state per body; the poses must fit the joints.
     ///
     /// # Errors
     /// [`PlantError`].
@@ -71,7 +71,7 @@ impl PlantSettings {
         })
     }
 
-    /// What the plant is, for reports.
+    /// Returns a description of the plant, for reports.
     pub fn description(&self) -> Description {
         match self.kind.engine() {
             Some(engine) => engine.description(self.substeps),
@@ -81,7 +81,7 @@ impl PlantSettings {
 }
 
 impl PlantKind {
-    /// What is set of the game engine, if it is that.
+    /// Returns the settings of the game engine; `None` for another plant.
     fn engine(self) -> Option<EngineSettings> {
         match self {
             Self::Rapier => Some(EngineSettings::TORQUE_CONTROL),
@@ -92,10 +92,10 @@ impl PlantKind {
     }
 }
 
-/// Where a body is and how it moves, world axes.
+/// Pose and velocity of a body, world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingPose {
-    /// Its pose.
+    /// Pose of the body.
     pub pose: Pose,
     /// Angular velocity in rad/s.
     pub angular_rad_s: DVec3,
@@ -103,8 +103,8 @@ pub struct MovingPose {
     pub linear_m_s: DVec3,
 }
 
-/// A body without a name on a joint in its parent's axes, at `position_m` in its parent's frame: without friction,
-/// ranges, limits or rotor.
+/// Returns a body without a name, on a joint in its parent's axes at `position_m` in its parent's frame, without
+/// friction, ranges, limits or rotor.
 pub fn link(
     parent: Option<usize>,
     joint: JointModel,
@@ -119,58 +119,57 @@ pub fn link(
     }
 }
 
-/// What the drives do during one step, world axes. What a joint cannot follow, its bearings carry: of a hinge the
-/// torque about its axis counts, of a slide the force along it.
+/// Efforts of the drives during one step, world axes. A hinge uses only the torque about its axis, a slide only
+/// the force along its axis; their bearings take the other components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
-    /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's comes from
-    /// outside.
+    /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's torque is external.
     pub torque_nm: Vec<DVec3>,
-    /// Force of joint `i` on body `i` at the origin of its frame, in N: of slides, and of a joint that leaves all free.
+    /// Force of joint `i` on body `i` at the origin of its frame, in N. Only slides and free joints use it.
     pub force_n: Vec<DVec3>,
 }
 
 impl Drive {
-    /// No force and no torque on so many bodies.
+    /// Returns a drive without force and torque for `bodies` bodies.
     pub fn none(bodies: usize) -> Self {
         Self { torque_nm: vec![DVec3::ZERO; bodies], force_n: vec![DVec3::ZERO; bodies] }
     }
 }
 
-/// A simulated mechanism that is driven by torques and gives its poses, nothing else: velocities are for
-/// the controller to find.
+/// A simulated mechanism that is driven by torques and provides only its poses. The controller has to estimate
+/// velocities itself.
 pub trait Plant {
-    /// Advances by one step with the drives held.
+    /// Advances the simulation by one step with constant drives.
     fn step(&mut self, drive: &Drive);
 
-    /// Poses of all bodies, by body.
+    /// Returns the poses of all bodies, by body.
     fn poses(&self) -> &[Pose];
 }
 
-/// What a plant is, for reports.
+/// The description of a plant, for reports.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Description {
-    /// Short name.
+    /// Short name of the plant.
     pub name: &'static str,
-    /// The program that computes it.
+    /// Program that computes the plant.
     pub engine: &'static str,
-    /// What is set otherwise than by default.
+    /// Settings that differ from the defaults.
     pub settings: Settings,
 }
 
-/// How a plant computes a step.
+/// The method by which a plant computes a step.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Settings {
-    /// How velocities and poses follow from accelerations.
+    /// Method of integration from accelerations to velocities and poses.
     pub integrator: &'static str,
-    /// Equal parts that a step is cut in, with the torques held.
+    /// Number of equal parts of a step, with constant torques.
     pub substeps: usize,
-    /// Sweeps of the constraint solver in each of them, where there is one.
+    /// Number of sweeps of the constraint solver in each part, if there is a solver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_sweeps: Option<usize>,
-    /// Where the gyroscopic torque comes from.
+    /// Source of the gyroscopic torque.
     pub gyroscopic_term: &'static str,
-    /// Whether bodies touch.
+    /// Whether bodies collide.
     pub contacts: bool,
 }
 

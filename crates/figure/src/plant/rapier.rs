@@ -1,8 +1,8 @@
-//! The paper's kind of plant: a game engine in maximal coordinates, rapier, whose bodies are held together
-//! by constraints.
+//! The paper's kind of plant: the game engine rapier in maximal coordinates, where constraints hold the bodies
+//! together.
 //!
-//! The engine's defaults are made for contacts and stacks, not for torques that cancel the dynamics of the
-//! same instant: see [`EngineSettings`].
+//! The engine's defaults are made for contacts and stacks, not for torques that cancel the dynamics at the same
+//! instant: see [`EngineSettings`].
 
 mod settings;
 
@@ -42,26 +42,26 @@ pub struct RapierPlant {
     poses: Vec<BodyPose>,
 }
 
-/// A body as the engine has it.
+/// A body as the engine represents it.
 struct Link {
     handle: RigidBodyHandle,
     parent: Option<usize>,
     joint: JointModel,
-    /// Rotation of the joint frame in the parent's.
+    /// Rotation of the joint frame in the parent's frame.
     placement: DQuat,
-    /// About the centre of mass, body axes.
+    /// Rotational inertia about the centre of mass, body axes.
     rotational_kg_m2: DMat3,
 }
 
 impl RapierPlant {
     /// Builds the mechanism in the given state.
     ///
-    /// `start` holds a state per body; the poses must fit the joints, else the first step snaps them. The
-    /// engine holds the torques over all substeps in world axes.
+    /// `start` contains one state per body. The poses must fit the joints; otherwise the first step pulls them
+    /// together with a jump. The engine keeps the torques constant in world axes over all substeps.
     ///
     /// # Errors
-    /// [`PlantError`] if this is no tree with a state for each body, a number is one that no machine has, or the
-    /// engine does not hold a body's inertia as given.
+    /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, or the
+    /// engine does not reproduce a body's inertia.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
@@ -123,7 +123,7 @@ impl RapierPlant {
             .linvel(vector(center_velocity))
             .angvel(vector(start.angular_rad_s))
             .additional_mass_properties(mass)
-            // A figure must not freeze at the turning point of a swing.
+            // A figure must not fall asleep at the turning point of a swing.
             .can_sleep(false)
             .allow_fast_rotation(self.settings.fast_rotation)
             .gyroscopic_forces_enabled(self.settings.gyroscopic_term == GyroscopicTerm::Engine)
@@ -160,7 +160,7 @@ impl RapierPlant {
 impl Plant for RapierPlant {
     fn step(&mut self, drive: &Drive) {
         for link in &self.links {
-            // Forces would add up from step to step.
+            // Without the reset, forces would accumulate from step to step.
             let body = &mut self.bodies[link.handle];
             body.reset_forces(true);
             body.reset_torques(true);
@@ -213,7 +213,8 @@ impl Plant for RapierPlant {
 }
 
 impl Link {
-    /// What of a torque and a force in world axes the joint can follow; a bolted root takes all of it.
+    /// Returns the components of a torque and a force (world axes) along which the joint can move; all of both for
+    /// a bolted root.
     fn followed(&self, torque_nm: DVec3, force_n: DVec3, poses: &[BodyPose]) -> (DVec3, DVec3) {
         let Some(parent) = self.parent.map(|parent| poses[parent].rotation) else {
             return (torque_nm, force_n);
@@ -233,11 +234,11 @@ impl Link {
     }
 }
 
-/// What of a joint the engine does not simulate.
+/// Returns the name of a joint feature that the engine does not simulate, if there is any.
 fn not_simulated(body: &Given) -> Option<&'static str> {
     let held = body.friction > 0.0 || body.damping > 0.0 || !body.ranges.is_empty();
     if body.rotor_inertia > 0.0 {
-        // In maximal coordinates there is none that the rotor's turns are of.
+        // Maximal coordinates have no coordinate for the rotor's rotation.
         return Some("a rotor has inertia");
     }
     let bolted = body.joint == JointModel::Fixed && body.parent.is_none();
@@ -260,8 +261,8 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
     }
 }
 
-/// The joint of a body as the engine has it: ranges are its limits, and friction its motor, which tries to keep still
-/// with a bounded force or one in proportion to the speed.
+/// Returns the joint of a body in the engine's form. Ranges become its limits. Friction becomes its motor, which
+/// resists motion with a bounded force or a force proportional to the speed.
 fn engine_joint(body: &Given) -> Option<GenericJoint> {
     let at = vector(body.position_m);
     let (axis, locked, free) = match body.joint {
@@ -307,10 +308,10 @@ fn engine_joint(body: &Given) -> Option<GenericJoint> {
     Some(joint.build())
 }
 
-/// So much friction for each rad/s or m/s that a motor with a bounded force is at its bound: N m s, or N s/m.
+/// Friction per rad/s or m/s, high enough for a motor with a bounded force to reach its bound: N m s, or N s/m.
 const STIFF: f64 = 1e6;
 
-/// The engine has its own version of glam: arrays lead from one to the other.
+/// Converts through arrays, since the engine has its own version of glam.
 fn vector(v: DVec3) -> Vector {
     Vector::from_array(v.to_array())
 }
@@ -319,8 +320,8 @@ fn rotation(q: DQuat) -> Rotation {
     Rotation::from_xyzw(q.x, q.y, q.z, q.w)
 }
 
-/// Mass properties by an eigen-decomposition of our own: the engine's conversion of an inertia matrix is
-/// wrong for tilted bodies whose smaller principal moments are equal.
+/// Computes mass properties by our own eigen-decomposition: the engine's conversion of an inertia matrix is wrong
+/// for tilted bodies whose smaller principal moments are equal.
 fn mass_properties(body: &Given) -> EngineMass {
     let matrix = na::Matrix3::from_fn(|row, column| body.inertia_kg_m2.col(column)[row]);
     let mut axes = matrix.symmetric_eigen().eigenvectors;
@@ -338,7 +339,7 @@ fn mass_properties(body: &Given) -> EngineMass {
     )
 }
 
-/// Largest difference between the engine's inertia and the given one, over the largest element.
+/// Returns the largest difference between the engine's inertia and the given one, divided by the largest element.
 fn inertia_difference(mass: &EngineMass, rotational_kg_m2: &DMat3) -> f64 {
     let held = DMat3::from_cols_array(&mass.reconstruct_inertia_matrix().to_cols_array());
     let largest = |m: &DMat3| m.to_cols_array().iter().fold(0.0, |a: f64, b| a.max(b.abs()));

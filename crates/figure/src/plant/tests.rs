@@ -22,7 +22,7 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
         solid(mass_kg, DVec3::new(0.0, -length_m, 0.0), diagonal(about_center, 0.01, about_center));
     let rate = (mass_kg * 9.81 * length_m / (about_center + mass_kg * length_m * length_m)).sqrt();
     let angle = 0.05;
-    // A root that is said to move does not: it is bolted.
+    // The state has a moving root, but a bolted root does not move.
     let root = MovingPose {
         angular_rad_s: DVec3::ONE,
         linear_m_s: DVec3::ONE,
@@ -41,7 +41,7 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
             assert_eq!(plant.poses()[0], root.pose, "{kind:?}");
             let swung = plant.poses()[1].rotation.to_scaled_axis().z;
             let expected = angle * (rate * f64::from(step) * dt_s).cos();
-            // Half a step of phase, ω h / 2 = 0.23 % of the amplitude.
+            // Half a step of phase: ω h / 2 = 0.23 % of the amplitude.
             assert!(
                 (swung - expected).abs() < 0.0025 * angle,
                 "{kind:?} {step}: {swung} {expected}"
@@ -50,7 +50,7 @@ fn a_bolted_root_stays_and_bears_a_pendulum() {
     }
 }
 
-/// Largest distance of a body from where the exact plant has it, after 0.1 s.
+/// Returns the largest distance of a body from its position in the exact plant, after 0.1 s.
 fn distance_from_exact(kind: PlantKind, steps: u32) -> f64 {
     let (mechanism, start) = random_tree(JointModel::Free, 11);
     let drive = random_torques(11);
@@ -68,7 +68,7 @@ fn distance_from_exact(kind: PlantKind, steps: u32) -> f64 {
 fn all_plants_go_to_the_same_motion_with_the_step() {
     for kind in PlantKind::value_variants() {
         let [coarse, fine] = [100, 400].map(|steps| distance_from_exact(*kind, steps));
-        // At some 5 m/s and 10 rad/s, v ω h t / 2 in 0.1 s.
+        // At about 5 m/s and 10 rad/s: v ω h t / 2 in 0.1 s.
         assert!(fine < 2e-3, "{kind:?}: {fine}");
         assert!(fine < 0.35 * coarse, "{kind:?}: {coarse} {fine}");
     }
@@ -172,10 +172,10 @@ fn a_passive_step_is_the_same_again() {
     }
 }
 
-/// Hinges, slides, balls and rigid joints, turned in their parents.
+/// Returns a tree with hinges, slides, balls and rigid joints, rotated in their parents.
 fn mixed(seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let (mut mechanism, mut start) = random_tree_of_all_kinds(seed);
-    // A universal joint is no more than a hinge about its first axis here.
+    // A universal joint becomes a hinge about its first axis in this test.
     for link in &mut mechanism.bodies {
         if let JointModel::Universal([first, _]) = link.joint {
             link.joint = JointModel::Revolute(first);
@@ -184,7 +184,7 @@ fn mixed(seed: u64) -> (Mechanism, Vec<MovingPose>) {
     for state in &mut start {
         (state.angular_rad_s, state.linear_m_s) = (DVec3::ZERO, DVec3::ZERO);
     }
-    // The exact plant puts every body where its joint has it.
+    // The exact plant places every body where its joint allows it.
     let exact = ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap();
     let start = exact.motions();
     (mechanism, start)
@@ -228,7 +228,7 @@ fn the_engine_sticks_and_stops() {
         }
         plant.poses()[1].rotation.to_scaled_axis().z
     };
-    // As well as a solver with springs does it.
+    // A tolerance for a solver with springs.
     let stuck = after(&mut plant, 0.9);
     assert!(stuck.abs() < 1e-3, "{stuck}");
     let stopped = after(&mut plant, 10.0);

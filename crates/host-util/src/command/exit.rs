@@ -1,13 +1,13 @@
-//! How a command ends.
+//! Exit codes and error messages of commands.
 //!
-//! Exit codes: 0 done; 1 done, and the result is bad; 2 could not be done (bad input, bad usage).
+//! Exit codes: 0 success; 1 success with a bad result; 2 failure (bad input, bad usage).
 
 use std::borrow::Cow;
 use std::process::ExitCode;
 
 use super::output::note;
 
-/// The exit code of a command. An error is written to standard error.
+/// Returns the exit code of a command. Writes an error to standard error.
 pub fn exit_code(result: anyhow::Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
         note(format_args!("error: {}", chain(&error)));
@@ -15,7 +15,7 @@ pub fn exit_code(result: anyhow::Result<ExitCode>) -> ExitCode {
     })
 }
 
-/// The error and its causes in one line, without what an error already says of its cause.
+/// Formats an error with its causes in one line. Skips a cause whose text the line already contains.
 fn chain(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain().map(ToString::to_string) {
@@ -28,7 +28,7 @@ fn chain(error: &anyhow::Error) -> String {
     line.lines().map(shortened).collect::<Vec<_>>().join("\n")
 }
 
-/// A line of a message: what a file has in its place may be of any length.
+/// Shortens a line of a message: content that is quoted from a file may have any length.
 fn shortened(line: &str) -> Cow<'_, str> {
     const LENGTH_MAX: usize = 1500;
     match line.char_indices().nth(LENGTH_MAX) {

@@ -1,4 +1,4 @@
-//! What commands share: options that several have, and writing to the terminal.
+//! Functions that commands share: common options, and output to the terminal.
 
 mod exit;
 mod output;

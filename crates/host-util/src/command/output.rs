@@ -1,4 +1,4 @@
-//! Writing to the terminal.
+//! Writes to the terminal.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -6,19 +6,20 @@ use std::io::{self, Write as _};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// Writes to standard output. Names out of files cannot command the terminal: their control characters are written out.
+/// Writes to standard output. Control characters, for example in names from files, are replaced, so that they cannot
+/// control the terminal.
 ///
 /// # Errors
-/// What the system says, such as that the disk is full. That the reader has gone, as in `sinew | head`, is none: the
+/// An error of the operating system, such as a full disk. A closed pipe, as in `sinew | head`, is not an error: the
 /// command ends with the exit code of its own result.
 pub fn print(text: &str) -> io::Result<()> {
     print_raw(&harmless(text))
 }
 
-/// Writes to standard output what may move the cursor: nothing of it is out of a file.
+/// Writes text to standard output that may move the cursor. The text must not contain data from a file.
 ///
 /// # Errors
-/// Those of [`print()`].
+/// The errors of [`print()`].
 pub fn print_raw(text: &str) -> io::Result<()> {
     let mut stdout = io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -27,14 +28,14 @@ pub fn print_raw(text: &str) -> io::Result<()> {
     }
 }
 
-/// Writes a line to standard error, if there is one.
+/// Writes a line to standard error, if it is open.
 pub fn note(line: fmt::Arguments<'_>) {
-    // There is no place left to tell about a failure here.
+    // A failure cannot be reported anywhere.
     let _ = writeln!(io::stderr(), "{}", harmless(&line.to_string()));
 }
 
-/// The text with U+FFFD for each character that a terminal would obey or that would turn the text round: controls but
-/// for the end of a line and the tabulator, and the marks of direction.
+/// Replaces with U+FFFD each character that could control a terminal or reverse the text: control characters except
+/// newline and tabulator, and direction marks.
 fn harmless(text: &str) -> Cow<'_, str> {
     let commands = |c: char| {
         c.is_control() && c != '\n' && c != '\t'
@@ -43,7 +44,7 @@ fn harmless(text: &str) -> Cow<'_, str> {
     if text.contains(commands) { text.replace(commands, "\u{fffd}").into() } else { text.into() }
 }
 
-/// Shows a bar on standard error while `work` runs, if that is a terminal.
+/// Runs `work` and shows a progress bar on standard error, if that is a terminal.
 pub fn with_progress<T>(steps: usize, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
     let style = ProgressStyle::with_template(
         "{bar:40} {percent:>3} %  {human_pos} of {human_len} steps, {eta} left",

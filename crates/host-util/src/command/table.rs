@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, Table, presets};
 
-/// An empty table; the columns in `right` are numbers, which end at the same place.
+/// Creates an empty table. The columns in `right` are aligned to the right, for numbers.
 pub fn table<const N: usize>(header: [&str; N], right: impl IntoIterator<Item = usize>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::NOTHING);

@@ -1,16 +1,16 @@
-//! The option of the number of threads.
+//! The option for the number of threads.
 
 use std::num::NonZeroUsize;
 
 use anyhow::Context as _;
 
-/// Stack of a thread: an evaluation builds a tracker of some 0.5 MB on it.
+/// Stack size of a thread, bytes: an evaluation builds a tracker of some 0.5 MB on it.
 const STACK_BYTES: usize = 16 << 20;
 
-/// More than any machine makes use of; their stacks are 4 GB.
+/// Maximum number of threads: more than any machine can use. Their stacks are 4 GB.
 const THREADS_MAX: usize = 256;
 
-/// The option of the number of threads.
+/// The option for the number of threads.
 #[derive(Debug, clap::Args)]
 pub struct ThreadArgs {
     /// Number of threads; the result does not depend on it. Default: one per processor.
@@ -25,10 +25,10 @@ fn threads(text: &str) -> Result<NonZeroUsize, String> {
 }
 
 impl ThreadArgs {
-    /// Does `work` with that many threads.
+    /// Runs `work` with the chosen number of threads.
     ///
     /// # Errors
-    /// Those of `work`, and if the threads cannot be started.
+    /// The errors of `work`, and an error if the threads cannot be started.
     pub fn install<T: Send>(
         &self,
         work: impl FnOnce() -> anyhow::Result<T> + Send,

@@ -1,22 +1,23 @@
-//! One file: beside its place first, whole and on the disk, then in its place.
+//! Writes a file beside its target first. The complete file replaces the target after it is on the disk.
 
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Ending of what is of no use unfinished, and of what is.
+/// Endings of temporary files: the first is deleted if the file is not finished, the second is kept.
 const DROPPED: &str = "new.part";
 const KEPT: &str = "part";
 
-/// A file that is being written. It is there from [`Pending::finish`] on; dropped before, it leaves the old one.
+/// A file that is being written. [`Pending::finish`] puts it in its place. If it is dropped before, the old file
+/// remains.
 #[derive(Debug)]
 pub struct Pending {
     file: File,
-    /// Where it is written; `None` for devices and pipes, which cannot be replaced.
+    /// Path of the temporary file; `None` for devices and pipes, which cannot be replaced.
     part: Option<PathBuf>,
     target: PathBuf,
-    /// Whether what was written stays beside its place if it is not finished.
+    /// Whether the temporary file is kept if the file is not finished.
     is_kept: bool,
 }
 
@@ -27,19 +28,19 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 impl Pending {
-    /// Begins a file at `path`, beside it.
+    /// Begins to write a file for `path`, in a temporary file beside it.
     ///
     /// # Errors
-    /// What the system says; [`io::ErrorKind::PermissionDenied`] if there is one that must not be written.
+    /// An error of the operating system; [`io::ErrorKind::PermissionDenied`] if the existing file is read-only.
     pub fn begin(path: &Path) -> io::Result<Self> {
         Self::with_ending(path, DROPPED)
     }
 
-    /// The same; dropped unfinished, or if the program is ended, it leaves what was written as `.NAME.PID-0.part`, and
-    /// the old file.
+    /// Like [`Self::begin`], but keeps an unfinished file as `.NAME.PID-0.part`, also if the program is ended. The old
+    /// file remains too.
     ///
     /// # Errors
-    /// Those of [`Self::begin`].
+    /// The errors of [`Self::begin`].
     pub fn begin_kept(path: &Path) -> io::Result<Self> {
         Self::with_ending(path, KEPT)
     }
@@ -47,7 +48,7 @@ impl Pending {
     fn with_ending(path: &Path, ending: &str) -> io::Result<Self> {
         let is_kept = ending == KEPT;
         let old = fs::metadata(path).ok();
-        // What programs are given of each other: `/dev/stdout` may be a file today, and must stay the one it is.
+        // Programs pass such paths to each other: `/dev/stdout` may be a regular file, which must not be replaced.
         let is_device = old.as_ref().is_some_and(|old| !old.is_file() && !old.is_dir());
         if is_device || path.starts_with("/dev") {
             let file = OpenOptions::new().write(true).open(path)?;
@@ -55,10 +56,11 @@ impl Pending {
         }
         let is_link = fs::symlink_metadata(path).is_ok_and(|it| it.file_type().is_symlink());
         if is_link && old.is_none() {
-            let what = "it is a link to what is not there: write there, or remove the link";
+            let what =
+                "it is a link to a file that does not exist: write there, or remove the link";
             return Err(io::Error::new(io::ErrorKind::NotFound, what));
         }
-        // A link stays one: what it leads to is replaced.
+        // A link is kept: its target is replaced.
         let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
         if let Some(old) = &old {
             if old.is_dir() {
@@ -69,7 +71,7 @@ impl Pending {
             }
         }
         for left in parts(&target).filter(|part| is_of(part, DROPPED) && is_left(part)) {
-            // Nobody writes it any more, and nobody wants it.
+            // No program writes this file any more, and an unfinished file is useless.
             let _ = fs::remove_file(left);
         }
         let (file, part) = beside(&target, ending)?;
@@ -80,10 +82,10 @@ impl Pending {
         Ok(pending)
     }
 
-    /// Waits until all of it is on the disk, and puts it in its place.
+    /// Waits until the whole file is on the disk, and puts it in its place.
     ///
     /// # Errors
-    /// What the system says; the old file is as it was.
+    /// An error of the operating system; the old file is then unchanged.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
         if let Some(part) = &self.part {
@@ -108,13 +110,13 @@ impl Write for Pending {
 impl Drop for Pending {
     fn drop(&mut self) {
         if let Some(part) = self.part.as_ref().filter(|_| !self.is_kept) {
-            // Nobody can be told here; a file `.NAME.part` says it.
+            // A drop cannot report an error; the remaining file `.NAME.part` shows it.
             let _ = fs::remove_file(part);
         }
     }
 }
 
-/// Files of [`Pending`] that are there for a target, of this program and of others.
+/// Returns the temporary files for a target, from this program and from others.
 fn parts(target: &Path) -> impl Iterator<Item = PathBuf> {
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
     let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).into_iter().flatten();
@@ -127,7 +129,7 @@ fn parts(target: &Path) -> impl Iterator<Item = PathBuf> {
             let rest = rest.strip_suffix(KEPT)?.strip_suffix('.')?;
             rest.strip_suffix(".new").unwrap_or(rest).split_once('-')
         });
-        // A process, and a number of its own.
+        // The number of a process, and the number of the file in this process.
         numbers.is_some_and(|(process, number)| {
             process.parse::<u32>().is_ok() && number.parse::<u32>().is_ok()
         })
@@ -138,18 +140,18 @@ fn is_of(part: &Path, ending: &str) -> bool {
     part.to_string_lossy().ends_with(ending)
 }
 
-/// Whether nobody writes a part any more: the lock on it ends with its program.
+/// Returns whether a temporary file is abandoned: its lock ends with its program.
 fn is_left(part: &Path) -> bool {
     File::open(part).is_ok_and(|file| file.try_lock().is_ok())
 }
 
-/// Lists what programs that were ended have left of a file.
+/// Lists the temporary files of a target that ended programs have left.
 pub(super) fn left_beside(path: &Path) -> Vec<PathBuf> {
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     parts(&target).filter(|part| is_left(part)).collect()
 }
 
-/// A new file beside another, hidden, that no other run has; locked as long as it is written.
+/// Creates a hidden temporary file beside another file. Its name is unique, and it is locked until it is closed.
 fn beside(target: &Path, ending: &str) -> io::Result<(File, PathBuf)> {
     let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     for number in 0..1000 {
@@ -159,7 +161,7 @@ fn beside(target: &Path, ending: &str) -> io::Result<(File, PathBuf)> {
         let part = target.with_file_name(part);
         match OpenOptions::new().write(true).create_new(true).open(&part) {
             Ok(file) => {
-                // Where there are no locks, what is left is told, and stays.
+                // Without locks, abandoned files are reported but kept.
                 let _ = file.try_lock();
                 return Ok((file, part));
             }

@@ -1,8 +1,8 @@
-//! Results of one run, as a whole in a folder.
+//! Writes all results of one run to a folder, completely or not at all.
 //!
-//! They are written into a folder within it. Only when all are on the disk, those of the run before are removed, and
-//! the new ones moved to their places: results of two runs never lie side by side. While they are moved, the file
-//! [`UNFINISHED`] is there, and stays if the machine stops just then.
+//! Results are first written to a subfolder. After all of them are on the disk, the results of the previous run are
+//! removed, and the new results are moved to their places. Results of two runs are thus never mixed. During the move,
+//! the file [`UNFINISHED`] exists; it remains if the machine stops at that time.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -11,42 +11,42 @@ use std::path::{Path, PathBuf};
 
 use super::same;
 
-/// Locked while a run writes; holds which files are whose.
+/// File that is locked while a run writes. It contains the kind and name of each result.
 const LOCK: &str = ".sinew";
-/// Where results are until they are whole.
+/// Subfolder for results until all of them are complete.
 const STAGE: &str = ".sinew-part";
-/// There while results are moved to their places.
+/// File that exists while results are moved to their places.
 const UNFINISHED: &str = "UNFINISHED";
 
-/// Results that cannot be written.
+/// An error while results are written to a folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// The system refuses.
+    /// An error of the operating system.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Folder or file.
+        /// Folder or file that is concerned.
         path: PathBuf,
-        /// What the system says.
+        /// Cause of the error.
         source: io::Error,
     },
-    /// Somebody else writes there.
+    /// Another run writes to the folder.
     #[error("{}: another run writes into this folder; give each its own", folder.display())]
     Busy {
-        /// The folder.
+        /// Folder that is in use.
         folder: PathBuf,
     },
-    /// A result would take the place of what was read.
+    /// A result would overwrite a file that the command has read.
     #[error("{}: is the {what}, and would be lost: give another folder to write", file.display())]
     Input {
-        /// The file.
+        /// File that would be overwritten.
         file: PathBuf,
-        /// What the command reads there.
+        /// Description of the input.
         what: String,
     },
 }
 
-/// A folder that results are being written into, locked against other runs. They are there from [`Folder::finish`] on;
-/// dropped before, it leaves what was there.
+/// A folder for results, locked against other runs. [`Folder::finish`] puts the results in their places. If the folder
+/// is dropped before, the old results remain.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -56,10 +56,11 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Opens a folder for results of a kind: those of other kinds are left alone. `inputs`: what the command reads.
+    /// Opens a folder for results of a kind; results of other kinds are not changed. `inputs` are the files that the
+    /// command reads, with descriptions.
     ///
     /// # Errors
-    /// [`FolderError::Io`]; [`FolderError::Busy`] if another run has it.
+    /// [`FolderError::Io`]; [`FolderError::Busy`] if another run uses the folder.
     pub fn open(
         folder: &Path,
         kind: &str,
@@ -83,22 +84,22 @@ impl Folder {
         let results =
             Self { path: folder.to_owned(), lock, kind: kind.to_owned(), inputs: inputs.collect() };
         let stage = results.stage();
-        // Of a run that was stopped.
+        // The subfolder may remain from a run that was stopped.
         remove(fs::remove_dir_all(&stage)).map_err(io_at(&stage))?;
         fs::create_dir(&stage).map_err(io_at(&stage))?;
         Ok(results)
     }
 
-    /// Where the files of this run are to be written.
+    /// Returns the folder in which this run must write its files.
     pub fn stage(&self) -> PathBuf {
         self.path.join(STAGE)
     }
 
-    /// Puts all files of the stage in their places, and removes those of the same kind that a run before left. Returns
-    /// where they are.
+    /// Moves all files of the stage to their places, and removes the results of the same kind from the previous run.
+    /// Returns the paths of the files.
     ///
     /// # Errors
-    /// [`FolderError::Io`]; [`FolderError::Input`] if one would replace what the command read.
+    /// [`FolderError::Io`]; [`FolderError::Input`] if a result would replace an input of the command.
     pub fn finish(mut self) -> Result<Vec<PathBuf>, FolderError> {
         let stage = self.stage();
         let new = names(&stage).map_err(io_at(&stage))?;
@@ -118,7 +119,7 @@ impl Folder {
         let mark = self.path.join(UNFINISHED);
         let text = "Results were being moved here when the program was stopped: run it again.\n";
         fs::write(&mark, text).map_err(io_at(&mark))?;
-        // Whoever comes after a kill knows of old files and of new ones.
+        // If the program is killed now, the next run knows both the old files and the new ones.
         let listed = gone.iter().map(|name| [self.kind.clone(), (*name).clone()]);
         let listed: Vec<_> = listed.chain(of_others.iter().cloned()).collect();
         self.write_list(&listed)?;
@@ -139,7 +140,7 @@ impl Folder {
         Ok(files)
     }
 
-    /// Kind and name of each file that runs before left.
+    /// Returns kind and name of each file from earlier runs.
     fn read_list(&mut self) -> Result<Vec<[String; 2]>, FolderError> {
         let mut bytes = Vec::new();
         self.lock
@@ -148,7 +149,7 @@ impl Folder {
             .map_err(io_at(&self.path))?;
         let text = String::from_utf8_lossy(&bytes);
         let lines = text.lines().filter_map(|line| line.split_once('\t'));
-        // A name is one of this folder, whoever wrote the list.
+        // Only names within this folder are accepted, because anybody may have edited the list.
         let own = lines.filter(|(_, name)| Path::new(name).file_name() == Some(name.as_ref()));
         Ok(own.map(|(kind, name)| [kind.to_owned(), name.to_owned()]).collect())
     }
@@ -168,12 +169,12 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Nobody can be told here; the next run removes it.
+        // A drop cannot report an error; the next run removes the subfolder.
         let _ = fs::remove_dir_all(self.stage());
     }
 }
 
-/// The files in a folder, in order. Ours all have names that are text.
+/// Returns the names of the files in a folder, sorted. All names that this program writes are valid text.
 fn names(folder: &Path) -> io::Result<Vec<String>> {
     let name = |entry: io::Result<fs::DirEntry>| {
         entry?.file_name().into_string().map_err(|_| io::ErrorKind::InvalidFilename.into())
@@ -183,7 +184,7 @@ fn names(folder: &Path) -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// What is not there needs no removing.
+/// Ignores the error that a removed file does not exist.
 fn remove(removed: io::Result<()>) -> io::Result<()> {
     removed
         .or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })

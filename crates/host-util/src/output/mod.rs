@@ -1,7 +1,8 @@
-//! Files that commands write.
+//! Writes the files of commands.
 //!
-//! Whoever reads a file has the old one or the new one, whatever happens meanwhile: a full disk, a kill, a second run.
-//! So every command writes through here. The checkpoints of studies do the same by themselves.
+//! A reader of a file always sees the complete old file or the complete new file: despite a full disk, a kill, or a
+//! second run. Every command therefore writes with these functions. Only the checkpoints of studies have their own
+//! equivalent code.
 
 mod file;
 mod folder;
@@ -17,24 +18,24 @@ pub use file::Pending;
 pub use folder::{Folder, FolderError};
 pub use same::same;
 
-/// Writes a file as a whole.
+/// Writes a file completely or not at all.
 ///
 /// # Errors
-/// Names the file, and says what the system says; the old file is as it was.
+/// An error with the path and the operating system's message; the old file is then unchanged.
 pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> anyhow::Result<()> {
     file::write(path, bytes.as_ref())
         .with_context(|| format!("{}: cannot be written", path.display()))
 }
 
-/// Tries whether a file can be written, before anything is done for it. Nothing is left of it; devices and pipes are
-/// not tried. Tells what a program that was ended has left beside.
+/// Checks whether a file can be written, before a command begins its work. The check leaves no file. Devices and pipes
+/// are not checked. Also reports temporary files that an ended program has left.
 ///
 /// # Errors
-/// As of [`write()`].
+/// The errors of [`write()`].
 pub fn try_to_write(path: &Path) -> anyhow::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if folder.is_some_and(|folder| !folder.is_dir()) {
-        bail!("{}: cannot be written: expected a folder that is there", path.display());
+        bail!("{}: cannot be written: expected an existing folder", path.display());
     }
     let is_file = std::fs::metadata(path).map_or(true, |there| there.is_file() || there.is_dir());
     if !is_file || path.starts_with("/dev") {
@@ -52,10 +53,11 @@ pub fn try_to_write(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses to write over what a command reads, and two files into one. `read`: what each is, and where.
+/// Refuses to overwrite a file that a command reads, and to write two results to one file. `read` contains descriptions
+/// and paths of the inputs.
 ///
 /// # Errors
-/// Names the option's file and what it is.
+/// An error that contains the file and its description.
 pub fn distinct(written: &[&Path], read: &[(&str, Option<&Path>)]) -> anyhow::Result<()> {
     for (index, path) in written.iter().enumerate() {
         for (what, other) in read {

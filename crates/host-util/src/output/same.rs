@@ -1,10 +1,10 @@
-//! Whether two names lead to one file.
+//! Compares paths by the files that they lead to.
 
 use std::fs::{self, Metadata};
 use std::path::{Path, PathBuf};
 
-/// Whether two names lead to one file, through links of either kind. Files that are not there yet are one if they would
-/// be.
+/// Returns whether two paths lead to the same file, also through symbolic or hard links. Works for files that do not
+/// exist yet.
 pub fn same(a: &Path, b: &Path) -> bool {
     match (fs::metadata(a), fs::metadata(b)) {
         (Ok(of_a), Ok(of_b)) => is_one((a, &of_a), (b, &of_b)),
@@ -16,7 +16,7 @@ pub fn same(a: &Path, b: &Path) -> bool {
 #[cfg(unix)]
 fn is_one((_, a): (&Path, &Metadata), (_, b): (&Path, &Metadata)) -> bool {
     use std::os::unix::fs::MetadataExt as _;
-    // A device can be read and written: the terminal, for one.
+    // A device, such as the terminal, can be read and written at the same time.
     a.is_file() && (a.dev(), a.ino()) == (b.dev(), b.ino())
 }
 
@@ -25,7 +25,7 @@ fn is_one((a, of_a): (&Path, &Metadata), (b, _): (&Path, &Metadata)) -> bool {
     of_a.is_file() && place(a) == place(b)
 }
 
-/// Where a file is or would be, whichever way its name leads.
+/// Returns the real path of a file, even if the file does not exist yet.
 fn place(path: &Path) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     if let Ok(place) = path.canonicalize() {

@@ -49,7 +49,7 @@ fn one_file_is_known_by_all_its_names() {
     assert!(distinct(&[&at("a"), &at("more/c")], &[]).is_err());
 }
 
-/// Names in a folder, without our own.
+/// Lists the names in a folder, without this program's own files.
 fn listed(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
@@ -72,7 +72,7 @@ fn a_folder_has_the_results_of_one_run() {
     };
     run("mds", &["mds.txt"]).finish().unwrap();
     run("evaluate", &["table.txt", "ratios-x1.1.png"]).finish().unwrap();
-    // Stopped before its end: all is as it was.
+    // A run that stops before its end changes nothing.
     drop(run("evaluate", &["table.txt", "other.png"]));
     assert_eq!(listed(place), ["mds.txt", "mine.txt", "ratios-x1.1.png", "table.txt"]);
     let files = run("evaluate", &["table.txt", "ratios-x1.png"]).finish().unwrap();
@@ -105,7 +105,7 @@ fn a_link_to_what_is_not_there_is_not_replaced() {
     let link = place.path().join("link");
     std::os::unix::fs::symlink("gone", &link).unwrap();
     let refused = format!("{:#}", write(&link, "text").unwrap_err());
-    assert!(refused.contains("a link to what is not there"), "{refused}");
+    assert!(refused.contains("a link to a file that does not exist"), "{refused}");
     assert!(fs::symlink_metadata(&link).unwrap().file_type().is_symlink());
 }
 
@@ -122,7 +122,7 @@ fn what_dead_programs_left_is_removed_or_told() {
     ] {
         fs::write(at(name), "half").unwrap();
     }
-    // One that lives holds its lock.
+    // A running program holds its lock.
     let alive = fs::File::create(at(".a.78-0.new.part")).unwrap();
     alive.try_lock().unwrap();
     write(&at("a"), "whole").unwrap();

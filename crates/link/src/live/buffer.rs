@@ -1,4 +1,4 @@
-//! The buffer: frames in any order in, one target for each tick out.
+//! The live buffer: frames in any order in, one target for each tick out.
 
 use heapless::Vec;
 
@@ -7,18 +7,19 @@ use super::timeline::Timeline;
 use super::{LiveRefusal, LiveSettings, LiveSetupError};
 use crate::message::LiveFrame;
 
-/// The longest delay and time-out, us.
+/// Maximum delay and time-out, us.
 const LONGEST_US: u32 = 2_000_000;
 
-/// Live frames of a rig of at most `N` coordinates, `FRAMES` at a time: those of the delay, and a few more. Of a source
-/// that sends more of them they are thinned: what lies near another is left out.
+/// A buffer for live frames of a rig with at most `N` coordinates. It stores `FRAMES` frames: those within the delay,
+/// and a few more. Frames of a faster source are thinned out: a frame close to another is dropped.
 ///
-/// Targets begin where [`start`](Self::start) says, and go no faster than the limits of speed, whatever comes. Between
-/// two frames they are interpolated. Nothing is extrapolated: if the next frame is missing, the last one is held.
+/// Targets begin at the pose of [`start`](Self::start), and never exceed the limits of speed, whatever arrives.
+/// Between two frames they are interpolated. Nothing is extrapolated: if the next frame is missing, the last frame is
+/// held.
 #[derive(Debug, Clone)]
 pub struct LiveBuffer<const N: usize, const FRAMES: usize> {
     coordinates: Vec<Coordinate, N>,
-    /// How many numbers of a pose are used.
+    /// Number of coordinates of a pose that are used.
     len: usize,
     settings: LiveSettings,
     frames: [Option<Stored<N>>; FRAMES],
@@ -34,52 +35,52 @@ struct Stored<const N: usize> {
     q: [f32; N],
 }
 
-/// What came of live frames. Counts stop at their largest value.
+/// Counts of live frames. They stop at their maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LiveCounts {
-    /// Frames that are used.
+    /// Frames that were accepted.
     pub taken: u32,
-    /// Frames that came too late.
+    /// Frames that arrived too late.
     pub too_late: u32,
     /// Frames that were refused for another reason.
     pub refused: u32,
-    /// Frames of those that were left out, since others are near.
+    /// Accepted frames that were dropped, because others are close.
     pub thinned: u32,
-    /// Ticks in which a frame was missing, and the last one was held.
+    /// Ticks in which a frame was missing, and the last frame was held.
     pub held: u32,
 }
 
-/// What the target of a tick is made of.
+/// The source of a tick's target.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Following {
     /// No frame is due yet: the target stays.
     Waiting,
-    /// It lies between two frames.
+    /// The target is interpolated between two frames.
     Interpolated,
-    /// The next frame is missing: the last one is held.
+    /// The next frame is missing: the last frame is held.
     Held,
-    /// No new frame came for the time-out: the target stays, and frames have to begin anew.
+    /// No new frame arrived within the time-out: the target stays, and the timing of frames must start again.
     Stale,
 }
 
 /// The target of a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiveTarget<'a> {
-    /// Coordinates of the rig.
+    /// Coordinates of the rig: rad, m, unit quaternions xyzw.
     pub q: &'a [f32],
-    /// What they are made of.
+    /// Source of the coordinates.
     pub following: Following,
-    /// How long ago the newest frame came, us; none if there is none.
+    /// Time since the newest frame arrived, us; `None` without a frame.
     pub age_us: Option<u32>,
     /// Whether a limit of speed holds the target back.
     pub limited: bool,
 }
 
 impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
-    /// A buffer for these joints, in the order of the rig's coordinates.
+    /// Creates a buffer for these joints, in the order of the rig's coordinates.
     ///
     /// # Errors
-    /// [`LiveSetupError`] if they do not fit, or a setting cannot be.
+    /// [`LiveSetupError`] if the joints do not fit, or a setting is invalid.
     pub fn new(joints: &[Coordinate], settings: LiveSettings) -> Result<Self, LiveSetupError> {
         const { assert!(FRAMES > 1, "a target lies between two frames") }
         let len = joints.iter().fold(0, |sum: usize, joint| sum.saturating_add(joint.len()));
@@ -101,7 +102,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         let mut target = [0.0; N];
         let mut rest = target.as_mut_slice();
         for joint in joints {
-            // A rotation's identity.
+            // Initializes a rotation to the identity.
             if let Some((numbers, behind)) = rest.split_at_mut_checked(joint.len()) {
                 if let [_, _, _, w] = numbers {
                     *w = 1.0;
@@ -123,10 +124,11 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         })
     }
 
-    /// Forgets all frames; the target is this pose: the measured one, or where the source before had it.
+    /// Forgets all frames and sets the target to this pose: the measured pose, or the last target of the previous
+    /// source.
     ///
     /// # Errors
-    /// [`LiveRefusal`]: nothing changes then.
+    /// [`LiveRefusal`] if the pose is invalid. Nothing changes then.
     pub fn start(&mut self, q: &[f32]) -> Result<(), LiveRefusal> {
         self.check(q)?;
         if let Some(target) = self.target.get_mut(..q.len()) {
@@ -137,10 +139,10 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         Ok(())
     }
 
-    /// Takes a frame that came now. O(coordinates + `FRAMES`).
+    /// Accepts a frame that arrived now. O(coordinates + `FRAMES`).
     ///
     /// # Errors
-    /// [`LiveRefusal`]: it is counted, and not used.
+    /// [`LiveRefusal`] if the frame is not used. It is counted.
     pub fn push(&mut self, frame: &LiveFrame, now_us: u64) -> Result<(), LiveRefusal> {
         let result = self.take(frame, now_us);
         let count = match result {
@@ -152,7 +154,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         result
     }
 
-    /// The target of the tick now. O(coordinates + `FRAMES`).
+    /// Computes the target of the current tick. O(coordinates + `FRAMES`).
     pub fn step(&mut self, now_us: u64) -> LiveTarget<'_> {
         let now = time(now_us);
         let age = self.timeline.as_ref().map(|timeline| timeline.age(now));
@@ -169,7 +171,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         }
     }
 
-    /// What came of frames so far.
+    /// Returns the counts of frames so far.
     pub fn counts(&self) -> LiveCounts {
         self.counts
     }
@@ -204,7 +206,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         }
         timeline.arrive(sent, now);
         self.stale = false;
-        // Three quarters of the places are the delay's; the others are for a source that is played behind it.
+        // Three quarters of the places are for the delay; the others are for frames that are played later than that.
         let places = i64::try_from(FRAMES).unwrap_or(i64::MAX).saturating_mul(3) / 4;
         let apart = delay.checked_div(places).unwrap_or(0).unsigned_abs();
         if self.frames.iter().flatten().any(|stored| stored.sent.abs_diff(sent) < apart) {
@@ -225,8 +227,8 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         Ok(())
     }
 
-    /// Finds an empty place; or that of the frame whose neighbours are nearest to each other. The oldest, which is
-    /// played, and the newest stay. O(`FRAMES`), and O(`FRAMES`²) without an empty one.
+    /// Returns an empty place; or the place of the frame whose neighbours are nearest to each other. The oldest
+    /// frame, which is being played, and the newest are kept. O(`FRAMES`), and O(`FRAMES`²) without an empty place.
     fn place(&self) -> usize {
         if let Some(empty) = self.frames.iter().position(Option::is_none) {
             return empty;
@@ -241,7 +243,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         least.map_or(0, |(place, _)| place)
     }
 
-    /// Moves the target.
+    /// Moves the target towards the pose that is due, and returns its source, and whether a speed limit applied.
     fn follow(&mut self, now: i64) -> (Following, bool) {
         let nothing = if self.stale { Following::Stale } else { Following::Waiting };
         let Some(timeline) = &mut self.timeline else { return (nothing, false) };
@@ -274,7 +276,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
             };
             limited |= joint.follow(target, (a, b), part, self.settings.tick_s);
         }
-        // What lies before `a` is not played again.
+        // Frames before `a` are not played again.
         let over = a.sent;
         for place in &mut self.frames {
             if place.is_some_and(|stored| stored.sent < over) {
@@ -290,7 +292,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
     }
 }
 
-/// Microseconds of the board's clock, which begins with the board.
+/// Converts microseconds of the board's clock, which starts with the board.
 fn time(now_us: u64) -> i64 {
     i64::try_from(now_us).unwrap_or(i64::MAX)
 }

@@ -1,30 +1,30 @@
-//! Joints as numbers of a pose: what lies between two of them, and a step towards one.
+//! Joints as numbers of a pose: interpolation between two poses, and limited steps towards the result.
 
 use sinew_core::glam::Quat;
 use sinew_core::math;
 
 use super::LiveRefusal;
 
-/// The largest number of a pose and the largest speed, as those of the core: what follows cannot overflow.
+/// Maximum absolute coordinate and speed, equal to the core's: later results cannot overflow.
 pub(super) const LARGEST: f32 = 1e6;
 
-/// A joint, or a part of one, and the largest speed of its target.
+/// A joint, or a part of a joint, with the maximum speed of its target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Coordinate {
-    /// One number: an angle, or a displacement.
+    /// A single number: an angle, or a displacement.
     Scalar {
-        /// rad/s or m/s.
+        /// Maximum speed, rad/s or m/s.
         speed: f32,
     },
     /// Four numbers: a unit quaternion xyzw.
     Rotation {
-        /// rad/s.
+        /// Maximum speed, rad/s.
         speed: f32,
     },
 }
 
 impl Coordinate {
-    /// How many numbers it has.
+    /// Returns the number of coordinates.
     pub const fn len(self) -> usize {
         match self {
             Self::Scalar { .. } => 1,
@@ -32,7 +32,7 @@ impl Coordinate {
         }
     }
 
-    /// Never.
+    /// Returns `false`: every joint has a coordinate.
     pub const fn is_empty(self) -> bool {
         false
     }
@@ -43,7 +43,7 @@ impl Coordinate {
         }
     }
 
-    /// Whether its numbers can be. `first`: where they stand in the pose.
+    /// Checks the numbers of a joint. `first`: index of its first number in the pose.
     pub(super) fn check(self, numbers: &[f32], first: usize) -> Result<(), LiveRefusal> {
         if let Some(place) =
             numbers.iter().position(|number| number.is_nan() || number.abs() > LARGEST)
@@ -53,7 +53,7 @@ impl Coordinate {
         match (self, numbers) {
             (Self::Rotation { .. }, &[x, y, z, w]) => {
                 let q = Quat::from_xyzw(x, y, z, w);
-                // Six digits, as files have them.
+                // Tolerance for six digits, the usual precision of files.
                 if (q.dot(q) - 1.0).abs() <= 2e-3 {
                     Ok(())
                 } else {
@@ -64,8 +64,8 @@ impl Coordinate {
         }
     }
 
-    /// Moves `target` towards what lies between `a` (0) and `b` (1) at `part`, by `speed` for `tick_s` at most. Says
-    /// whether that was too little.
+    /// Moves `target` towards the pose at `part` between `a` (0) and `b` (1), by at most `speed` times `tick_s`.
+    /// Returns `true` if the limit applied.
     pub(super) fn follow(
         self,
         target: &mut [f32],
@@ -96,7 +96,8 @@ impl Coordinate {
                 let angle = math::length(turn);
                 let limited = angle > most;
                 let next = if limited { math::slerp(target, wanted, most / angle) } else { wanted };
-                // The sign that is nearer: q and -q are one rotation, but a difference of numbers jumps.
+                // The nearer sign: q and -q are the same rotation, but a change of sign would be a jump in the
+                // numbers.
                 let next = if target.dot(next) < 0.0 { -next } else { next };
                 (*x, *y, *z, *w) = (next.x, next.y, next.z, next.w);
                 limited

@@ -1,4 +1,4 @@
-//! Live frames that come early, late, in any order, or not at all, as targets that move smoothly.
+//! Turns live frames that arrive early, late, in any order, or not at all, into targets that move smoothly.
 
 mod buffer;
 mod coordinate;
@@ -9,41 +9,41 @@ use core::fmt;
 pub use buffer::{Following, LiveBuffer, LiveCounts, LiveTarget};
 pub use coordinate::Coordinate;
 
-/// How a live source is followed.
+/// Settings for following a live source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiveSettings {
-    /// How long after the fastest frame a pose is played, us: the jitter that is evened out, and a frame more.
+    /// Delay of playing a pose after the fastest frame, us: the jitter to be removed, plus the time of a frame.
     pub delay_us: u32,
-    /// Without a new frame for so long, the source is stale, us.
+    /// Time without a new frame after which the source is stale, us.
     pub stale_us: u32,
     /// Time between two steps of the caller, s.
     pub tick_s: f32,
 }
 
 impl LiveSettings {
-    /// For jitter of up to 100 ms and 60 frames a second, of which some are lost; a tick of 2 ms.
+    /// For jitter of up to 100 ms, 60 frames per second with some loss, and a tick of 2 ms.
     pub const DEFAULT: Self = Self { delay_us: 150_000, stale_us: 200_000, tick_s: 0.002 };
 }
 
-/// Why a buffer cannot be made.
+/// An error in the setup of a live buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiveSetupError {
-    /// The rig has more numbers than there is room for.
+    /// The rig has more coordinates than the buffer has room for.
     Capacity {
-        /// How many there is room for.
+        /// Number of coordinates that fit.
         room: usize,
-        /// How many the rig has.
+        /// Number of coordinates of the rig.
         needs: usize,
     },
-    /// The limit of speed of this joint is not a positive number of at most 10⁶.
+    /// The speed limit of this joint is not a positive number of at most 10⁶.
     Speed {
-        /// Which joint of the list.
+        /// Index of the joint in the list.
         joint: usize,
     },
     /// The tick is not a positive number of at most 1 s.
     Tick,
-    /// The time-out is 0, or a time is longer than 2 s.
+    /// The time-out is 0, or a time exceeds 2 s.
     Time,
 }
 
@@ -69,32 +69,32 @@ impl fmt::Display for LiveSetupError {
 
 impl core::error::Error for LiveSetupError {}
 
-/// Why a live frame, or a pose to start from, is not used.
+/// A reason for which a live frame, or a pose to start from, is not used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiveRefusal {
-    /// Another count of numbers than the rig's.
+    /// The number of coordinates is not the rig's.
     Count {
-        /// What the rig has.
+        /// Number of coordinates of the rig.
         rig: usize,
-        /// What came.
+        /// Number of coordinates of the frame.
         frame: usize,
     },
     /// A number is NaN, infinite, or beyond 10⁶.
     Number {
-        /// Which one.
+        /// Index of the coordinate.
         coordinate: usize,
     },
     /// A quaternion is not of length 1.
     NotUnit {
-        /// Its first coordinate.
+        /// Index of the quaternion's first coordinate.
         coordinate: usize,
     },
-    /// What it would be played with is over.
+    /// Frames for later times have already been played.
     TooLate,
-    /// A frame of that time is there.
+    /// There is already a frame for that time.
     Twice,
-    /// Its time is more than 1 s off.
+    /// The frame's time is more than 1 s off.
     Time,
 }
 

@@ -1,35 +1,35 @@
-//! The sender's clock, as far as frames with jitter tell it.
+//! Estimates the sender's clock from frames with jitter.
 
-/// How far the time of a frame may be off what is expected, us.
+/// Maximum deviation of a frame's time from the expected time, us.
 const PLAUSIBLE_US: i64 = 1_000_000;
 
-/// The clocks of two machines differ by less than 1 part in 1024.
+/// Bound of clock drift: the clocks of two machines differ by less than 1 part in 1024.
 const DRIFT_BITS: u32 = 10;
 
-/// Playing goes faster or slower by at most 1/8 to keep its delay.
+/// Maximum change of the playing speed, to keep the delay: 1/8.
 const HURRY_BITS: u32 = 3;
 
-/// When a pose of the sender is due here. All in us.
+/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times in us.
 ///
-/// The frame that was least delayed says how the clocks stand to each other. That is a lower bound, which is left to
-/// rise slowly, so that clocks may drift.
+/// The frame with the smallest delay gives the offset between the clocks. It is a lower bound, which rises slowly to
+/// allow for drift.
 #[derive(Debug, Clone)]
 pub(super) struct Timeline {
-    /// Arrival less sending of the fastest frame, at `offset_at`.
+    /// Arrival minus sending time of the fastest frame, at `offset_at`.
     offset: i64,
     offset_at: i64,
-    /// The sender's time of the newest frame.
+    /// Sender's time of the newest frame.
     newest_sent: i64,
-    /// When it came.
+    /// Receiver's time of its arrival.
     newest_at: i64,
-    /// The sender's time of the pose that is played now.
+    /// Sender's time of the pose that is being played.
     play: i64,
     stepped_at: i64,
     delay: i64,
 }
 
 impl Timeline {
-    /// Begins with a first frame.
+    /// Starts with a first frame.
     pub(super) fn new(sent_us: u32, now: i64, delay: i64) -> Self {
         let sent = i64::from(sent_us);
         Self {
@@ -43,7 +43,7 @@ impl Timeline {
         }
     }
 
-    /// The sender's time of a frame without the jumps of its counter; none if it is not plausible.
+    /// Returns a frame's sending time without the wraps of its counter; `None` if it is implausible.
     pub(super) fn sent(&self, sent_us: u32, now: i64) -> Option<i64> {
         let expected = now.saturating_sub(self.offset(now));
         let low = u32::try_from(expected & i64::from(u32::MAX)).unwrap_or(0);
@@ -51,7 +51,7 @@ impl Timeline {
         (off.abs() <= PLAUSIBLE_US).then(|| expected.saturating_add(off))
     }
 
-    /// Learns from a frame.
+    /// Updates the estimate from a frame.
     pub(super) fn arrive(&mut self, sent: i64, now: i64) {
         let offset = now.saturating_sub(sent);
         if offset <= self.offset(now) {
@@ -64,7 +64,7 @@ impl Timeline {
         }
     }
 
-    /// Goes on to now, and returns the sender's time of the pose to play.
+    /// Advances to now, and returns the sender's time of the pose to play.
     pub(super) fn step(&mut self, now: i64) -> i64 {
         let elapsed = now.saturating_sub(self.stepped_at).max(0);
         self.stepped_at = now;
@@ -76,12 +76,12 @@ impl Timeline {
         self.play
     }
 
-    /// The sender's time of the pose that is played now.
+    /// Returns the sender's time of the pose that is being played.
     pub(super) fn play(&self) -> i64 {
         self.play
     }
 
-    /// How long ago the newest frame came.
+    /// Returns the time since the newest frame arrived.
     pub(super) fn age(&self, now: i64) -> i64 {
         now.saturating_sub(self.newest_at).max(0)
     }

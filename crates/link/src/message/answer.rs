@@ -1,4 +1,4 @@
-//! What a command came to.
+//! Outcomes of commands.
 
 use core::fmt;
 
@@ -11,45 +11,45 @@ use super::{
     Value,
 };
 
-/// The answer to the command of the same session and number.
+/// The answer to the command with the same session and number.
 pub type Answer = Numbered<Outcome>;
 
-/// What a command came to.
+/// The outcome of a command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Outcome {
-    /// It was done, as it was asked.
+    /// The command was executed as requested.
     Applied(Applied),
-    /// Less was done than was asked.
+    /// The command was executed in part, up to a limit.
     Limited(Applied, Limit),
-    /// Nothing was done.
+    /// The command was not executed.
     Refused(Refusal),
-    /// It is being done. Ask again with the same number.
+    /// The command is being executed. Ask again with the same number.
     Working,
 }
 
-/// What was done.
+/// The result of an executed command.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Applied {
-    /// It. There is no more to say.
+    /// The command was executed; there is no other result.
     Done,
-    /// It led to this state.
+    /// The rig is now in this state.
     State(State),
-    /// This telemetry is sent.
+    /// This telemetry is sent from now on.
     Telemetry(TelemetrySetting),
-    /// The setting has this value, by reading it back.
+    /// The setting has this value, as read back.
     Setting(Value),
-    /// The log of faults has this.
+    /// The log of faults contains this.
     Fault(FaultReport),
-    /// This is stored at the place, if anything is.
+    /// This item is stored at the location; `None` if nothing is stored there.
     Stored(Option<Item>),
-    /// All bytes below this offset are stored; go on there.
+    /// All bytes below this offset are stored. Continue at the offset.
     Upload {
-        /// The offset.
+        /// Offset of the next block, in bytes.
         next: u32,
     },
-    /// Servos have said this.
+    /// The servos sent these bytes.
     Passed(Passed),
-    /// The controller has measured this of itself.
+    /// The controller's measurements of itself.
     Health(Health),
 }
 
@@ -69,127 +69,127 @@ impl fmt::Display for Limit {
             Self::Room => "the board's memory",
             Self::SoftStart => "the soft start",
             Self::Maintenance => "the slow speed of maintenance",
-            Self::Link => "what the line carries",
+            Self::Link => "the capacity of the host link",
         })
     }
 }
 
-/// Why nothing was done.
+/// A reason for which a command was not executed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// The session is not the controller's.
+    /// The session is not the controller's current session.
     Session,
     /// A command with a higher number was executed before.
     Late,
-    /// It came before, and its answer is no longer kept.
+    /// The command arrived before, and its answer is no longer kept.
     Forgotten,
-    /// Not in this state.
+    /// The command is not allowed in this state.
     State(State),
     /// Some servo has no valid and new reading.
     NotMeasured,
-    /// The way to stop was not tested since the rig became limp.
+    /// The stop function was not tested since the rig became limp.
     StopUntested,
     /// The feed gives no poses.
     FeedSilent(Feed),
-    /// This fault is there, or latched. Faults are numbered as in `docs/faults.md`.
+    /// This fault is present, or latched. Faults are numbered as in `docs/faults.md`.
     Fault(u8),
-    /// This fault cannot be cleared: its condition is still there. Nothing was cleared.
+    /// This fault cannot be cleared, because its condition is still present. Nothing was cleared.
     StillThere(u8),
-    /// This fault is cleared by an upload alone.
+    /// Only an upload clears this fault.
     NeedsUpload(u8),
     /// No fault is latched.
     NoFault,
     /// This operator has the rig for maintenance.
     InMaintenance(Operator),
-    /// There is no such servo, degree of freedom, setting, slot or fault.
+    /// There is no such servo, dof, setting, slot or fault.
     Unknown,
-    /// The value cannot be.
+    /// The value is invalid.
     Value,
-    /// The board has room for this many, and the rig or show has more.
+    /// The rig or show exceeds the board's capacity.
     Capacity {
-        /// What there is room for.
+        /// Capacity of the board.
         room: u32,
-        /// What it takes.
+        /// Amount that the rig or show needs.
         needs: u32,
     },
     /// Every slot that is large enough holds a show.
     NoFreeSlot,
-    /// The block or the end belongs elsewhere: all bytes below this offset are stored.
+    /// The block or the end has a wrong offset: all bytes below this offset are stored.
     Offset {
-        /// The offset to go on at.
+        /// Offset at which to continue, in bytes.
         next: u32,
     },
-    /// The whole has another SHA-256 than was said. It is dropped.
+    /// The uploaded bytes do not have the announced SHA-256. They are dropped.
     Hash,
-    /// The show is of another rig.
+    /// The show is for another rig.
     OtherRig {
-        /// The rig of the show.
+        /// CRC of the show's rig.
         show: u32,
-        /// The rig of the controller.
+        /// CRC of the controller's rig.
         rig: u32,
     },
-    /// What the rig or show is wrong in, as its decoder numbers it.
+    /// The rig or show is invalid; the number is its decoder's error number.
     Content(u16),
-    /// The memory did not take it: begin an upload again.
+    /// The flash memory failed to store it. Start an upload again.
     Memory,
-    /// This firmware cannot do it.
+    /// This firmware does not support the command.
     Unsupported,
-    /// Not now: something else is being done.
+    /// The controller is busy with something else.
     Busy,
-    /// Not all registers of all servos were compared with what the rig asks.
+    /// Not all registers of all servos were compared with the rig's requirements.
     RegistersUnread,
-    /// A servo is not set up as the rig asks.
+    /// A register of a servo differs from the rig's requirement.
     RegisterDiffers {
         /// Index of the servo.
         servo: u16,
-        /// Address of the register, as its maker has it.
+        /// Address of the register, in the manufacturer's table.
         address: u16,
-        /// What it holds, in its own counts.
+        /// Value of the register, in its own counts.
         found: i32,
-        /// What it must hold.
+        /// Required value, in the same counts.
         expected: i32,
     },
-    /// The rig still moves by itself.
+    /// The rig is still moving on its own.
     Moving {
-        /// The degree of freedom that is farthest beyond what it may.
+        /// Index of the dof that exceeds its limit most.
         dof: u16,
-        /// How fast it moves, mrad/s or mm/s.
+        /// Speed of the dof, mrad/s or mm/s.
         mrad_s: u32,
-        /// How fast it may, in the same unit.
+        /// Maximum speed, in the same unit.
         most_mrad_s: u32,
     },
-    /// A setting cannot be.
+    /// The value of a setting is out of range.
     Setting {
-        /// Its number.
+        /// Key of the setting.
         key: u16,
-        /// What it was to be.
+        /// Requested value.
         #[serde(with = "finite")]
         found: f32,
-        /// The least that it may be.
+        /// Minimum valid value.
         #[serde(with = "finite")]
         least: f32,
-        /// The most.
+        /// Maximum valid value.
         #[serde(with = "finite")]
         most: f32,
     },
-    /// Some servo takes a position alone, and no effort: the rig cannot float.
+    /// Some servo accepts only positions and no effort: the rig cannot float.
     NoEffort,
-    /// A joint takes more of a servo than that gives, to be held where the rig is or on the way to the show.
+    /// A joint needs more torque than its servo gives, to be held in the current pose or on the way to the show.
     Overload {
-        /// Its degree of freedom.
+        /// Index of the dof.
         dof: u16,
-        /// What it takes of the servo, mN m.
+        /// Torque that the servo needs to give, mN m.
         mnm: u32,
-        /// What the servo gives, mN m.
+        /// Maximum torque of the servo, mN m.
         most_mnm: u32,
     },
-    /// All servos together take more of the supply than it gives, to be held there.
+    /// All servos together need more current than the supply gives, to be held in such a pose.
     Supply {
-        /// The degree of freedom that takes most.
+        /// Index of the dof that needs most.
         dof: u16,
-        /// What all take, mA.
+        /// Current of all servos, mA.
         ma: u32,
-        /// What the supply gives, mA.
+        /// Maximum current of the supply, mA.
         most_ma: u32,
     },
 }
@@ -210,30 +210,30 @@ impl fmt::Display for Refusal {
                 "the way to stop was not tested since the rig became limp: test it first",
             ),
             Self::FeedSilent(feed) => write!(f, "the feed ({feed}) gives no poses: start it first"),
-            Self::Fault(fault) => write!(f, "fault {fault}: mend it and clear it first"),
+            Self::Fault(fault) => write!(f, "fault {fault}: remove its cause and clear it first"),
             Self::StillThere(fault) => {
                 write!(f, "fault {fault} is still there: nothing was cleared")
             }
-            Self::NeedsUpload(fault) => write!(f, "fault {fault} goes with a new upload alone"),
+            Self::NeedsUpload(fault) => write!(f, "fault {fault} is cleared only by a new upload"),
             Self::NoFault => f.write_str("no fault is latched"),
             Self::InMaintenance(Operator(id)) => {
                 write!(f, "operator {id} has the rig for maintenance, and must leave it first")
             }
             Self::Unknown => f.write_str("there is no such thing"),
-            Self::Value => f.write_str("the value cannot be"),
+            Self::Value => f.write_str("the value is invalid"),
             Self::Capacity { room, needs } => {
-                write!(f, "the board has room for {room}, and this takes {needs}")
+                write!(f, "the board has room for {room}, and this needs {needs}")
             }
             Self::NoFreeSlot => {
                 f.write_str("every slot that is large enough holds a show: delete one first")
             }
             Self::Offset { next } => write!(f, "the next byte to send is that at {next}"),
-            Self::Hash => f.write_str("the whole has another SHA-256 than was said: it is dropped"),
+            Self::Hash => f.write_str("the content has another SHA-256 than was announced: it is discarded"),
             Self::OtherRig { show, rig } => {
                 write!(f, "the show is of rig {show:08x}, the controller has rig {rig:08x}")
             }
             Self::Content(number) => write!(f, "its content is wrong: error {number}"),
-            Self::Memory => f.write_str("the memory did not take it: begin an upload again"),
+            Self::Memory => f.write_str("the memory did not store it: begin an upload again"),
             Self::Unsupported => f.write_str("this firmware cannot do it"),
             Self::Busy => f.write_str("something else is being done: try again"),
             Self::RegistersUnread => f.write_str(
@@ -251,7 +251,7 @@ impl fmt::Display for Refusal {
                 write!(f, "setting {key} is {found}; it must be a number from {least} to {most}")
             }
             Self::NoEffort => f.write_str(
-                "not every servo takes an effort: what is driven by position cannot float; teach it limp",
+                "not every servo accepts an effort: a servo driven by position cannot float; teach with torque off",
             ),
             Self::Overload { dof, mnm, most_mnm } => write!(
                 f,

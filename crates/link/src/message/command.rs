@@ -1,4 +1,4 @@
-//! What a host may ask for.
+//! Commands of a host.
 
 use core::fmt;
 
@@ -6,96 +6,99 @@ use serde::{Deserialize, Serialize};
 
 use super::{Block, Item, Location, Operator, Pass, TelemetrySetting, Value};
 
-/// Something to do. The controller answers each with what it did, and what limited it.
+/// A command. The controller answers each with its outcome, and with the limit that reduced it.
 ///
-/// [`EStop`](Self::EStop) to [`ClearFaults`](Self::ClearFaults) go to the supervisor. What is done is answered with the
-/// state that it led to.
+/// Commands from [`EStop`](Self::EStop) to [`ClearFaults`](Self::ClearFaults) go to the supervisor. The answer to an
+/// executed command contains the resulting state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Torque off at once; latched. Never refused: it is executed whatever its session and number, as often as it
-    /// comes.
+    /// Torque off at once; latched. Never refused: it is executed for any session and number, every time it arrives.
     EStop,
-    /// Torque on, at the measured pose. From limp alone.
+    /// Torque on, at the measured pose. Only from the state limp.
     Arm,
     /// The rig is lowered, then limp. The supervisor never refuses it.
     Disarm,
-    /// Follow a feed.
+    /// The rig follows a feed.
     Play(Feed),
-    /// Stand where it was commanded last.
+    /// The rig holds its last commanded pose.
     Hold,
-    /// The rig goes to its rest pose, is lowered, then limp. In maintenance and while arming it is lowered at once. The
-    /// supervisor never refuses it.
+    /// The rig moves to its rest pose, is lowered, then limp. In maintenance and while arming it is lowered at once.
+    /// The supervisor never refuses it.
     Stop,
-    /// Ranges are found by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). From limp alone.
+    /// Ranges are found by moving the rig by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Only from
+    /// the state limp.
     Calibrate,
-    /// Poses are shown by hand, torque off, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). From limp alone.
+    /// Poses are shown by hand with torque off, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Only from the
+    /// state limp.
     Teach,
-    /// An operator takes the rig for maintenance, and nobody else may move or arm it until he or she leaves it. It
-    /// moves while fresh [`Stream::HoldToRun`](super::Stream::HoldToRun) and [`Stream::Jog`](super::Stream::Jog) come.
+    /// An operator takes the rig for maintenance. Nobody else may move or arm it until the operator leaves it. The
+    /// rig moves while fresh [`Stream::HoldToRun`](super::Stream::HoldToRun) and [`Stream::Jog`](super::Stream::Jog)
+    /// arrive.
     Maintain(Operator),
-    /// The operator gives the rig back: it holds.
+    /// The operator gives the rig back, and it holds its pose.
     Leave(Operator),
-    /// Clear all latched faults. Nothing moves by it.
+    /// All latched faults are cleared. Nothing moves.
     ClearFaults,
-    /// Choose the show to play. Nothing moves by it: if a show plays, it ends, and the rig holds.
+    /// Selects the show to play. Nothing moves. If a show is playing, it ends, and the rig holds its pose.
     LoadShow {
-        /// Its slot.
+        /// Slot of the show.
         slot: u8,
     },
-    /// Delete a show.
+    /// Deletes a show.
     DeleteShow {
-        /// Its slot.
+        /// Slot of the show.
         slot: u8,
     },
-    /// What telemetry to send, and how often.
+    /// Sets the parts of telemetry, and their rate.
     SetTelemetry(TelemetrySetting),
-    /// Read a setting.
+    /// Reads a setting.
     ReadSetting {
-        /// Its number.
+        /// Key of the setting.
         key: u16,
     },
-    /// Write a setting.
+    /// Writes a setting.
     WriteSetting {
-        /// Its number.
+        /// Key of the setting.
         key: u16,
-        /// Its new value.
+        /// New value.
         value: Value,
     },
-    /// Read from the log of faults.
+    /// Reads a record from the log of faults.
     ReadFault {
-        /// Which one; 0 is the first since faults were cleared, then from the latest back.
+        /// Index of the record; 0 is the first fault since faults were cleared, then from the latest back.
         index: u16,
     },
-    /// Ask what is stored at a place.
+    /// Asks which item is stored at a location.
     AskStored(Location),
-    /// Begin an upload, or go on with the same one.
+    /// Starts an upload, or continues the same upload.
     BeginUpload(Item),
-    /// Bytes of the upload.
+    /// Transfers bytes of the upload.
     UploadBlock(Block),
-    /// The upload is whole: read it back, compare its SHA-256, and use it.
+    /// Ends the upload: the controller reads it back, compares its SHA-256, and uses it.
     EndUpload,
-    /// Pass bytes on to servos, and listen. Only while torque is off, and nobody moves the rig by hand. Since 1.1.
+    /// Passes bytes on to servos, and listens. Only while torque is off, and nobody moves the rig by hand. Since
+    /// version 1.1.
     PassOn(Pass),
-    /// More of what servos said to the last bytes that were passed on. Since 1.1.
+    /// Reads more of the servos' reply to the last bytes that were passed on. Since version 1.1.
     ReadPassed {
-        /// From this byte on.
+        /// Offset of the first byte to read.
         offset: u16,
     },
-    /// Read what the controller has measured of itself; cycles are counted anew. Since 1.1.
+    /// Reads the controller's measurements of itself, and restarts the counts of cycles. Since version 1.1.
     ReadHealth,
-    /// Poses are shown by hand, while the rig carries its own weight, until [`Hold`](Self::Hold), [`Stop`](Self::Stop)
-    /// or [`Disarm`](Self::Disarm). From holding alone. For the supervisor, too. Since 1.1.
+    /// Poses are shown by hand while the rig carries its own weight, until [`Hold`](Self::Hold), [`Stop`](Self::Stop)
+    /// or [`Disarm`](Self::Disarm). Only from the state holding. Also a command to the supervisor. Since version 1.1.
     Float,
 }
 
-/// Who gives poses from outside. Each may fall silent, and then the rig holds.
+/// A source of poses. If a feed falls silent, the rig holds its pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Feed {
-    /// The show that was chosen by [`Command::LoadShow`].
+    /// The show that [`Command::LoadShow`] selected.
     Show,
     /// Live frames of this session: [`Stream::Live`](super::Stream::Live).
     Live,
-    /// Somebody moves single joints: [`Stream::Jog`](super::Stream::Jog).
+    /// Motion of single joints by an operator: [`Stream::Jog`](super::Stream::Jog).
     Jog,
 }
 

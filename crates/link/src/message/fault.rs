@@ -1,38 +1,38 @@
-//! Faults as they are told, by their numbers in `docs/faults.md`.
+//! Fault reports, with the fault numbers of `docs/faults.md`.
 
 use serde::{Deserialize, Serialize};
 
 use super::State;
 
-/// A fault that came: what the firmware's supervisor records of it.
+/// A recorded fault: the data that the firmware's supervisor keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultRecord {
-    /// Its number in `docs/faults.md`, which never changes.
+    /// Number of the fault in `docs/faults.md`, which never changes.
     pub fault: u8,
-    /// The state in which it came.
+    /// State in which the fault occurred.
     pub state: State,
-    /// The servo that it is of.
+    /// Index of the affected servo.
     pub servo: Option<u16>,
-    /// The board's start in which it came, counted.
+    /// Count of the board's starts at the time of the fault.
     pub start: u32,
-    /// When it came first, us after that start.
+    /// Time of the first occurrence, us after that start.
     pub time_us: u64,
-    /// How often it came, up to 65,535.
+    /// Number of occurrences, up to 65,535.
     pub times: u16,
 }
 
 impl FaultRecord {
-    /// Whether it is a warning: no rig is stopped by it.
+    /// Returns `true` if the fault is a warning, which does not stop the rig.
     pub const fn is_warning(&self) -> bool {
         self.fault >= 64
     }
 }
 
-/// A fault of the log.
+/// A record of the log of faults, with the number of records in the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultReport {
-    /// How many the log holds.
+    /// Number of records in the log.
     pub count: u16,
-    /// The one that was asked for; none beyond the last.
+    /// The requested record; `None` beyond the last.
     pub record: Option<FaultRecord>,
 }

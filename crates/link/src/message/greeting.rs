@@ -4,20 +4,20 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// A version of the messages.
+/// Version of the messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Version {
-    /// Another one does not understand this one.
+    /// Major version: different major versions are incompatible.
     pub major: u8,
-    /// A higher one has more messages.
+    /// Minor version: a higher minor version has more messages.
     pub minor: u8,
 }
 
 impl Version {
-    /// Of this crate.
+    /// Version of this crate.
     pub const CURRENT: Self = Self { major: 1, minor: 2 };
 
-    /// What a controller of this version says to a host of version `host`: the minor version that both speak, or the
+    /// Returns the minor version that a controller of this version and a host of version `host` both support, or the
     /// misfit.
     ///
     /// # Errors
@@ -48,46 +48,46 @@ impl fmt::Display for Version {
 /// The first message of a host.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Hello {
-    /// What the host speaks.
+    /// Version of the host's messages.
     pub protocol: Version,
-    /// Any number, new for each session: with the same one the same session goes on.
+    /// Any number, new for each session. A repeated number continues the same session.
     pub nonce: u32,
 }
 
 /// The answer to a [`Hello`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Welcome {
-    /// The number of the greeting.
+    /// Nonce of the greeting.
     pub nonce: u32,
-    /// The number that commands and streams of the host carry from now on; 0, which no session has, if there is none.
+    /// Number for all commands and streams of the host from now on; 0, which no session has, if there is no session.
     pub session: u16,
-    /// Who answers.
+    /// Description of the controller.
     pub about: About,
-    /// The minor version that both speak, or why there is no session.
+    /// Minor version that both ends support, or the reason that there is no session.
     pub verdict: Result<u8, Misfit>,
 }
 
-/// Who a controller is.
+/// Description of a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct About {
-    /// What it speaks.
+    /// Version of the controller's messages.
     pub protocol: Version,
     /// Version of its firmware.
     pub firmware: Release,
-    /// Its rig: the CRC that the rig's compact form ends with; 0 if there is none.
+    /// CRC at the end of the rig's compact form; 0 without a rig.
     pub rig: u32,
-    /// What it has room for.
+    /// Capacities of the board.
     pub capacities: Capacities,
 }
 
-/// A version of a firmware.
+/// Version of a firmware.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Release {
-    /// Major.
+    /// Major version.
     pub major: u8,
-    /// Minor.
+    /// Minor version.
     pub minor: u8,
-    /// Patch.
+    /// Patch version.
     pub patch: u8,
 }
 
@@ -97,31 +97,31 @@ impl fmt::Display for Release {
     }
 }
 
-/// What a board has room for.
+/// Capacities of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capacities {
-    /// Bodies of a rig.
+    /// Maximum number of a rig's bodies.
     pub bodies: u16,
-    /// Numbers of its pose.
+    /// Maximum number of a pose's coordinates.
     pub coordinates: u16,
-    /// Its degrees of freedom.
+    /// Maximum number of a rig's dofs.
     pub dofs: u16,
-    /// Its servos.
+    /// Maximum number of a rig's servos.
     pub servos: u16,
-    /// Shows.
+    /// Number of slots for shows.
     pub slots: u8,
-    /// Bytes of the longest show.
+    /// Maximum length of a show, in bytes.
     pub slot_bytes: u32,
 }
 
-/// Why there is no session.
+/// A reason for which there is no session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Misfit {
-    /// They do not understand each other.
+    /// The major versions differ.
     Version {
-        /// What the controller speaks.
+        /// Version of the controller.
         controller: Version,
-        /// What the host speaks.
+        /// Version of the host.
         host: Version,
     },
     /// Another program has the rig.

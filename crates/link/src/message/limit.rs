@@ -1,42 +1,42 @@
-//! Reasons for which a command was carried out in part.
+//! Limits that reduce a command or a motion.
 
 use serde::{Deserialize, Serialize};
 
-/// A limit that cut a command, or the motion of a degree of freedom.
+/// A limit that reduced a command, or the motion of a dof.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Limit {
     /// The end of the range.
     Range,
-    /// The largest speed.
+    /// The maximum speed.
     Speed,
-    /// The largest acceleration.
+    /// The maximum acceleration.
     Acceleration,
-    /// The largest torque or force.
+    /// The maximum torque or force.
     Effort,
-    /// The largest current.
+    /// The maximum current.
     Current,
-    /// The largest offset of a position servo, or its fastest change.
+    /// The maximum offset of a position servo, or the maximum rate of its change.
     Offset,
-    /// More than the supply gives was wanted: of all together, or of its voltage.
+    /// The supply: all drives together asked for more current, or a drive for more voltage, than the supply gives.
     Supply,
-    /// It is hot.
+    /// The heat of the drive.
     Heat,
-    /// Nothing was read for too long, or never.
+    /// The reading is too old, or missing.
     Stale,
     /// A number was not finite.
     NotFinite,
-    /// There is no room for it in the board's memory.
+    /// The room in the board's memory.
     Room,
     /// The soft start after arming.
     SoftStart,
-    /// Maintenance is slow.
+    /// The slow speed of maintenance.
     Maintenance,
-    /// The line carries no more.
+    /// The capacity of the line.
     Link,
 }
 
 impl Limit {
-    /// Its name, as tables and recordings have it.
+    /// Returns the name in tables and recordings.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Range => "range",

@@ -1,4 +1,4 @@
-//! What host and controller say to each other.
+//! Messages between host and controller.
 
 mod answer;
 mod command;
@@ -38,11 +38,11 @@ use serde::{Deserialize, Serialize};
 /// A message from a host to a controller.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ToController {
-    /// The first message: which version the host speaks.
+    /// The first message, with the host's version.
     Hello(Hello),
-    /// Something to do. It is answered, and executed once.
+    /// A command. It is executed once and answered.
     Command(Numbered<Command>),
-    /// Something that comes again and again: only the newest counts, and none is answered.
+    /// A periodic message: only the newest counts, and it gets no answer.
     Stream(Numbered<Stream>),
 }
 
@@ -51,10 +51,10 @@ pub enum ToController {
 pub enum ToHost {
     /// The answer to a greeting.
     Welcome(Welcome),
-    /// The answer to a command, by its session and number.
+    /// The answer to a command, with its session and number.
     Answer(Answer),
-    /// How the rig is, at the rate that was asked for.
+    /// The state of the rig, at the requested rate.
     Telemetry(Telemetry),
-    /// A fault, when it occurs.
+    /// A fault, sent when it occurs.
     Fault(FaultRecord),
 }

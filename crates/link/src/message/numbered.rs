@@ -1,16 +1,17 @@
-//! What carries a number.
+//! Numbered messages.
 
 use serde::{Deserialize, Serialize};
 
-/// Something of a session, with its number.
+/// An item of a session, with its number.
 ///
-/// Numbers begin at 0 in each session, and rise by one, 65535 to 0 again. Commands and streams have their own.
+/// Numbers start at 0 in each session, rise by one, and wrap from 65535 to 0. Commands and streams are numbered
+/// separately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Numbered<T> {
-    /// The session that the controller gave in its [`Welcome`](super::Welcome).
+    /// Session number from the controller's [`Welcome`](super::Welcome).
     pub session: u16,
-    /// The number.
+    /// Number of the item.
     pub seq: u16,
-    /// What has it.
+    /// The numbered item.
     pub item: T,
 }

@@ -1,39 +1,39 @@
-//! What one does with a rig that is limp: packets to its servos, and what the controller has measured.
+//! Service of a rig in the state limp: packets to its servos, and the controller's measurements.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
 use crate::finite;
 
-/// The most bytes for servos in a command, and of servos in an answer.
+/// Maximum number of bytes for servos in a command, and from servos in an answer.
 pub const PASS_MAX: usize = 128;
 
-/// The most bytes of servos that a controller keeps of one exchange.
+/// Maximum number of servo bytes that a controller keeps from one exchange.
 pub const PASSED_MAX: usize = 512;
 
-/// The longest wait for servos, and the longest time that bytes for them may take, us: the loop stands still for both,
-/// and its watchdog must bear that.
+/// Maximum wait for servos, and maximum time to send bytes to them, us. The loop stops for both, and its watchdog
+/// must allow for that.
 pub const PASS_WAIT_US: u32 = 20_000;
 
-/// The lowest rate of a line, bit/s: no servo has a lower one.
+/// Minimum baud rate of a line, bit/s: no servo has a lower rate.
 pub const PASS_LEAST_BAUD: u32 = 9_600;
 
 /// Bytes for the servos of a line.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pass {
-    /// Which line; 0 is the first.
+    /// Index of the line; 0 is the first.
     pub line: u8,
-    /// Bits per second; 0 for those of the line.
+    /// Bits per second; 0 for the line's own rate.
     pub baud: u32,
-    /// For how long to listen since the last byte out, us, at most [`PASS_WAIT_US`].
+    /// Time to listen after the last sent byte, us, at most [`PASS_WAIT_US`].
     pub wait_us: u32,
-    /// They.
+    /// Bytes to send.
     pub bytes: Vec<u8, PASS_MAX>,
 }
 
 impl Pass {
-    /// How long its bytes take at so many bits a second, us, ten bits each; none if the loop would stand still for too
-    /// long, or no servo is so slow.
+    /// Returns the time to send the bytes at a baud rate, us, with ten bits per byte. The result is `None` if the
+    /// loop would stop for too long, or the rate is too low for any servo.
     pub fn sending_us(&self, baud: u32) -> Option<u32> {
         if baud < PASS_LEAST_BAUD {
             return None;
@@ -44,44 +44,44 @@ impl Pass {
     }
 }
 
-/// What servos have said.
+/// Bytes that the servos sent.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Passed {
-    /// How many bytes came in all, at most [`PASSED_MAX`]; what came behind those is lost.
+    /// Number of received bytes, at most [`PASSED_MAX`]; later bytes are lost.
     pub count: u16,
-    /// From the first byte out to the last that came, us; 0 if none came.
+    /// Time from the first sent to the last received byte, us; 0 if none was received.
     pub took_us: u32,
-    /// The bytes from the offset on that was asked for.
+    /// Bytes from the requested offset on.
     pub bytes: Vec<u8, PASS_MAX>,
 }
 
-/// Cycles of the processor that something took which comes again and again.
+/// Processor cycles of a repeated piece of work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Cycles {
-    /// The fewest.
+    /// Minimum number of cycles.
     pub least: u32,
-    /// On average.
+    /// Mean number of cycles.
     pub mean: u32,
-    /// The most.
+    /// Maximum number of cycles.
     pub most: u32,
-    /// How often it came.
+    /// Number of repetitions.
     pub count: u32,
 }
 
-/// What a controller has measured of itself: cycles since they were read last, the supply since its start.
+/// The controller's measurements of itself: cycles since they were last read, the supply since its start.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Health {
-    /// Cycles in a second; 0 if the controller does not count them.
+    /// Cycles per second; 0 if the controller does not count them.
     pub cycles_hz: u32,
-    /// A tick of the loop.
+    /// Cycles of a tick of the loop.
     pub tick: Cycles,
-    /// Its exchange with the servos.
+    /// Cycles of the exchange with the servos.
     pub bus: Cycles,
-    /// A step of link and storage.
+    /// Cycles of a step of link and storage.
     pub link: Cycles,
-    /// From one tick to the next. Its jitter is the most without the least.
+    /// Cycles between the starts of two ticks. The jitter is the maximum minus the minimum.
     pub period: Cycles,
-    /// The lowest supply that a servo told while torque was on, V; 0 if none was measured.
+    /// Minimum supply voltage that a servo reported while torque was on, V; 0 if none was measured.
     #[serde(with = "finite")]
     pub supply_least_v: f32,
 }

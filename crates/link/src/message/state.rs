@@ -4,37 +4,38 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// What a rig does: the states of the firmware's supervisor, with its numbers (a test of the firmware compares them).
+/// State of a rig: the states of the firmware's supervisor, with the same numbers (a test of the firmware compares
+/// them).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum State {
-    /// Since power-on not every servo was read, its registers too. Torque is off.
+    /// Not every servo and its registers have been read since power-on. Torque is off.
     Off,
-    /// Torque is off, all is known; it may be armed.
+    /// Torque is off and all servos have been read; the rig may be armed.
     Limp,
     /// Torque is off; ranges are found by hand.
     Calibrating,
     /// Torque is off; poses are shown by hand.
     Teaching,
-    /// Torque comes on at the measured pose.
+    /// Torque is coming on at the measured pose.
     Arming,
-    /// It stands where it was commanded last.
+    /// The rig holds its last commanded pose.
     Holding,
-    /// It follows a [`Feed`](super::Feed).
+    /// The rig follows a [`Feed`](super::Feed).
     Playing,
-    /// One operator jogs it slowly, as long as the enabling button is held.
+    /// An operator jogs the rig slowly, as long as the enabling button is held.
     Maintenance,
-    /// It goes to its rest pose; then it is lowered.
+    /// The rig moves to its rest pose, and is then lowered.
     Stopping,
-    /// It holds the measured pose with less and less effort; then it is limp.
+    /// The rig holds the measured pose with decreasing effort, and is then limp.
     Lowering,
     /// Torque is off, and a fault is latched.
     Faulted,
-    /// It carries its own weight, and goes where it is led by hand.
+    /// The rig carries its own weight, and can be guided by hand.
     Floating,
 }
 
 impl State {
-    /// All of them, by number.
+    /// All states, by number.
     pub const ALL: [Self; 12] = [
         Self::Off,
         Self::Limp,
@@ -50,7 +51,7 @@ impl State {
         Self::Floating,
     ];
 
-    /// Its number, which is that of its kind on the wire.
+    /// Returns the number of the state, which is also its number on the wire.
     pub const fn number(self) -> u8 {
         self as u8
     }

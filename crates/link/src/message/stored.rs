@@ -1,39 +1,39 @@
-//! What a controller stores, and how it gets there.
+//! Stored items of a controller, and their upload.
 
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
 use crate::finite;
 
-/// The longest name in a setting, in bytes.
+/// Maximum length of a name in a setting, in bytes.
 pub const NAME_MAX: usize = 24;
 
-/// The longest name of who approved something, in bytes.
+/// Maximum length of an approver's name, in bytes.
 pub const APPROVER_MAX: usize = 60;
 
-/// The most bytes of a block: a page of common flash chips.
+/// Maximum length of a block, in bytes: a page of common flash chips.
 pub const BLOCK_MAX: usize = 256;
 
 /// A name in UTF-8.
 pub type Name = String<NAME_MAX>;
 
-/// The name of who approved something, in UTF-8.
+/// Name of the person who approved an item, in UTF-8.
 pub type Approver = String<APPROVER_MAX>;
 
 /// The value of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Value {
-    /// Yes or no.
+    /// A flag: yes or no.
     Flag(bool),
-    /// A count, or one of a list.
+    /// A count, or an index into a list.
     Count(u32),
     /// A number, in SI units.
     Number(#[serde(with = "finite")] f32),
-    /// A name.
+    /// A name, as text.
     Text(Name),
 }
 
-/// What something stored is.
+/// Kind of a stored item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Kind {
     /// All settings of the controller.
@@ -44,42 +44,42 @@ pub enum Kind {
     Show,
 }
 
-/// Where something is stored.
+/// Location of a stored item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Location {
     /// The settings in use.
     Settings,
     /// The rig in use.
     Rig,
-    /// The slot of a show.
+    /// A slot for a show.
     Show {
-        /// Which one.
+        /// Index of the slot.
         slot: u8,
     },
 }
 
-/// Something to be stored, or stored: what it is, and who stands for it. A show goes into a free slot.
+/// Description of an item, stored or to be stored, with the name of its approver. A show goes into a free slot.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Item {
-    /// Its kind.
+    /// Kind of the item.
     pub kind: Kind,
-    /// Version of what the content means.
+    /// Version of the content's meaning.
     pub schema: u16,
-    /// Bytes of content.
+    /// Length of the content, in bytes.
     pub length: u32,
     /// SHA-256 of the content.
     pub hash: [u8; 32],
-    /// The rig it belongs to: the CRC at the end of the rig's compact form; 0 for any.
+    /// Rig that it belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
     pub rig: u32,
-    /// Who approved it: at least one byte, and no control characters, or it is refused.
+    /// Name of the approver: at least one byte, and no control characters, or the item is refused.
     pub approver: Approver,
 }
 
-/// Bytes of an upload.
+/// A block of an upload.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
-    /// Where they are in the whole.
+    /// Offset of the block in the item, in bytes.
     pub offset: u32,
-    /// The bytes.
+    /// Content of the block.
     pub bytes: Vec<u8, BLOCK_MAX>,
 }

@@ -1,4 +1,4 @@
-//! How a rig is: a snapshot, cut into frames.
+//! Telemetry: a snapshot of a rig, cut into frames.
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
@@ -6,83 +6,83 @@ use serde::{Deserialize, Serialize};
 use super::{Limit, POSE_MAX, State};
 use crate::finite;
 
-/// Degrees of freedom in a frame, at most.
+/// Maximum number of dofs in a frame.
 pub const DOFS_A_FRAME: usize = 42;
 
-/// Servos in a frame, at most.
+/// Maximum number of servos in a frame.
 pub const SERVOS_A_FRAME: usize = 32;
 
-/// A frame of telemetry. Frames of one tick are one snapshot.
+/// A frame of telemetry. All frames of a tick form a snapshot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
-    /// The number of the frame: rises by one, 65535 to 0 again.
+    /// Number of the frame; it rises by one, and wraps from 65535 to 0.
     pub seq: u16,
     /// The tick of the snapshot.
     pub tick: u32,
-    /// What it says.
+    /// Content of the frame.
     pub part: SnapshotPart,
 }
 
 /// A part of a snapshot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SnapshotPart {
-    /// The whole rig.
+    /// State of the whole rig.
     Summary(Summary),
     /// The measured pose.
     Pose {
-        /// Which coordinate the first number is.
+        /// Index of the first coordinate.
         first: u8,
         /// Coordinates: rad, m, unit quaternions xyzw.
         #[serde(with = "finite::list")]
         q: Vec<f32, POSE_MAX>,
     },
-    /// Degrees of freedom.
+    /// Data of dofs.
     Dofs {
-        /// Which one the first is.
+        /// Index of the first dof.
         first: u8,
-        /// They.
+        /// Dofs in order.
         dofs: Vec<Dof, DOFS_A_FRAME>,
     },
-    /// Servos.
+    /// Data of servos.
     Servos {
-        /// Which one the first is.
+        /// Index of the first servo.
         first: u8,
-        /// They.
+        /// Servos in order.
         servos: Vec<Servo, SERVOS_A_FRAME>,
     },
 }
 
-/// The rig as a whole. Counts are since power-on, and stop at their largest value.
+/// The state of the whole rig. Counts are since power-on, and stop at their maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// What the rig does.
+    /// State of the rig.
     pub state: State,
-    /// The latched fault with the lowest number in `docs/faults.md`; if none is latched, a warning that is there.
+    /// Latched fault with the lowest number in `docs/faults.md`; if none is latched, a present warning.
     pub fault: Option<u8>,
-    /// How far the pose is from the target; none if there is no target.
+    /// Difference between pose and target; `None` without a target.
     pub errors: Option<Errors>,
-    /// How long a tick took on average since the last snapshot, us.
+    /// Mean duration of a tick since the last snapshot, us.
     pub tick_us: u16,
-    /// The longest tick since the last snapshot, us.
+    /// Longest tick since the last snapshot, us.
     pub tick_max_us: u16,
-    /// Ticks that took too long.
+    /// Number of ticks that took too long.
     pub overruns: u32,
     /// Bytes of the stack that were never used.
     pub stack_free: u32,
-    /// The supply of the servos, V; 0 if it is not measured.
+    /// Supply voltage of the servos, V; 0 if it is not measured.
     #[serde(with = "finite")]
     pub supply_v: f32,
-    /// Frames that came damaged.
+    /// Number of frames that arrived damaged.
     pub link_damaged: u32,
-    /// Frames that did not come.
+    /// Number of frames that did not arrive.
     pub link_lost: u32,
-    /// Age of the newest live frame, ms; none without a live source.
+    /// Age of the newest live frame, ms; `None` without a live source.
     pub live_age_ms: Option<u16>,
-    /// Where the show is, ms.
+    /// Position in the show, ms.
     pub show_ms: u32,
 }
 
-/// How far the pose is from the target, over all joints.
+/// Difference between pose and target, over all joints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
     /// Mean angle, deg.
@@ -91,100 +91,100 @@ pub struct Errors {
     /// Largest angle, deg.
     #[serde(with = "finite")]
     pub largest_deg: f32,
-    /// Mean distance of the joints, cm.
+    /// Mean distance of joints from their target positions, cm.
     #[serde(with = "finite")]
     pub mean_cm: f32,
-    /// Largest distance of a joint, cm.
+    /// Largest distance of a joint from its target position, cm.
     #[serde(with = "finite")]
     pub largest_cm: f32,
-    /// The joint with the largest angle.
+    /// Index of the joint with the largest angle.
     pub worst: u8,
 }
 
-/// A degree of freedom.
+/// Data of a dof.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Dof {
-    /// What it was commanded, N m or N.
+    /// Commanded effort, N m or N.
     #[serde(with = "finite")]
     pub effort: f32,
-    /// What limited it, if anything did.
+    /// Limit that reduced the effort, or `None`.
     pub limiter: Option<Limit>,
 }
 
-/// A servo.
+/// Data of a servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Servo {
-    /// Its temperature, degC; none if it does not say.
+    /// Temperature, degC; `None` if the servo does not report it.
     pub temperature_c: Option<i8>,
-    /// How much of the heat that it may have its winding has, by the model, %.
+    /// Heat of the winding by the model, as a percentage of its maximum.
     pub heat_percent: u8,
-    /// Errors on the bus: replies that did not come, or were not believed.
+    /// Number of bus errors: replies that were missing or invalid.
     pub bus_errors: u16,
-    /// What is wrong with it, bit by bit in its own way.
+    /// Hardware error bits, in the servo's own encoding.
     pub hardware_error: u8,
 }
 
-/// The minor version from which on a host acknowledges telemetry.
+/// Minor version from which on a host acknowledges telemetry.
 pub const ACKNOWLEDGED_SINCE: u8 = 2;
 
-/// Summaries a second that a host gets that acknowledges them, at least, while torque is on.
+/// Minimum rate of summaries to a host that acknowledges them, Hz, while torque is on.
 pub const TELEMETRY_LEAST_HZ: f32 = 5.0;
 
-/// Which parts of a snapshot to send, bit by bit.
+/// A set of parts of a snapshot, one bit each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TelemetryParts(pub u8);
 
 impl TelemetryParts {
-    /// The rig as a whole.
+    /// The state of the whole rig.
     pub const SUMMARY: Self = Self(1);
-    /// The pose.
+    /// The measured pose.
     pub const POSE: Self = Self(2);
-    /// Degrees of freedom.
+    /// Data of dofs.
     pub const DOFS: Self = Self(4);
-    /// Servos.
+    /// Data of servos.
     pub const SERVOS: Self = Self(8);
-    /// All parts.
+    /// All parts of a snapshot.
     pub const ALL: Self = Self(15);
 
-    /// These and those.
+    /// Returns the union of both sets.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether all of `other` are among these.
+    /// Returns `true` if this set contains all parts of `other`.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
 }
 
-/// Which telemetry to send, and how often.
+/// Parts and rate of telemetry.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TelemetrySetting {
-    /// Snapshots a second; 0 for none.
+    /// Snapshots per second; 0 for none.
     #[serde(with = "finite")]
     pub rate_hz: f32,
-    /// Their parts.
+    /// Parts of each snapshot.
     pub parts: TelemetryParts,
 }
 
-/// All that telemetry says of one tick. The caller keeps it until all its frames are sent.
+/// The whole telemetry of a tick. The caller keeps it until all its frames are sent.
 #[derive(Debug, Clone, Copy)]
 pub struct Snapshot<'a> {
-    /// The tick.
+    /// Number of the tick.
     pub tick: u32,
-    /// The rig as a whole.
+    /// State of the whole rig.
     pub summary: &'a Summary,
     /// The measured pose, at most 256 numbers.
     pub q: &'a [f32],
-    /// Degrees of freedom, at most 256.
+    /// Data of dofs, at most 256.
     pub dofs: &'a [Dof],
-    /// Servos, at most 256.
+    /// Data of servos, at most 256.
     pub servos: &'a [Servo],
 }
 
 impl Snapshot<'_> {
-    /// How many frames these parts take.
+    /// Returns the number of frames for these parts.
     pub fn frames(&self, parts: TelemetryParts) -> usize {
         let count = |part: TelemetryParts, frames: usize| if parts.has(part) { frames } else { 0 };
         count(TelemetryParts::SUMMARY, 1)
@@ -196,14 +196,14 @@ impl Snapshot<'_> {
             ))
     }
 
-    /// Frame number `index` of these parts, with the number `seq`; none behind the last. O(numbers of the frame).
+    /// Returns frame `index` of these parts, with the number `seq`; `None` after the last. O(numbers of the frame).
     pub fn frame(&self, parts: TelemetryParts, index: usize, seq: u16) -> Option<Telemetry> {
         let mut index = index;
         let part = self.part(parts, &mut index)?;
         Some(Telemetry { seq, tick: self.tick, part })
     }
 
-    /// Counts `index` down, part after part.
+    /// Returns the part at `index`, by subtracting the frames of each earlier part.
     fn part(&self, parts: TelemetryParts, index: &mut usize) -> Option<SnapshotPart> {
         if parts.has(TelemetryParts::SUMMARY) && take(index, 1).is_some() {
             return Some(SnapshotPart::Summary(*self.summary));
@@ -227,7 +227,7 @@ impl Snapshot<'_> {
     }
 }
 
-/// The index within `frames` frames; or none, and `index` counts from behind them.
+/// Returns the index within `frames` frames; or `None`, and reduces `index` by `frames`.
 fn take(index: &mut usize, frames: usize) -> Option<usize> {
     match index.checked_sub(frames) {
         Some(behind) => {
@@ -238,7 +238,7 @@ fn take(index: &mut usize, frames: usize) -> Option<usize> {
     }
 }
 
-/// The chunk of a list at `index`, with the place of its first item.
+/// Returns the chunk of a list at `index`, with the index of its first item.
 fn chunk<T: Clone, const N: usize>(list: &[T], index: &mut usize) -> Option<(u8, Vec<T, N>)> {
     let index = take(index, list.len().div_ceil(N))?;
     let first = index.checked_mul(N)?;

@@ -1,4 +1,4 @@
-//! Properties that hold for any bytes: used by the hostile host of the tests, and by the fuzz targets in `tests/fuzz`.
+//! Properties that hold for any bytes, used by the hostile host of the tests and by the fuzz targets in `tests/fuzz`.
 
 use sinew_link::message::*;
 use sinew_link::{
@@ -7,19 +7,19 @@ use sinew_link::{
 
 use super::common::wire::{frame_of, is_finite};
 
-/// A stream of any bytes, through both decoders.
+/// Feeds a stream of any bytes to both decoders.
 pub(crate) fn stream(bytes: &[u8]) {
     any::<ToController>(bytes);
     any::<ToHost>(bytes);
 }
 
-/// A body of any bytes with its right CRC, through both decoders.
+/// Feeds a body of any bytes, with a correct CRC, to both decoders.
 pub(crate) fn body(bytes: &[u8]) {
     any::<ToController>(&frame_of(&[&[0x53], bytes].concat()));
     any::<ToHost>(&frame_of(&[&[0x48], bytes].concat()));
 }
 
-/// What is decoded has finite numbers only, and is written and read as the same message again.
+/// Checks that a decoded message has only finite numbers, and survives writing and reading unchanged.
 fn any<M: Message + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
     let mut decoder = Decoder::<M>::new();
     decoder.feed(bytes, |message| {
@@ -33,7 +33,7 @@ fn any<M: Message + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
 
 const SPEED: f32 = 2.0;
 
-/// A hostile host: bodies of any bytes, each behind its length, to a session and its live buffer.
+/// Feeds bodies of any bytes, each after its length, to a session and its live buffer, like a hostile host.
 pub(crate) fn controller(bytes: &[u8]) {
     let about = About {
         protocol: Version::CURRENT,
@@ -73,7 +73,7 @@ pub(crate) fn controller(bytes: &[u8]) {
                     assert!(ours || matches!(command.item, Command::EStop | Command::Stop));
                     let (seq, done) = (command.seq, Outcome::Applied(Applied::Done));
                     let answer = session.answer(command.session, seq, done);
-                    // It came: now it is a duplicate.
+                    // The message arrived; it must now count as a duplicate.
                     let again = session.command(&command);
                     assert!(
                         !ours || command.item == Command::EStop || again == Intake::Answer(answer)
@@ -94,7 +94,7 @@ pub(crate) fn controller(bytes: &[u8]) {
         let before = live.step(now_us).q.to_vec();
         let after = live.step(now_us + 2_000).q;
         for (before, after) in before.iter().zip(after) {
-            // To the rounding of f32, of numbers up to 10⁶.
+            // Tolerance: f32 rounding of numbers up to 10⁶.
             let most = SPEED * settings.tick_s + 1e-7 * before.abs();
             assert!((after - before).abs() <= most, "{before} to {after}");
         }

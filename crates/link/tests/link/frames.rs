@@ -1,4 +1,4 @@
-//! Any message comes out of a stream as it went in; no bytes do harm.
+//! Every message survives encoding and decoding, and no bytes do harm.
 
 use proptest::prelude::*;
 use sinew_link::message::*;
@@ -28,7 +28,7 @@ proptest! {
         prop_assert_eq!(decode::<ToHost>(&frame(&message)).0, vec![message]);
     }
 
-    /// By COBS and CRC-32 of this test's own.
+    /// Decodes with this test's own COBS and CRC-32.
     #[test]
     fn frames_are_what_the_page_says(seed: u64) {
         let frame = frame(&to_host(&mut Random(seed)));
@@ -47,7 +47,7 @@ proptest! {
         prop_assert_eq!(decoder.messages() as usize, messages.len());
     }
 
-    /// Bits of one frame are flipped: its neighbours come.
+    /// Flipped bits in a frame leave its neighbours intact.
     #[test]
     fn damage_spoils_its_own_frame_only(seed: u64, flips in prop::collection::vec(any::<u32>(), 1..20)) {
         let mut random = Random(seed);
@@ -60,12 +60,12 @@ proptest! {
         let whole = damaged == frame(&b);
         let stream = [frame(&a), damaged, frame(&c)].concat();
         let expected = if whole { vec![a, b, c] } else { vec![a, c] };
-        // A zero at the end that became another one may leave the frame whole: that is no damage.
+        // A changed final zero may leave the frame intact: this is not damage.
         let (messages, _) = decode::<ToController>(&stream);
         prop_assert!(messages == expected || messages.len() == 3);
     }
 
-    /// Any bytes with a right CRC: no panic, and no number that is not finite.
+    /// Any bytes with a correct CRC cause no panic, and give no number that is not finite.
     #[test]
     fn bodies_of_any_bytes_do_no_harm(mut body in prop::collection::vec(any::<u8>(), 1..BODY_MAX), first in 0..4_u8) {
         body[0] = 0x53;
@@ -78,7 +78,7 @@ proptest! {
     }
 }
 
-/// Every place of every message, written over with NaN and infinities, with a right CRC.
+/// NaN and infinities at every position of every message, with a correct CRC.
 #[test]
 fn no_field_takes_nan_or_infinity() {
     let mut random = Random(1);
@@ -129,7 +129,7 @@ fn the_longest_message_fits() {
     let wire = frame(&message);
     assert_eq!(body_of(&wire).len(), BODY_MAX);
     assert_eq!(decode::<ToController>(&wire).0, vec![message]);
-    // Without a zero inside, COBS takes the most.
+    // Without a zero in the data, COBS adds the most bytes.
     let block = Block { offset: u32::MAX, bytes: [1; BLOCK_MAX].into_iter().collect() };
     let item = Command::UploadBlock(block);
     let longest = frame(&ToController::Command(Numbered { session: !0, seq: !0, item }));
@@ -164,10 +164,10 @@ fn each_error_has_its_count() {
     assert_eq!(crc32(b"123456789"), 0xCBF4_3926);
 }
 
-/// No one to four wrong bits of the longest body and its CRC are a right CRC again.
+/// One to four wrong bits of the longest body and its CRC never give a correct CRC.
 #[test]
 fn any_four_wrong_bits_are_found() {
-    // What a bit does to the CRC is the same whatever the others are: the CRC is linear.
+    // The effect of a bit on the CRC does not depend on other bits, because the CRC is linear.
     let zeros = vec![0; BODY_MAX];
     let of_zeros = crc32(&zeros);
     let in_body = (0..BODY_MAX * 8).map(|bit| {
@@ -181,7 +181,7 @@ fn any_four_wrong_bits_are_found() {
         pairs.extend(bits[..index].iter().map(|b| a ^ b));
     }
     pairs.sort_unstable();
-    // Two pairs alike: four bits, or two that are none. A pair that is a bit: three.
+    // Two equal pairs mean four bits, or two that cancel. A pair that equals a bit means three bits.
     assert!(pairs.windows(2).all(|pair| pair[0] != pair[1]));
     assert!(bits.iter().all(|bit| *bit != 0 && pairs.binary_search(bit).is_err()));
     assert!(pairs.binary_search(&0).is_err());

@@ -1,4 +1,4 @@
-//! A hostile host: whole frames with random fields, and random bytes.
+//! A hostile host sends intact frames with random fields, and random bytes.
 
 use sinew_link::message::{Numbered, ToController};
 
@@ -7,11 +7,11 @@ use crate::common::messages::{to_controller, to_host};
 use crate::common::wire::{body_of, frame};
 use crate::decoders;
 
-/// The body of a random message without its direction, with some bytes changed, lost or added.
+/// Returns the body of a random message without its direction, with some bytes changed, lost or added.
 fn bent(random: &mut Random) -> Vec<u8> {
     let wire = if random.chance(0.7) {
         let mut message = to_controller(random);
-        // Most are of the session that a new controller has.
+        // Most messages belong to the session of a new controller.
         if let ToController::Command(Numbered { session, seq, .. }) = &mut message
             && random.chance(0.8)
         {

@@ -1,4 +1,4 @@
-//! A million frames over a line that loses, doubles, mixes up and damages them.
+//! A million frames over a line that loses, duplicates, reorders and damages them.
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
@@ -25,11 +25,11 @@ const ABOUT: About = About {
     },
 };
 
-/// A line that keeps frames for a while, in any order.
+/// A line that delays frames, in any order.
 struct Line {
     random: Random,
     under_way: Vec<Vec<u8>>,
-    /// Parts of all frames: lost, doubled, damaged.
+    /// Fractions of all frames: lost, duplicated, damaged.
     bad: f64,
 }
 
@@ -59,7 +59,7 @@ impl Line {
         }
     }
 
-    /// What comes: most in order, some behind up to eight later ones.
+    /// Returns the arriving frames: most in order, some after up to eight later ones.
     fn receive(&mut self, flush: bool) -> Option<Vec<u8>> {
         if self.under_way.is_empty() || (!flush && self.under_way.len() < 8) {
             return None;
@@ -83,7 +83,7 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
     let mut random = Random(10);
     let mut line = Line::new(11, 0.05);
     let mut decoder = Decoder::<ToController>::new();
-    // What was sent lately, with the count of its row behind each wrap of its number.
+    // Recently sent numbers, with the count of wraps of their sequence.
     let mut sent = VecDeque::new();
     let (mut commands, mut streams) = (0_u32, 0_u32);
     let (mut last_executed, mut last_fresh) = (None, None);
@@ -103,7 +103,7 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
         };
         line.send(&frame(&message));
         sent.push_back((count, message));
-        // A frame is kept back by up to eight others now and then; by 2000 never.
+        // A frame is sometimes delayed by up to eight others; by 2000 never.
         if sent.len() > 2000 {
             sent.pop_front();
         }
@@ -151,15 +151,15 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
         "{executed} executed, {stops} e-stops, {late_stops} late stops; {fresh} fresh, {late} late"
     );
     println!("commands {of_commands:?}\nstreams {of_streams:?}");
-    // Of each half million some 9 % are lost or damaged, and 7 % late.
+    // About 9 % of each half million are lost or damaged, and 7 % late.
     assert!(executed > 370_000 && fresh > 390_000 && late > 30_000 && stops > 17_000);
     assert!(damage.cut > 1000 && damage.crc > 1000 && damage.too_short > 0);
-    // What the window counts as lost is what was sent and never came.
+    // The window's count of lost numbers must equal the numbers that were sent and never arrived.
     let came = of_streams.fresh + of_streams.late;
     assert!(streams - came - of_streams.lost < 8, "{streams} sent, {came} came");
 }
 
-/// Any message, both ways: nothing comes that was not sent.
+/// Any message, in both directions: only sent messages arrive.
 #[test]
 fn no_message_is_made_by_damage() {
     fn run<M: Message + PartialEq>(seed: u64, make: impl Fn(&mut Random) -> M) -> (u32, u32) {
@@ -175,7 +175,7 @@ fn no_message_is_made_by_damage() {
                 sent.pop_front();
             }
             while let Some(bytes) = line.receive(false) {
-                // Nothing lies between frames: the end of one may be lost, and the next begins at once.
+                // Frames follow each other without a gap: if the end of a frame is lost, the next one starts at once.
                 decoder.feed(&bytes, |message| assert!(sent.contains(&message), "it was not sent"));
             }
         }
@@ -185,7 +185,7 @@ fn no_message_is_made_by_damage() {
     println!("{:?}", run(30, common::messages::to_host));
 }
 
-/// The host sends again until there is an answer: every command is executed once, and its own answer comes back.
+/// The host repeats a command until an answer arrives: every command is executed once, and gets its own answer.
 #[test]
 fn a_host_that_repeats_gets_each_command_done_once() {
     const COMMANDS: u32 = 30_000;
@@ -258,7 +258,7 @@ fn a_stop_is_not_undone_by_a_late_play() {
     for _ in 0..3 {
         assert_eq!(session.command(&play), Intake::Answer(numbered_answer(id, 0, late.clone())));
     }
-    // While it is being done, and when it is done.
+    // During execution, and after it.
     let stop = numbered(1, Command::Stop);
     let working = numbered_answer(id, 1, Outcome::Working);
     assert_eq!(session.command(&stop), Intake::Answer(working));
@@ -266,7 +266,7 @@ fn a_stop_is_not_undone_by_a_late_play() {
     assert_eq!(session.command(&stop), Intake::Answer(done));
 }
 
-/// Whoever sees danger ends the motion: what came before, and whose session it is, do not matter.
+/// An e-stop or a stop is always executed, for any session and any earlier command.
 #[test]
 fn a_stop_is_never_refused_for_its_number() {
     let mut session = Session::new(0);
@@ -279,7 +279,7 @@ fn a_stop_is_never_refused_for_its_number() {
             assert_eq!(session.command(&stop), Intake::Execute, "{stop:?}");
             assert_eq!(Session::new(0).command(&stop), Intake::Execute);
         }
-        // A stranger's hold makes stiff what somebody leads by hand.
+        // A hold of a foreign session would stiffen a rig that somebody guides by hand.
         let hold = numbered(session_of_it, seq, Command::Hold);
         assert!(matches!(session.command(&hold), Intake::Answer(_)), "{hold:?}");
     }
@@ -298,19 +298,19 @@ fn sessions_are_told_apart() {
 
     let first = hello(&mut session, 100);
     assert_eq!(session.command(&command(first.session)), Intake::Execute);
-    // The greeting came twice: the session goes on.
+    // A repeated greeting continues the session.
     assert_eq!(hello(&mut session, 100), first);
     assert_ne!(session.command(&command(first.session)), Intake::Execute);
-    // Another host, while the first one has the rig, and when it is gone.
+    // Another host, while the first host has the rig, and after it has gone.
     let other = Hello { protocol: Version::CURRENT, nonce: 200 };
     let busy = session.hello(other, ABOUT, true);
-    // It is not told the number of the other's session.
+    // The refused host does not learn the number of the other session.
     assert_eq!((busy.verdict, busy.session), (Err(Misfit::Busy), 0));
     assert_eq!(session.id(), Some(first.session));
     let second = session.hello(other, ABOUT, false);
     assert_eq!(session.command(&command(first.session)), refused(first.session));
     assert_eq!(session.command(&command(second.session)), Intake::Execute);
-    // Another version.
+    // A host with another version.
     let protocol = Version { major: 2, minor: 0 };
     let welcome = session.hello(Hello { protocol, nonce: 300 }, ABOUT, false);
     let misfit = Misfit::Version { controller: Version::CURRENT, host: protocol };

@@ -1,4 +1,4 @@
-//! A live source with jitter and loss: targets that never jump, and follow.
+//! A live source with jitter and loss: the targets never jump, and they follow.
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
@@ -24,7 +24,7 @@ fn buffer() -> Buffer {
     Buffer::new(&JOINTS, LiveSettings::DEFAULT).expect("the settings can be")
 }
 
-/// The performer, at a time in s: up to 1.5 rad/s.
+/// Returns the performer's pose at a time in s: speeds up to 1.5 rad/s.
 fn pose(time: f64) -> [f32; 6] {
     let swing = (1.0 * (1.5 * time).sin()) as f32;
     let turn = math::exp(Vec3::new(0.3, 0.6, -0.2) * (2.0 * time).sin() as f32);
@@ -35,14 +35,15 @@ fn frame(sent_us: u32, q: &[f32]) -> LiveFrame {
     LiveFrame { sent_us, q: q.iter().copied().collect() }
 }
 
-/// How far two poses are apart, joint by joint.
+/// Returns the distance of two poses, joint by joint.
 fn distance(a: &[f32], b: &[f32]) -> [f32; 3] {
     let quat = |q: &[f32]| Quat::from_xyzw(q[1], q[2], q[3], q[4]);
     let turn = math::length(math::log(quat(a).conjugate() * quat(b)));
     [(a[0] - b[0]).abs(), turn, (a[5] - b[5]).abs()]
 }
 
-/// No joint goes faster than its limit, to the rounding of f32 (of numbers near 1, and of a rotation's logarithm).
+/// Checks that no joint exceeds its speed limit, within f32 rounding (of numbers near 1, and of a rotation's
+/// logarithm).
 fn assert_slow(before: &[f32], after: &[f32]) {
     let tick = LiveSettings::DEFAULT.tick_s;
     for (step, joint) in distance(before, after).into_iter().zip([SPEED, SPEED, 0.5]) {
@@ -51,16 +52,16 @@ fn assert_slow(before: &[f32], after: &[f32]) {
 }
 
 struct Run {
-    /// Largest distance of a target from the pose that was due, by joint, once it follows.
+    /// Largest distance, by joint, of a target from the pose that was due, once the buffer follows.
     worst: [f32; 3],
     stale: u32,
     held: u32,
     ticks: u32,
-    /// The longest time between two new frames.
+    /// Longest time between two new frames.
     longest_us: u64,
 }
 
-/// A minute of 60 frames a second, each up to `jitter_us` late, some lost; 500 ticks a second.
+/// Simulates a minute of 60 frames per second, each up to `jitter_us` late, some lost; 500 ticks per second.
 fn run(seed: u64, jitter_us: usize, loss: f64, drift: f64, clock: u32) -> Run {
     let mut random = Random(seed);
     let mut under_way: Vec<(u64, LiveFrame)> = (0..3600_u64)
@@ -100,7 +101,7 @@ fn run(seed: u64, jitter_us: usize, loss: f64, drift: f64, clock: u32) -> Run {
             Following::Waiting => assert!(tick < 200, "it waits at tick {tick}"),
             Following::Interpolated => {}
         }
-        // Once it follows, and the clock's bound is found.
+        // Only once the buffer follows, and the bound of the clock has settled.
         if tick > 1500 {
             let due = (now - 5_000_000 - 150_000 - 2_000) as f64 * 1e-6;
             for (worst, here) in run.worst.iter_mut().zip(distance(&pose(due), &before)) {
@@ -127,17 +128,18 @@ fn jitter_and_loss_do_not_show() {
              longest gap {} us",
             run.worst, run.held, run.ticks, run.stale, run.longest_us
         );
-        // Below the time-out there is no fault.
+        // Gaps below the time-out cause no stale source.
         assert!(run.longest_us < 200_000 && run.stale == 0);
-        // Without jitter the chord between two frames: 2.8 rad/s² (1/60 s)² / 8. With it the clock's bound is some ms
-        // off, at 1.5 rad/s, and a chord may be three frames long.
+        // Without jitter: the error of the chord between two frames, 2.8 rad/s² (1/60 s)² / 8. With jitter, the bound
+        // of the clock is off by some ms, at 1.5 rad/s, and a chord may span three frames.
         let most = if jitter_us == 0 { 2e-4 } else { 0.012 };
         assert!(run.worst.iter().all(|&off| off < most), "{:?}", run.worst);
         assert!(f64::from(run.held) < 0.001 * f64::from(run.ticks));
     }
 }
 
-/// Sources of any rate, up to what a line of 1 Mbps carries: 24 places are enough. The delay is the default, or longer.
+/// Sources of any rate, up to the capacity of a 1 Mbps line: 24 places are enough. The delay is the default, or
+/// longer.
 #[test]
 fn a_source_of_any_rate_is_followed() {
     for (hz, delay_us, most) in [
@@ -197,7 +199,7 @@ fn a_source_that_ends_is_stale_in_time_and_begins_anew() {
     assert_eq!((stale.following, stale.age_us), (Following::Stale, Some(200_000)));
     assert_eq!(buffer.step(last + 9_000_000).following, Following::Stale);
     assert_eq!(buffer.step(last + 9_000_000).q, held);
-    // The same frame again and again keeps nobody alive; another clock does.
+    // Repeating the same frame does not prevent staleness; a new time stamp does.
     buffer.push(&frame(77, &pose(3.0)), 20_000_000).expect("a new beginning");
     assert_eq!(buffer.push(&frame(77, &pose(3.0)), 20_100_000), Err(LiveRefusal::Twice));
     assert_eq!(buffer.step(20_100_000).following, Following::Waiting);
@@ -242,7 +244,8 @@ fn wrong_frames_are_refused() {
 }
 
 proptest! {
-    /// A hostile source: any stamps, poses and pauses. Steps stay within the limits, and rotations unit.
+    /// A hostile source with any time stamps, poses and pauses. Steps stay within the limits, and rotations stay
+    /// unit.
     #[test]
     fn whatever_comes_nothing_jumps(seed: u64) {
         let mut random = Random(seed);

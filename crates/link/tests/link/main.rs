@@ -1,4 +1,4 @@
-//! The link between a host and a controller: bytes, sessions, bad lines.
+//! Tests of the link between a host and a controller: bytes, sessions, bad lines.
 
 mod common;
 mod decoders;

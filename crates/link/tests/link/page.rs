@@ -1,4 +1,4 @@
-//! The page `docs/link.md` has the bytes, sizes and numbers that the code makes.
+//! The page `docs/link.md` contains the bytes, sizes and numbers that the code produces.
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
@@ -183,7 +183,7 @@ fn rates() {
     assert_on_page(&table);
 }
 
-/// The number and the name of a kind.
+/// Returns the number and the name of a kind.
 fn kind(value: &(impl Serialize + Debug)) -> (u8, String) {
     let number = postcard::to_slice(value, &mut [0; 300]).expect("there is room")[0];
     let name = format!("{value:?}");
@@ -191,7 +191,7 @@ fn kind(value: &(impl Serialize + Debug)) -> (u8, String) {
     (number, name[..end].to_owned())
 }
 
-/// All kinds of random messages are in the page, by number and name, and none is missing in a row of numbers.
+/// The page lists all kinds of random messages by number and name, without a gap in the numbers.
 #[test]
 fn kinds() {
     let mut random = Random(6);
@@ -245,7 +245,7 @@ fn kinds() {
     for (of, rows) in &kinds {
         let numbers: Vec<u8> = rows.keys().copied().collect();
         assert_eq!(numbers, (0..rows.len() as u8).collect::<Vec<_>>(), "{of}");
-        // A list of a section with its name: `0 Name, 1 Name`, or a table of rows.
+        // Reads a list of a section with its name: `0 Name, 1 Name`, or a table of rows.
         let list = rows.iter().map(|(number, name)| format!("{number} {name}"));
         let list = list.collect::<Vec<_>>().join(", ");
         let joined = PAGE.replace('\n', " ");

@@ -1,10 +1,10 @@
-//! A host does not wait for ever.
+//! A host does not wait forever.
 
 use sinew_link::message::*;
 use sinew_link::{Next, Sender};
 
-/// A controller that says `Working` for so long, then that it is done, to a host that polls every 10 ms. What the host
-/// has of it, and when.
+/// Simulates a controller that answers `Working` for a time, then done, and a host that polls every 10 ms. Returns
+/// what the host receives, and when.
 fn after(command: Command, works_ms: u32, starts_ms: u32) -> (Option<Outcome>, u32) {
     let done = Outcome::Applied(Applied::Done);
     let mut sender = Sender::new(1);
@@ -32,12 +32,12 @@ fn after(command: Command, works_ms: u32, starts_ms: u32) -> (Option<Outcome>, u
 #[test]
 fn work_that_never_ends_is_given_up() {
     let done = Some(Outcome::Applied(Applied::Done));
-    // Also where the clock begins at 0 again.
+    // Also when the clock wraps to 0.
     for starts_ms in [0, u32::MAX - 30_000] {
         assert_eq!(after(Command::EndUpload, 0, starts_ms), (done.clone(), 0));
         assert_eq!(after(Command::EndUpload, 59_000, starts_ms), (done.clone(), 59_000));
         assert_eq!(after(Command::EndUpload, u32::MAX, starts_ms), (None, 60_000));
-        // An e-stop is said until it is done.
+        // An e-stop is repeated until it is answered.
         assert_eq!(after(Command::EStop, 90_000, starts_ms), (done.clone(), 90_000));
     }
 }

@@ -1,4 +1,4 @@
-//! A snapshot is cut into frames, and the sums of `rate` hold for them.
+//! A snapshot is cut into frames, and the sizes computed in `rate` hold for them.
 
 #![expect(clippy::cast_possible_truncation, reason = "counts and times are small")]
 
@@ -10,7 +10,7 @@ use crate::common;
 use crate::common::Random;
 use crate::common::wire::frame;
 
-/// The longest summary that there is.
+/// Returns the longest possible summary.
 const LONGEST: Summary = Summary {
     state: State::Faulted,
     fault: Some(u8::MAX),
@@ -87,9 +87,9 @@ fn all_of_a_snapshot_is_told_once() {
     }
 }
 
-/// Bytes of a snapshot in which every number takes the most room.
+/// Returns the length of a snapshot in which every number takes the most room, in bytes.
 fn written(size: RigSize, parts: TelemetryParts) -> usize {
-    // No zero byte, so that COBS takes the most.
+    // No zero byte, so that COBS adds the most bytes.
     let q = vec![1.1; size.coordinates];
     let dofs = vec![DOF; size.dofs];
     let servos = vec![SERVO; size.servos];
@@ -107,7 +107,7 @@ fn the_rate_is_that_of_what_is_written() {
         let size = RigSize { coordinates: count, dofs: count, servos: count };
         for parts in (0..16).map(TelemetryParts) {
             let (sum, written) = (snapshot_len(size, parts), written(size, parts));
-            // At most, and no more than the byte by which a frame of 254 bytes and fewer is better off.
+            // Never above the computed size, and at most a byte below, which frames of up to 254 bytes save.
             assert!(written <= sum && sum <= written + 8, "{size:?} {parts:?}: {written}, {sum}");
             if written > 0 {
                 let hz = telemetry_hz(1_000_000, size, parts) as usize;

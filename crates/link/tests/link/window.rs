@@ -1,4 +1,4 @@
-//! The window, compared with a list of all numbers that came.
+//! Compares the window with a list of all received numbers.
 
 #![expect(
     clippy::cast_possible_truncation,

@@ -1,4 +1,4 @@
-//! The motion (AMC).
+//! Reads the motion (AMC).
 
 use glam::DQuat;
 
@@ -10,17 +10,17 @@ use crate::recording::{self, FRAME_TIME_S, Frames};
 use crate::skeleton::JointSample;
 use crate::text::{counted, shown};
 
-/// Frames that the numbering may leave out, besides as many as there are: more than can be filled, and
-/// few enough that a small file cannot ask for memory.
+/// Maximum number of frames that the numbering may skip, in addition to the number of frames present. It exceeds
+/// any gap that can be filled, and is small enough that a small file cannot request much memory.
 const MISSING_FRAMES_MAX: u64 = 10_000;
 
-/// The frames, and their distance in time if the file says.
+/// The frames, and the frame time if the file contains it.
 pub(super) struct Amc {
     pub(super) frames: Frames,
     pub(super) frame_time_s: Option<f64>,
 }
 
-/// `sample_count_max`: what joints times frames may be.
+/// Reads the motion. `sample_count_max` is the maximum of joints times frames.
 pub(super) fn parse(text: &str, skeleton: &Asf, sample_count_max: usize) -> Result<Amc, Failure> {
     let mut parser = Parser {
         lines: Lines::new(text),
@@ -42,14 +42,14 @@ struct Parser<'a> {
     degrees: bool,
     frame_time_s: Option<f64>,
     frames: Frames,
-    /// How many frames the numbering may yet leave out.
+    /// Number of frames that the numbering may still skip.
     may_be_missing: u64,
 }
 
 impl Parser<'_> {
     fn file(&mut self) -> Result<(), Failure> {
         let mut number = None;
-        // The bone that is expected next: files keep one order.
+        // Index of the bone that is expected next, because files keep one order.
         let mut next_bone = 0;
         while let Some(line) = self.lines.next() {
             let key = line.key();
@@ -85,7 +85,7 @@ impl Parser<'_> {
                 }
                 self.frame_time_s = Some(recording::snapped_s(frame_time_s));
             }
-            // Every frame is taken as it is, and the skeleton found by its name.
+            // Every frame is read as it is, and the skeleton file is found by its name.
             ":fully-specified" | ":frame-range" | ":asf-file" | ":asf-path" => {}
             _ => {
                 return Err(key.not(
@@ -97,7 +97,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Begins frame `found` after frame `last`, and the missing ones between them.
+    /// Begins frame `found` after frame `last`, and adds the missing frames between them.
     fn frame(&mut self, key: Word<'_>, last: Option<u64>, found: u64) -> Result<(), Failure> {
         let mut new = 1;
         if let Some(last) = last {
@@ -107,7 +107,7 @@ impl Parser<'_> {
                 return Err((key.at, Problem::FrameNumber { last, least, most, found }));
             }
             new = found - last;
-            // `new - 1` frames are missing, and this one is not.
+            // `new - 1` frames are missing, and this one is present.
             self.may_be_missing = self.may_be_missing + 2 - new;
         }
         let joints = self.skeleton.bones.len();
@@ -117,7 +117,7 @@ impl Parser<'_> {
                 return Err((key.at, Problem::TooMany { items: "frames", limit }));
             }
             let empty = |bone: &Bone| {
-                // A bone that cannot turn needs no values.
+                // A bone that cannot rotate needs no values.
                 (missing == 0 && bone.channels.is_empty()).then(|| JointSample {
                     rotation: DQuat::IDENTITY,
                     position_m: self.skeleton.offset(bone),
@@ -128,7 +128,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The values of one bone in the last frame; returns the bone that probably comes next.
+    /// Reads the values of one bone in the last frame. Returns the index of the bone that is expected next.
     fn bone(&mut self, line: &Line<'_>, frame: u64, expected: usize) -> Result<usize, Failure> {
         let key = line.key();
         let bones = &self.skeleton.bones;

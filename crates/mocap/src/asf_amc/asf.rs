@@ -1,4 +1,4 @@
-//! The skeleton (ASF).
+//! Reads the skeleton (ASF).
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,9 @@ use crate::text::{Position, shown};
 /// The bones, parents before children; bone 0 is the root, which has no length.
 #[derive(Debug)]
 pub(super) struct Asf {
-    /// Divides lengths, so that inches are left.
+    /// Divisor of lengths; the result is in inches.
     pub(super) length_unit: f64,
-    /// Whether angles are in degrees, here and, if it does not say, in the motion.
+    /// Whether angles are in degrees, in the skeleton and, unless stated otherwise, in the motion.
     pub(super) degrees: bool,
     pub(super) bones: Vec<Bone>,
 }
@@ -25,9 +25,9 @@ pub(super) struct Asf {
 pub(super) struct Bone {
     pub(super) name: String,
     pub(super) parent: Option<usize>,
-    /// From its beginning to its end in the rest pose, in the file's unit.
+    /// Vector from its beginning to its end in the rest pose, in the file's unit.
     pub(super) vector: DVec3,
-    /// Rotation from the axes it turns about to the world's, in the rest pose.
+    /// Rotation from the bone's rotation axes to the world's axes, in the rest pose.
     pub(super) axes: DQuat,
     pub(super) channels: Vec<Channel>,
     line: usize,
@@ -35,7 +35,7 @@ pub(super) struct Bone {
 }
 
 impl Asf {
-    /// Where the bone begins, in its parent's frame.
+    /// Returns the beginning of the bone in its parent's frame.
     pub(super) fn offset(&self, bone: &Bone) -> DVec3 {
         bone.parent.map_or(DVec3::ZERO, |parent| self.bones[parent].vector)
     }
@@ -67,7 +67,7 @@ pub(super) fn parse(text: &str) -> Result<Asf, Failure> {
             ":root" => parser.root(key.at)?,
             ":bonedata" => parser.bones()?,
             ":hierarchy" => parser.hierarchy()?,
-            // Notes, and what draws the figure.
+            // Notes, and data for drawing the figure.
             section if section.starts_with(':') => parser.lines.skip_section(),
             _ => return Err(key.not("a section, such as `:root`")),
         }
@@ -81,7 +81,7 @@ struct Parser<'a> {
     degrees: bool,
     root: Option<Bone>,
     bones: Vec<Bone>,
-    /// Parent and place in the hierarchy of each bone that is in it, by name.
+    /// Parent of each bone in the hierarchy with its position in the file, by the bone's name.
     parents: Option<BTreeMap<String, (String, Position)>>,
 }
 
@@ -108,10 +108,11 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// The root's `order`, `axis`, `position` and `orientation`, in any order.
+    /// Reads the root's `order`, `axis`, `position` and `orientation`, in any order.
     ///
-    /// Readers disagree on what a `position` or `orientation` other than zero means (Vicon's notes on the
-    /// format say so, and that their files never have one). At zero `axis` means nothing.
+    /// Readers disagree on the meaning of a `position` or `orientation` other than zero (according to Vicon's notes
+    /// on the format, whose files never have it), therefore other values are refused. With zeros, `axis` has no
+    /// effect.
     fn root(&mut self, at: Position) -> Result<(), Failure> {
         let mut channels = None;
         while let Some(line) = self.lines.next_in_section() {
@@ -160,7 +161,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A bone from its `begin`, which stands `at`, to its `end`.
+    /// Reads a bone from its `begin` at position `at` to its `end`.
     fn bone(&mut self, at: Position) -> Result<Bone, Failure> {
         let mut name: Option<String> = None;
         let (mut direction, mut length, mut axes_of_bone) = (None, None, None);
@@ -219,7 +220,7 @@ impl Parser<'_> {
                     line.ends(5)?;
                 }
                 "dof" => channels = parse_dofs(&line, &shown_name)?,
-                // What no motion needs.
+                // Keys that a motion does not need.
                 "id" | "limits" | "bodymass" | "cofmass" => {}
                 _ if in_limits && is_limit(key) => {}
                 _ => {
@@ -269,7 +270,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Puts the bones into an order in which parents come first.
+    /// Sorts the bones so that parents precede their children.
     fn finish(mut self) -> Result<Asf, Failure> {
         let end = Word { text: "", at: self.lines.end() };
         let root = self.root.ok_or_else(|| end.not("a `:root` section"))?;
@@ -307,9 +308,9 @@ impl Parser<'_> {
         }
     }
 
-    /// The rotation by `angles` about the fixed axes in the order of `axes`.
+    /// Returns the rotation by `angles` about the fixed axes, in the order of `axes`.
     fn orientation(&self, axes: [usize; 3], angles: [f64; 3]) -> DQuat {
-        // The angles are those about x, y and z, whatever the order.
+        // The angles are given for x, y and z, whatever the order.
         composed(axes.map(|axis| {
             (axis, if self.degrees { angles[axis].to_radians() } else { angles[axis] })
         }))
@@ -317,7 +318,7 @@ impl Parser<'_> {
     }
 }
 
-/// The unit of angles.
+/// Reads the unit of angles.
 fn is_degrees(word: Word<'_>) -> Result<bool, Failure> {
     match word.text.to_ascii_lowercase().as_str() {
         "deg" | "degrees" => Ok(true),
@@ -326,7 +327,7 @@ fn is_degrees(word: Word<'_>) -> Result<bool, Failure> {
     }
 }
 
-/// The sequence of three axes, such as `XYZ`.
+/// Reads a sequence of three axes, such as `XYZ`.
 fn axes(word: Word<'_>) -> Result<[usize; 3], Failure> {
     let letters: Vec<usize> =
         word.text.to_ascii_lowercase().chars().filter_map(|letter| "xyz".find(letter)).collect();
@@ -348,7 +349,7 @@ fn channel(word: Word<'_>) -> Option<Channel> {
     }
 }
 
-/// The channels that a line names after its first word.
+/// Reads the channels that a line names after its first word.
 fn channels(line: &Line<'_>, expected: &str) -> Result<Vec<Channel>, Failure> {
     let mut channels = Vec::with_capacity(6);
     for &word in &line.words[1..] {
@@ -376,7 +377,7 @@ fn parse_dofs(line: &Line<'_>, bone: &str) -> Result<Vec<Channel>, Failure> {
     channels(line, "each of rx, ry and rz at most once")
 }
 
-/// Whether the word is a number of `limits`, which go on over several lines.
+/// Returns whether the word is a number of `limits`, which continue over several lines.
 fn is_limit(word: Word<'_>) -> bool {
     word.text.parse::<f64>().is_ok()
 }

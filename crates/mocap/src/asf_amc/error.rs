@@ -1,130 +1,130 @@
-//! Why an AMC motion or its ASF skeleton was refused.
+//! The reason why an AMC motion or its ASF skeleton was refused.
 
 use std::path::PathBuf;
 
 use crate::text::Position;
 
-/// An AMC file, or its ASF file, that cannot be read.
+/// The reason why an AMC file, or its ASF file, cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The motion's skeleton is not there.
+    /// The skeleton file of the motion was not found.
     #[error(
-        "{}: expected its skeleton in the same folder ({}, or the only *.asf there), found {found} \
-         *.asf files, none so named",
+        "{}: expected its skeleton in the same folder ({}, or the only *.asf there), found {found} *.asf files, none \
+         with such a name",
         file.display(), expected.join(" or ")
     )]
     NoSkeleton {
-        /// The AMC file.
+        /// Path of the AMC file.
         file: PathBuf,
-        /// Names that would do.
+        /// Names that the skeleton file may have.
         expected: Vec<String>,
-        /// ASF files in the folder.
+        /// Number of ASF files in the folder.
         found: usize,
     },
-    /// The text is not what its name says.
+    /// The text is not valid in its format.
     #[error("{}:{}:{}: {problem}", file.display(), at.line, at.column)]
     Syntax {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Where reading stopped.
+        /// Position where reading stopped.
         at: Position,
-        /// What is wrong there.
+        /// Error at that position.
         problem: Problem,
     },
 }
 
-/// What is wrong at a place of an ASF or AMC file.
+/// The error at a position of an ASF or AMC file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Problem {
-    /// A word other than the format asks for.
+    /// A word does not fit the format.
     #[error("expected {expected}, found {found}")]
     Unexpected {
-        /// What may stand here.
+        /// Description of the expected words.
         expected: String,
-        /// What stands here.
+        /// Word that was found.
         found: String,
     },
-    /// A bone lacks what it needs.
+    /// A required key of a bone is missing.
     #[error("bone `{bone}`: expected `{key}` before its `end`, found none")]
     Missing {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// The key.
+        /// Missing key.
         key: &'static str,
     },
-    /// A name that is already taken.
+    /// A name is used twice.
     #[error("expected another {item}, found a second `{name}`; the first is in line {first_line}")]
     Duplicate {
-        /// What has the name.
+        /// Kind of item with the name.
         item: &'static str,
-        /// The name.
+        /// Name that is used twice.
         name: String,
-        /// Line of the first one.
+        /// Line of the first use.
         first_line: usize,
     },
-    /// A degree of freedom that changes the skeleton.
+    /// A dof changes the skeleton, such as a translation.
     #[error(
         "bone `{bone}`: expected rx, ry or rz, found `{found}`: bones that move or stretch are not \
          supported"
     )]
     NotRotation {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// The degree of freedom.
+        /// Name of the dof.
         found: String,
     },
-    /// The hierarchy does not hold the bone.
+    /// The bone is missing in the hierarchy.
     #[error("bone `{bone}`: expected a place below `root` in the hierarchy, found none")]
     NotInHierarchy {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
     },
-    /// A bone of a length that points nowhere.
+    /// A bone has a length but no direction.
     #[error("bone `{bone}`: expected a direction for its length of {length}, found 0 0 0")]
     NoDirection {
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// The length as in the file.
+        /// Length as written in the file.
         length: String,
     },
-    /// More than a motion of a figure can need.
+    /// There are more items than a figure's motion can need.
     #[error("expected at most {limit} {items}, found more")]
     TooMany {
-        /// The kind of items that are too many.
+        /// Kind of items.
         items: &'static str,
-        /// The limit.
+        /// Maximum number of items.
         limit: usize,
     },
-    /// The numbers do not count up, or leave out too many frames.
+    /// The frame numbers do not rise, or skip too many frames.
     #[error("expected a frame number from {least} to {most} after frame {last}, found {found}")]
     FrameNumber {
-        /// The last frame's number.
+        /// Number of the last frame.
         last: u64,
-        /// The next one.
+        /// Smallest valid next number.
         least: u64,
-        /// The furthest that can follow.
+        /// Largest valid next number.
         most: u64,
-        /// The number that follows.
+        /// Number that was found.
         found: u64,
     },
-    /// A bone has more or fewer angles than degrees of freedom.
+    /// The number of a bone's angles differs from that of its dofs.
     #[error("frame {frame}, bone `{bone}`: expected {expected}, found {found}")]
     Values {
-        /// The frame's number.
+        /// Number of the frame.
         frame: u64,
-        /// The bone.
+        /// Name of the bone.
         bone: String,
-        /// How many values, and of what.
+        /// Expected number and kind of values.
         expected: String,
-        /// How many there are.
+        /// Number of values that were found.
         found: usize,
     },
 }

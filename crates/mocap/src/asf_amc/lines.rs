@@ -1,4 +1,4 @@
-//! Lines of an ASF or AMC file as words.
+//! Splits an ASF or AMC file into lines and words.
 
 use super::Problem;
 use crate::recording::MAGNITUDE_MAX;
@@ -6,7 +6,7 @@ use crate::text::{Position, found};
 
 pub(super) type Failure = (Position, Problem);
 
-/// A word and its place; the end of the file is the empty word.
+/// A word and its position; the end of the file is the empty word.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Word<'a> {
     pub(super) text: &'a str,
@@ -20,11 +20,11 @@ impl Word<'_> {
 
     pub(super) fn finite(&self) -> Result<f64, Failure> {
         let value: f64 = self.text.parse().unwrap_or(f64::NAN);
-        // NaN compares false, so it is refused too.
+        // Comparisons with NaN are false, therefore NaN is refused too.
         if value.abs() <= MAGNITUDE_MAX { Ok(value) } else { Err(self.not("a finite number")) }
     }
 
-    /// That something else was expected here.
+    /// Creates the error that something else was expected at this word.
     pub(super) fn not(&self, expected: impl Into<String>) -> Failure {
         let found = if self.text.is_empty() {
             "the end of the line or file".to_owned()
@@ -43,7 +43,7 @@ pub(super) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    /// Word `index`, or the line's end.
+    /// Returns word `index`, or an empty word at the line's end.
     pub(super) fn word(&self, index: usize) -> Word<'a> {
         self.words.get(index).copied().unwrap_or(Word { text: "", at: self.end })
     }
@@ -52,7 +52,7 @@ impl<'a> Line<'a> {
         self.word(0)
     }
 
-    /// `N` numbers from word `from` on.
+    /// Reads `N` numbers from word `from` on.
     pub(super) fn numbers<const N: usize>(&self, from: usize) -> Result<[f64; N], Failure> {
         let mut numbers = [0.0; N];
         for (index, number) in numbers.iter_mut().enumerate() {
@@ -61,13 +61,13 @@ impl<'a> Line<'a> {
         Ok(numbers)
     }
 
-    /// That the line has no word from `from` on.
+    /// Checks that the line has no word from `from` on.
     pub(super) fn ends(&self, from: usize) -> Result<(), Failure> {
         self.words.get(from).map_or(Ok(()), |word| Err(word.not("the end of the line")))
     }
 }
 
-/// The lines of a text that hold more than white space, commas, parentheses and comments.
+/// The lines of a text that contain more than white space, commas, parentheses and comments.
 pub(super) struct Lines<'a> {
     lines: std::iter::Peekable<std::iter::Enumerate<std::str::Split<'a, char>>>,
     line: usize,
@@ -75,12 +75,12 @@ pub(super) struct Lines<'a> {
 
 impl<'a> Lines<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        // CR alone ends lines where there is no LF.
+        // If there is no LF, lines end with CR alone.
         let end = if text.contains('\n') { '\n' } else { '\r' };
         Self { lines: text.split(end).enumerate().peekable(), line: 0 }
     }
 
-    /// The next line, if it does not start a section.
+    /// Returns the next line, unless it starts a section.
     pub(super) fn next_in_section(&mut self) -> Option<Line<'a>> {
         self.skip_blank();
         self.next_if(|line| !line.trim_start().starts_with(':'))
@@ -91,12 +91,12 @@ impl<'a> Lines<'a> {
         self.next_if(|_| true)
     }
 
-    /// Leaves out what is left of a section.
+    /// Skips the remaining lines of a section.
     pub(super) fn skip_section(&mut self) {
         while self.next_in_section().is_some() {}
     }
 
-    /// Where the last line ended: the place of what is missing.
+    /// Returns the position of the end of the last line, for errors about missing items.
     pub(super) fn end(&self) -> Position {
         Position { line: self.line + 1, column: 1 }
     }
@@ -122,7 +122,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// The words of a line up to its comment, and where they start.
+/// Returns the words of a line before its comment, with their offsets.
 fn words(line: &str) -> impl Iterator<Item = (usize, &str)> {
     let line = line.split('#').next().unwrap_or_default();
     let separates = |c: char| c.is_whitespace() || matches!(c, ',' | '(' | ')');

@@ -1,18 +1,18 @@
-//! Acclaim's motions: an AMC file, and the ASF file of its skeleton.
+//! Reads Acclaim motions: an AMC file, and the ASF file of its skeleton.
 //!
-//! A bone of the ASF begins where its parent ends and has a direction and a length in the rest pose, in
-//! world axes. Its `axis` gives the axes about which it turns: `C`, the rotations by the three angles
-//! about the fixed axes in the order of the letters (the first letter first). The AMC gives each
-//! bone's angles in the order of its `dof`, `M`, likewise the first one first. The bone's rotation
-//! relative to its parent, both with the world's axes in the rest pose, is `C M C^-1`. The joint that
-//! moves a bone has the bone's name and sits at its beginning.
+//! A bone of the ASF begins where its parent ends; its direction and length are given in the rest pose, in world
+//! axes. Its `axis` gives the orientation of its rotation axes: `C`, the rotations by three angles about the fixed
+//! axes, in the order of the letters (the first letter is applied first). The AMC gives the bone's angles in the
+//! order of its `dof`: `M`, with the first angle applied first too. The bone's rotation relative to its parent,
+//! both in the world's axes in the rest pose, is `C M C^-1`. The joint that moves a bone has the bone's name and is
+//! at its beginning.
 //!
-//! The AMC numbers its frames: a number that is left out is a missing frame, and a bone that a frame
-//! leaves out is a missing sample. Both are gaps.
+//! The AMC numbers its frames. A skipped number is a missing frame, and a bone that a frame does not contain is a
+//! missing sample. Both are gaps.
 //!
-//! Lengths are inches after division by the ASF's `length` unit: so M. Schafer's definition of the
-//! format ("2.54 - data in cm, local units in inches"), and CMU's data with its 0.45. The format has no
-//! frame rate of its own; `:SAMPLES-PER-SECOND`, which some writers give, is used.
+//! Lengths divided by the ASF's `length` unit are in inches, according to M. Schafer's definition of the format
+//! ("2.54 - data in cm, local units in inches") and to CMU's data with its 0.45. The format has no frame rate;
+//! `:SAMPLES-PER-SECOND`, which some writers add, is used.
 
 mod amc;
 mod asf;
@@ -28,30 +28,30 @@ use super::recording::{self, Recording};
 use crate::encoding;
 
 const METRES_PER_INCH: f64 = 0.0254;
-/// The `length` of CMU's files: a unit of theirs is an inch, and 0.45 of it a number in the file.
+/// The `length` of CMU's files: 0.45 in the file is one inch.
 const CMU_LENGTH: f64 = 0.45;
 
-/// Reads the motion in the AMC file at `path` and the ASF file that [`find_asf`] finds for it; the clip
-/// is named after the AMC's stem.
+/// Reads the motion in the AMC file at `path`, with the ASF file that [`find_asf`] finds. The clip's name is the
+/// stem of the AMC file.
 ///
 /// # Errors
-/// [`Error::NoSkeleton`] if no ASF file is found; [`Error::Io`] or [`Error::Syntax`], with the place, if
-/// one of the two cannot be read.
+/// [`Error::NoSkeleton`] if no ASF file is found; [`Error::Io`] or [`Error::Syntax`], with the position, if either
+/// file cannot be read.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let bytes = |path: &Path| {
         crate::read::bytes(path).map_err(|source| Error::Io { file: path.to_path_buf(), source })
     };
-    // First the file that was asked for: if it is not there, its skeleton is not what is missing.
+    // The requested file is read first: if it does not exist, the error must not be about its skeleton.
     let amc = bytes(path)?;
     let asf_path = find_asf(path)?;
     parse((&bytes(&asf_path)?, &asf_path), (&amc, path))
 }
 
-/// Reads the texts of an ASF and an AMC file; the paths name them in errors, and the AMC's stem names
-/// the clip.
+/// Reads the texts of an ASF and an AMC file. The paths are used in errors, and the AMC's stem is the name of the
+/// clip.
 ///
 /// # Errors
-/// [`Error::Syntax`], as [`read`].
+/// [`Error::Syntax`], for the same reasons as in [`read`].
 pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Error> {
     let in_file = |path: &Path| {
         let file = path.to_path_buf();
@@ -61,7 +61,7 @@ pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Erro
     let samples = recording::sample_count_max(asf.0.len() + amc.0.len());
     let motion = amc::parse(&encoding::lossy(amc.0), &skeleton, samples);
     let motion = motion.map_err(in_file(amc.1))?;
-    // What others mean by `length` is not agreed on: metres, inches, or nothing.
+    // Other writers do not agree on `length`: it may mean metres, inches, or nothing.
     let is_cmu = (skeleton.length_unit - CMU_LENGTH).abs() < 1e-9;
     Ok(Recording {
         name: recording::stem(amc.1),
@@ -73,11 +73,11 @@ pub fn parse(asf: (&[u8], &Path), amc: (&[u8], &Path)) -> Result<Recording, Erro
     })
 }
 
-/// The ASF file of the motion in the AMC file at `amc`, in the same folder: the one of the same stem; or
-/// CMU's `SUBJECT.asf` for `SUBJECT_TRIAL.amc`; or the only one there.
+/// Finds the ASF file of the AMC file at `amc`, in the same folder: the file with the same stem; or CMU's
+/// `SUBJECT.asf` for `SUBJECT_TRIAL.amc`; or the only ASF file there.
 ///
 /// # Errors
-/// [`Error::NoSkeleton`] with the names that would do; [`Error::Io`] if the folder cannot be listed.
+/// [`Error::NoSkeleton`] with the possible names; [`Error::Io`] if the folder cannot be listed.
 pub fn find_asf(amc: &Path) -> Result<PathBuf, Error> {
     let folder = amc.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));

@@ -7,8 +7,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::skeleton::JointSample;
 
-/// As Vicon writes it: a pelvis, a thigh with oblique axes, a shank with one degree of freedom, a foot
-/// that does not turn, and a bone on the other side.
+/// A file in the style of Vicon: a pelvis, a thigh with oblique axes, a shank with one dof, a foot that does not
+/// rotate, and a bone on the other side.
 const ASF: &str = "\
 # AST/ASF file generated using VICON BodyLanguage
 # -----------------------------------------------
@@ -97,7 +97,7 @@ fn good(asf: &str, amc: &str) -> Recording {
     read_texts(asf, amc).expect("a motion")
 }
 
-/// The error after replacing `what` once, in whichever of the two files has it.
+/// Returns the error after replacing `what` once, in the file that contains it.
 fn error(what: &str, with: &str) -> String {
     assert!(ASF.contains(what) != AMC.contains(what), "{what}");
     let texts = [ASF, AMC].map(|text| text.replacen(what, with, 1));
@@ -119,7 +119,7 @@ fn reads_skeleton_and_motion() {
     assert_eq!(recording.name, "s_1");
     assert_eq!(recording.frame_time_s, None);
     assert!((recording.metres_per_unit.unwrap() - 0.0254 / 0.45).abs() < 1e-15);
-    // Endorphin's files have metres, and this `length`.
+    // Endorphin's files are in metres, with this `length`.
     let other = good(&ASF.replace("length 0.45", "length 0.01"), AMC);
     assert_eq!(other.metres_per_unit, None);
     let joints = &recording.skeleton.joints;
@@ -132,7 +132,7 @@ fn reads_skeleton_and_motion() {
         ("lfoot", Some(3)),
     ];
     assert_eq!(names, expected);
-    // A joint sits at the end of the parent's bone; a direction is of any length.
+    // A joint is at the end of its parent's bone; a direction may have any length.
     assert_eq!(joints[3].offset_m, DVec3::new(0.0, -7.0, 0.0));
     assert_eq!(joints[4].offset_m, DVec3::new(0.0, -6.0, 0.0));
     assert_eq!(joints[4].end_sites_m, [DVec3::new(0.0, 0.0, 2.0)]);
@@ -151,13 +151,13 @@ fn turns_about_the_axes_of_the_bone() {
         DQuat::from_rotation_y(FRAC_PI_2),
         DQuat::from_rotation_z(FRAC_PI_2),
     ];
-    // RX first, about fixed axes.
+    // RX is applied first, about fixed axes.
     assert_rotation(sample(&recording, 1, "root"), z * x);
-    // The thigh's x axis is turned to y by the 90 degrees about z.
+    // The rotation by 90 deg about z turns the thigh's x axis to y.
     assert_rotation(sample(&recording, 1, "lfemur"), y);
     assert_rotation(sample(&recording, 1, "ltibia"), x);
     assert_rotation(sample(&recording, 1, "lfoot"), DQuat::IDENTITY);
-    // ZYX: z first, then x. The bone's z axis then is -y, and its x axis z. rz comes before rx.
+    // ZYX: z is applied first, x last. The bone's z axis is then -y, and its x axis z. rz precedes rx.
     let (about_z, about_x) = (y.inverse(), z);
     assert_rotation(sample(&recording, 1, "head"), about_x * about_z);
 }
@@ -385,12 +385,12 @@ fn finds_the_skeleton_of_a_motion() {
     let error = read(&motion).unwrap_err().to_string();
     assert!(
         error.ends_with(
-            "07_01.amc: expected its skeleton in the same folder (`07_01.asf` or `07.asf`, or the \
-             only *.asf there), found 0 *.asf files, none so named"
+            "07_01.amc: expected its skeleton in the same folder (`07_01.asf` or `07.asf`, or the only *.asf there), \
+             found 0 *.asf files, none with such a name"
         ),
         "{error}"
     );
-    // The only one, then the subject's, then the trial's.
+    // The only file is found, then the subject's, then the trial's.
     for name in ["zz.asf", "07.ASF", "07_01.asf"] {
         std::fs::write(at(name), ASF).unwrap();
         assert_eq!(find_asf(&motion).unwrap(), at(name));
@@ -401,7 +401,7 @@ fn finds_the_skeleton_of_a_motion() {
     assert!(missing.contains("no.amc: cannot be read"), "{missing}");
 }
 
-/// Nothing but finite numbers and unit rotations leaves the reader.
+/// Asserts that the reader returns only finite numbers and unit rotations.
 fn check(read: Result<Recording, Error>) {
     let Ok(recording) = read else { return };
     assert!(recording.metres_per_unit.is_none_or(|metres| metres > 0.0));

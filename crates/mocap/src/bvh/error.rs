@@ -1,103 +1,103 @@
-//! Why a BVH file was refused.
+//! The reason why a BVH file was refused.
 
 use std::path::PathBuf;
 
 use crate::text::{Position, counted};
 
-/// A BVH file that cannot be read.
+/// The reason why a BVH file cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The text is not a BVH motion.
+    /// The text is not a valid BVH motion.
     #[error("{}:{}:{}: {problem}", file.display(), at.line, at.column)]
     Syntax {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Where reading stopped.
+        /// Position where reading stopped.
         at: Position,
-        /// What is wrong there.
+        /// Error at that position.
         problem: Problem,
     },
 }
 
-/// What is wrong at a place of a BVH file.
+/// The error at a position of a BVH file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Problem {
-    /// A word other than the format asks for.
+    /// A word does not fit the format.
     #[error("expected {expected}, found {found}")]
     Unexpected {
-        /// What may stand here.
+        /// Description of the expected words.
         expected: String,
-        /// What stands here.
+        /// Word that was found.
         found: String,
     },
-    /// A second `ROOT`.
+    /// The file has a second `ROOT`.
     #[error("expected `MOTION`, found a second `ROOT`: a clip holds one skeleton")]
     SecondRoot,
-    /// A name that is already taken.
+    /// A joint name is used twice.
     #[error("expected a new joint name, found `{name}`, which line {first_line} names already")]
     DuplicateJoint {
-        /// The name.
+        /// Name that is used twice.
         name: String,
-        /// Line of the first joint of this name.
+        /// Line of the first joint with this name.
         first_line: usize,
     },
-    /// A channel that the joint has already.
+    /// A joint has the same channel twice.
     #[error("expected another channel, found a second `{channel}` in joint `{joint}`")]
     DuplicateChannel {
-        /// The channel as written.
+        /// Channel as written in the file.
         channel: String,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// More than a motion of a figure can need.
+    /// There are more items than a figure's motion can need.
     #[error("expected at most {limit} {items}, found more")]
     TooMany {
-        /// The kind of items that are too many.
+        /// Kind of items.
         items: &'static str,
-        /// The limit.
+        /// Maximum number of items.
         limit: usize,
     },
     /// No joint has a channel.
     #[error("expected at least one channel in the hierarchy, found none")]
     NoChannels,
-    /// The values end too early.
+    /// There are fewer values than the header announces.
     #[error(
         "the file ends after {} of {frames}: expected {} in each, found {rest} of the next{}",
         counted(*complete, "frame"), counted(*channels, "value"), hint(*odd_line)
     )]
     MissingValues {
-        /// Frames as the header says.
+        /// Number of frames according to the header.
         frames: usize,
-        /// Values in a frame.
+        /// Number of values in a frame.
         channels: usize,
-        /// Frames that are complete.
+        /// Number of complete frames.
         complete: usize,
-        /// Values of the frame that is not.
+        /// Number of values of the incomplete frame.
         rest: usize,
-        /// The first line that does not hold exactly one frame: its number and its values.
+        /// First line that does not contain exactly one frame: its number, and its number of values.
         odd_line: Option<(usize, usize)>,
     },
-    /// There are more values than the header says.
+    /// There are more values than the header announces.
     #[error(
         "expected the end of the file after {} of {}, found {extra} more{}",
         counted(*frames, "frame"), counted(*channels, "value"), hint(*odd_line)
     )]
     ExtraValues {
-        /// Frames as the header says.
+        /// Number of frames according to the header.
         frames: usize,
-        /// Values in a frame.
+        /// Number of values in a frame.
         channels: usize,
-        /// Words after the last frame.
+        /// Number of words after the last frame.
         extra: usize,
-        /// The first line that does not hold exactly one frame: its number and its values.
+        /// First line that does not contain exactly one frame: its number, and its number of values.
         odd_line: Option<(usize, usize)>,
     },
 }

@@ -1,9 +1,8 @@
-//! Biovision Hierarchy (BVH) files as the world writes them.
+//! Reads and writes Biovision Hierarchy (BVH) files, including common deviations from the format.
 //!
-//! A file holds one skeleton (`HIERARCHY`) and the channel values of every frame (`MOTION`).
-//! Rotations of a joint are composed in the order in which its channels are listed,
-//! `R = R_first R_second R_third`; a position channel takes the place of that component of the
-//! joint's `OFFSET`. White space and line ends are free. The format knows no unit of length:
+//! A file contains one skeleton (`HIERARCHY`) and the channel values of every frame (`MOTION`). Rotations of a
+//! joint are composed in the order of its channels, `R = R_first R_second R_third`; a position channel replaces
+//! that component of the joint's `OFFSET`. White space and line ends are free. The format has no unit of length:
 //! see [`Recording::in_metres`].
 
 mod error;
@@ -23,7 +22,7 @@ use super::text::{Position, found, shown};
 use crate::encoding;
 use crate::skeleton::{JointSample, Skeleton, SkeletonJoint};
 
-/// Reads the file at `path`; the clip is named after its stem.
+/// Reads the file at `path`. The clip's name is the stem of the file.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read, [`Error::Syntax`] with line and column if it is not a
@@ -34,12 +33,12 @@ pub fn read(path: &Path) -> Result<Recording, Error> {
     parse(&bytes, path)
 }
 
-/// Reads the text of a BVH file; `path` names it in errors and its stem names the clip.
+/// Reads the text of a BVH file. `path` is used in errors, and its stem is the name of the clip.
 ///
-/// Bytes that are no characters can only matter in joint names, and are replaced there.
+/// Bytes that are not valid characters can only matter in joint names, and are replaced there.
 ///
 /// # Errors
-/// [`Error::Syntax`], as [`read`].
+/// [`Error::Syntax`], for the same reasons as in [`read`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     let text = encoding::lossy(bytes);
     let mut parser = Parser {
@@ -61,7 +60,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     )
 }
 
-/// A channel: what a value of a frame moves.
+/// A channel: the coordinate of a joint that a value of a frame sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channel {
     Position(usize),
@@ -80,7 +79,7 @@ impl Channel {
     }
 }
 
-/// The hierarchy: the skeleton and each joint's channels.
+/// The skeleton, and each joint's channels.
 struct Hierarchy {
     skeleton: Skeleton,
     channels: Vec<Vec<Channel>>,
@@ -91,7 +90,7 @@ type Failure = (Position, Problem);
 
 struct Parser<'a> {
     tokens: Tokens<'a>,
-    /// Joints times frames that the file may have.
+    /// Maximum of joints times frames for this file.
     sample_count_max: usize,
 }
 
@@ -117,14 +116,14 @@ impl<'a> Parser<'a> {
         Ok((hierarchy.skeleton, frame_time_s, frames, notes))
     }
 
-    /// All joints, from the root's name to its closing brace.
+    /// Reads all joints, from the root's name to its closing brace.
     fn hierarchy(&mut self) -> Result<Hierarchy, Failure> {
         let mut hierarchy = Hierarchy {
             skeleton: Skeleton { joints: Vec::new() },
             channels: Vec::new(),
             lines: Vec::new(),
         };
-        // Joints whose brace is open, outermost first.
+        // Joints whose brace is open, the outermost first.
         let mut open = Vec::new();
         self.joint(&mut hierarchy, &mut open)?;
         while let Some(&current) = open.last() {
@@ -133,7 +132,7 @@ impl<'a> Parser<'a> {
                 self.joint(&mut hierarchy, &mut open)?;
             } else if token.is("End") {
                 self.keyword("Site")?;
-                // Some makers name it, which nothing needs.
+                // Some writers name the end site; the name is not needed.
                 self.tokens.rest_of_line();
                 self.keyword("{")?;
                 let end = self.offset()?;
@@ -150,7 +149,7 @@ impl<'a> Parser<'a> {
         Ok(hierarchy)
     }
 
-    /// One joint from its name to its channels, and opens it.
+    /// Reads one joint from its name to its channels, and adds it to the open joints.
     fn joint(&mut self, hierarchy: &mut Hierarchy, open: &mut Vec<usize>) -> Result<(), Failure> {
         let Hierarchy { skeleton, channels, lines } = hierarchy;
         let name = self.tokens.rest_of_line();
@@ -213,7 +212,8 @@ impl<'a> Parser<'a> {
         Ok(recording::snapped_s(time_s))
     }
 
-    /// The values of all frames, to the end of the file. Some writers miscount their rows by one, which is noted.
+    /// Reads the values of all frames, to the end of the file. Some writers count one row too many or too few,
+    /// which is noted.
     fn frames(
         &mut self,
         hierarchy: &Hierarchy,
@@ -225,7 +225,7 @@ impl<'a> Parser<'a> {
         if channel_count == 0 {
             return Err((token.at, Problem::NoChannels));
         }
-        // Frames are only made for values that are there, so that a header cannot ask for memory.
+        // Frames are allocated only for values that are present, so that a header cannot request much memory.
         let mut frames = Vec::new();
         let mut values = Vec::with_capacity(channel_count);
         let mut lines = LineLengths::new(channel_count);
@@ -300,7 +300,7 @@ impl<'a> Parser<'a> {
 }
 
 impl Hierarchy {
-    /// The pose that the values of one frame describe.
+    /// Returns the pose that the values of one frame describe.
     fn frame(&self, values: &[f64]) -> Vec<Option<JointSample>> {
         let mut values = values.iter();
         let joints = self.skeleton.joints.iter().zip(&self.channels);
@@ -322,9 +322,9 @@ impl Hierarchy {
             .collect()
     }
 
-    /// Adds the offsets to positions that are displacements from them, as some exporters write them. These are near
-    /// zero where the joints' offsets are not: no file puts all of its joints at one place. 5 % of the bones' length is
-    /// a choice between the two.
+    /// Adds the joints' offsets to positions that are displacements from these offsets, which some exporters write.
+    /// Such positions are near zero although the offsets are not, and no valid file has all joints at one place.
+    /// The limit is 5 % of the bones' length.
     fn add_offsets(&self, frames: &mut Frames) -> Option<String> {
         const NEAR: f64 = 0.05;
         let joints = &self.skeleton.joints;
@@ -355,7 +355,7 @@ impl Hierarchy {
     }
 }
 
-/// Finds the first line whose number of values is not that of a frame.
+/// Finds the first line whose number of values differs from that of a frame.
 struct LineLengths {
     channels: usize,
     line: usize,
@@ -395,7 +395,7 @@ fn expect(token: Token<'_>, keyword: &str) -> Result<(), Failure> {
 
 fn finite(token: Token<'_>) -> Result<f64, Failure> {
     let value: f64 = token.text.parse().unwrap_or(f64::NAN);
-    // NaN compares false, so it is refused too.
+    // Comparisons with NaN are false, therefore NaN is refused too.
     if value.abs() <= MAGNITUDE_MAX { Ok(value) } else { Err(unexpected(token, "a finite number")) }
 }
 

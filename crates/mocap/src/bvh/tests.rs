@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Two joints, 9 channels, 2 frames of one line each.
+/// A file with two joints, 9 channels, and 2 frames of one line each.
 const VALID: &str = "\
 HIERARCHY
 ROOT Hips
@@ -40,7 +40,7 @@ fn rate_of(recording: &Recording) -> f64 {
     recording.frame_time_s.expect("a rate").recip()
 }
 
-/// The error's text of `VALID` after replacing `what` once, without the file's name.
+/// Returns the error's text for `VALID` after replacing `what` once, without the file's name.
 fn error(what: &str, with: &str) -> String {
     assert!(VALID.contains(what));
     error_of(&VALID.replacen(what, with, 1))
@@ -71,7 +71,7 @@ fn reads_a_motion() {
     assert_eq!(hips.position_m, DVec3::new(10.0, 11.0, 12.0));
     assert_rotation(hips.rotation, DQuat::from_rotation_x(FRAC_PI_2));
     assert_eq!(knee.position_m, DVec3::new(0.0, -4.0, 0.0));
-    // Z first, then X in the turned frame.
+    // Z first, then X in the rotated frame.
     let z_then_x = DQuat::from_rotation_z(FRAC_PI_2) * DQuat::from_rotation_x(FRAC_PI_2);
     assert_rotation(knee.rotation, z_then_x);
 }
@@ -110,7 +110,7 @@ fn takes_utf16_and_says_of_other_bytes_that_they_are_no_text() {
         assert_eq!(parse(&bytes, Path::new("clip.bvh")).unwrap(), recording(VALID));
     }
     let error = parse(b"\x1f\x8b\x08\x99", Path::new("clip.bvh")).unwrap_err().to_string();
-    assert_eq!(error, "clip.bvh:1:1: expected `HIERARCHY`, found bytes that are no text");
+    assert_eq!(error, "clip.bvh:1:1: expected `HIERARCHY`, found bytes that are not text");
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn refuses_what_is_no_bvh() {
     assert_eq!(error_of(""), "1:1: expected `HIERARCHY`, found the end of the file");
     assert_eq!(
         error_of("\n\n  PK\u{3}\u{4}"),
-        "3:3: expected `HIERARCHY`, found bytes that are no text"
+        "3:3: expected `HIERARCHY`, found bytes that are not text"
     );
     assert_eq!(error("ROOT", "JOINT"), "2:1: expected `ROOT`, found `JOINT`");
     assert_eq!(
@@ -190,7 +190,8 @@ fn refuses_open_and_stray_braces() {
         "15:1: expected `JOINT`, `End Site` or the `}` of joint `Hips`, found `MOTION`"
     );
     assert_eq!(error("}\nMOTION", "}\n}\nMOTION"), "16:1: expected `MOTION`, found `}`");
-    // The closing braces move outwards by one, and the root's is missing.
+    // One closing brace is missing, therefore the others close the joints further inside, and the root's is
+    // missing.
     assert_eq!(
         error("0 -5 1\n    }", "0 -5 1\n"),
         "16:1: expected `JOINT`, `End Site` or the `}` of joint `Hips`, found `MOTION`"
@@ -293,7 +294,7 @@ fn comments_and_named_end_sites_are_read_over() {
 
 #[test]
 fn refuses_what_would_not_fit_the_memory() {
-    // A header that asks for 2^64 frames makes none: it is the values that are missing.
+    // A header that announces 2^64 frames allocates none: the error is about missing values.
     assert_eq!(
         error("Frames: 2", "Frames: 18446744073709551615"),
         "21:1: the file ends after 2 frames of 18446744073709551615: expected 9 values in each, \
@@ -319,13 +320,13 @@ fn names_a_file_that_is_not_there() {
     assert!(error.starts_with("no/such.bvh: cannot be read: "), "{error}");
 }
 
-/// Words and marks of a BVH file, to be strung together in any order.
+/// Generates words and marks of a BVH file in any order.
 fn words() -> impl Strategy<Value = Vec<&'static str>> {
     let words = VALID.split_inclusive(char::is_whitespace).collect::<Vec<_>>();
     prop::collection::vec(prop::sample::select(words), 0..80)
 }
 
-/// Nothing but finite numbers and unit rotations leaves the reader.
+/// Asserts that the reader returns only finite numbers and unit rotations.
 fn check(read: Result<Recording, Error>) {
     let Ok(recording) = read else { return };
     let clip = recording.in_metres(1.0);
@@ -366,7 +367,7 @@ proptest! {
     }
 }
 
-/// As the files of a face from `MakeHuman` have them.
+/// Tests positions as `MakeHuman` writes them in files of a face.
 #[test]
 fn positions_near_zero_are_displacements() {
     let text = VALID
@@ -377,7 +378,7 @@ fn positions_near_zero_are_displacements() {
     let at = |frame: usize| displaced.frames[frame][1].unwrap().position_m;
     assert_eq!([at(0), at(1)], [DVec3::new(0.01, -4.0, 0.0), DVec3::new(0.0, -4.02, 0.0)]);
     assert_eq!(displaced.notes.len(), 1, "{:?}", displaced.notes);
-    // One pose that is away from there says that they are positions.
+    // A single pose away from zero shows that they are positions.
     let placed = recording(&text.replace("-0.02", "-4.02"));
     assert_eq!(placed.frames[0][1].unwrap().position_m, DVec3::new(0.01, 0.0, 0.0));
     assert_eq!(placed.notes.len(), 0);

@@ -1,8 +1,8 @@
-//! Words of a BVH file and where they stand.
+//! Splits a BVH file into words with their positions.
 
 use crate::text::Position;
 
-/// A word and its place; the end of the file is the empty word.
+/// A word and its position; the end of the file is the empty word.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Token<'a> {
     pub(super) text: &'a str,
@@ -19,11 +19,11 @@ impl Token<'_> {
     }
 }
 
-/// Reads a text word by word.
+/// A reader of a text, word by word.
 ///
-/// `{`, `}` and `:` are words of their own, with or without white space around them.
+/// `{`, `}` and `:` are separate words, with or without white space around them.
 pub(super) struct Tokens<'a> {
-    /// What is left.
+    /// Text that is not read yet.
     text: &'a str,
     at: Position,
 }
@@ -33,7 +33,7 @@ impl<'a> Tokens<'a> {
         Self { text, at: Position { line: 1, column: 1 } }
     }
 
-    /// The next word; comments, which begin with `#` or `//`, are none.
+    /// Returns the next word; skips comments, which begin with `#` or `//`.
     pub(super) fn next(&mut self) -> Token<'a> {
         self.skip_while(char::is_whitespace);
         while is_comment(self.text) {
@@ -52,19 +52,19 @@ impl<'a> Tokens<'a> {
         Token { text, at }
     }
 
-    /// What is left of the line up to a brace, without white space around it.
+    /// Returns the rest of the line up to a brace, without white space around it.
     pub(super) fn rest_of_line(&mut self) -> Token<'a> {
         self.skip_while(|c| c.is_whitespace() && !is_line_end(c));
         let at = self.at;
         let rest = self.skip_while(|c| !is_line_end(c) && c != '{' && c != '}');
-        // A name may hold `#`, but does not begin a word with it.
+        // A name may contain `#`, but no word of it begins with `#`.
         let marks = rest.match_indices(['#', '/']).map(|(place, _)| place);
         let begins_word = |place: &usize| rest[..*place].ends_with(char::is_whitespace);
         let comment = marks.filter(begins_word).find(|place| is_comment(&rest[*place..]));
         Token { text: rest[..comment.unwrap_or(rest.len())].trim_end(), at }
     }
 
-    /// Goes on to the first character that is not wanted; what lies before it.
+    /// Skips characters that are wanted, and returns them.
     fn skip_while(&mut self, wanted: impl Fn(char) -> bool) -> &'a str {
         let mut chars = self.text.chars();
         let mut rest = self.text;

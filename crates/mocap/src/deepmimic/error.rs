@@ -1,111 +1,111 @@
-//! Why a `DeepMimic` motion was refused.
+//! The reason why a `DeepMimic` motion was refused.
 
 use std::path::PathBuf;
 
-/// A file that is not a humanoid3d motion.
+/// The reason why a file is not a humanoid3d motion.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// Not JSON of the right shape.
+    /// The file is not JSON of this form.
     #[error("{}: {source}", file.display())]
     Json {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong, with line and column.
+        /// Error of the JSON reader, with line and column.
         source: serde_json::Error,
     },
     /// The rows are not those of a humanoid3d.
     #[error("{}: {problem}", file.display())]
     Frames {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong.
+        /// Error in the rows.
         problem: Problem,
     },
 }
 
-/// What is wrong with the rows; frames count from 0.
+/// The error in the rows; frames count from 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Problem {
-    /// No motion.
+    /// There are too few rows for a motion.
     #[error("`Frames`: expected at least 2 rows, found {frames}")]
     TooFew {
-        /// Rows in the file.
+        /// Number of rows in the file.
         frames: usize,
     },
-    /// All rows are of another length.
+    /// All rows have the length of another character.
     #[error(
         "`Frames`: expected rows of {expected} numbers, those of a humanoid3d, found {found}: the motion of another \
          character (a dog3d has 84, a laikago 19), which is not read"
     )]
     OtherCharacter {
-        /// Numbers of a humanoid3d.
+        /// Length of a humanoid3d's row.
         expected: usize,
-        /// Numbers in every row.
+        /// Length of every row.
         found: usize,
     },
-    /// A row of another length.
+    /// A row has another length than the others.
     #[error("`Frames`, frame {frame}: expected {expected} numbers, found {found}")]
     RowLength {
-        /// The row.
+        /// Index of the row.
         frame: usize,
-        /// Numbers of a humanoid3d.
+        /// Length of a humanoid3d's row.
         expected: usize,
-        /// Numbers in the row.
+        /// Length of the row.
         found: usize,
     },
-    /// A time that is none.
+    /// A time to the next frame is invalid.
     #[error(
         "`Frames`, frame {frame}: expected a time to the next frame from 0.00001 to 1 second, \
          found {found}"
     )]
     Time {
-        /// The row.
+        /// Index of the row.
         frame: usize,
-        /// Its first number.
+        /// First number of the row, s.
         found: f64,
     },
-    /// Times that no camera makes.
+    /// The times between frames differ too much.
     #[error(
         "`Frames`: expected times between frames that differ by 100 times at most, found {shortest_s} s \
          and {longest_s} s"
     )]
     Uneven {
-        /// The shortest, in seconds.
+        /// Shortest time between frames, s.
         shortest_s: f64,
-        /// The longest, in seconds.
+        /// Longest time between frames, s.
         longest_s: f64,
     },
-    /// More frames than memory should hold, once they are evenly spaced.
+    /// At an even rate, the motion would have too many frames.
     #[error(
         "`Frames`: expected a motion of at most {limit} frames of its shortest time, {frame_time_s} s, \
          found {frames}"
     )]
     TooMany {
-        /// Frames that the motion would have.
+        /// Number of frames that the motion would have.
         frames: f64,
-        /// Time between them, in seconds.
+        /// Time between them, s.
         frame_time_s: f64,
-        /// The most there may be.
+        /// Maximum number of frames.
         limit: usize,
     },
-    /// A number that cannot be.
+    /// A number is invalid.
     #[error("`Frames`, frame {frame}, {item}: expected {expected}, found {found}")]
     Value {
-        /// The row.
+        /// Index of the row.
         frame: usize,
-        /// The joint.
+        /// Name of the joint.
         item: &'static str,
-        /// What may stand there.
+        /// Description of a valid value.
         expected: &'static str,
-        /// What stands there; of a quaternion the norm.
+        /// Number that was found; for a quaternion its norm.
         found: f64,
     },
 }

@@ -1,13 +1,13 @@
-//! The text motions of `DeepMimic` (X. B. Peng et al., 2018): `humanoid3d_*.txt`.
+//! Reads the text motions of `DeepMimic` (X. B. Peng et al., 2018): `humanoid3d_*.txt`.
 //!
-//! A JSON object with `Loop` ("wrap" or "none") and `Frames`: rows of 44 numbers, which are the time to
-//! the next frame (s), the root's position (m) and rotation, and the rotations of the joints in the
-//! order of [`skeleton`]. Spherical joints have a quaternion `w x y z`, knees and elbows an angle
-//! about z (rad). y is up, x ahead, z to the right.
+//! A file is a JSON object with `Loop` ("wrap" or "none") and `Frames`: rows of 44 numbers, which are the time to
+//! the next frame (s), the root's position (m) and rotation, and the rotations of the joints in the order of
+//! [`skeleton`]. Spherical joints have a quaternion `w x y z`; knees and elbows have an angle about z (rad). y
+//! points up, x forward, z to the right.
 //!
-//! The motion is read once through, whether or not it is said to wrap. The last row's time belongs to
-//! no step and is not used. Where the times differ, the motion is brought to the shortest of them:
-//! rotations along the great arc, positions along the line.
+//! The motion is read once, even if it is marked to wrap. The time of the last row is not used, because no frame
+//! follows it. If the times differ, the motion is resampled at the shortest of them, with rotations along the great
+//! arc and positions along the line.
 
 mod error;
 pub mod skeleton;
@@ -24,14 +24,14 @@ use super::recording::{self, FRAME_TIME_S, MAGNITUDE_MAX, Recording};
 use crate::encoding;
 use crate::skeleton::JointSample;
 
-/// Numbers in a row.
+/// Length of a row.
 const ROW: usize = 44;
-/// Hand-edited frames hold blends of quaternions, down to 0.58 in `humanoid3d_kick.txt`; these are
-/// normalized, as `DeepMimic` does. A norm beyond is no rotation.
+/// Accepted norms of quaternions. Hand-edited frames contain blends of quaternions, with norms down to 0.58 in
+/// `humanoid3d_kick.txt`; these are normalized, as in `DeepMimic`. Other norms are not rotations.
 const NORM: std::ops::RangeInclusive<f64> = 0.5..=1.5;
-/// Times that differ by less, as a ratio, are one time in different rounding.
+/// Relative difference up to which two times are equal except for rounding.
 const TIME_ROUNDING: f64 = 1e-3;
-/// Largest ratio of two times: what bounds the frames that a small file can ask for.
+/// Maximum ratio of two times, which limits the number of frames that a small file can request.
 const TIME_RATIO_MAX: f64 = 100.0;
 
 #[derive(Deserialize)]
@@ -42,7 +42,7 @@ struct File {
     frames: Vec<Vec<f64>>,
 }
 
-/// Not in the files of all that use the format.
+/// Value of `Loop`, which some files of this format do not have.
 #[derive(Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Loop {
@@ -51,20 +51,20 @@ enum Loop {
     None,
 }
 
-/// Reads the file at `path`; the clip is named after its stem.
+/// Reads the file at `path`. The clip's name is the stem of the file.
 ///
 /// # Errors
-/// [`Error::Io`] if the file cannot be read, the others if it is not a humanoid3d motion.
+/// [`Error::Io`] if the file cannot be read; the other variants if it is not a humanoid3d motion.
 pub fn read(path: &Path) -> Result<Recording, Error> {
     let bytes = crate::read::bytes(path)
         .map_err(|source| Error::Io { file: path.to_path_buf(), source })?;
     parse(&bytes, path)
 }
 
-/// Reads the text of a motion; `path` names it in errors and its stem names the clip.
+/// Reads the text of a motion. `path` is used in errors, and its stem is the name of the clip.
 ///
 /// # Errors
-/// As [`read`].
+/// Those of [`read`], except [`Error::Io`].
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
     let file: File = serde_json::from_str(&encoding::lossy(bytes))
         .map_err(|source| Error::Json { file: path.to_path_buf(), source })?;
@@ -83,7 +83,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Recording, Error> {
 
 type Pose = Vec<JointSample>;
 
-/// Frame time and frames, evenly spaced.
+/// Returns the frame time, and the frames at even times.
 fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
     if rows.len() < 2 {
         return Err(Problem::TooFew { frames: rows.len() });
@@ -121,10 +121,10 @@ fn motion(rows: &[Vec<f64>]) -> Result<(f64, Vec<Pose>), Problem> {
     Ok((frame_time_s, evenly(&times_s, &poses, frame_time_s)?))
 }
 
-/// The motion at `0, frame_time_s, ..`, up to its end.
+/// Returns the motion at `0, frame_time_s, ..`, up to its end.
 fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Result<Vec<Pose>, Problem> {
     let frames = (times_s[times_s.len() - 1] / frame_time_s).ceil() + 1.0;
-    // A row is 44 numbers of two characters at least.
+    // A row is 44 numbers of at least two characters each.
     let limit = recording::sample_count_max(88 * poses.len()) / JOINTS.len();
     if frames > limit as f64 {
         return Err(Problem::TooMany { frames, frame_time_s, limit });
@@ -138,7 +138,7 @@ fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Result<Vec<Pose
             before += 1;
         }
         if before == last {
-            // A last frame that falls on the grid but for rounding belongs to it.
+            // The last row is included if it differs from an even time only by rounding.
             if time_s - times_s[last] < TIME_ROUNDING * frame_time_s {
                 even.push(poses[last].clone());
             }
@@ -150,7 +150,7 @@ fn evenly(times_s: &[f64], poses: &[Pose], frame_time_s: f64) -> Result<Vec<Pose
     }
 }
 
-/// The pose that a row describes.
+/// Returns the pose that a row describes.
 fn pose(frame: usize, row: &[f64]) -> Result<Pose, Problem> {
     if row.len() != ROW {
         return Err(Problem::RowLength { frame, expected: ROW, found: row.len() });

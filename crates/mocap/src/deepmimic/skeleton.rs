@@ -1,32 +1,32 @@
-//! The skeleton that all humanoid3d motions are for.
+//! The skeleton of all humanoid3d motions.
 
 use glam::DVec3;
 
 use crate::skeleton::{Skeleton, SkeletonJoint};
 
-/// How a joint moves.
+/// Kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Freely: four numbers of a row.
+    /// Any rotation: four numbers of a row.
     Spherical,
-    /// About its z axis: one number.
+    /// Rotation about the z axis: one number.
     Revolute,
-    /// Not at all.
+    /// No motion: no number.
     Fixed,
 }
 
 /// A joint of the humanoid.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint {
-    /// The name in `humanoid.urdf`.
+    /// Name in `humanoid.urdf`.
     pub name: &'static str,
     /// Index of the parent joint; `None` for the root.
     pub parent: Option<usize>,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: Kind,
     /// Position in the parent's frame, in metres.
     pub offset_m: DVec3,
-    /// The far end of the body that carries no further joint, in the joint's frame, in metres.
+    /// Far end of a body without further joints, in the joint's frame, in metres.
     pub end_m: Option<DVec3>,
 }
 
@@ -38,11 +38,11 @@ const fn leaf(joint: Joint, end_m: DVec3) -> Joint {
     Joint { end_m: Some(end_m), ..joint }
 }
 
-/// The joints in the order of a row's numbers.
+/// The joints, in the order of a row's numbers.
 ///
-/// Offsets are the joint origins of pybullet's `humanoid.urdf`, which is four times life size, divided
-/// by 4. Ends are those of its collision shapes: the top of the head's sphere, the bottom of the hand's,
-/// and the toe edge of the foot's box at mid height.
+/// Offsets are the joint origins of pybullet's `humanoid.urdf`, divided by 4, because that model is four times life
+/// size. Ends are those of its collision shapes: the top of the head's sphere, the bottom of the hand's sphere, and
+/// the toe edge of the foot's box at half its height.
 pub const JOINTS: [Joint; 15] = {
     use Kind::{Fixed, Revolute, Spherical};
     const fn at(x: f64, y: f64, z: f64) -> DVec3 {
@@ -69,7 +69,7 @@ pub const JOINTS: [Joint; 15] = {
     ]
 };
 
-/// The humanoid as a skeleton, in metres.
+/// Returns the humanoid as a skeleton, in metres.
 pub fn skeleton() -> Skeleton {
     let joint = |joint: &Joint| SkeletonJoint {
         name: joint.name.to_owned(),

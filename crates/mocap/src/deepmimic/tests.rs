@@ -2,7 +2,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Root at (1, 2, 3), all joints straight but the right knee, then the same a step of x further.
+/// Creates rows: the root at (1, 2, 3), all joints straight except the right knee; each further row moves by 1
+/// along x.
 fn rows(times_s: &[f64]) -> Vec<Vec<f64>> {
     let row = |(k, &time_s): (usize, &f64)| {
         let mut row = vec![time_s, 1.0 + k as f64, 2.0, 3.0];
@@ -57,7 +58,7 @@ fn reads_a_motion() {
 #[test]
 fn a_quaternion_is_w_first_and_made_unit() {
     let mut rows = rows(&[0.1, 0.1]);
-    // The left shoulder's is the last quaternion, before the elbow's angle.
+    // The left shoulder's quaternion is the last one, before the elbow's angle.
     rows[0][39..43].copy_from_slice(&[0.0, 0.0, 0.6, 0.0]);
     let recording = read_text(&text(&rows)).unwrap();
     let shoulder = recording.skeleton.find("left_shoulder").unwrap();
@@ -124,7 +125,7 @@ fn a_small_file_cannot_ask_for_gigabytes() {
     assert_eq!(problem, Problem::TooMany { frames: 100_000_001.0, frame_time_s: 0.01, limit });
 }
 
-/// Nothing but finite numbers and unit rotations leaves the reader.
+/// Asserts that the reader returns only finite numbers and unit rotations.
 fn check(read: Result<Recording, Error>) {
     let Ok(recording) = read else { return };
     assert!(recording.frame_time_s.is_some_and(|time_s| FRAME_TIME_S.contains(&time_s)));

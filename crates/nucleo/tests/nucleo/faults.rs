@@ -1,4 +1,4 @@
-//! Rows of the fault matrix that the emulated NUCLEO can show, and what its flash keeps.
+//! Tests the rows of the fault matrix that the emulated NUCLEO can show, and the contents of its flash.
 
 use std::io;
 use std::sync::OnceLock;
@@ -13,7 +13,7 @@ use crate::test_rig::{
     set_lowering, until, with_rig,
 };
 
-/// A board that plays the show of an arm of three servos, which its flash had.
+/// Returns a board that plays the show of an arm with three servos, from its flash.
 fn playing(rig: &Rig) -> Board<Emulated> {
     static FLASH: OnceLock<Vec<u8>> = OnceLock::new();
     let flash = FLASH.get_or_init(|| ready(rig).line_mut().servos.machine.flash().unwrap());
@@ -39,7 +39,7 @@ fn emulated_nucleo_lets_go_within_two_ticks_of_the_emergency_stop() {
     assert_eq!(servos_on(line), 0);
     until(&mut board, State::Faulted, 1);
     assert!(has_told(&board, Fault::EStop));
-    // Nothing clears it while the loop is open; closed and cleared, nothing moves.
+    // While the loop is open, nothing clears the fault. After closing and clearing, nothing moves.
     let _ = board.ask(Command::ClearFaults);
     board.run(SECOND / 5).unwrap();
     assert_eq!(board.fresh_state(SECOND).unwrap(), State::Faulted);
@@ -60,7 +60,7 @@ fn emulated_nucleo_lowers_a_rig_with_a_silent_servo() {
     until(&mut board, State::Lowering, 1);
     assert!(has_told(&board, Fault::ServoSilent));
     until(&mut board, State::Faulted, 4);
-    // The silent one hears nothing either: its own watchdog has stopped it.
+    // The silent servo receives nothing either: its own watchdog has stopped it.
     assert_eq!(servos_on(board.line_mut()), 1);
 }
 
@@ -71,7 +71,7 @@ fn emulated_nucleo_lowers_a_rig_whose_host_is_gone() {
     let mut board = playing(&rig);
     let line = board.line_mut();
     let gone_ns = line.servos.at_ns();
-    // Lost after 2 s since the last beat, some 50 ms before; lowered in 3 s.
+    // The link counts as lost 2 s after the last beat, which is some 50 ms old; lowering takes 3 s.
     line.run_until(gone_ns + 4_900_000_000).unwrap();
     assert_eq!(servos_on(line), 3);
     line.run_until(gone_ns + 5_100_000_000).unwrap();
@@ -81,7 +81,7 @@ fn emulated_nucleo_lowers_a_rig_whose_host_is_gone() {
     assert!(has_told(&board, Fault::LinkLost));
 }
 
-/// A board whose reset button is pressed at a time.
+/// A board whose reset button is pressed at a given time.
 struct ResetAt(Emulated, Option<Duration>);
 
 impl Line for ResetAt {
@@ -112,7 +112,7 @@ fn emulated_nucleo_takes_an_upload_again_after_a_reset_in_it() {
     let begun = board.now();
     board.upload(&rig.show_item(), &rig.show, &mut |_| ()).unwrap();
     let took = board.now().saturating_sub(begun);
-    // In the erase, at its end, between blocks, at the end.
+    // During the erase, at its end, between blocks, and at the end.
     for part in [0.1, 0.5, 0.9, 0.97] {
         let line = ResetAt(rig.power_on(Some(&flash)), None);
         let mut board = Board::connect(line, 1, 5 * SECOND).unwrap();

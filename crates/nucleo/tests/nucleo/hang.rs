@@ -1,4 +1,4 @@
-//! A core that stands still is reset by the chip's watchdog.
+//! Tests that the chip's watchdog resets a core that hangs.
 
 use std::time::Duration;
 
@@ -13,8 +13,8 @@ use crate::test_rig::{
 
 const MS: u64 = 1_000_000;
 
-/// Hangs it, and looks when the watchdog bites that has been fed until then: it has so many ms, in counts of 2. Another
-/// 50 ms later it has begun anew.
+/// Hangs the core, and checks the time at which the watchdog resets it: `bites_ms`, in counts of 2 ms. 50 ms later the
+/// board must have restarted.
 fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
     board.other.clear();
     let hung_ns = board.servos.at_ns();
@@ -24,7 +24,7 @@ fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
         board.other.iter().filter(|heard| matches!(heard, MachineEvent::Reset(..))).collect();
     let [MachineEvent::Reset(at_ns, by)] = resets.as_slice() else { panic!("{resets:?}") };
     assert_eq!(by, "iwdg");
-    // It was fed a tick before at most; a count had begun then, and one is the last.
+    // The last feed was at most a tick ago. A count had already begun then, and the reset comes one count late.
     let took_ns = at_ns - hung_ns;
     let allowed = bites_ms * MS - tick_ns..=(bites_ms + 4) * MS;
     assert!(allowed.contains(&took_ns), "{took_ns} ns, not {allowed:?}");
@@ -42,12 +42,12 @@ fn emulated_nucleo_that_hangs_is_reset_and_comes_back_limp_with_all_that_it_kept
     until(&mut board, State::Playing, 1);
     board.run(SECOND / 2).unwrap();
 
-    // With torque.
+    // Now the core hangs with torque on.
     assert_eq!(servos_on(board.line_mut()), 3);
     hang(board.line_mut(), rig.tick_ns(), 100);
     assert_eq!(servos_on(board.line_mut()), 0);
     comes_back(&mut board, &rig);
-    // Without, where an erase of flash may take 2 s.
+    // Now with torque off, where the watchdog is longer: an erase of flash may take 2 s.
     hang(board.line_mut(), rig.tick_ns(), 4000);
     comes_back(&mut board, &rig);
 
@@ -56,7 +56,7 @@ fn emulated_nucleo_that_hangs_is_reset_and_comes_back_limp_with_all_that_it_kept
     until(&mut board, State::Playing, 1);
 }
 
-/// It says why it began anew, moves nothing, and has all that it had.
+/// Checks that the board reports the cause of its restart, moves nothing, and has kept all its data.
 fn comes_back(board: &mut Board<Emulated>, rig: &Rig) {
     board.reconnect(5 * SECOND).unwrap();
     assert_eq!(board.about().rig, rig.parts.rig_crc());

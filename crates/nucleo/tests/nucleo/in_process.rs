@@ -1,4 +1,4 @@
-//! The controller of the board in process, made of the very item that the board got.
+//! Runs the board's controller in this process, from the same rig item that the board received.
 
 use std::cell::RefCell;
 
@@ -13,12 +13,12 @@ use sinew_wiring::{AllLines, Bus, Lines, Wiring};
 
 use crate::test_rig::Rig;
 
-/// What boards with an STM32 hold.
+/// Capacity of boards with an STM32.
 const SERVOS: usize = 20;
 const BODIES: usize = SERVOS + 1;
 const COORDINATES: usize = SERVOS + 2;
 
-/// Packets that went out together, and what servos answered.
+/// Packets that were sent together, and the servos' answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Exchange {
     pub(crate) sent: Vec<u8>,
@@ -35,7 +35,7 @@ pub(crate) struct InProcess {
 }
 
 impl InProcess {
-    /// Just before power comes on, its own and the servos'.
+    /// Creates the controller just before its own power and the servos' power come on.
     pub(crate) fn new(rig: &Rig) -> Self {
         let (form, behind) = split_rig(&rig.bytes);
         let board = Box::leak(Box::new(BoardRig::decode(form).unwrap()));
@@ -52,8 +52,8 @@ impl InProcess {
         Self { controller, lines, servos, ticks: 0, tick_us: schedule.tick_us().into() }
     }
 
-    /// A tick, whose clock is read so late. `leaves`: when each of its packets begins to leave, ns, and what leaves in
-    /// its place, if anything; where that is not told, it leaves at once.
+    /// Runs a tick whose clock is read `late_us` late. `leaves` gives, for each packet, the time at which it begins to
+    /// leave, ns, and other bytes that leave in its place, if any. Without an entry, a packet leaves at once.
     pub(crate) fn tick(
         &mut self,
         command: Option<Command>,
@@ -78,20 +78,20 @@ impl InProcess {
             if !sent.is_empty() {
                 exchanges.push(Exchange { sent, answered });
             }
-            // The tick has time for all that a bus asks.
+            // The tick has enough time for all questions of the bus.
             planned = lines.plan_more(0, u32::MAX, &mut out);
         }
         let _ = controller.end(begun, Ok(()), 0);
         exchanges
     }
 
-    /// Whether servos may have torque.
+    /// Returns whether servos may have torque.
     pub(crate) fn has_torque(&self) -> bool {
         self.controller.permission().torque
     }
 }
 
-/// Sends, and gives what comes to `reply`, until that has all or it is over.
+/// Sends bytes, and passes the answers to `reply` until it returns true or the time is over.
 fn answers(
     servos: &mut Line<Branch<'static, RigPlant>>,
     sent: &[u8],

@@ -1,4 +1,4 @@
-//! The emulated NUCLEO with its own image, as a host meets it. `cargo xtask emulate` builds both.
+//! Tests the emulated NUCLEO with its own image, from the host's side. `cargo xtask emulate` builds both.
 
 mod chip;
 mod faults;
@@ -21,12 +21,12 @@ fn emulated_nucleo_boots_says_torque_off_and_greets() {
     let line = board.line_mut();
     let stray = line.other.iter().find(|heard| matches!(heard, MachineEvent::Stray(..)));
     assert_eq!(stray, None, "its stack has run over, or an address is none");
-    // Twice, whole, and before anything else.
+    // Torque off is sent twice, completely, and before anything else.
     let said: Vec<&[u8]> = line.bus.iter().map(|burst| burst.bytes.as_slice()).collect();
     assert_eq!(said, [TORQUE_OFF, TORQUE_OFF].concat());
 }
 
-/// The least that a host can tell of a link that is served: how long an answer takes.
+/// Tests a basic property of the host link: the time of an answer.
 #[test]
 #[ignore = "needs the emulator: `cargo xtask emulate`"]
 fn emulated_nucleo_answers_while_its_servos_are_silent() {

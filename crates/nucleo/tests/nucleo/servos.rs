@@ -1,4 +1,4 @@
-//! A host's packets to servos, through the board.
+//! Tests packets from a host to servos, passed on by the board.
 
 use std::time::Duration;
 
@@ -9,9 +9,9 @@ use sinew_servo_tools::{Client, Exchange as _, Protocol, ServiceError, Settings}
 
 use crate::test_rig::{Emulated, Rig, arm_it, servos_on, until, with_rig};
 
-/// Register of an XL330.
+/// Address of the light of an XL330.
 const LED: u16 = 65;
-/// To servo 2: the light off. Nobody else sends this.
+/// A packet that switches the light of servo 2 off. No other part of the test sends it.
 const DARK: [u8; 13] = [0xFF, 0xFF, 0xFD, 0, 2, 6, 0, 3, 0x41, 0, 0, 0xF9, 0x65];
 
 #[test]
@@ -22,16 +22,16 @@ fn emulated_nucleo_passes_packets_on_to_servos_while_it_is_limp() {
     board.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
     until(&mut board, State::Limp, 2);
 
-    // What `sinew servo --board` takes.
+    // The settings of `sinew servo --board`.
     let settings = Settings { patience: Duration::from_millis(5), tries: 3 };
     let line = BoardServos::new(board, 0).unwrap();
     let mut client = Client::new(line, Protocol::Dynamixel, rig.baud(), settings).unwrap();
     for id in 1..=3 {
         let servo = client.open(id, None).unwrap();
         assert_eq!(servo.table.model(), "XL330-M288");
-        // More than an answer of the link carries.
+        // More bytes than one answer of the host link can carry.
         assert_eq!(client.read_bytes(id, 0, 147).unwrap().0.len(), 147);
-        // From the first byte out to the last one in, by the board's clock: 14 and 158 bytes.
+        // Time from the first byte sent to the last byte received, by the board's clock: 14 and 158 bytes.
         let wire = Duration::from_secs_f64(10.0 * f64::from(14 + 158) / f64::from(rig.baud()));
         let took = client.line_mut().took();
         assert!(took > wire && took < wire + Duration::from_millis(1), "{took:?}, {wire:?}");
@@ -45,7 +45,7 @@ fn emulated_nucleo_passes_packets_on_to_servos_while_it_is_limp() {
     };
     assert_eq!(lit(&mut client), [0, 1, 0]);
     assert!(matches!(client.open(77, None), Err(ServiceError::Silent { id: 77, .. })));
-    // At another rate nobody hears it; behind that the line has its own again.
+    // No servo understands another rate; afterwards the line has its own rate again.
     client.set_baud(57_600).unwrap();
     assert!(client.open(1, None).is_err());
     let mut line = client.into_line();

@@ -1,4 +1,4 @@
-//! A rig on the emulated NUCLEO: its own image, simulated servos at its bus, a host at its link.
+//! A rig on the emulated NUCLEO: the board's own image, simulated servos on its bus, and a host on its link.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -24,32 +24,32 @@ use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::Settings;
 
 pub(crate) const SECOND: Duration = Duration::from_secs(1);
-/// Torque off to all, as servos of two makers know it.
+/// Packets that switch torque off for all servos, for both makers.
 pub(crate) const TORQUE_OFF: [&[u8]; 2] = [
     &[0xFF, 0xFF, 0xFD, 0, 0xFE, 6, 0, 3, 0x40, 0, 0, 0x2E, 0x16],
     &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
 ];
 
-/// The setting `lower_s`: for so long a rig is lowered, s.
+/// Number of the setting `lower_s`: the time in which a rig is lowered, s.
 pub(crate) const LOWER_S: u16 = 7;
 
-/// Of an XL330.
+/// Address of Torque Enable of an XL330.
 const TORQUE_ENABLE: u16 = 64;
 
 pub(crate) type Emulated = EmulatedBoard<Branch<'static, RigPlant>>;
 
-/// A rig and its show.
+/// A rig with its show.
 pub(crate) struct Rig {
     description: Description,
     mechanism: Mechanism,
     pub(crate) parts: RigParts,
-    /// The item that a board takes as its rig.
+    /// Item that a board accepts as its rig.
     pub(crate) bytes: Vec<u8>,
     pub(crate) show: Vec<u8>,
 }
 
 impl Rig {
-    /// An arm of XL330s, and two swings in two seconds.
+    /// Creates an arm of XL330s, with a show of two swings in two seconds.
     pub(crate) fn new(joints: usize) -> Self {
         Self::with_show(arm(joints).unwrap(), Options::of_board(), |baker| {
             let home = baker.mechanism.home();
@@ -62,8 +62,8 @@ impl Rig {
         })
     }
 
-    /// OP3 with XM430 on its 20 joints, driven by position, and a walk of CMU's, fitted as by `sinew play`.
-    /// `data`: `SINEW_DATA`.
+    /// Creates OP3 with XM430 on its 20 joints in position mode, and a walk of CMU, fitted as by `sinew play`. `data`
+    /// is the folder in `SINEW_DATA`.
     pub(crate) fn walking_op3(data: &Path) -> Self {
         let import = Import { repair_inertia: true, ..Import::default() };
         let op3 = data.join("urdf/robotis-op3/robotis_op3.urdf");
@@ -95,7 +95,7 @@ impl Rig {
         Self { description, mechanism, parts, bytes, show }
     }
 
-    /// Its servos, just before their power comes on.
+    /// Returns the rig's servos, just before their power comes on.
     pub(crate) fn servos(&self) -> Line<Branch<'static, RigPlant>> {
         let memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.description, &self.mechanism).unwrap();
@@ -104,17 +104,17 @@ impl Rig {
         line
     }
 
-    /// Length of a tick, ns.
+    /// Returns the length of a tick, ns.
     pub(crate) fn tick_ns(&self) -> u64 {
         1000 * u64::from(self.parts.tick_us())
     }
 
-    /// Bits a second of their line.
+    /// Returns the baud rate of the bus line, bits per second.
     pub(crate) fn baud(&self) -> u32 {
         self.parts.lines[0].baud
     }
 
-    /// Power-on of its servos, and of a board. `flash`: what the board's held when power was lost; else it is blank.
+    /// Powers on the servos and a board. `flash` is the contents of the board's flash; without it, the flash is blank.
     pub(crate) fn power_on(&self, flash: Option<&[u8]>) -> Emulated {
         EmulatedBoard::new(BoardOnServos::new(machine(flash), self.servos(), self.baud(), 0))
     }
@@ -148,19 +148,19 @@ fn machine(flash: Option<&[u8]>) -> Machine {
     machine
 }
 
-/// A host that has greeted a board.
+/// Connects a host to a board.
 pub(crate) fn connected(board: Emulated) -> Board<Emulated> {
     Board::connect(board, 1, 5 * SECOND).unwrap()
 }
 
-/// A board with a rig.
+/// Returns a board with the rig.
 pub(crate) fn with_rig(rig: &Rig) -> Board<Emulated> {
     let mut board = connected(rig.power_on(None));
     board.upload(&rig.item(), &rig.bytes, &mut |_| ()).unwrap();
     board
 }
 
-/// A board with rig and show, and telemetry on.
+/// Returns a board with rig and show, and with telemetry on.
 pub(crate) fn ready(rig: &Rig) -> Board<Emulated> {
     let mut board = with_rig(rig);
     board.upload(&rig.show_item(), &rig.show, &mut |_| ()).unwrap();
@@ -168,14 +168,14 @@ pub(crate) fn ready(rig: &Rig) -> Board<Emulated> {
     board
 }
 
-/// Loads the show that is stored.
+/// Loads the stored show.
 pub(crate) fn load<L: Link>(board: &mut Board<L>, rig: &Rig) {
     let slot = board.slot_of(&rig.show_item()).unwrap().expect("its show is stored");
     board.ask(Command::LoadShow { slot }).unwrap();
     board.telemetry(20.0, TelemetryParts::SUMMARY).unwrap();
 }
 
-/// Runs until it is in a state.
+/// Runs until the board is in a state.
 pub(crate) fn until<L: Link>(board: &mut Board<L>, state: State, seconds: u32) {
     let end = board.now() + seconds * SECOND;
     while board.now() < end {
@@ -186,7 +186,7 @@ pub(crate) fn until<L: Link>(board: &mut Board<L>, state: State, seconds: u32) {
     panic!("{state} does not come: {:?}", board.log);
 }
 
-/// Arms it as soon as its joints rest.
+/// Arms the board as soon as its joints rest.
 pub(crate) fn arm_it<L: Link>(board: &mut Board<L>) {
     until(board, State::Limp, 2);
     let end = board.now() + 10 * SECOND;
@@ -200,21 +200,21 @@ pub(crate) fn arm_it<L: Link>(board: &mut Board<L>) {
     panic!("it cannot be armed");
 }
 
-/// How many of its servos have torque.
+/// Returns the number of servos with torque on.
 pub(crate) fn servos_on(board: &mut Emulated) -> usize {
     let servos = board.servos.line.servos.bench();
     servos.servos().iter().filter(|servo| servo.get(TORQUE_ENABLE) == 1).count()
 }
 
-/// Whether it has told of a fault.
+/// Returns whether the board has reported a fault.
 pub(crate) fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
     board.log.faults.iter().any(|record| record.fault == fault.number())
 }
 
-/// Sets for how long a rig is lowered, s, to another time than it has.
+/// Sets the time in which a rig is lowered, s. The time must differ from the present setting.
 pub(crate) fn set_lowering(board: &mut Board<Emulated>, lower_s: f32) {
     assert!((board.setting(LOWER_S).unwrap() - lower_s).abs() > 0.5, "it is another one");
-    // It begins anew with it, maybe before its answer has come.
+    // The board restarts with the new setting, perhaps before its answer arrives.
     let set = board.set_setting(LOWER_S, lower_s);
     assert!(matches!(set, Ok(_) | Err(ClientError::SessionOver)), "{set:?}");
     board.reconnect(5 * SECOND).unwrap();

@@ -1,4 +1,5 @@
-//! OP3 walks on the emulated NUCLEO. Each packet on its bus is held against the controller's in process.
+//! OP3 walks on the emulated NUCLEO. Each packet on its bus is compared with the packet of the controller in this
+//! process.
 
 use std::io;
 use std::path::PathBuf;
@@ -13,30 +14,30 @@ use sinew_nucleo::Burst;
 use crate::in_process::{Exchange, InProcess};
 use crate::test_rig::{Emulated, Rig, SECOND, TORQUE_OFF, arm_it, load, ready, until};
 
-/// For so long it arms, s: the default of `arming_s`.
+/// Duration of arming, s: the default of `arming_s`.
 const ARMING_S: u32 = 1;
-/// So much later than in another tick the chip reads its clock, us, if it does. Any time that is short would do.
+/// Additional delay, us, with which the chip may read its clock. Any short time would work.
 const LATE_US: u64 = 10;
 
-/// A tick of the chip, as its bus had it.
+/// The packets of one tick of the chip.
 #[derive(Default)]
 struct Tick {
-    /// When each of its packets began to leave.
+    /// Times at which its packets began to leave, ns.
     begins_ns: Vec<u64>,
     exchanges: Vec<Exchange>,
 }
 
 impl Tick {
-    /// Its packets, and when each of them began to leave.
+    /// Returns the tick's packets, with the times at which they began to leave.
     fn leaves(&self) -> impl Iterator<Item = (u64, Option<&[u8]>)> {
         let sent = self.exchanges.iter().map(|exchange| Some(exchange.sent.as_slice()));
         self.begins_ns.iter().copied().zip(sent)
     }
 }
 
-/// Whether two packets are goals of position (profile velocity and position, from register 112 on) that differ by one
-/// count at most. Commands and answers are the same; of what goes into a tick only the clock is not, which the chip
-/// reads some us behind its tick. Where it comes in was not traced.
+/// Returns whether two packets are position goals (profile velocity and position, from register 112 on) that differ by
+/// at most one count. Commands and answers are equal; only the clock differs, which the chip reads some us after the
+/// start of its tick. The place where the clock changes a goal was not traced.
 fn differ_by_a_count(own: &[u8], chip: &[u8]) -> bool {
     const HEAD: [u8; 5] = [0x83, 112, 0, 8, 0];
     let count = usize::from(u16::from_le_bytes([own[5], own[6]]) - 7) / 9;
@@ -51,7 +52,7 @@ fn differ_by_a_count(own: &[u8], chip: &[u8]) -> bool {
         && goals(own).iter().zip(&goals(chip)).all(is_near)
 }
 
-/// A board whose states are written down as they are told, with the number of the tick.
+/// A board whose reported states are recorded, with the number of the tick.
 struct Watched {
     board: Emulated,
     decoder: Decoder<ToHost>,
@@ -80,10 +81,11 @@ impl Line for Watched {
     }
 }
 
-/// The chip's packets leave when it has computed them, not at the beginning of the tick. So servos tell where they are
-/// some 100 us later than in process, and a digit of a reading is another. With the chip's times, and nothing else of
-/// it but whether arming took a tick more, the controller in process says what the chip says, and its servos answer
-/// with the same bytes. The one difference left is that of [`differ_by_a_count`].
+/// The chip's packets leave after it has computed them, not at the beginning of the tick. Servos therefore measure some
+/// 100 us later than in this process, and a reading may differ in a digit. This test gives the controller in this
+/// process the chip's times, and whether arming took one more tick, but nothing else from the chip. Then its packets
+/// equal the chip's, and its servos answer with equal bytes. The only remaining difference is that of
+/// [`differ_by_a_count`].
 #[test]
 #[ignore = "needs the emulator and SINEW_DATA: `cargo xtask emulate`"]
 fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
@@ -99,10 +101,12 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     let Watched { board, states, .. } = board.line_mut();
     let ticks = ticks(&rig, std::mem::take(&mut board.bus));
 
-    // The 3 s of lowering are the clock's, which the chip reads some us behind its tick: it may take one tick more.
+    // The 3 s of lowering are measured with the clock, which the chip reads some us after its tick: it may take one
+    // more tick.
     let limp = states.iter().rposition(|(_, state)| *state == State::Lowering).unwrap();
     let lowered = &ticks[..states[limp].0 as usize];
-    // So is the second of arming: if it took a tick more, the clock was read later where it began than where it ended.
+    // Likewise for the second of arming: if it took one more tick, the clock was read later at its start than at its
+    // end.
     let began = |state| states.iter().find(|(_, of)| *of == state).expect("it was told").0;
     let (arming, holding) = (began(State::Arming), began(State::Holding));
     let is_longer = holding - arming > ARMING_S * rig.parts.rate_hz;
@@ -127,7 +131,8 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
         twin.tick(None, 0, &mut tick.leaves());
     }
     assert!(!twin.has_torque(), "the chip is limp");
-    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts: of 20 goals that often one rounds otherwise.
+    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts: this share of ticks with 20 goals has one goal that
+    // rounds differently.
     assert!(rounded < lowered.len() * 7 / 100, "{rounded} of {} ticks", lowered.len());
 
     let mut twin = InProcess::new(&rig);
@@ -152,10 +157,10 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     );
 }
 
-/// Arms it as soon as it lets itself be armed, plays, stops; until it is limp.
+/// Arms the rig as soon as possible, plays, and stops; returns when torque is off.
 fn perform(board: &mut Board<Watched>, rig: &Rig) {
     load(board, rig);
-    // As often as there are ticks.
+    // The rate is that of the ticks.
     board.telemetry(f32::MAX, TelemetryParts::SUMMARY).unwrap();
     until(board, State::Limp, 5);
     arm_it(board);
@@ -166,7 +171,7 @@ fn perform(board: &mut Board<Watched>, rig: &Rig) {
     until(board, State::Limp, 20);
 }
 
-/// The command that a tick took: that by which its state is another than that of the tick before.
+/// Returns the command that a tick executed, if its state differs from the state of the previous tick.
 fn command(states: &[(u32, State)], number: u32) -> Option<supervisor::Command> {
     let at = states.iter().position(|(of, _)| *of == number)?;
     let [before, now] = [states.get(at.checked_sub(1)?)?, &states[at]];
@@ -182,10 +187,10 @@ fn command(states: &[(u32, State)], number: u32) -> Option<supervisor::Command> 
     }
 }
 
-/// The loop's ticks since the first, by the times of their packets.
+/// Sorts the packets into ticks since the first, by their times.
 fn ticks(rig: &Rig, bus: Vec<Burst>) -> Vec<Tick> {
     let (mut ticks, mut first_ns) = (Vec::<Tick>::new(), None);
-    // Before its loop it says torque off, twice at each of two rates.
+    // Before the loop starts, the board sends torque off, twice at each of two rates.
     for Burst { is_own, end_ns, bytes } in bus.into_iter().skip(2 * 2 * TORQUE_OFF.len()) {
         if !is_own {
             let asked = ticks.last_mut().and_then(|tick| tick.exchanges.last_mut());
@@ -194,7 +199,7 @@ fn ticks(rig: &Rig, bus: Vec<Burst>) -> Vec<Tick> {
         }
         let begin_ns = end_ns - bytes.len() as u64 * 10_000_000_000 / u64::from(rig.baud());
         let first_ns = *first_ns.get_or_insert(begin_ns);
-        // The first packet of a tick comes up to a quarter earlier than that of the first one.
+        // The first packet of a tick may leave up to a quarter of a tick earlier than in the first tick.
         let number = usize::try_from((begin_ns + rig.tick_ns() / 4 - first_ns) / rig.tick_ns());
         ticks.resize_with(ticks.len().max(number.expect("a test is short") + 1), Tick::default);
         let tick = ticks.last_mut().expect("there is one");

@@ -1,4 +1,4 @@
-//! All buses of a rig as one: servos in the rig's order.
+//! All buses of a rig as one bus: servos in the rig's order.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -14,12 +14,12 @@ use super::rig_parts::RigParts;
 
 /// The buses of a rig, for its controller.
 ///
-/// What goes over the lines each of them plans for itself: see [`exchange`](super::exchange).
+/// Each bus plans the packets of its line: see [`exchange`](super::exchange).
 pub(super) struct Buses {
     pub(super) lines: Vec<Box<dyn ServoBus>>,
     /// Line and place of each servo.
     places: Vec<(usize, usize)>,
-    /// The line whose servo is compared.
+    /// The line with the servo that is being compared.
     compares: Option<usize>,
 }
 
@@ -28,7 +28,7 @@ impl Buses {
         Self { lines, places, compares: None }
     }
 
-    /// Sends the packets of a peer in place of their own.
+    /// Sends the packets of a peer instead of those of the buses.
     pub(super) fn with_peer(mut self, peer: &Rc<RefCell<dyn PeerController>>) -> Self {
         let of_peer = |(line, own)| PeerBus::new(own, Rc::clone(peer), line);
         let lines = self.lines.into_iter().enumerate();
@@ -54,7 +54,7 @@ impl ServoBus for Buses {
         self.lines[line].command(place, command)
     }
 
-    /// Nothing: its lines talk side by side, each with packets of its own.
+    /// Plans nothing: the lines run in parallel, each with packets of its own.
     fn plan(&mut self, _: &mut [u8]) -> Result<Request, EncodeError> {
         Ok(Request::default())
     }

@@ -1,7 +1,7 @@
-//! The checksum of a recording: SHA-256 of all bytes up to an end and of the end itself, so that each flipped bit is
-//! told.
+//! The checksum of a recording: SHA-256 of all bytes up to an end, and of the end itself, so that each flipped bit is
+//! detected.
 //!
-//! It stands in the end as text, under [`KEY`]. While it is computed, zeros stand in its place.
+//! The checksum is stored in the end as text, under [`KEY`]. While it is computed, zeros are in its place.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -9,20 +9,20 @@ use std::io::{self, Read as _, Seek as _, SeekFrom, Write};
 
 use sha2::{Digest as _, Sha256};
 
-/// Its name among what is kept with a recording.
+/// Name of the checksum in the metadata of a recording.
 pub(super) const KEY: &str = "sha256";
-/// The text in its place while it is computed.
+/// Text in the place of the checksum while it is computed.
 pub(super) const NONE: &str = "0000000000000000000000000000000000000000000000000000000000000000";
-/// Between name and text, as Thrift's compact protocol has it: a field of bytes, and how many.
+/// Bytes between name and text in Thrift's compact protocol: the type of the field, and its length.
 const BETWEEN: [u8; 2] = [0x18, 64];
-/// So much of a file is read at once.
+/// Number of bytes that are read at once.
 const BLOCK: usize = 1 << 16;
 
-/// A writer that sums up what it writes.
+/// A writer that computes the checksum of the written bytes.
 pub(super) struct Summed<W> {
     writer: W,
     sum: Sha256,
-    /// Whether nothing more is written.
+    /// Whether writing has ended.
     pub(super) is_over: bool,
 }
 
@@ -35,7 +35,7 @@ impl<W> Summed<W> {
         self.writer
     }
 
-    /// Writes the checksum of all that was written, and of this end, into the end.
+    /// Writes the checksum of all written bytes and of this end into the end.
     pub(super) fn sign(&self, end: &mut [u8]) {
         let sum = text(self.sum.clone().chain_update(&*end));
         if let Some(place) = place(end).and_then(|place| end.get_mut(place..place + NONE.len())) {
@@ -59,7 +59,7 @@ impl<W: Write> Write for Summed<W> {
     }
 }
 
-/// Whether a file, up to an end from `begin` to `end`, is as it was written.
+/// Whether the checksum of a file fits, up to an end from `begin` to `end`.
 pub(super) fn fits(file: &mut File, [begin, end]: [u64; 2]) -> io::Result<bool> {
     file.seek(SeekFrom::Start(0))?;
     let (mut sum, mut left) = (Sha256::new(), begin);
@@ -83,7 +83,7 @@ pub(super) fn fits(file: &mut File, [begin, end]: [u64; 2]) -> io::Result<bool> 
     Ok(text(sum.chain_update(&bytes)).as_bytes() == told)
 }
 
-/// Where the checksum stands in an end: the last thing of that name.
+/// Returns the position of the checksum in an end: after the last field with its name.
 fn place(end: &[u8]) -> Option<usize> {
     let before = [KEY.as_bytes(), &BETWEEN].concat();
     let found = end.windows(before.len()).rposition(|window| window == before)?;

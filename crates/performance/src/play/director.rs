@@ -1,23 +1,23 @@
-//! Which commands a performance gets, and when it is over.
+//! Commands of a performance, and its end.
 
 use sinew_firmware::supervisor::{Command, FaultSet, Feed, Moving, Refused, State};
 use sinew_servo_sim::load::Plant;
 
 use super::simulated_rig::SimulatedRig;
 
-/// For so long after power-on a rig may not be ready, s.
+/// Longest time after power-on until the rig must be ready, s.
 const READY_S: f64 = 5.0;
 
-/// How a performance ended.
+/// The end of a performance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// The show was over, and the rig is limp.
+    /// The show ended, and the rig is limp.
     Done,
-    /// Somebody stopped it, and the rig is limp.
+    /// A person stopped the show, and the rig is limp.
     Stopped,
-    /// These faults ended it; torque is off.
+    /// These faults ended the performance; torque is off.
     Faults(FaultSet),
-    /// A command was refused.
+    /// The controller refused a command.
     Refused(Refused),
 }
 
@@ -29,14 +29,14 @@ enum Phase {
     Stopping,
 }
 
-/// Arms a rig, plays its show, stops it.
+/// Arms a rig, plays its show, and stops it.
 #[derive(Debug)]
 pub struct Director {
     phase: Phase,
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
-    /// What it waits for before it arms.
+    /// The joint that must come to rest before the rig is armed.
     waits_for: Option<Moving>,
 }
 
@@ -49,22 +49,23 @@ impl Default for Director {
 }
 
 impl Director {
-    /// All faults and warnings that came.
+    /// Returns all faults and warnings of the performance.
     pub fn raised(&self) -> FaultSet {
         self.raised
     }
 
-    /// Those of them that end a performance.
+    /// Returns the faults that end a performance.
     fn faults(&self) -> FaultSet {
         self.raised.minus(FaultSet::WARNINGS)
     }
 
-    /// The joint that it waits for to rest before it arms the rig.
+    /// Returns the joint that must come to rest before the rig is armed.
     pub fn waits_for(&self) -> Option<Moving> {
         self.waits_for
     }
 
-    /// A tick of a stand. `stop`: somebody wants the rig to stop. Says how it ended, when torque is off for good.
+    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns the end of the performance once
+    /// torque is off for good.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
         let command = self.command(sim, stop);
         sim.tick(command);
@@ -100,7 +101,7 @@ impl Director {
         }
         match (self.phase, state) {
             _ if is_ready && self.waits_for.is_none() => Some(Command::Arm),
-            // What is missing is in the answer.
+            // A refusal names what is missing.
             (Phase::PowerOn, State::Limp | State::Off) if sim.time_s() >= READY_S => {
                 Some(Command::Arm)
             }
@@ -112,7 +113,7 @@ impl Director {
                 self.phase = Phase::Playing;
                 Some(Command::Play(Feed::Show))
             }
-            // The show is over, or a fault holds it.
+            // The show has ended, or a fault makes the rig hold.
             (Phase::Playing, State::Holding) => {
                 self.phase = Phase::Stopping;
                 Some(Command::Stop)

@@ -1,4 +1,4 @@
-//! Errors of a rig that is to play.
+//! Errors of a rig that cannot play.
 
 use sinew_firmware::controller::ControllerError;
 use sinew_rig::board::BakeError;
@@ -13,58 +13,58 @@ use thiserror::Error;
 use super::schedule::RateError;
 use super::servo_part::Drive;
 
-/// An error of a rig whose controller and lines cannot be made.
+/// An error of a rig whose controller and lines cannot be created.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PartsError {
-    /// It has no compact form.
+    /// The rig has no compact form.
     #[error(transparent)]
     Bake(#[from] BakeError),
-    /// Its servos cannot be simulated.
+    /// The servos cannot be simulated.
     #[error(transparent)]
     Servos(#[from] RigServosError),
-    /// Its gears say nothing of its loop.
+    /// The loop cannot be computed from the gears.
     #[error(transparent)]
     Tracking(#[from] TrackingError),
     /// A servo cannot have the P gain that the file states.
     #[error(transparent)]
     Gain(#[from] sinew_servo_tools::ServiceError),
-    /// A joint shakes by itself: its observer, which is as slow as the rule makes it, is too fast for the gear.
+    /// A joint oscillates by itself: even the slowest observer that the rule allows is too fast for the gear.
     #[error(
-        "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take a \
-         stiffer gear, less load, or `--drive {}` (`sinew rig check` has the loops)",
+        "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take \
+         a stiffer gear, less load, or `--drive {}` (`sinew rig check` shows the loops)",
         shown((*bandwidth_rad_s).into(), 0),
         if *voltage_bears { "voltage" } else { "position" }
     )]
     Shakes {
-        /// The servo.
+        /// Name of the servo.
         servo: String,
-        /// Bandwidth of the observer.
+        /// Bandwidth of the observer, rad/s.
         bandwidth_rad_s: f32,
-        /// Ticks a second.
+        /// Tick rate, Hz.
         rate_hz: u32,
-        /// Whether it would not, by voltage.
+        /// Whether the joint is stable with the drive `voltage`.
         voltage_bears: bool,
     },
-    /// It travels.
+    /// The base of the rig moves.
     #[error("the rig's base is not held: no servo moves it; `--base stand` bolts it to a stand")]
     Travels,
-    /// It has no servos.
+    /// The rig has no servos.
     #[error("the rig has no servos")]
     NoServos,
-    /// A servo is where its kind cannot be.
+    /// A servo has a kind of address that its model does not support.
     #[error(
         "servo `{servo}` is {}: expected {expected}, found {found}",
         ServoModel::with_article(model)
     )]
     Address {
-        /// The servo.
+        /// Name of the servo.
         servo: String,
-        /// Its kind.
+        /// Model of the servo.
         model: String,
-        /// Where it could be.
+        /// Kind of address that the model needs.
         expected: &'static str,
-        /// Where it is.
+        /// Address in the file.
         found: String,
     },
     /// Servos of two makers share a line.
@@ -72,25 +72,25 @@ pub enum PartsError {
         "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
     )]
     TwoProtocols {
-        /// The bus.
+        /// Name of the bus.
         bus: String,
-        /// A servo.
+        /// A servo of the bus.
         one: String,
-        /// One of the other protocol.
+        /// A servo of the other protocol.
         other: String,
     },
-    /// Servos on one drive, of which some take pulses.
+    /// Servos share a drive, but only some of them use pulses.
     #[error(
-        "servos `{one}` and `{other}` share a drive, and `{one}` alone takes pulses: expected both on a bus, or both on \
-         pulses"
+        "servos `{one}` and `{other}` share a drive, and only `{one}` is driven by pulses: expected both on a bus, or \
+         both on pulses"
     )]
     Mixed {
-        /// A servo that takes pulses.
+        /// A servo that uses pulses.
         one: String,
-        /// One that does not.
+        /// A servo that does not.
         other: String,
     },
-    /// A kind of servo cannot be driven so.
+    /// A kind of servo does not support the drive.
     #[error(
         "--drive {0}: servo `{servo}` is {1}, which {2}",
         drive.name(),
@@ -98,42 +98,42 @@ pub enum PartsError {
         instead(*drive, takes)
     )]
     NotSo {
-        /// The drive that was asked for.
+        /// The requested drive.
         drive: Drive,
-        /// The servo.
+        /// Name of the servo.
         servo: String,
-        /// Its kind.
+        /// Model of the servo.
         model: String,
-        /// How it can be driven.
+        /// Drives that the model supports.
         takes: Vec<Drive>,
     },
-    /// A line cannot have this rate.
+    /// A line does not support the rate.
     #[error("--baud {baud}: bus {bus:?} can have {known}")]
     Baud {
-        /// What was asked for.
+        /// The requested rate, bit/s.
         baud: u32,
-        /// The bus.
+        /// Name of the bus.
         bus: String,
-        /// What it could have.
+        /// The rates that the line supports.
         known: String,
     },
-    /// The lines have no time.
+    /// The lines have too little time for the tick rate.
     #[error(transparent)]
     Rate(#[from] RateError),
-    /// Two servos have one id, or a number cannot be.
+    /// Two servos have one id, or a number is invalid.
     #[error("bus {bus:?}: {reason}")]
     Bus {
-        /// The bus.
+        /// Name of the bus.
         bus: String,
-        /// Why.
+        /// The invalid setting.
         reason: sinew_servo_bus::SetupError,
     },
 }
 
-/// Says what a servo lacks that cannot be driven as asked, and what it takes.
+/// Describes the drive that a servo lacks, and the drives that it supports.
 fn instead(asked: Drive, takes: &[Drive]) -> String {
     if takes.contains(&Drive::Pulses) {
-        return "takes pulses alone; leave `--drive` out".to_owned();
+        return "is driven only by pulses; leave `--drive` out".to_owned();
     }
     let takes: Vec<&str> = takes.iter().map(|drive| drive.name()).collect();
     format!("has no {} mode; choose {}", asked.name(), takes.join(" or "))
@@ -143,18 +143,18 @@ fn instead(asked: Drive, takes: &[Drive]) -> String {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SimulatedRigError {
-    /// A line cannot be.
+    /// A line cannot be created.
     #[error(transparent)]
     Parts(#[from] PartsError),
-    /// The controller does not take the rig.
+    /// The controller refuses the rig.
     #[error("the controller refuses the rig: {0}")]
     Controller(#[from] ControllerError),
     /// A servo cannot be simulated.
     #[error("servo `{servo}`: {reason}")]
     Servo {
-        /// Which.
+        /// Name of the servo.
         servo: String,
-        /// Why.
+        /// Reason of the failure.
         reason: ServoError,
     },
     /// The show does not play on the rig.

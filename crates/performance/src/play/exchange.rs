@@ -1,4 +1,5 @@
-//! What goes over all lines in a tick, side by side in simulated time: as on a board with a serial port for each.
+//! Exchanges the packets of a tick on all lines, in parallel in simulated time, as on a board with a serial port for
+//! each line.
 
 use sinew_servo_bus::{EncodeError, ServoBus};
 use sinew_servo_sim::bench::Branch;
@@ -7,15 +8,15 @@ use sinew_servo_sim::load::Plant;
 
 use super::wires::Wires;
 
-/// Room for the packets of a tick of one line.
+/// Room for the packets of a tick on one line, bytes.
 const OUT_LEN: usize = 2048;
-/// Room for what comes at once.
+/// Room for bytes that are received at once.
 const IN_LEN: usize = 1024;
 
-/// Packets out and replies in, on each line as long as its bus wants more and the tick, until `end_ns`, has time.
+/// Sends packets and receives replies on each line, until its bus needs nothing more or the tick ends at `end_ns`.
 ///
 /// # Errors
-/// [`EncodeError`] if there is no room for a packet: it did not go out, and none behind it.
+/// [`EncodeError`] if there is no room for a packet: this packet and the following ones were not sent.
 pub(super) fn exchange<P: Plant>(
     buses: &mut [Box<dyn ServoBus>],
     lines: &mut [Line<Branch<'_, P>>],
@@ -23,7 +24,7 @@ pub(super) fn exchange<P: Plant>(
     wires: &mut Wires,
 ) -> Result<(), EncodeError> {
     let mut out = [0; OUT_LEN];
-    // Until when each line waits for its answers; none of a line that wants nothing more.
+    // Time until which each line waits for its answers; `None` for a line that needs nothing more.
     let mut waits = Vec::new();
     for (bus, line) in buses.iter_mut().zip(&mut *lines) {
         let asked = bus.plan(&mut out)?;
@@ -49,7 +50,8 @@ pub(super) fn exchange<P: Plant>(
     Ok(())
 }
 
-/// Sends, and says until when answers are waited for. A master empties its input before.
+/// Sends packets, and returns the time until which to wait for answers. As a master does, it first discards old
+/// input.
 fn ask<P: Plant>(
     line: &mut Line<Branch<'_, P>>,
     bytes: &[u8],
@@ -63,7 +65,7 @@ fn ask<P: Plant>(
     line.servos.now_ns() + u64::from(time_us) * 1000
 }
 
-/// Gives the bus what has come. Whether that is all that it asked for.
+/// Gives the received bytes to the bus. Returns whether all requested answers are complete.
 fn has_all<P: Plant>(
     bus: &mut dyn ServoBus,
     line: &mut Line<Branch<'_, P>>,

@@ -1,4 +1,4 @@
-//! One line of servos: what talks on it, at what rate, and how much.
+//! A bus line: its protocol, its rate, and its traffic.
 
 use std::collections::HashMap;
 
@@ -14,53 +14,54 @@ use super::pulses::{self, I2C_HZ};
 use super::schedule::Load;
 use super::servo_part::{Drive, ServoPart, table};
 
-/// What Dynamixel lines talk at, unless told otherwise: all models but the oldest can.
+/// Default rate of Dynamixel lines, bit/s: all models except the oldest support it.
 const DYNAMIXEL_BAUD: u32 = 4_000_000;
-/// The same on a board: what the 90 MHz of an STM32F446's UART divide to exactly. 4 Mbit/s would be 2 % off.
+/// Default rate of Dynamixel lines on a board, bit/s: an exact divisor of the 90 MHz of an STM32F446's UART. 4 Mbit/s
+/// would be 2 % off.
 const BOARD_BAUD: u32 = 3_000_000;
-/// What Feetech servos are shipped with, and their fastest.
+/// Rate of Feetech servos, bit/s: their factory setting and their highest rate.
 const FEETECH_BAUD: u32 = 1_000_000;
 
-/// One line of servos.
+/// A bus line with servos.
 #[derive(Debug, Clone)]
 pub struct Line {
-    /// The name of its bus.
+    /// Name of the bus.
     pub name: String,
-    /// Bits a second.
+    /// Rate, bit/s.
     pub baud: u32,
-    /// Its servos, as the rig counts them.
+    /// Indices of the line's servos in the rig.
     pub servos: Vec<usize>,
     pub(super) spoken: Spoken,
 }
 
-/// What is spoken on a line.
+/// The protocol of a line.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Spoken {
-    /// A maker's protocol, to registers.
+    /// Access to registers, in a maker's protocol.
     Registers(RegisterTable),
     /// I2C writes to a PCA9685, which makes pulses.
     Pulses,
 }
 
 impl Line {
-    /// Whether Dynamixels hang on it.
+    /// Whether the line has Dynamixel servos.
     pub fn is_dynamixel(&self) -> bool {
         matches!(self.spoken, Spoken::Registers(RegisterTable::Dynamixel(_)))
     }
 
-    /// Whether its servos take pulses, and tell nothing.
+    /// Whether the line's servos are driven by pulses and report nothing.
     pub fn is_of_pulses(&self) -> bool {
         matches!(self.spoken, Spoken::Pulses)
     }
 
-    /// What a line has to do in a tick.
+    /// Returns the traffic of the line in a tick.
     pub(super) fn load(&self, servos: &[ServoPart]) -> Load {
         let table = match self.spoken {
             Spoken::Registers(table) => table,
             Spoken::Pulses => {
                 let own: Vec<&ServoPart> = self.servos.iter().map(|at| &servos[*at]).collect();
                 let traffic = pulses::traffic(&own);
-                // What switches torque is the same write.
+                // Torque is switched by the same write.
                 return Load {
                     timing: pulses::TIMING,
                     traffic,
@@ -77,7 +78,7 @@ impl Line {
         let (traffic, switch_bytes) = match table {
             RegisterTable::Dynamixel(_) => {
                 let mut traffic = dynamixel::traffic(all, 2, true);
-                // A packet of currents, one of voltages, and one of positions with their speeds.
+                // A packet of currents, a packet of voltages, and a packet of positions with their speeds.
                 let of =
                     |servos: u32, len: u32| if servos == 0 { 0 } else { 14 + servos * (1 + len) };
                 traffic.write.fixed = of(currents, 2) + of(voltages, 2) + of(positions, 8);
@@ -93,7 +94,7 @@ impl Line {
     }
 }
 
-/// The lines of a rig, still without servos.
+/// Creates the lines of a rig, still without servos.
 pub(super) fn lines(servos: &[RigServo], options: Options) -> Result<Vec<Line>, PartsError> {
     let mut lines: Vec<Line> = Vec::new();
     let mut first: HashMap<&str, &RigServo> = HashMap::new();
@@ -111,7 +112,7 @@ pub(super) fn lines(servos: &[RigServo], options: Options) -> Result<Vec<Line>, 
                 Spoken::Registers(RegisterTable::Feetech(_)) => (&FEETECH_BAUDS, FEETECH_BAUD),
                 Spoken::Pulses => (&[I2C_HZ], I2C_HZ),
             };
-            // What is asked for is the rate of serial lines.
+            // The option applies to serial lines only.
             let asked = options.baud.filter(|_| !matches!(spoken, Spoken::Pulses));
             let baud = asked.unwrap_or(usual);
             let bus = servo.bus.clone();
@@ -130,7 +131,7 @@ pub(super) fn lines(servos: &[RigServo], options: Options) -> Result<Vec<Line>, 
     Ok(lines)
 }
 
-/// What is spoken to a servo.
+/// Returns the protocol of a servo.
 fn spoken(servo: &RigServo) -> Result<Spoken, PartsError> {
     match (table(servo), servo.address) {
         (Some(table), Address::Id(_)) => Ok(Spoken::Registers(table)),
@@ -138,13 +139,13 @@ fn spoken(servo: &RigServo) -> Result<Spoken, PartsError> {
         (Some(_), Address::Channel(channel)) => Err(PartsError::Address {
             servo: servo.name.clone(),
             model: servo.kind.name.clone(),
-            expected: "an `id`, since it hangs on a bus",
+            expected: "an `id`, since it is on a bus",
             found: format!("channel {channel}"),
         }),
         (None, Address::Id(id)) => Err(PartsError::Address {
             servo: servo.name.clone(),
             model: servo.kind.name.clone(),
-            expected: "a `channel`, if it takes pulses; nobody has written its registers down",
+            expected: "a `channel`, if it is driven by pulses; its registers are not known",
             found: format!("id {id}"),
         }),
     }

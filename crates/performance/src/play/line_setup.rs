@@ -1,4 +1,4 @@
-//! The bus of a line, and what it is made of.
+//! The setup of a line's bus.
 
 use sinew_servo_bus::pca9685::{self, ChannelSetup};
 use sinew_servo_bus::{Schedule, ServoBus, dynamixel, feetech};
@@ -12,7 +12,7 @@ use super::pulses;
 use super::rig_parts::RigParts;
 use super::servo_part::{current_a, encoder, mode, no_load_rad_s, single, table as table_of};
 
-/// Readings that tell more than twice the servo's own speed are not believed at once.
+/// Factor on the servo's no-load speed. Readings that imply a higher speed are not accepted at once.
 const SPEED_ROOM: f64 = 2.0;
 
 impl RigParts {
@@ -40,7 +40,7 @@ impl RigParts {
         })
     }
 
-    /// Returns what a line's bus is made of.
+    /// Returns the setup of a line's bus.
     pub(super) fn line_setup(&self, line: &Line) -> LineSetup {
         let table = match line.spoken {
             Spoken::Registers(table) => table,
@@ -99,7 +99,7 @@ impl RigParts {
     }
 }
 
-/// The servos of a line, and how it is read.
+/// The servos of a line, and the settings of its protocol.
 pub(super) enum LineSetup {
     Dynamixel(Vec<dynamixel::ServoSetup>, dynamixel::Settings),
     Feetech(Vec<feetech::ServoSetup>, feetech::Settings),

@@ -1,12 +1,12 @@
-//! A show on simulated servos, under the controller that boards run.
+//! Plays a show on simulated servos, with the controller that boards run.
 //!
 //! ```text
 //! rig ─ put_servos ─> RigParts (compact form, buses, rate, settings)
 //!                       └─> SimulatedRig (controller, buses, one bench), a tick a call ─> Tally, Recorder
 //! stop ─> Director (arm, play, stop) ─────┘       └─ PeerController (a board elsewhere), if there is one
 //! ```
-//! All is in simulated time: the same show gives the same bytes on every run. [`SimulatedBoard`] is a whole board in
-//! place of the controller, for those who talk to boards.
+//! Everything runs in simulated time: a show gives the same bytes on every run. [`SimulatedBoard`] is a whole board
+//! instead of the controller, for programs that talk to boards.
 
 mod board;
 mod bus;
@@ -54,7 +54,7 @@ pub use wires::Wires;
 use sinew_firmware::controller::MotionController;
 use sinew_rig::board::BoardRig;
 
-/// What the largest board might hold: a show's CRC of its rig does not depend on it.
+/// Capacities of the largest board. A show's CRC of its rig does not depend on them.
 const BODIES: usize = 64;
 const DOFS: usize = 128;
 const SERVOS: usize = 64;

@@ -1,23 +1,23 @@
-//! Choices of the user for a rig that plays.
+//! The user's options for a rig that plays.
 
 use super::servo_part::Drive;
 
-/// Choices of a play. Default: what each servo can do, and the lines have time for.
+/// Options for playing. Default: the best drive of each servo, and the highest rate for which the lines have time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
-    /// How servos are driven.
+    /// Drive of the servos.
     pub drive: Option<Drive>,
-    /// Ticks a second.
+    /// Tick rate, Hz.
     pub rate_hz: Option<u32>,
-    /// Bits a second of all lines.
+    /// Rate of all bus lines, bit/s.
     pub baud: Option<u32>,
-    /// For a board, in place of a loop in this program: what the board's processor computes in a tick counts, and its
-    /// clock divides to the rate of its lines.
+    /// Whether the loop runs on a board. Then the computing time of the board's processor in a tick counts, and its
+    /// clock must be divisible to the rate of the lines.
     pub is_of_board: bool,
 }
 
 impl Options {
-    /// Returns the options of a board, with nothing else chosen.
+    /// Returns the options of a board; all others have their defaults.
     pub fn of_board() -> Self {
         Self { is_of_board: true, ..Self::default() }
     }

@@ -1,4 +1,4 @@
-//! Another controller that performs the same play, beside the one in process.
+//! A second controller that plays beside the controller in this process.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -11,18 +11,17 @@ use sinew_servo_bus::{
 
 use super::RigController;
 
-/// A controller outside of this program, such as a board's image in an emulator. It gets the same commands and hears
-/// the same answers as the controller in process, in the same ticks. The servos get its packets.
+/// A controller outside of this program, such as a board's image in an emulator. It receives the same commands and
+/// answers as the controller in this process, in the same ticks. The servos receive its packets.
 pub trait PeerController {
-    /// Begins a tick, in which it hears its host.
+    /// Begins a tick, with the host's command.
     fn begin(&mut self, command: Option<LoopCommand>);
 
     /// Returns the first packets of a line in a tick. `own`: those of the controller in process. Their bytes are in
-    /// `out`, where the returned ones must be.
+    /// `out`, where the returned ones must be written.
     fn plan(&mut self, line: usize, own: Request, out: &mut [u8]) -> Request;
 
-    /// Returns more packets of a line, `left_us` before there is no more time for any. `own`, `out`: see
-    /// [`Self::plan`].
+    /// Returns more packets of a line, `left_us` before the time for packets ends. `own`, `out`: see [`Self::plan`].
     fn plan_more(
         &mut self,
         line: usize,
@@ -31,11 +30,12 @@ pub trait PeerController {
         out: &mut [u8],
     ) -> Option<Request>;
 
-    /// Takes answers of a line's servos. Returns whether they are complete. `own`: whether they are for the controller
-    /// in process.
+    /// Receives answers of a line's servos. Returns whether they are complete. `own`: whether they are complete for
+    /// the controller in process.
     fn reply(&mut self, line: usize, bytes: &[u8], own: bool) -> bool;
 
-    /// Ends a tick, `took_us` after its beginning. `is_whole`: whether it was for the controller in process.
+    /// Ends a tick, `took_us` after its beginning. `is_whole`: whether the tick was complete for the controller in
+    /// process.
     fn end(&mut self, took_us: u32, is_whole: bool, own: &RigController<'_>);
 }
 

@@ -1,17 +1,18 @@
-//! The pulses that servos get within the ranges of their joints.
+//! Pulses that servos get within the ranges of their joints.
 
 use super::pulses::pulse_us;
 use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 
 impl RigParts {
-    /// Returns each servo that takes pulses, and the shortest and longest pulse within its joints' ranges, us.
+    /// Returns each servo that is driven by pulses, with the shortest and longest pulse within its joints' ranges,
+    /// µs.
     pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
         let mut all = Vec::new();
         for drive in self.board.drives() {
             let ranges: Vec<[f32; 2]> =
                 (drive.dofs.iter()).map(|dof| self.board.dofs()[usize::from(*dof)].range).collect();
-            // Shafts are farthest where each joint is at an end.
+            // Shafts are farthest where each joint is at an end of its range.
             let corners: Vec<Vec<f32>> = (0..1_usize << ranges.len())
                 .map(|corner| {
                     ranges.iter().enumerate().map(|(at, ends)| ends[(corner >> at) & 1]).collect()
@@ -26,7 +27,7 @@ impl RigParts {
                 let [least, most] = own.range_rad;
                 let mut pulses = [f32::INFINITY, f32::NEG_INFINITY];
                 for q in &corners {
-                    // A joint without a limit goes as far as its servo.
+                    // A joint without a limit moves as far as its servo.
                     let ends = drive.drive.at_joints(q).map_or(own.range_rad, |pose| {
                         [own.gear * pose.servos()[place] + own.offset_rad; 2]
                     });

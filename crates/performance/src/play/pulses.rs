@@ -1,4 +1,4 @@
-//! Servos that take pulses: hobby servos on a PCA9685.
+//! Hobby servos, which are driven by pulses of a PCA9685.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -11,15 +11,15 @@ use sinew_wiring::Pulses;
 
 use super::servo_part::{ServoPart, single};
 
-/// What boards talk to the chip at, bit/s: its fast mode.
+/// Rate of the I2C bus to the chip, bit/s: its fast mode.
 pub(super) const I2C_HZ: u32 = 400_000;
-/// Analog servos take 50 pulses a second.
+/// Analog servos need 50 pulses per second.
 pub(super) const PULSES: Pulses = Pulses { oscillator_hz: OSCILLATOR_HZ, rate_hz: 50.0 };
-/// Bytes in front of the channels of a write: the chip's address, and the first register.
+/// Bytes before the channels of a write: the chip's address, and the first register.
 const HEAD_LEN: u32 = 2;
 const CHANNEL_LEN: u32 = 4;
 
-/// The channel of a servo, if it takes pulses.
+/// Returns the channel of a servo that is driven by pulses.
 pub(super) fn channel(address: Address) -> Option<u8> {
     match address {
         Address::Channel(channel) => Some(channel),
@@ -27,10 +27,10 @@ pub(super) fn channel(address: Address) -> Option<u8> {
     }
 }
 
-/// Nothing answers, so nothing is waited for.
+/// Timing of the line: servos send no answer, so there is no wait.
 pub(super) const TIMING: Timing = Timing { baud: I2C_HZ, return_delay_us: 0, turnaround_us: 0 };
 
-/// What goes over I2C in a tick: one write from the first channel to the last.
+/// Returns the I2C traffic of a tick: one write from the first channel to the last.
 pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
     let channels = || servos.iter().filter_map(|servo| channel(servo.own.address));
     let written = match (channels().min(), channels().max()) {
@@ -48,7 +48,7 @@ pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
     }
 }
 
-/// A servo on its channel: 1.5 ms in its middle, 1 ms more a quarter turn on, within its range.
+/// Returns the setup of a servo's channel: 1.5 ms in the middle, 1 ms more per quarter turn, within its range.
 pub(super) fn setup(part: &ServoPart, range_rad: [f32; 2]) -> ChannelSetup {
     let channel = channel(part.own.address).unwrap_or_default();
     ChannelSetup { channel, pulse_us: range_rad.map(pulse_us), range_rad }
@@ -58,12 +58,12 @@ pub(super) fn pulse_us(rad: f32) -> f32 {
     single(MIDDLE_US + f64::from(rad) * QUARTER_TURN_US / FRAC_PI_2)
 }
 
-/// How the chip's clock is divided.
+/// Returns the divider of the chip's clock.
 pub(super) fn prescale() -> Prescale {
     PULSES.prescale().expect("the chip makes 50 pulses a second")
 }
 
-/// The chip of a line's servos, just switched on.
+/// Returns the chip for a line's servos, in its state after power-on.
 pub(super) fn chip(servos: &[&ServoPart]) -> Chip {
     let channels = servos.iter().filter_map(|servo| channel(servo.own.address));
     Chip::new(channels.map(usize::from).collect())

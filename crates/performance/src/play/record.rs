@@ -1,4 +1,4 @@
-//! A recording of a performance as a Parquet file: one row a tick.
+//! Records a performance as a Parquet file: one row per tick.
 
 use std::io::{BufWriter, IntoInnerError};
 use std::path::Path;
@@ -20,41 +20,41 @@ use super::checksum::{self, Summed};
 use super::rig_parts::RigParts;
 use super::simulated_rig::SimulatedRig;
 
-/// What a recording names itself.
+/// Schema of a recording.
 pub const SCHEMA: &str = "sinew-recording/2";
-/// The same, of recordings without a checksum.
+/// Schema of recordings without a checksum.
 pub(super) const SCHEMA_UNSUMMED: &str = "sinew-recording/1";
-/// Of the format's first version, as its writer makes it.
+/// Version of the Parquet format: its writer uses the first one.
 const VERSION: i32 = 1;
 const CREATED_BY: &str = concat!("sinew ", env!("CARGO_PKG_VERSION"));
-/// Rows that are written at once, a part: 5 s at 500 Hz.
+/// Number of rows in a part, which are written at once: 5 s at 500 Hz.
 const GROUP: usize = 2_500;
-/// What ends between the parts say of themselves.
+/// Key of the ends between the parts.
 pub(super) const UNFINISHED: &str = "unfinished";
-/// So many times as long as the last end must be what was written since, before another one is.
+/// Another end is written only when the new data is this many times as long as the last end.
 const END_SHARE: usize = 5;
 
 /// Columns of each joint.
 pub(super) const OF_JOINT: [&str; 4] = ["commanded", "measured", "error", "effort"];
-/// A column of each joint that early recordings do not have.
+/// A column of each joint that old recordings lack.
 pub(super) const SWINGS: &str = "swings";
 /// Columns of each servo.
 pub(super) const OF_SERVO: [&str; 3] = ["current", "temperature", "voltage"];
 
 /// Writes a recording.
 ///
-/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (those that came in the tick, and warnings);
-/// of each joint `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`;
-/// of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). What is not known is null.
-/// Joints are degrees of freedom; of a ball joint positions are the rotation vector's.
+/// Columns: `time_s`, `state`, `runs` (whether the show ran) and `faults` (new faults of the tick, and warnings); of
+/// each joint `JOINT.commanded`, `.measured`, `.error` (rad, or m), `.effort` (N m, or N), `.limiter` and `.swings`;
+/// of each servo `SERVO.current` (A), `.temperature` (degC) and `.voltage` (V). Unknown values are null. Joints are
+/// dofs; positions of a ball joint are those of the rotation vector.
 ///
-/// The end of a Parquet file says what is where, so a file without it is lost. That end stands here between the parts,
-/// too, where readers look over it: what was cut off is whole up to the last one. Each end has the checksum of all that
-/// is before it and of itself: see `checksum.rs`.
+/// The end of a Parquet file is its index, so a file without an end is lost. Therefore an end is also written between
+/// the parts, where readers ignore it: if a file is cut off, its data is readable up to the last end. Each end has
+/// the checksum of all bytes before it and of itself: see `checksum.rs`.
 pub struct Recorder {
     writer: SerializedFileWriter<Summed<BufWriter<Pending>>>,
     kept: Vec<KeyValue>,
-    /// Bytes up to the last end, and how many that has.
+    /// Bytes up to the last end, and the length of that end.
     ended: usize,
     end_len: usize,
     time_s: Vec<Option<f64>>,
@@ -73,10 +73,10 @@ struct Joint {
 }
 
 impl Recorder {
-    /// Begins a file. `rig`: the rig's `rig.toml`, so that a report can draw it; `notes`: what else is kept with it.
+    /// Creates the file. `rig`: the rig's `rig.toml`, so that a report can draw it; `notes`: other metadata.
     ///
     /// # Errors
-    /// What the system says.
+    /// An I/O error.
     pub fn new(
         path: &Path,
         parts: &RigParts,
@@ -131,10 +131,10 @@ impl Recorder {
         })
     }
 
-    /// Takes a tick.
+    /// Adds a tick.
     ///
     /// # Errors
-    /// What the system says.
+    /// An I/O error.
     pub fn note<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>) -> Result<(), ParquetError> {
         let report = sim.report();
         self.time_s.push(Some(sim.time_s()));
@@ -168,10 +168,10 @@ impl Recorder {
         Ok(())
     }
 
-    /// Writes what is left, and the end of the file.
+    /// Writes the remaining rows, and the end of the file.
     ///
     /// # Errors
-    /// What the system says.
+    /// An I/O error.
     pub fn end(mut self) -> Result<(), ParquetError> {
         self.write()?;
         self.write_end(self.kept.clone())?;
@@ -183,9 +183,9 @@ impl Recorder {
         Ok(())
     }
 
-    /// What makes a file of the parts until now, so that they outlive this program.
+    /// Writes an end between the parts, so that the parts until now are readable even if this program is killed.
     fn end_between(&mut self) -> Result<(), ParquetError> {
-        // It grows with each part: of a long recording it would take more than the parts.
+        // The end grows with each part: in a long recording the ends would need more space than the parts.
         if END_SHARE * self.end_len > self.writer.bytes_written() - self.ended {
             return Ok(());
         }
@@ -196,12 +196,12 @@ impl Recorder {
         Ok(())
     }
 
-    /// Writes an end, with its checksum; returns its length.
+    /// Writes an end with its checksum. Returns its length.
     fn write_end(&mut self, mut kept: Vec<KeyValue>) -> Result<usize, ParquetError> {
         let parts = self.writer.flushed_row_groups().to_vec();
         let rows = parts.iter().map(RowGroupMetaData::num_rows).sum();
         let schema = Arc::new(self.writer.schema_descr().clone());
-        // The last one, where it is looked for.
+        // The last key, where readers look for it.
         kept.push(KeyValue::new(checksum::KEY.to_owned(), checksum::NONE.to_owned()));
         let by = Some(CREATED_BY.to_owned());
         let file = FileMetaData::new(VERSION, rows, by, Some(kept), schema, None);
@@ -244,7 +244,7 @@ impl Recorder {
     }
 }
 
-/// What a servo's columns are called: as it, unless a joint is called so, too.
+/// Returns the name of a servo's columns: the servo's name, with a suffix if a joint has the same name.
 fn servo_name(parts: &RigParts, servo: &super::ServoPart) -> String {
     let name = &servo.own.name;
     if parts.names.contains(name) { format!("{name}.servo") } else { name.clone() }
@@ -257,7 +257,7 @@ enum Column<'c> {
     Flag(&'c mut Vec<Option<bool>>),
 }
 
-/// Writes a column, and empties it. Definition level 1 is a value, 0 is none.
+/// Writes a column, and empties it. Definition level 1 is a value, 0 is null.
 fn put<T: DataType>(
     chunk: &mut SerializedColumnWriter<'_>,
     values: &mut Vec<Option<T::T>>,

@@ -1,4 +1,4 @@
-//! A recording read again, part after part: see [`Recorder`](super::Recorder) for its columns.
+//! Reads a recording part by part: see [`Recorder`](super::Recorder) for its columns.
 
 use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
@@ -16,43 +16,43 @@ use thiserror::Error;
 use super::checksum;
 use super::record::{OF_JOINT, OF_SERVO, SCHEMA, SCHEMA_UNSUMMED, SWINGS, UNFINISHED};
 
-/// What a Parquet file begins and ends with.
+/// First and last bytes of a Parquet file.
 const MAGIC: &[u8; 4] = b"PAR1";
-/// Of an end: the length of what stands before it, and the magic.
+/// Last bytes of an end: its length and the magic.
 const TAIL_LEN: u64 = 8;
-/// As much of a file as tells what it is.
+/// Number of bytes that are enough to recognize the kind of a file.
 const BEGINNING_LEN: u64 = 1 << 16;
-/// So much of a file is looked through at once, from its end on.
+/// Number of bytes that are searched at once, from the end of the file backwards.
 const BLOCK: u64 = 1 << 16;
 
-/// Why there is nothing to be read.
+/// Error of a recording that cannot be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// What the system says.
+    /// An I/O error while the file is read.
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    /// It does not begin as a Parquet file does.
+    /// The file does not begin like a Parquet file.
     #[error("expected a recording of `sinew play --record` in Parquet, found {}", Kind::found(*.0))]
     NotParquet(Option<Kind>),
-    /// A Parquet file of something else.
-    #[error("is no recording of `sinew play --record`: a Parquet file of something else")]
+    /// A Parquet file with other content.
+    #[error("is not a recording of `sinew play --record`, but another Parquet file")]
     Other,
-    /// Nothing of it is whole.
-    #[error("is cut off before the end of its first part: nothing of it is whole")]
+    /// No part is complete.
+    #[error("is cut off before the end of its first part: no part of it is complete")]
     Nothing,
-    /// A bit is not what it was.
-    #[error("is damaged: its checksum is not that of what is in it. A copy of it may be whole")]
+    /// A bit of the file was changed.
+    #[error("is damaged: its checksum does not match its content. Another copy may be intact")]
     Sum,
-    /// It lacks a column that it must have.
+    /// The recording lacks a required column.
     #[error("has no column {0:?}, which each recording has")]
     Column(String),
-    /// A part is not as it was written.
+    /// A part is damaged.
     #[error("part {part}: {source}")]
     Damaged {
-        /// Which, from 1 on.
+        /// Number of the part, from 1.
         part: usize,
-        /// What is wrong.
+        /// Error of the Parquet reader.
         source: ParquetError,
     },
 }
@@ -66,56 +66,56 @@ pub struct Recording {
     servos: Vec<String>,
 }
 
-/// Some rows. Numbers that are not known are NaN.
+/// A part of the rows. Unknown numbers are NaN.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Part {
-    /// Since power-on, s.
+    /// Time since power-on, s.
     pub time_s: Vec<f64>,
-    /// What the supervisor was in.
+    /// State of the supervisor.
     pub states: Vec<Option<String>>,
     /// Whether the show ran.
     pub runs: Vec<bool>,
-    /// Faults and warnings that came.
+    /// New faults and warnings of the tick.
     pub faults: Vec<Option<String>>,
-    /// By joint.
+    /// Rows of each joint.
     pub joints: Vec<JointRows>,
-    /// By servo.
+    /// Rows of each servo.
     pub servos: Vec<ServoRows>,
 }
 
-/// Some rows of a joint: rad and N m, or m and N.
+/// Rows of a joint: in rad and N m, or m and N.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct JointRows {
-    /// Where it was sent.
+    /// Commanded position.
     pub commanded: Vec<f32>,
-    /// Where it was before.
+    /// Measured position.
     pub measured: Vec<f32>,
-    /// What it was sent to in the tick before, less where it came.
+    /// Following error: the command of the tick before minus the measured position.
     pub error: Vec<f32>,
-    /// What it was asked for.
+    /// Commanded effort.
     pub effort: Vec<f32>,
-    /// What limited that.
+    /// The limit that acted on the effort.
     pub limiter: Vec<Option<String>>,
-    /// Whether it swings, or did within the last 5 s.
+    /// Whether the joint swings, or did within the last 5 s.
     pub swings: Vec<bool>,
 }
 
-/// Some rows of a servo.
+/// Rows of a servo.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ServoRows {
-    /// A.
+    /// Current, A.
     pub current: Vec<f32>,
-    /// °C.
+    /// Temperature, °C.
     pub temperature: Vec<f32>,
-    /// V.
+    /// Supply voltage, V.
     pub voltage: Vec<f32>,
 }
 
 impl Recording {
-    /// Opens a recording. Of one that is cut off, what is whole.
+    /// Opens a recording. If it is cut off, its complete parts are readable.
     ///
     /// # Errors
-    /// [`RecordingError`].
+    /// [`RecordingError`] if the file is not a recording, is damaged, or has no complete part.
     pub fn open(path: &Path) -> Result<Self, RecordingError> {
         let mut file = File::open(path)?;
         let mut start = Vec::new();
@@ -146,34 +146,34 @@ impl Recording {
         self.metadata.file_metadata().schema_descr().columns().iter().map(|column| column.name())
     }
 
-    /// What was kept with it, such as `rig`, `show` and `rate_hz`.
+    /// Returns a value of the metadata, such as `rig`, `show` and `rate_hz`.
     pub fn note(&self, key: &str) -> Option<&str> {
         let kept = self.metadata.file_metadata().key_value_metadata()?;
         kept.iter().find(|note| note.key == key)?.value.as_deref()
     }
 
-    /// Whether it was written to its end.
+    /// Whether the recording was written to its end.
     pub fn is_whole(&self) -> bool {
         self.note(UNFINISHED).is_none()
     }
 
-    /// Names of the joints: of degrees of freedom.
+    /// Returns the names of the joints (dofs).
     pub fn joints(&self) -> &[String] {
         &self.joints
     }
 
-    /// Names of the servos' columns.
+    /// Returns the names of the servos' columns.
     pub fn servos(&self) -> &[String] {
         &self.servos
     }
 
-    /// Ticks.
+    /// Returns the number of rows (ticks).
     pub fn rows(&self) -> usize {
         let rows = self.metadata.row_groups().iter().map(RowGroupMetaData::num_rows);
         rows.map(|rows| usize::try_from(rows).unwrap_or_default()).sum()
     }
 
-    /// All that is whole, in time.
+    /// Reads all complete parts, in order of time.
     pub fn parts(&self) -> impl Iterator<Item = Result<Part, RecordingError>> {
         (0..self.metadata.num_row_groups()).map(|group| self.part(group))
     }
@@ -226,7 +226,7 @@ impl Recording {
         })
     }
 
-    /// Rows of a part.
+    /// Returns the number of rows in a part.
     fn count(&self, group: usize) -> usize {
         usize::try_from(self.metadata.row_group(group).num_rows()).unwrap_or_default()
     }
@@ -255,30 +255,30 @@ impl Recording {
             let short = format!("{name:?} has {records} of {count} rows");
             return Err(damaged(ParquetError::EOF(short)));
         }
-        // A column that cannot be null has no levels, and is none of ours.
+        // A column that cannot be null has no levels, and is not written by this program.
         if levels.len() != count {
             return Err(missing());
         }
         let mut values = values.into_iter();
-        // Level 0 is none.
+        // Level 0 is null.
         Ok(levels.iter().map(|level| (*level > 0).then(|| values.next()).flatten()).collect())
     }
 }
 
-/// An end: what it says, and from where to where it is.
+/// An end: its metadata, and its first and last byte in the file.
 type End = (ParquetMetaData, [u64; 2]);
 
-/// The last whole end of a file. Ends stand between the parts, too: see [`super::Recorder`].
+/// Finds the last complete end of a file. There are also ends between the parts: see [`super::Recorder`].
 fn last_end(file: &mut File) -> Result<End, RecordingError> {
     let len = file.seek(SeekFrom::End(0))?;
     if len < TAIL_LEN {
         return Err(RecordingError::Nothing);
     }
     let mut end = len;
-    // The first magic is the beginning.
+    // The first magic is the beginning of the file.
     while end > MAGIC.len() as u64 {
         let begin = end.saturating_sub(BLOCK).max(MAGIC.len() as u64);
-        // A magic may lie across two blocks.
+        // A magic may cross the border of two blocks.
         let bytes = read(file, begin, (end + MAGIC.len() as u64 - 1).min(len))?;
         for at in (0..bytes.len().saturating_sub(MAGIC.len() - 1)).rev() {
             if bytes[at..].starts_with(MAGIC)
@@ -292,7 +292,7 @@ fn last_end(file: &mut File) -> Result<End, RecordingError> {
     Err(RecordingError::Nothing)
 }
 
-/// What an end says whose magic stands here; none if it is no end.
+/// Reads the end whose magic is at this position; `None` if there is no end.
 fn end_before(file: &mut File, magic: u64) -> Result<Option<End>, RecordingError> {
     let Some(of_len) = magic.checked_sub(4) else { return Ok(None) };
     let len: [u8; 4] = read(file, of_len, magic)?.try_into().unwrap_or_default();
@@ -301,7 +301,7 @@ fn end_before(file: &mut File, magic: u64) -> Result<Option<End>, RecordingError
         return Ok(None);
     }
     let metadata = ParquetMetaDataReader::decode_metadata(&read(file, begin, of_len)?).ok();
-    // Data may look like an end by chance; it has no parts.
+    // Data may look like an end by chance; then it has no parts.
     let metadata = metadata.filter(|metadata| metadata.num_row_groups() > 0);
     Ok(metadata.map(|metadata| (metadata, [begin, magic + MAGIC.len() as u64])))
 }

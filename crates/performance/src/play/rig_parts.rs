@@ -1,4 +1,4 @@
-//! What a rig's controller, buses and simulated servos are made of.
+//! Parts of a rig's controller, buses and simulated servos.
 
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
 use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
@@ -30,35 +30,35 @@ pub struct RigParts {
     pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,
     pub(super) setups: Vec<ServoSetup>,
-    /// Of the line whose readings come latest.
+    /// Schedule of the line with the latest readings.
     pub(super) schedule: Schedule,
     pub(super) schedules: Vec<Schedule>,
     supply: Option<RigSupply>,
-    /// Lines, in the order in which the rig's servos name them.
+    /// Bus lines, in the order in which the rig's servos name them.
     pub lines: Vec<Line>,
     /// Servos, in the rig's order.
     pub servos: Vec<ServoPart>,
     /// Names of the dofs.
     pub names: Vec<String>,
-    /// Whether a dof slides: its numbers are m and N.
+    /// Whether each dof slides: its numbers are in m and N.
     pub slides: Vec<bool>,
-    /// By dof: how its servos are driven; none if none moves it.
+    /// Drive of the servos of each dof; `None` if no servo moves the dof.
     pub drives: Vec<Option<Drive>>,
-    /// By dof: its first servo.
+    /// First servo of each dof.
     pub first_servo: Vec<Option<usize>>,
-    /// Ticks a second.
+    /// Tick rate, Hz.
     pub rate_hz: u32,
-    /// What a tick takes the reference board besides its bus by the estimate, µs, and the ticks a second that it holds
-    /// with that; none if it holds none that servos of this drive need.
+    /// Estimated time of a tick on the reference board without its bus, µs, and the tick rate that the board can keep
+    /// with it; `None` if it cannot keep any rate that servos of this drive need.
     pub on_board: (u32, Option<u32>),
     variation: Variation,
 }
 
 impl RigParts {
-    /// Of a rig.
+    /// Makes the parts of a rig.
     ///
     /// # Errors
-    /// [`PartsError`] names the servo or the line, and what would be right.
+    /// [`PartsError`] names the servo or the line, and the valid choices.
     pub fn new(
         rig: &Description,
         mechanism: &Mechanism,
@@ -93,7 +93,7 @@ impl RigParts {
         let holds =
             choose(&loads, Some(rate_hz), of_board).or_else(|_| choose(&loads, None, of_board));
         let on_board = (compute_us, holds.ok().map(|(rate_hz, _)| rate_hz));
-        // The tracker's readings are of lines that close its loop, if any does.
+        // The tracker's readings are those of lines that close its loop, if there are any.
         let closes = loads.iter().any(|(_, load)| load.closes_loop);
         let latest = loads
             .iter()
@@ -121,7 +121,7 @@ impl RigParts {
             .reduce(f32::min);
         let observer = &mut settings.tracker.observer;
         if observer.bandwidth_rad_s > 0.0 {
-            // Joints that no servo moves have the least of all.
+            // Joints without a servo get the smallest bandwidth of all.
             observer.bandwidth_rad_s = least.unwrap_or(observer.bandwidth_rad_s);
         }
         let (drives, first_servo) = by_dof(&board, &parts);
@@ -148,7 +148,7 @@ impl RigParts {
         })
     }
 
-    /// Makes the simulated plant differ from what the controller believes, once.
+    /// Makes the simulated plant differ from the controller's model. Call it once.
     pub fn vary(&mut self, variation: Variation) {
         let tick_s = 1e-6 * f64::from(self.tick_us());
         for part in &mut self.servos {
@@ -157,12 +157,12 @@ impl RigParts {
         self.variation = variation;
     }
 
-    /// The CRC by which shows name this rig.
+    /// Returns the CRC by which shows identify this rig.
     pub fn rig_crc(&self) -> u32 {
         self.settings.rig_crc
     }
 
-    /// Takes shows of another rig, too: of the same one before servos were put on it.
+    /// Also accepts shows for the rig with another CRC: the same rig before servos were put on it.
     pub fn take_shows_of(&mut self, rig_crc: u32) {
         self.settings.rig_crc = rig_crc;
     }
@@ -177,30 +177,30 @@ impl RigParts {
         NodeSettings::new(self.settings.clone(), self.schedule)
     }
 
-    /// The method of the tracker.
+    /// Returns the method of the tracker.
     pub fn method(&self) -> MethodName {
         self.settings.tracker.method
     }
 
-    /// In how many ticks each servo of a line is read once.
+    /// Returns the number of ticks in which each servo of a line is read once.
     pub fn groups(&self, line: usize) -> u32 {
         self.schedules[line].groups()
     }
 
-    /// Whether a dof is moved by servos that tell nothing: what becomes of it nobody knows.
+    /// Whether a dof is moved by servos that report nothing: its position is unknown.
     pub fn tells_nothing(&self, dof: usize) -> bool {
         self.drives[dof] == Some(Drive::Pulses)
     }
 
-    /// Length of a tick, µs.
+    /// Returns the length of a tick, µs.
     pub fn tick_us(&self) -> u32 {
         self.schedule.tick_us()
     }
 
-    /// The rig on the shafts of its servos, whatever their line, varied as [`Self::vary`] has it.
+    /// Returns the rig on the shafts of its servos, whatever their line, changed by [`Self::vary`].
     ///
     /// # Errors
-    /// [`RigServosError`].
+    /// [`RigServosError`] if the servos cannot be simulated.
     pub fn plant(
         &self,
         rig: &Description,
@@ -213,30 +213,30 @@ impl RigParts {
         RigPlant::new(rig, &bodies, &names)
     }
 
-    /// Where a servo stands among all, line after line.
+    /// Returns the index of a servo among all servos, line after line.
     pub(super) fn place_on_bench(&self, servo: usize) -> usize {
         let (line, place) = self.servos[servo].place;
         place + self.lines[..line].iter().map(|line| line.servos.len()).sum::<usize>()
     }
 
-    /// The voltage of what feeds all servos, if the rig's file says it.
+    /// Returns the voltage of the common supply, if the rig's file states it, V.
     pub fn supply_v(&self) -> Option<f32> {
         self.supply.map(|supply| single(supply.voltage_v))
     }
 
-    /// What feeds all servos, as the rig's file says.
+    /// Returns the common supply, if the rig's file states it.
     pub(super) fn supply(&self) -> Option<Supply> {
         self.supply.map(|supply| Supply::limited(supply.voltage_v, supply.current_a))
     }
 
-    /// For a rig whose file says nothing: a supply for each line, of the voltage of its first servo.
+    /// Returns supplies for a rig whose file states none: one for each line, with the voltage of its first servo.
     pub(super) fn stiff_supplies(&self) -> Vec<Supply> {
         let first = |line: &Line| &self.servos[line.servos[0]].own;
         self.lines.iter().map(|line| Supply::stiff(first(line).kind.voltage_v)).collect()
     }
 }
 
-/// Refuses a rig of which a joint shakes by itself in the tracker's loop.
+/// Refuses a rig with a joint that oscillates by itself in the tracker's loop.
 fn refuse_shaking(
     rig: &Description,
     parts: &[ServoPart],
@@ -272,12 +272,13 @@ fn refuse_shaking(
     Ok(())
 }
 
-/// The recommended tracking, or the one that bears later readings.
+/// Returns the recommended tracker settings if the delay of readings allows them, else the default settings.
 fn tracker(schedule: &Schedule) -> TrackerSettings {
     let latency_ticks = usize::try_from(schedule.groups()).unwrap_or(usize::MAX);
     let timing = LoopTiming { dt_s: 1e-6 * schedule.tick_us() as f32, latency_ticks };
     if timing.check_recommended().is_ok() {
-        // Targets are the rig's own: each joint's error is its own, too, and no other joint's gear is in it.
+        // Targets are the rig's own joints: the error of each joint is local, and no other joint's gear contributes
+        // to it.
         TrackerSettings {
             method: MethodName::Local,
             ..TrackerSettings::recommended().effective(timing.dt_s)

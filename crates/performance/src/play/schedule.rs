@@ -1,78 +1,83 @@
-//! The rate of a rig's loop: what was asked for, if the lines have time for it, or what they have time for.
+//! Chooses the tick rate of a rig's loop: the requested rate, if the lines have time for it, else the highest
+//! possible.
 
 use sinew_core::tracker::MAX_DELAY_S;
 use sinew_servo_bus::{Schedule, Timing, Traffic};
 use thiserror::Error;
 
-/// Rates that are tried in turn where servos take currents or voltages, Hz.
+/// Rates that are tried in turn if servos are driven by current or voltage, Hz.
 const OF_CURRENT: [u32; 5] = [500, 400, 333, 250, 200];
-/// The same where all have positions: servos follow at 2 to 4 Hz by themselves.
+/// Rates that are tried in turn if all servos are driven by position, Hz: such servos follow at 2 to 4 Hz by
+/// themselves.
 const OF_POSITION: [u32; 4] = [100, 80, 60, 50];
 
-/// What a line has to do in a tick.
+/// Traffic of a line in a tick.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Load {
     pub(super) timing: Timing,
     pub(super) traffic: Traffic,
-    /// Packets that switch torque, bytes.
+    /// Length of the packets that switch torque, bytes.
     pub(super) switch_bytes: u32,
-    /// Some of its servos take currents or voltages: their readings close the loop.
+    /// Whether servos of the line are driven by current or voltage: their readings close the loop.
     pub(super) closes_loop: bool,
 }
 
-/// What the controller needs besides.
+/// Other needs of the controller.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Needs {
     pub(super) compute_us: u32,
     pub(super) stale_s: f32,
 }
 
-/// A rate is too high for the lines.
+/// Error of a rate that is too high for the lines.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RateError {
-    /// The asked one is.
-    #[error("--rate-hz {asked_hz}: line {line:?} at {baud} bit/s has no time for it; {fits}")]
+    /// The requested rate is too high.
+    #[error(
+        "--rate-hz {asked_hz}: line {line:?} at {baud} bit/s is too slow for this rate; {fits}"
+    )]
     Asked {
-        /// What was asked for.
+        /// The requested rate, Hz.
         asked_hz: u32,
-        /// A line that is too slow.
+        /// Name of a line that is too slow.
         line: String,
-        /// Its rate.
+        /// Rate of that line, bit/s.
         baud: u32,
-        /// What does fit.
+        /// Description of a rate that fits.
         fits: String,
     },
-    /// A board computes for too long.
+    /// A board needs too much time for computing.
     #[error(
-        "by the estimate a board computes {ms:.1} ms a tick for {servos} servos by current, and has no time for line \
-         {line:?} besides at {slowest_hz} Hz, the slowest; `--drive position` does with 50 to 100 Hz"
+        "by estimate, a board computes {ms:.1} ms per tick for {servos} servos driven by current, and the rest of the \
+         tick is too short for line {line:?} even at {slowest_hz} Hz, the lowest rate; `--drive position` needs only \
+         50 to 100 Hz"
     )]
     Board {
-        /// What it computes, ms.
+        /// Computing time per tick, ms.
         ms: f32,
-        /// For how many servos.
+        /// Number of servos.
         servos: u32,
-        /// A line that there is no time for.
+        /// Name of a line for which no time remains.
         line: String,
         /// The slowest rate at which currents close a loop, Hz.
         slowest_hz: u32,
     },
-    /// All are.
+    /// All rates are too high.
     #[error(
         "line {line:?} at {baud} bit/s is too slow for its {servos} servos: choose a higher --baud"
     )]
     None {
-        /// A line that is too slow.
+        /// Name of a line that is too slow.
         line: String,
-        /// Its rate.
+        /// Rate of that line, bit/s.
         baud: u32,
-        /// How many servos it has.
+        /// Number of servos on the line.
         servos: u32,
     },
 }
 
-/// A schedule for each line, at the rate that was asked for or the first that fits.
+/// Returns a schedule for each line, at the requested rate or the first rate that fits.
 pub(super) fn choose(
     lines: &[(&str, Load)],
     asked_hz: Option<u32>,
@@ -105,7 +110,7 @@ pub(super) fn choose(
         let (line, load) = lines[slow];
         let fitting = tried.iter().filter(|hz| **hz < asked_hz).find(|hz| fits(**hz).is_ok());
         let fits = match fitting {
-            Some(hz) => format!("{hz} Hz does fit"),
+            Some(hz) => format!("{hz} Hz is possible"),
             None => "choose a higher --baud".to_owned(),
         };
         RateError::Asked { asked_hz, line: line.to_owned(), baud: load.timing.baud, fits }

@@ -1,4 +1,4 @@
-//! One servo of a rig that plays: how it is driven, and what the controller knows of it.
+//! A servo of a rig that plays: its drive, and the controller's settings for it.
 
 use sinew_firmware::controller::ServoSetup;
 use sinew_firmware::drives::{
@@ -16,31 +16,32 @@ use sinew_servo_tools::position_gain::PositionGain;
 use super::CompactRig;
 use super::error::PartsError;
 
-/// Part of the stall current that is drawn at most: guess, room for what a supply sags.
+/// Largest current as a share of the stall current. A guess that leaves room for the voltage drop of a supply.
 const CURRENT_SHARE: f64 = 0.8;
-/// What a Feetech bears, V: the least by its table; the most is a guess, 1.2 times the recommended.
+/// Voltage range of a Feetech servo, V: the minimum by its table, and a factor on the recommended voltage for the
+/// maximum (1.2 is a guess).
 const FEETECH_V: (f32, f32) = (4.0, 1.2);
-/// A current drive lets go this much above where the detector of heat finds a fault, °C.
+/// A current drive releases this far above the temperature at which the heat detector finds a fault, °C.
 const HOT_ROOM_C: f32 = 4.0;
 
-/// How a servo is driven.
+/// Quantity by which a servo is driven.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drive {
-    /// By current: the loop is the tracker's.
+    /// Current: the tracker closes the loop.
     Current,
-    /// By voltage: the loop is the tracker's, and the winding damps.
+    /// Voltage: the tracker closes the loop, and the winding damps.
     Voltage,
-    /// By position: the loop is the servo's own.
+    /// Position: the servo closes the loop.
     Position,
-    /// By the length of pulses: the loop is the servo's own, and it tells nothing.
+    /// Length of pulses: the servo closes the loop, and reports nothing.
     Pulses,
 }
 
 impl Drive {
-    /// All, in the order of tables.
+    /// All drives, in the order of tables.
     pub const ALL: [Self; 4] = [Self::Current, Self::Voltage, Self::Position, Self::Pulses];
 
-    /// As tables name it.
+    /// Returns the name of the drive in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Current => "current",
@@ -56,18 +57,18 @@ impl Drive {
     }
 }
 
-/// One servo.
+/// A servo of a rig that plays.
 #[derive(Debug, Clone)]
 pub struct ServoPart {
-    /// What is simulated of it.
+    /// Data for the simulation.
     pub own: RigServo,
-    /// How it is driven.
+    /// Quantity by which the servo is driven.
     pub drive: Drive,
-    /// Where it is: a line, and a place there.
+    /// Index of its line, and place on the line.
     pub place: (usize, usize),
 }
 
-/// The mode of a Dynamixel.
+/// Returns the operating mode of a Dynamixel for a drive.
 pub(super) fn mode(drive: Drive) -> dynamixel::Mode {
     match drive {
         Drive::Current => dynamixel::Mode::Current,
@@ -80,7 +81,7 @@ pub(super) fn table(servo: &RigServo) -> Option<RegisterTable> {
     RegisterTable::of(&servo.kind.name)
 }
 
-/// Speed where the motor's own voltage is all that there is.
+/// Returns the no-load speed, at which the back-EMF equals the supply voltage, rad/s.
 pub(super) fn no_load_rad_s(servo: &RigServo) -> f64 {
     servo.kind.voltage_v / servo.kind.torque_constant_nm_a
 }
@@ -103,7 +104,7 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
     Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
 }
 
-/// Whether servos of a kind can be driven so.
+/// Whether servos of a model support a drive.
 fn takes(drive: Drive, model: &str) -> bool {
     match (drive, RegisterTable::of(model)) {
         (Drive::Current, Some(RegisterTable::Dynamixel(table))) => table.model.current.is_some(),
@@ -114,25 +115,26 @@ fn takes(drive: Drive, model: &str) -> bool {
     }
 }
 
-/// How servos of a kind are driven unless told otherwise: see `docs/drives.md`.
+/// Returns the default drive of a model: see `docs/drives.md`.
 fn usual(model: &str) -> Drive {
     let known = [Drive::Current, Drive::Position];
     known.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
 }
 
-/// Whether the tracker closes the loop of servos of a kind, unless told otherwise.
+/// Whether the tracker closes the loop of servos of a model by default.
 pub(crate) fn closes_loop(model: &str) -> bool {
     usual(model).closes_loop()
 }
 
-/// How each servo is driven: as asked, or as is usual of its kind; servos that share a drive in one way that all can.
+/// Returns the drive of each servo: the requested drive, or the default of its model. Servos that share a drive train
+/// get a drive that all of them support.
 pub(super) fn drives(
     board: &CompactRig,
     servos: &[RigServo],
     asked: Option<Drive>,
 ) -> Result<Vec<Drive>, PartsError> {
     let can = |servo: &RigServo, drive| takes(drive, &servo.kind.name);
-    // Beside servos on a bus, those that take pulses go on taking them.
+    // Beside servos on a bus, servos on pulses keep their drive.
     let all_pulses = servos.iter().all(|servo| table(servo).is_none());
     let is_asked = |servo: &&RigServo| all_pulses || table(servo).is_some();
     if let Some(drive) = asked
@@ -162,7 +164,7 @@ pub(super) fn drives(
     Ok(drives)
 }
 
-/// What the controller knows of a servo.
+/// Returns the controller's settings for a servo.
 pub(super) fn setup(
     rig: &Description,
     part: &ServoPart,

@@ -1,4 +1,4 @@
-//! Servos for joints that have none, such as those of an imported URDF.
+//! Puts servos on joints that have none, such as those of an imported URDF.
 
 use std::str::FromStr;
 
@@ -11,16 +11,16 @@ use thiserror::Error;
 /// The highest id of a servo.
 const MAX_ID: u8 = 252;
 
-/// Which kind of servo is put on which joints.
+/// A kind of servo, and the joints that get it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ServoChoice {
-    /// A joint's name, or its beginning and `*`; none for all joints.
+    /// A joint's name, or its beginning and `*`; `None` for all joints.
     joint: Option<String>,
-    /// The kind, as the maker calls it.
+    /// Name of the model, as the maker writes it.
     model: String,
 }
 
-/// `KIND` or `JOINT=KIND`.
+/// Parses `KIND` or `JOINT=KIND`.
 impl FromStr for ServoChoice {
     type Err = String;
 
@@ -32,7 +32,7 @@ impl FromStr for ServoChoice {
         match Kind::named(kind.trim()).map_err(|error| error.to_string())? {
             Kind::Servo(kind) => Ok(Self { joint, model: kind.name }),
             Kind::Registers(table) => Err(format!(
-                "nobody has measured the motor of {}: it cannot be played on; expected another kind, such as xm430",
+                "the motor of {} has not been measured, so it cannot be simulated; expected another kind, such as xm430",
                 ServoModel::with_article(table.name())
             )),
         }
@@ -48,43 +48,43 @@ impl ServoChoice {
     }
 }
 
-/// Why servos cannot be put on joints.
+/// Error of servos that cannot be put on joints.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PutError {
-    /// Nothing moves the joints, and nobody said what shall.
+    /// The rig has no servos, and no kind of servo is given.
     #[error(
         "the rig has no servos; `--servo KIND` puts one on each joint, such as `--servo xm430`; `rig.toml` may \
          describe them, too"
     )]
     NoServos,
-    /// A servo is for no joint.
+    /// A servo matches no joint.
     #[error("--servo {0}: no joint without a servo has such a name")]
     NoJoint(String),
     /// All joints have servos.
     #[error("--servo: each joint has a servo already")]
     NoneFree,
-    /// One servo cannot move it.
+    /// A single servo cannot move the joint.
     #[error(
         "joint `{joint}` is {kind:?}: describe its drive in rig.toml, `--servo` is for joints that turn"
     )]
     Joint {
-        /// Which.
+        /// Name of the joint.
         joint: String,
-        /// What it leaves free.
+        /// Type of the joint.
         kind: JointType,
     },
-    /// There are not as many ids.
+    /// A bus has too few ids.
     #[error("more joints than a bus has ids")]
     Ids,
 }
 
-/// Puts a servo on each turning joint that has none: named as the joint, on the bus `main`, the middle of its range
-/// where the joint's is. A joint's own limits stay where the servo can more, and of its friction what the servo has
-/// not. Says how many were put.
+/// Puts a servo on each revolute or universal joint that has none. It gets the joint's name, the bus `main`, and the
+/// middle of the joint's range as the middle of its own. The joint keeps its limits where the servo can do more, and
+/// only that part of its friction that exceeds the servo's. Returns the number of new servos.
 ///
 /// # Errors
-/// [`PutError`] names the joint and what would be right.
+/// [`PutError`] names the joint and the valid choices.
 pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize, PutError> {
     let is_moved = |name: &str| rig.drives.iter().any(|d| d.joints.iter().any(|j| j == name));
     let free: Vec<usize> = (0..rig.joints.len())
@@ -111,7 +111,7 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
     let mut count = 0;
     for index in free {
         let name = rig.joints[index].name.clone();
-        // What names joints counts before what is for all.
+        // A choice with a joint name has priority over a choice for all joints.
         let of_name = wanted.iter().rev().filter(|choice| choice.joint.is_some());
         let of_all = wanted.iter().rev().filter(|choice| choice.joint.is_none());
         let Some(choice) = of_name.chain(of_all).find(|choice| choice.is_for(&name)) else {
@@ -139,7 +139,8 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
         let joint = &mut rig.joints[index];
         joint.speed_rad_s = joint.speed_rad_s.filter(|v| *v < model.no_load_speed_rad_s.value);
         joint.effort = joint.effort.filter(|effort| *effort < model.stall_torque_nm.value);
-        // A joint without a servo was described with whatever drove it: what the servo rubs is not counted twice.
+        // The friction of a joint without a servo includes that of its unknown drive: the servo's friction must not
+        // count twice.
         joint.friction = (joint.friction - model.friction_nm.value).max(0.0);
         joint.damping = (joint.damping - model.damping_nm_s.value).max(0.0);
         let kind = DriveKind::one_to_one(dofs);
@@ -177,7 +178,7 @@ mod tests {
         assert_eq!(put_servos(&mut rig, &[]), Ok(0));
     }
 
-    /// With its servo a joint rubs as its file says, or as the servo does if that is more.
+    /// A joint with its servo has the friction of its file, or that of the servo if it is larger.
     #[test]
     fn friction_is_counted_once() {
         let model = ServoModel::built_in("XM430-W350-T").unwrap();
@@ -189,7 +190,7 @@ mod tests {
             let name = rig.joints[1].name.clone();
             let mechanism = rig.mechanism().unwrap();
             let link = mechanism.bodies.iter().find(|link| link.joint_name == name).unwrap();
-            // The servo's numbers go through f32.
+            // The servo's numbers are stored as f32.
             assert!((link.damping - damping.max(of_servo)).abs() < 1e-7, "{}", link.damping);
             assert!((link.friction - dry).abs() < 1e-7, "{}", link.friction);
         }

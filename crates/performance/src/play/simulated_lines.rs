@@ -1,4 +1,4 @@
-//! The lines of a rig with simulated servos.
+//! Creates the bus lines of a rig with simulated servos.
 
 use sinew_servo_bus::settings;
 use sinew_servo_sim::bench::{Bench, Branch};
@@ -16,8 +16,10 @@ use super::servo_part::ServoPart;
 pub type Memory = [u8; MEMORY_LEN];
 
 impl RigParts {
-    /// The lines of a rig with simulated servos, each where the rig's home has it, set up as `sinew servo apply` would.
-    /// `memories`: one for each servo; `plant`: what they move, line after line.
+    /// Creates the lines of a rig with simulated servos, each at its angle in the rig's home pose, configured as by
+    /// `sinew servo apply`.
+    ///
+    /// `memories`: one for each servo; `plant`: the mechanism that they move, line after line.
     ///
     /// # Errors
     /// [`SimulatedRigError`] names the servo.
@@ -30,7 +32,7 @@ impl RigParts {
     }
 }
 
-/// The lines of a rig, each servo where the rig's home has it, set up as `sinew servo apply` would.
+/// Creates the lines of a rig, each servo at its angle in the rig's home pose, configured as by `sinew servo apply`.
 pub(super) fn lines<'a, P: Plant>(
     parts: &RigParts,
     memories: &'a mut [Memory],
@@ -65,7 +67,7 @@ pub(super) fn lines<'a, P: Plant>(
     Ok(branches.into_iter().map(Line::of_master).collect())
 }
 
-/// A servo at home, with the registers that the controller compares before it arms.
+/// Creates a servo at home, with the registers that the controller compares before it arms.
 fn servo<'a>(
     parts: &RigParts,
     index: usize,
@@ -89,7 +91,7 @@ fn servo<'a>(
         Some(RegisterTable::Feetech(table)) => {
             settings::feetech(table.model.family, requirements).for_each(&mut set);
         }
-        // `RigParts` has refused kinds with an id that have none.
+        // `RigParts` has refused models that have an id but no registers.
         None => {}
     }
     servo.place(part.own.home_rad);

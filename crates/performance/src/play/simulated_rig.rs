@@ -29,28 +29,29 @@ use super::simulated_lines::{Memory, lines};
 use super::wires::Wires;
 use super::{DOFS, RigController, SERVOS};
 
-/// A rig on a stand, under its controller.
+/// A rig on a stand, with its controller.
 pub struct SimulatedRig<'a, P> {
-    /// What it is made of.
+    /// The parts of the rig.
     pub parts: &'a RigParts,
     controller: Box<RigController<'a>>,
     buses: Buses,
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
     ticks: u64,
-    /// Ticks that were not whole: the watchdog was not fed.
+    /// Number of ticks that were not complete: the watchdog was not fed.
     incomplete: u64,
     last: Option<Incomplete>,
     peer: Option<Rc<RefCell<dyn PeerController>>>,
 }
 
 impl<'a, P: Plant> SimulatedRig<'a, P> {
-    /// A stand just before power comes on, each servo where the rig's home has it, set up as `sinew servo apply` would.
-    /// Without a show there is nothing to play.
-    /// `memories`: one for each servo; `plant`: what the servos move, line after line.
+    /// Creates a rig just before power-on, each servo at its angle in the home pose, configured as by `sinew servo
+    /// apply`. Without a show there is nothing to play.
+    ///
+    /// `memories`: one for each servo; `plant`: the mechanism that the servos move, line after line.
     ///
     /// # Errors
-    /// [`SimulatedRigError`].
+    /// [`SimulatedRigError`] if controller or servos cannot be created, or the show does not play on the rig.
     pub fn new(
         parts: &'a RigParts,
         show: Option<&'a [u8]>,
@@ -80,7 +81,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         })
     }
 
-    /// Gives the servos the packets of a peer, which plays beside the controller here.
+    /// Gives the servos the packets of a peer, which plays beside the controller in this process.
     #[must_use]
     pub fn with_peer(mut self, peer: Rc<RefCell<dyn PeerController>>) -> Self {
         self.buses = self.buses.with_peer(&peer);
@@ -88,7 +89,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self
     }
 
-    /// A tick; the host's link is heard in each.
+    /// Runs a tick. The host link is alive in each tick.
     pub fn tick(&mut self, command: Option<Command>) {
         let tick_us = u64::from(self.parts.tick_us());
         let inputs = Inputs {
@@ -110,7 +111,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         }
         let begin_ns = lines[0].servos.now_ns();
         let end_ns = self.ticks * tick_us * 1000;
-        // The tick's computing takes its part: what is asked besides the schedule ends before it.
+        // The tick's computing takes time: requests outside the schedule must end before it.
         let asked_until_ns =
             end_ns.saturating_sub(u64::from(self.parts.settings.compute_us) * 1000);
         let exchanged = exchange(&mut buses.lines, lines, asked_until_ns, wires);
@@ -137,7 +138,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.report()
     }
 
-    /// A fault in words, with the joint and the servo that it came of.
+    /// Returns a fault in words, with its joint and servo.
     pub fn named(&self, fault: Fault) -> String {
         let mut kept = self.controller.supervisor().log().last();
         let servo = kept.find(|record| record.fault == fault).and_then(|record| record.servo);
@@ -152,7 +153,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         format!("{fault} of {joint}servo {}", part.own.name)
     }
 
-    /// What drives may do.
+    /// Returns what the controller permits the drives to do.
     pub fn permission(&self) -> &Permission {
         self.controller.permission()
     }
@@ -163,14 +164,14 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         permission.source == Source::Feed(Feed::Show) && permission.runs
     }
 
-    /// Commanded and measured position of each dof: of a ball joint the rotation vector. What no servo tells counts
-    /// as measured where it was commanded: see [`RigParts::tells_nothing`].
+    /// Returns commanded and measured position of each dof; for a ball joint the rotation vector. If servos report
+    /// nothing, the commanded position counts as measured: see [`RigParts::tells_nothing`].
     pub fn dofs(&self) -> [Vec<f32>; 2] {
         let q = [self.controller.commanded().0, self.controller.measured()];
         q.map(|q| self.positions(q))
     }
 
-    /// Positions of dofs, of coordinates of the rig.
+    /// Converts coordinates of the rig to positions of dofs.
     fn positions(&self, mut q: &[f32]) -> Vec<f32> {
         let mut positions = Vec::new();
         for body in self.parts.board.tree().bodies() {
@@ -181,20 +182,20 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
                 (JointKind::Spherical, &[x, y, z, w]) => {
                     positions.extend(math::log(Quat::from_xyzw(x, y, z, w)).to_array());
                 }
-                // A free joint, which has other numbers, is refused.
+                // A free joint, whose coordinates are different, is refused earlier.
                 _ => positions.extend_from_slice(own),
             }
         }
         positions
     }
 
-    /// What was measured last, in the rig's coordinates.
+    /// Returns the last measurement, in the rig's coordinates.
     pub fn measured(&self) -> &[f32] {
         self.controller.measured()
     }
 
-    /// Current of a servo as it tells it, A. What it tells as load is a part of its stall current; of a servo by
-    /// voltage the part of its supply that it applies, from which its back-EMF is taken.
+    /// Returns the current that a servo reports, A. A reported load is converted: it is a share of the stall current,
+    /// or for a servo driven by voltage the share of the supply voltage, from which the back-EMF is subtracted.
     pub fn current_a(&self, servo: usize) -> Option<f32> {
         let read = self.buses.feedback(servo)?;
         Some(match read.effort {
@@ -213,8 +214,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         })
     }
 
-    /// Returns what limits a joint now, as tables, recordings and a board's telemetry count it: its effort, its first
-    /// servo's drive, or heat and supply; or else the guard.
+    /// Returns the limit that acts on a joint now, for tables, recordings and telemetry: that of its effort, of its
+    /// first servo's drive, or of heat and supply; else of the guard.
     pub fn limiter(&self, dof: usize) -> Option<String> {
         let report = self.report();
         let servo = self.parts.first_servo[dof].map(|servo| &report.servos[servo]);
@@ -223,40 +224,40 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         limiter.or_else(guard)
     }
 
-    /// Whether every servo that tells has told its temperature: drives give nothing before.
+    /// Whether every servo that reports has reported its temperature. Before that, drives give no effort.
     pub fn is_known(&self) -> bool {
         let mut all = self.report().servos.iter().zip(&self.parts.servos);
         all.all(|(told, part)| part.drive == Drive::Pulses || told.temperature_c.is_some())
     }
 
-    /// Ticks since power-on.
+    /// Returns the number of ticks since power-on.
     pub fn ticks(&self) -> u64 {
         self.ticks
     }
 
-    /// Simulated time since power-on, s.
+    /// Returns the simulated time since power-on, s.
     pub fn time_s(&self) -> f64 {
         1e-6 * (self.ticks * u64::from(self.parts.tick_us())) as f64
     }
 
-    /// Ticks that were not whole, and why the last of them was not.
+    /// Returns the number of incomplete ticks, and the reason for the last one.
     pub fn incomplete(&self) -> (u64, Option<Incomplete>) {
         (self.incomplete, self.last)
     }
 
-    /// What was on the wires.
+    /// Returns the traffic on the wires.
     pub fn wires(&self) -> Wires {
         self.wires
     }
 
-    /// Sets a register of a simulated servo, as somebody else might before power comes on.
+    /// Sets a register of a simulated servo, as another program might before power-on.
     #[cfg(test)]
     pub(super) fn set_register(&mut self, servo: usize, register: u16, raw: i32) {
         let place = self.parts.place_on_bench(servo);
         self.lines[0].servos.bench_mut().servos_mut()[place].set(register, raw);
     }
 
-    /// How many simulated servos have their torque on, by their registers or because they get pulses.
+    /// Returns the number of simulated servos with torque on, by their registers or because they get pulses.
     pub fn servos_on(&self) -> usize {
         let on = |servo: &usize| {
             let part = &self.parts.servos[*servo];
@@ -274,34 +275,34 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
 }
 
 impl SimulatedRig<'_, RigPlant> {
-    /// A hand takes a joint's dof, or leads it on; none lets go. See [`RigPlant::lead`].
+    /// Lets a hand hold a joint's dof, or lead it further; `None` lets go. See [`RigPlant::lead`].
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.lines[0].servos.bench_mut().plant.lead(dof, hand)
     }
 
-    /// Pushes a dof from outside, N m or N, until it is told otherwise. See [`RigPlant::push`].
+    /// Applies an external torque or force to a dof, N m or N, until the next call. See [`RigPlant::push`].
     pub fn push(&mut self, dof: usize, torque_nm: f64) -> bool {
         self.lines[0].servos.bench_mut().plant.push(dof, torque_nm)
     }
 
-    /// Where the simulated rig is, in its coordinates.
+    /// Returns the true position of the simulated rig, in its coordinates.
     pub fn q(&self) -> Vec<f64> {
         self.lines[0].servos.bench().plant.q().to_vec()
     }
 
-    /// The temperature of a servo's case, °C, finer than the servo tells it.
+    /// Returns the true temperature of a servo's case, °C, with finer resolution than the servo reports.
     pub fn case_c(&self, servo: usize) -> f64 {
         let place = self.parts.place_on_bench(servo);
         self.lines[0].servos.bench().servos()[place].heat().case_c
     }
 
-    /// The power that is lost in a servo's winding, W: no servo tells it.
+    /// Returns the power that is lost in a servo's winding, W. No servo reports it.
     pub fn winding_w(&self, servo: usize) -> f64 {
         let place = self.parts.place_on_bench(servo);
         self.lines[0].servos.bench().servos()[place].lost_w()[0]
     }
 
-    /// Returns each dof's true position less its commanded one, rad or m: no servo measures it.
+    /// Returns each dof's true position minus its commanded one, rad or m. No servo measures it.
     pub fn simulated_errors(&self) -> Vec<f32> {
         let q: Vec<f32> = self.q().into_iter().map(single).collect();
         let commanded = self.positions(self.controller.commanded().0);

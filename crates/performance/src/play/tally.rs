@@ -1,4 +1,4 @@
-//! What a performance came to: following errors, currents, temperatures, by joint and by drive.
+//! Results of a performance: following errors, currents, temperatures, by joint and by drive.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use super::servo_part::Drive;
 use super::simulated_rig::SimulatedRig;
 use super::swing_meter::SwingMeter;
 
-/// Sums of one dof, while the show runs.
+/// Sums of one dof, over the ticks in which the show runs.
 #[derive(Debug, Clone)]
 struct Sums {
     error: f64,
@@ -22,39 +22,39 @@ struct Sums {
     effort: f64,
     current_a: f64,
     celsius: f64,
-    /// By what it was limited, in how many ticks.
+    /// Number of ticks in which each limit acted.
     limited: BTreeMap<String, u64>,
     swing: SwingMeter,
-    /// Whether the controller has found that it swings, at any time.
+    /// Whether the controller has detected that the dof swings, at any time.
     is_swinging: bool,
 }
 
-/// What is kept of all ticks in which a show runs.
+/// Sums over all ticks in which a show runs.
 #[derive(Debug)]
 pub struct Tally {
     dofs: Vec<Sums>,
     ticks: u64,
-    /// Whether a joint's servos tell nothing.
+    /// Whether any joint has servos that report nothing.
     tells_nothing: bool,
 }
 
 /// Mean and largest following error of some joints, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// How many joints.
+    /// Number of joints.
     pub joints: usize,
-    /// Mean of their sizes, over joints and ticks.
+    /// Mean absolute error, over joints and ticks.
     pub mean_rad: f64,
-    /// The largest.
+    /// The largest absolute error.
     pub most_rad: f64,
-    /// Which dof had it.
+    /// The dof with the largest error.
     pub dof: usize,
-    /// When, s of the play.
+    /// Time of the largest error in the play, s.
     pub at_s: f64,
 }
 
 impl Tally {
-    /// Of a rig.
+    /// Creates a tally for a rig.
     pub fn new(parts: &RigParts) -> Self {
         let count = parts.names.len();
         let tells_nothing = (0..count).any(|dof| parts.tells_nothing(dof));
@@ -105,13 +105,13 @@ impl Tally {
         }
     }
 
-    /// How many ticks the show ran.
+    /// Returns the number of ticks in which the show ran.
     pub fn ticks(&self) -> u64 {
         self.ticks
     }
 
-    /// Errors of turning joints that are driven so; `None` for all. None if there is no such joint, or nothing was
-    /// played.
+    /// Returns the errors of revolute joints with a drive; with `None`, of all drives. `None` if there is no such
+    /// joint, or nothing was played.
     pub fn errors(&self, parts: &RigParts, drive: Option<Drive>) -> Option<Errors> {
         let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, dof: 0, at_s: 0.0 };
         for (dof, sums) in self.dofs.iter().enumerate() {
@@ -131,7 +131,7 @@ impl Tally {
         (count > 0.0).then_some(errors)
     }
 
-    /// The tables at the end of a run.
+    /// Returns the tables at the end of a run.
     pub fn table<P: Plant>(&self, sim: &SimulatedRig<'_, P>, raised: FaultSet) -> String {
         let parts = sim.parts;
         let (by_drive, by_joint) = (self.by_drive(parts), self.by_joint(parts));
@@ -148,7 +148,8 @@ impl Tally {
         let (incomplete, why) = sim.incomplete();
         let why = why.map_or_else(String::new, |why| format!(" ({why})"));
         let pulses = if self.tells_nothing {
-            "Servos on pulses tell nothing: their error is that of the simulated rig, which no real one knows.\n"
+            "Servos driven by pulses report nothing: their error is that of the simulated rig, and is unknown on a \
+             real rig.\n"
         } else {
             ""
         };
@@ -224,7 +225,7 @@ impl Tally {
                 format!("{number:.2}")
             };
             let ticks = self.ticks.max(1) as f64;
-            // Nothing is told by such a servo, and no effort is asked of it.
+            // Such a servo reports nothing, and no effort is commanded.
             let known = |number| if drive == Drive::Pulses { "-".to_owned() } else { number };
             table.add_row([
                 parts.names[dof].clone(),
@@ -243,14 +244,14 @@ impl Tally {
     }
 }
 
-/// In what part of the ticks a joint was limited, and by what most often.
+/// Returns the share of ticks in which a limit acted on a joint, and the most frequent limit.
 fn limited(by: &BTreeMap<String, u64>, ticks: f64) -> String {
     let share = 100.0 * by.values().sum::<u64>() as f64 / ticks;
     let most = by.iter().max_by_key(|(_, count)| **count);
     most.map_or_else(|| "0 %".to_owned(), |(limiter, _)| format!("{share:.0} % {limiter}"))
 }
 
-/// A table as lines without blanks at their ends.
+/// Formats a table without blanks at the ends of lines.
 pub(super) fn lines(table: &Table) -> String {
     table.lines().flat_map(|line| [line.trim_end().to_owned(), "\n".to_owned()]).collect()
 }

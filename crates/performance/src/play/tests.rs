@@ -14,10 +14,10 @@ use sinew_show::write::Settings;
 use super::*;
 use crate::{Baker, ShowMarks};
 
-/// What a performance of an arm at rest on two buses ends with, after `wrong` has set one register of a servo.
+/// Returns the end of a performance of an arm at rest on two buses, after `wrong` has set one register of a servo.
 fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let mut rig = arm(3).unwrap();
-    // Of two voltages: no supply for both.
+    // Two voltages: there is no common supply.
     rig.supply = None;
     "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
     "tip".clone_into(&mut rig.servos[1].bus);
@@ -35,7 +35,7 @@ fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
         sim.set_register(servo, register, raw);
     }
     let mut director = Director::default();
-    // Power-on to limp takes 10 s: arming, the show, stopping and lowering.
+    // From power-on to limp it takes 10 s: arming, the show, stopping and lowering.
     let most = 20 * parts.rate_hz;
     (0..most).find_map(|_| director.tick(&mut sim, false)).expect("it ends")
 }
@@ -45,7 +45,7 @@ fn a_rig_whose_registers_are_as_asked_plays_on_two_buses() {
     assert_eq!(ended(None), Ended::Done);
 }
 
-/// On either bus, the second servo of the first and the only one of the other.
+/// The second servo of one bus, and the only servo of the other.
 #[test]
 fn a_wrong_register_refuses_with_what_is_wrong() {
     let dynamixel = (2, address::TEMPERATURE_LIMIT, 80);
@@ -62,7 +62,8 @@ fn a_wrong_register_refuses_with_what_is_wrong() {
     }
 }
 
-/// What a hanging arm of 20 XL330 ends with that is to begin with its second joint at an angle.
+/// Returns the end of a performance of a hanging arm of 20 XL330, whose show begins with its second joint at an
+/// angle.
 fn ended_at(angle_rad: f64, supply_a: f64) -> (Ended, f64) {
     let mut rig = arm(20).unwrap();
     rig.mount = Mount { rotation_xyzw: [1.0, 0.0, 0.0, 0.0], ..Mount::default() };
@@ -91,7 +92,7 @@ fn ended_at(angle_rad: f64, supply_a: f64) -> (Ended, f64) {
     (ended.expect("it ends"), most.to_degrees())
 }
 
-/// It does not swing up until the supply sags: it is not armed.
+/// The arm must not swing up until the supply sags: it is not armed.
 #[test]
 fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
     let (ended, most_deg) = ended_at(1.5, 60.0);
@@ -105,7 +106,7 @@ fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
     assert!(words.contains("joint 1 takes ") && words.ends_with(", which gives 520"), "{words}");
     assert!(most_deg < 2.0, "it moved by {most_deg} deg");
 
-    // A little of the way its servos can lift it; with another supply they cannot.
+    // The servos can lift the arm by a small angle; with a weaker supply they cannot.
     let (ended, _) = ended_at(0.1, 60.0);
     assert_eq!(ended, Ended::Done);
     let (ended, _) = ended_at(0.3, 0.5);
@@ -134,7 +135,8 @@ fn face() -> Description {
     rig
 }
 
-/// Bytes to a simulated PCA9685 move simulated servos; its pin OE takes all pulses away, at the end and at an e-stop.
+/// Bytes to a simulated PCA9685 move simulated servos. Its pin OE switches all pulses off, at the end and at an
+/// emergency stop.
 #[test]
 fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
     for is_stopped in [false, true] {
@@ -144,7 +146,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
         let jaw = parts.names.iter().position(|name| name == "jaw").unwrap();
         let eye = parts.names.iter().position(|name| name == "eye_turn_left").unwrap();
         assert!(parts.tells_nothing(jaw) && parts.servos.len() == 8);
-        // Over 3 s the jaw opens and shuts, and the eye looks to the left and back.
+        // In 3 s the jaw opens and closes, and the eye turns to the left and back.
         let rows = (0..=30).map(|row| {
             let share = (f64::from(row) / 30.0 * std::f64::consts::TAU).cos().mul_add(-0.5, 0.5);
             let mut q = mechanism.home();
@@ -169,7 +171,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
             let ended = director.tick(&mut sim, false);
             tally.note(&sim);
             (least, most) = (least.min(sim.q()[jaw]), most.max(sim.q()[eye]));
-            // Pulses come with torque alone.
+            // Pulses exist only while torque is on.
             assert_eq!(sim.servos_on(), if sim.permission().torque { 8 } else { 0 });
             ended.map(Some)
         });
@@ -181,10 +183,10 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
             continue;
         }
         assert_eq!(ended, Some(Some(Ended::Done)));
-        // It got there but for its dead band, its play and friction; and it is never quite where it is sent.
+        // It reached its targets, except for dead band, play and friction; and it is never exactly on target.
         assert!((least + 0.3).abs() < 0.05 && (most - 0.5).abs() < 0.05, "{least} {most}");
         assert!(errors.most_rad > 1e-3 && errors.most_rad < 0.1, "{errors:?}");
-        // Nothing answers.
+        // There are no answers.
         assert!(sim.wires().answered == 0 && sim.wires().sent > 0);
         assert_eq!(director.raised(), FaultSet::EMPTY);
     }
@@ -210,7 +212,7 @@ fn a_servo_is_refused_where_its_kind_cannot_be() {
         rig.servos[0].address = Address::Id(1);
     });
     assert!(mixed.contains("two protocols (neck_turn, jaw)"), "{mixed}");
-    // A servo by position beside one by pulses, on one joint.
+    // A servo driven by position beside a servo driven by pulses, on one joint.
     let facing = refused(|rig| {
         let mut other = rig.servos[0].clone();
         (other.name, other.bus) = ("other".to_owned(), "arm".to_owned());
@@ -250,14 +252,14 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
             panic!("{drive:?} is taken by servos on pulses")
         };
         let expected = format!(
-            "--drive {}: servo `neck_turn` is an MG90S, which takes pulses alone; leave `--drive` out",
+            "--drive {}: servo `neck_turn` is an MG90S, which is driven only by pulses; leave `--drive` out",
             drive.name()
         );
         assert_eq!(error.to_string(), expected);
     }
 }
 
-/// 1 ms a quarter turn, about 1.5 ms: of the joint's range, not of all that the servo can.
+/// 1 ms per quarter turn, about 1.5 ms: the pulses of the joint's range, not of the servo's range.
 #[test]
 fn pulses_are_told_as_far_as_joints_go() {
     let mut rig = face();
@@ -271,8 +273,8 @@ fn pulses_are_told_as_far_as_joints_go() {
     assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
 }
 
-/// Without damping, what the loop does to a swing through the gear is all that becomes of it. A stiff gear has a fast
-/// observer, which slow ticks do not bear.
+/// Without damping, only the loop acts on a swing through the gear. A stiff gear has a fast observer, which is
+/// unstable with slow ticks.
 #[test]
 fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     let mut rig = arm(6).unwrap();
@@ -285,7 +287,7 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     if let Some(stiffness) = &mut model.gear_stiffness_nm_rad {
         stiffness.value = 300.0;
     }
-    // A file's own data of a kind hold before those that are built in.
+    // The file's own data for a model override the built-in data.
     rig.servo_models.push(model);
     let mechanism = rig.mechanism().unwrap();
     let parts = |drive| {
@@ -300,8 +302,8 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     assert!(parts(Drive::Position).is_ok());
 }
 
-/// Plays an arm of six that stands for 6 s. Returns its warnings, the mean of its errors, rad, and the table. `kp`: of
-/// its tracker. `bandwidth_rad_s`: of all observers; none: by the rule.
+/// Plays an arm with six joints that stands still for 6 s. Returns its warnings, the mean of its errors, rad, and the
+/// table. `kp`: gain of its tracker. `bandwidth_rad_s`: bandwidth of all observers; `None`: by the rule.
 fn stands(kp: f32, bandwidth_rad_s: Option<f32>, swing_gain: f32) -> (FaultSet, f64, String) {
     let rig = arm(6).unwrap();
     let mechanism = rig.mechanism().unwrap();
@@ -330,10 +332,11 @@ fn stands(kp: f32, bandwidth_rad_s: Option<f32>, swing_gain: f32) -> (FaultSet, 
     (director.raised(), errors.mean_rad, tally.table(&sim, director.raised()))
 }
 
-/// An observer that is three times as fast as the gears bear.
+/// An observer that is three times faster than the gears allow.
 const FAST_RAD_S: f32 = 150.0;
 
-/// With four times the gains, and fast observers, the arm swings, and says at which joints; a setting calms it.
+/// With four times the gains, and fast observers, the arm swings, and the warning names the joints. The setting
+/// `swing_gain` calms it.
 #[test]
 fn a_rig_that_swings_says_so_and_ends_well() {
     let (raised, mean_rad, table) = stands(800.0, Some(FAST_RAD_S), 1.0);
@@ -346,7 +349,7 @@ fn a_rig_that_swings_says_so_and_ends_well() {
         let line = table.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
         line.split_whitespace().skip(8).map(str::to_owned).collect::<Vec<_>>()
     };
-    // Columns swing and limited. It turns about the vertical, and nothing pulls there.
+    // Columns swing and limited. `turn1` turns about the vertical, so gravity does not load it.
     let [still, swings] = ["turn1", "bend3"].map(of_joint);
     assert!(still[0] == "0.00" && still[1..] == ["0", "%"], "{table}");
     assert!(swings[0].parse::<f64>().unwrap() > 1.0, "{table}");

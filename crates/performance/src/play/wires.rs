@@ -1,14 +1,14 @@
-//! Bytes on the wires, counted and hashed.
+//! Counts and hashes the bytes on the wires.
 
-/// Of FNV-1a, 64 bits.
+/// Offset basis and prime of FNV-1a with 64 bits.
 const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0100_0000_01b3);
 
-/// The bytes that went over all lines.
+/// Traffic on all lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Wires {
-    /// Bytes that the controller sent.
+    /// Number of bytes that the controller sent.
     pub sent: u64,
-    /// Bytes that servos answered.
+    /// Number of bytes that servos answered.
     pub answered: u64,
     /// FNV-1a of all bytes, in their order.
     pub hash: u64,

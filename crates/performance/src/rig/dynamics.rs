@@ -1,4 +1,4 @@
-//! Inverse dynamics of a rig for rows of a table: what scripts compare with other programs.
+//! Inverse dynamics of a rig for rows of a table, so that scripts can compare it with other programs.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,37 +9,37 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{InverseDynamics, JointModel, Link};
 use thiserror::Error;
 
-/// Why a table was refused.
+/// Error of a table that is refused.
 #[derive(Debug, Error)]
 pub enum DynamicsError {
     /// The rig does not fit `sinew-core`.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// The table is no CSV.
+    /// The table is not valid CSV.
     #[error(transparent)]
     Csv(#[from] csv::Error),
-    /// The header has a column that the rig has no use for.
+    /// The header has a column that does not belong to the rig.
     #[error("column `{found}`: expected q.NAME, qd.NAME or qdd.NAME of {expected}")]
     UnknownColumn {
-        /// The column.
+        /// Name of the column.
         found: String,
-        /// The names that there are.
+        /// Names that the rig has.
         expected: String,
     },
     /// The header has a column twice.
-    #[error("column `{0}` stands twice")]
+    #[error("column `{0}` occurs twice")]
     RepeatedColumn(String),
     /// The header lacks a column.
     #[error("the column `{0}` is missing")]
     MissingColumn(String),
-    /// A field is no number that a machine has.
+    /// A field is not a number from -1e6 to 1e6.
     #[error("line {line}, column `{column}`: expected a number from -1e6 to 1e6, found `{found}`")]
     Number {
         /// Line of the table.
         line: u64,
-        /// Column's name.
+        /// Name of the column.
         column: String,
-        /// The field.
+        /// Text of the field.
         found: String,
     },
     /// The core refuses a row.
@@ -47,12 +47,12 @@ pub enum DynamicsError {
     Row {
         /// Line of the table.
         line: u64,
-        /// Why.
+        /// Reason for the refusal.
         source: CoordinatesError,
     },
 }
 
-/// The rig with its base held, and without rotors unless they count.
+/// Returns the rig with its base fixed, and without rotor inertias unless `rotor`.
 fn held(mechanism: &Mechanism, rotor: bool) -> Mechanism {
     let mut held = mechanism.clone();
     for link in &mut held.bodies {
@@ -67,12 +67,12 @@ fn held(mechanism: &Mechanism, rotor: bool) -> Mechanism {
     held
 }
 
-/// Names of the degrees of freedom, the base held.
+/// Returns the names of the dofs, with the base fixed.
 pub fn dof_names(mechanism: &Mechanism) -> Vec<String> {
     held(mechanism, false).dof_names()
 }
 
-/// Names of the joint coordinates: those of the dofs, but `NAME.x` to `NAME.w` of ball joints.
+/// Returns the names of the joint coordinates: those of the dofs, but `NAME.x` to `NAME.w` for ball joints.
 fn coordinate_names(mechanism: &Mechanism) -> Vec<String> {
     let of_link = |link: &Link| {
         let name = link.joint_name.clone();
@@ -87,10 +87,9 @@ fn coordinate_names(mechanism: &Mechanism) -> Vec<String> {
     mechanism.bodies.iter().flat_map(of_link).collect()
 }
 
-/// Efforts of every row of a CSV: columns `q.NAME`, `qd.NAME`, `qdd.NAME` in any order, SI, the base at rest; to
-/// columns
-/// `tau.NAME` with nine digits. A table without any column of `qd`, or of `qdd`, is one of rigs at rest, or moving
-/// steadily.
+/// Computes the efforts of every row of a CSV with columns `q.NAME`, `qd.NAME`, `qdd.NAME` in any order, in SI units,
+/// the base at rest. The output has columns `tau.NAME` with nine digits. Without any column of `qd`, or of `qdd`,
+/// these values are zero.
 ///
 /// # Errors
 /// [`DynamicsError`] names line and column.
@@ -149,7 +148,7 @@ pub fn inverse_dynamics(
     Ok(out)
 }
 
-/// The columns of a row's numbers, by coordinate and by dof; empty if the table has none of the kind.
+/// Columns of a row's numbers, by coordinate and by dof; empty if the table has no column of that kind.
 struct Columns {
     q: Vec<usize>,
     qd: Vec<usize>,

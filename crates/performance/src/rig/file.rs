@@ -1,4 +1,4 @@
-//! A rig from a file: TOML, URDF or MJCF, told apart by what is in it.
+//! Reads a rig from a file: TOML, URDF or MJCF, recognized by its content.
 
 use std::path::{Path, PathBuf};
 
@@ -12,24 +12,24 @@ use thiserror::Error;
 
 use super::size;
 
-/// A rig, as a person wrote it and by index.
+/// A rig, as its description and as a mechanism.
 #[derive(Debug, Clone)]
 pub struct LoadedRig {
-    /// As a person wrote it.
+    /// The description, as in the file.
     pub description: Description,
-    /// By index.
+    /// The mechanism, with bodies and joints by index.
     pub mechanism: Mechanism,
-    /// What an import took for the file's unit and for up.
+    /// The unit and up axis that an import assumed.
     pub world: Option<World>,
-    /// Of an import: how large the rig is, and what was changed, filled in, left out or is doubtful.
+    /// Notes of an import: the size of the rig, and everything that was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,
 }
 
 impl LoadedRig {
-    /// Holds the rig's base in another way.
+    /// Sets how the rig's base is held.
     ///
     /// # Errors
-    /// The rig has no mechanism with such a base.
+    /// The rig has no mechanism with this base.
     pub fn set_base(&mut self, base: Base) -> Result<(), DescriptionError> {
         self.description.mount.base = base;
         self.mechanism = self.description.mechanism()?;
@@ -43,7 +43,7 @@ pub fn has_feet(mechanism: &Mechanism) -> bool {
     rig.is_ok_and(|rig| Side::ALL.iter().all(|side| !rig.joints(Landmark::Ankle(*side)).is_empty()))
 }
 
-/// Why a file is no rig.
+/// Error of a file that is not a rig.
 #[derive(Debug, Error)]
 #[error("{}: {reason}", path.display())]
 pub struct RigFileError {
@@ -51,10 +51,10 @@ pub struct RigFileError {
     reason: String,
 }
 
-/// Reads a rig. `options`: for URDF and MJCF. Their unit is guessed if the metre makes no rig that can be believed.
+/// Reads a rig. `options` apply to URDF and MJCF. Their unit is guessed if metres give an implausible size.
 ///
 /// # Errors
-/// [`RigFileError`] with file, line and what would be right.
+/// [`RigFileError`] with file, line and the expected content.
 pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     let refused = |reason: String| RigFileError { path: path.to_owned(), reason };
     let expected = "a rig (rig.toml, URDF or MJCF)";
@@ -97,11 +97,11 @@ fn imported(text: &str, options: &Options) -> Result<LoadedRig, String> {
     Ok(LoadedRig { description, mechanism, world: Some(world), notes })
 }
 
-/// Name of the first element of XML text; empty if there is none.
+/// Returns the name of the first element of XML text; empty if there is none.
 fn root_element(text: &str) -> &str {
     let mut rest = text;
     while let Some((_, behind)) = rest.split_once('<') {
-        // What begins so is no element: declarations, comments, a document type.
+        // These beginnings are not elements: declarations, comments, a document type.
         if let Some(comment) = behind.strip_prefix("!--") {
             rest = comment.split_once("-->").map_or("", |(_, behind)| behind);
         } else if behind.starts_with(['?', '!']) {

@@ -1,4 +1,4 @@
-//! Rigs of the user: files of any format that `sinew-rig` reads, and what the command does with them.
+//! The user's rigs: files of any format that `sinew-rig` reads, and the work of the commands on them.
 
 mod dynamics;
 mod file;

@@ -1,4 +1,4 @@
-//! A rig's review, with what only the comparison of its two sides shows.
+//! Reviews a rig, and compares its two sides.
 
 use anyhow::Context as _;
 use sinew_retarget::rig::{RigMatch, mirror_faults};
@@ -10,7 +10,7 @@ use crate::play::closes_loop;
 /// Reviews a rig, and compares its left side with its right one, if it has limbs.
 ///
 /// # Errors
-/// If a servo or a drive cannot be, or the rig does not fit `sinew-core`.
+/// If a servo or a drive is invalid, or the rig does not fit `sinew-core`.
 pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
     let name = || rig.description.name.clone();
     let is_corrected = |name: &str| {
@@ -39,7 +39,7 @@ pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
             about: format!("joint {joint}"),
             text: format!("{}{mend}", fault.text),
         };
-        // Behind what is worse.
+        // After the more severe findings.
         let place = review.findings.partition_point(|other| other.severity <= Severity::Warning);
         review.findings.insert(place, finding);
     }

@@ -1,5 +1,5 @@
-//! How large an imported rig is, and whether it stands: formats of robots say metres and z, and files do not keep to
-//! it.
+//! Estimates the size of an imported rig, and whether it is upright: robot formats prescribe metres and z up, but
+//! files often differ.
 
 use std::ops::RangeInclusive;
 
@@ -9,10 +9,10 @@ use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_rig::Mechanism;
 use sinew_rig::import::World;
 
-/// Sizes that are believed, m: from an eye to a float of a parade.
+/// Plausible sizes, m: from an eye to a float of a parade.
 const SIZE_M: RangeInclusive<f64> = 0.005..=10.0;
 
-/// The bodies that move, as a skeleton in the home pose.
+/// Returns the moving bodies as a skeleton in the home pose.
 pub fn at_home(name: &str, mechanism: &Mechanism) -> Recording {
     let poses = mechanism.poses(&mechanism.home());
     let joint = |(index, body): (usize, &sinew_rig::mechanism::Link)| SkeletonJoint {
@@ -33,7 +33,7 @@ pub fn at_home(name: &str, mechanism: &Mechanism) -> Recording {
     }
 }
 
-/// Extents of joints and centres of mass in the home pose: along y, and the largest across, m.
+/// Returns the extents of joints and centres of mass in the home pose: along y, and the largest across, m.
 fn extents_m(mechanism: &Mechanism) -> [f64; 2] {
     let poses = mechanism.poses(&mechanism.home());
     let places = poses.iter().zip(&mechanism.bodies).flat_map(|(pose, body)| {
@@ -47,14 +47,15 @@ fn extents_m(mechanism: &Mechanism) -> [f64; 2] {
     [size.y, size.x.max(size.z)]
 }
 
-/// The unit of a file whose rig is of this size in metres, if it is another one; and why.
+/// Returns the unit of a file whose rig has an implausible size in metres, with the reason; `None` if metres are
+/// plausible.
 ///
 /// # Errors
-/// Why nothing tells it, and what to say.
+/// The reason why the unit is unknown, and the option that sets it.
 pub(super) fn other_unit(mechanism: &Mechanism) -> Result<Option<(f64, String)>, String> {
     let [high, across] = extents_m(mechanism);
     let size = high.max(across);
-    // All at one point: there is nothing to measure.
+    // All points coincide: there is no size to measure.
     if size <= 0.0 || SIZE_M.contains(&size) {
         return Ok(None);
     }
@@ -70,16 +71,16 @@ pub(super) fn other_unit(mechanism: &Mechanism) -> Result<Option<(f64, String)>,
     })
 }
 
-/// Its size and unit, for people.
+/// Describes the size and unit of a rig.
 pub(super) fn size(mechanism: &Mechanism, world: &World) -> String {
     let [high, across] = extents_m(mechanism);
     let World { metres_per_unit, unit_reason, .. } = world;
     format!("{high:.3} m high, {across:.3} m across; a unit is {metres_per_unit} m ({unit_reason})")
 }
 
-/// Says that a figure lies. `up`: the axis of the file that was taken for up, unit.
+/// Returns a note if the figure is not upright. `up`: the assumed up axis in the file, unit vector.
 pub(super) fn lies(mechanism: &Mechanism, up: DVec3) -> Option<String> {
-    /// In the mean from feet to hips and to the head: within half of a right angle.
+    /// Least mean agreement of the directions from feet to hips and to the head: within half a right angle.
     const AGREEMENT: f64 = 0.7;
     let body = SkeletonMatch::new(&at_home("", mechanism).skeleton, &[]).up?;
     (body.agreement > AGREEMENT && body.axis != DVec3::Y).then(|| {

@@ -1,4 +1,4 @@
-//! Where a scripted hand leads a rig.
+//! The path along which a scripted hand leads a rig.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,39 +6,39 @@ use sinew_retarget::feasibility::{Curve, Instant, MotionError, Performance as _,
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
-/// Rest before and after the built-in way, s.
+/// Rest before and after the built-in motion, s.
 const REST_S: f64 = 1.0;
-/// The built-in way, s.
+/// Duration of the built-in motion, s.
 const WAY_S: f64 = 6.0;
-/// How far it leads a joint, as a part of its range, and at most, rad or m.
+/// Largest deflection of a joint: as a share of its range, and in rad or m.
 const FAR: (f64, f64) = (0.15, 0.6);
-/// Rows a second of the built-in way.
+/// Rows per second of the built-in path.
 const RATE_HZ: f64 = 50.0;
 
-/// A way through poses of a rig.
+/// A path through poses of a rig.
 #[derive(Debug, Clone)]
 pub struct GuideTrajectory(Curve);
 
 impl GuideTrajectory {
-    /// Along a motion.
+    /// Creates a path along a motion.
     ///
     /// # Errors
-    /// [`MotionError`] if it is none of the rig.
+    /// [`MotionError`] if it is not a motion of the rig.
     pub fn along(mechanism: &Mechanism, motion: &RigMotion) -> Result<Self, MotionError> {
         Curve::new(mechanism, motion).map(Self)
     }
 
-    /// From home and back, for 8 s: all joints at once, each to both sides; ball joints stay.
+    /// Creates the built-in path from home and back, 8 s: all joints at once, each to both sides; ball joints stay.
     ///
     /// # Errors
-    /// [`MotionError`] if the rig has no coordinates that can be.
+    /// [`MotionError`] if the rig's coordinates are invalid.
     pub fn built_in(mechanism: &Mechanism) -> Result<Self, MotionError> {
         let home = mechanism.home();
         let ranges = mechanism.coordinate_ranges();
         let row = |time_s: f64| {
             let mut q = home.clone();
             let share = ((time_s - REST_S) / WAY_S).clamp(0.0, 1.0);
-            // Speed and acceleration are nothing at both ends.
+            // Speed and acceleration are zero at both ends.
             let swing = libm::pow(libm::sin(PI * share), 3.0);
             let joints = mechanism.bodies.iter().zip(&ranges);
             for (index, (link, range)) in joints.enumerate() {
@@ -51,7 +51,7 @@ impl GuideTrajectory {
                 for (place, ends) in range.clone().zip(&link.ranges) {
                     let [least, most] = *ends;
                     let (part, far) = FAR;
-                    // A joint without ends has all the way.
+                    // A joint without limits uses the largest absolute deflection.
                     let reach = (part * (most - least)).min(far);
                     let middle = home[place].clamp(least + reach, most - reach);
                     let phase = index as f64;
@@ -68,12 +68,12 @@ impl GuideTrajectory {
         Self::along(mechanism, &RigMotion { dt_s, rows })
     }
 
-    /// How long it takes, s.
+    /// Returns the duration, s.
     pub fn duration_s(&self) -> f64 {
         self.0.duration_s()
     }
 
-    /// Where the rig is to be, and how fast.
+    /// Returns position and velocity at a time.
     pub fn at(&self, time_s: f64) -> Instant {
         let mut instant = Instant::default();
         self.0.at(time_s, &mut instant);

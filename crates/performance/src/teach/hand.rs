@@ -1,4 +1,4 @@
-//! A scripted hand at a simulated rig.
+//! A scripted hand that leads a simulated rig.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
@@ -6,16 +6,16 @@ use sinew_servo_sim::plant::Hand;
 
 use super::GuideTrajectory;
 
-/// A hand that holds all joints but ball joints, and leads them along a way.
+/// A hand that holds all joints except ball joints, and leads them along a path.
 #[derive(Debug, Clone)]
 pub struct ScriptedHand {
     guide: GuideTrajectory,
-    /// Dof and coordinate of all that it holds.
+    /// Dof and coordinate of each joint that the hand holds.
     held: Vec<(usize, usize)>,
 }
 
 impl ScriptedHand {
-    /// At a rig of this mechanism.
+    /// Creates a hand for a rig with this mechanism.
     pub fn new(mechanism: &Mechanism, guide: GuideTrajectory) -> Self {
         let (mut held, mut dof, mut coordinate) = (Vec::new(), 0, 0);
         for link in &mechanism.bodies {
@@ -29,12 +29,12 @@ impl ScriptedHand {
         Self { guide, held }
     }
 
-    /// How long its way takes, s.
+    /// Returns the duration of the path, s.
     pub fn duration_s(&self) -> f64 {
         self.guide.duration_s()
     }
 
-    /// Holds every dof where it leads `time_s` after the beginning: `lead` puts the hand there.
+    /// Holds every dof at its position `time_s` after the beginning of the path. `lead` sets the hand of a dof.
     pub fn hold(&self, time_s: f64, mut lead: impl FnMut(usize, Option<Hand>)) {
         let instant = self.guide.at(time_s);
         for (dof, coordinate) in &self.held {
@@ -43,7 +43,7 @@ impl ScriptedHand {
         }
     }
 
-    /// Lets go of all.
+    /// Lets go of all dofs that the hand holds.
     pub fn let_go(&self, mut lead: impl FnMut(usize, Option<Hand>)) {
         self.held.iter().for_each(|(dof, _)| lead(*dof, None));
     }

@@ -1,10 +1,10 @@
-//! Teaching by hand: a rig is led, limp or carrying itself, and what was measured becomes a motion.
+//! Teaching by hand: a rig is led, with torque off or floating, and the measured positions become a motion.
 //!
 //! ```text
 //! GuideTrajectory of a ScriptedHand ─> TeachSession (a simulated rig, a tick a call) ─┐
 //!                      telemetry of a board ─> rows (evenly spaced) ────────────────┴─> TeachResult (cut, smooth)
 //! ```
-//! [`TeachResult`] takes rows from a simulated rig and from a board alike.
+//! [`TeachResult`] accepts rows from a simulated rig and from a board.
 
 mod guide_trajectory;
 mod hand;

@@ -1,4 +1,4 @@
-//! Poses as telemetry brought them, as rows of equal spacing.
+//! Converts poses of telemetry to evenly spaced rows.
 
 use sinew_board_client::TimedPose;
 use sinew_retarget::feasibility::RigMotion;
@@ -6,33 +6,34 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
-/// Without a pose for longer than this nobody knows what the hand did: half a period of 6 Hz, which the low-pass keeps.
+/// Longest allowed time without a pose. In a longer gap the hand's motion is unknown: this is half a period of 6 Hz,
+/// which the low-pass filter keeps.
 const LONGEST_GAP_S: f64 = 1.0 / 12.0;
 
-/// Why poses are no motion.
+/// Error of poses that are not a motion.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ReceivedError {
-    /// Too little came.
-    #[error("the controller sent {0} whole pose(s): a motion needs two")]
+    /// Fewer than two complete poses were received.
+    #[error("the controller sent {0} complete pose(s): a motion needs two")]
     Few(usize),
-    /// Too little came for a while.
+    /// There is a gap between poses.
     #[error(
-        "no pose came for {gap_s:.2} s, {at_s:.2} s after the beginning: what the hand did there is not known (at most \
-         {LONGEST_GAP_S:.2} s); a shorter cable, or a faster line"
+        "no pose arrived for {gap_s:.2} s, {at_s:.2} s after the beginning (at most {LONGEST_GAP_S:.2} s are allowed): \
+         the motion in between is not known; use a shorter cable, or a faster line"
     )]
     Gap {
-        /// For how long, s.
+        /// Length of the gap, s.
         gap_s: f64,
-        /// When, s.
+        /// Start of the gap, s.
         at_s: f64,
     },
 }
 
-/// A motion through the whole ones of these poses, a row each `dt_s`: between two that came, straight from one to the
-/// other. `tick_s`: length of a tick of the controller.
+/// Returns a motion through the complete poses, a row every `dt_s`, with linear interpolation. `tick_s`: length of a
+/// controller's tick.
 ///
 /// # Errors
-/// [`ReceivedError`].
+/// [`ReceivedError`] if there are too few poses, or a gap is too long.
 pub fn rows(
     mechanism: &Mechanism,
     poses: &[TimedPose],
@@ -42,7 +43,7 @@ pub fn rows(
     let width = mechanism.coordinate_count();
     let whole: Vec<&TimedPose> = poses.iter().filter(|pose| pose.q.len() == width).collect();
     let [first, .., last] = whole.as_slice() else { return Err(ReceivedError::Few(whole.len())) };
-    // The number of a tick may begin at 0 again.
+    // The number of a tick may wrap to 0.
     let since_s = |pose: &TimedPose| f64::from(pose.tick.wrapping_sub(first.tick)) * tick_s;
     for pair in whole.windows(2) {
         let (at_s, gap_s) = (since_s(pair[0]), since_s(pair[1]) - since_s(pair[0]));
@@ -66,14 +67,14 @@ pub fn rows(
     Ok(RigMotion { dt_s, rows: (0..count).map(row).collect() })
 }
 
-/// A share of the way from one pose to another.
+/// Interpolates linearly between two poses.
 fn between(mechanism: &Mechanism, from: &[f32], to: &[f32], share: f64) -> Vec<f64> {
     let mut q: Vec<f64> = Vec::with_capacity(from.len());
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
         let [from, to] = [from, to].map(|pose| pose[range.clone()].iter().copied().map(f64::from));
         let turns = matches!(link.joint, JointModel::Spherical | JointModel::Free);
         let dot: f64 = from.clone().zip(to.clone()).take(4).map(|(a, b)| a * b).sum();
-        // Of the two quaternions of a rotation the near one.
+        // The nearer of the two quaternions of a rotation.
         let sign = if turns && dot < 0.0 { -1.0 } else { 1.0 };
         let begin = q.len();
         q.extend(from.zip(to).enumerate().map(|(at, (a, b))| {

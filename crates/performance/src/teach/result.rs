@@ -1,4 +1,4 @@
-//! What was measured while a rig was led, as a motion: rest is cut, noise is taken out.
+//! Converts the measured positions of a led rig to a motion: rest is cut, and noise is removed.
 
 use sinew_mocap::filter::LowPass;
 use sinew_retarget::feasibility::{Curve, Instant, MotionError, Performance as _, RigMotion};
@@ -8,49 +8,51 @@ use thiserror::Error;
 
 use super::GuideTrajectory;
 
-/// A joint that is nearer than this to where it began, or ended, rests: half a degree; of a slide half a millimetre.
+/// A joint within this distance of its first or last position is at rest: half a degree; for a slide half a
+/// millimetre.
 pub const REST_RAD: f64 = 0.008_726_6;
 const REST_M: f64 = 0.5e-3;
-/// So much rest is left at both ends, s.
+/// Rest that is kept at both ends, s.
 const LEFT_S: f64 = 0.25;
 
-/// Why there is no motion.
+/// Error of a recording without a motion.
 #[derive(Debug, Error)]
 pub enum TeachResultError {
-    /// Nobody led it.
+    /// No joint was moved.
     #[error("no joint moved by more than 0.5 deg: nothing was taught")]
     Rest,
-    /// The frequency is too high.
+    /// The cutoff frequency is too high.
     #[error(
         "--cutoff-hz: expected a frequency below half of the {rate_hz} rows a second, found {cutoff_hz} Hz"
     )]
     Cutoff {
-        /// Rows a second.
+        /// Rows per second.
         rate_hz: f64,
-        /// What was asked for.
+        /// The requested cutoff, Hz.
         cutoff_hz: f64,
     },
-    /// No motion of the rig.
+    /// The rows are not a motion of the rig.
     #[error(transparent)]
     Motion(#[from] MotionError),
 }
 
-/// A motion that was shown by hand.
+/// A motion that was taught by hand.
 #[derive(Debug, Clone)]
 pub struct TeachResult {
-    /// The motion.
+    /// The taught motion, without rest and noise.
     pub motion: RigMotion,
-    /// Rest that was cut: before and after, s.
+    /// Rest that was cut before and after, s.
     pub cut_s: [f64; 2],
-    /// How far the low-pass has moved a coordinate at most, rad or m.
+    /// Largest change of a coordinate by the low-pass filter, rad or m.
     pub smoothed: f64,
 }
 
 impl TeachResult {
-    /// Of measured rows. `cutoff_hz`: of the low-pass, 0 for none; `rate_hz`: rows a second of the motion.
+    /// Makes a motion from measured rows. `cutoff_hz`: cutoff of the low-pass filter, 0 for no filter; `rate_hz`:
+    /// rows per second of the motion.
     ///
     /// # Errors
-    /// [`TeachResultError`].
+    /// [`TeachResultError`] if no joint moved, or the cutoff or the rows are invalid.
     pub fn new(
         mechanism: &Mechanism,
         measured: &RigMotion,
@@ -73,7 +75,7 @@ impl TeachResult {
     }
 }
 
-/// Takes noise out of all coordinates; says how far it has moved one at most.
+/// Filters all coordinates. Returns the largest change of a coordinate.
 fn smooth(
     mechanism: &Mechanism,
     rows: &mut [Vec<f64>],
@@ -89,7 +91,7 @@ fn smooth(
     let mut most: f64 = 0.0;
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
         if link.joint == JointModel::Spherical {
-            // Of the two quaternions of a rotation, the one near that of the row before.
+            // The one of the two quaternions of a rotation that is nearer to that of the row before.
             for row in 1..rows.len() {
                 let dot: f64 = range.clone().map(|at| rows[row][at] * rows[row - 1][at]).sum();
                 let sign = if dot < 0.0 { -1.0 } else { 1.0 };
@@ -115,12 +117,12 @@ fn smooth(
     Ok(most)
 }
 
-/// The first row that is away from where it began, and the last that is away from where it ended.
+/// Returns the first row away from the first position, and the last row away from the last position.
 fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
     let mut least = Vec::new();
     for link in &mechanism.bodies {
         let rest = if matches!(link.joint, JointModel::Prismatic(_)) { REST_M } else { REST_RAD };
-        // Half of the angle is what a quaternion shows of it.
+        // A quaternion changes by half the angle.
         let rest = if link.joint == JointModel::Spherical { 0.5 * rest } else { rest };
         least.extend(std::iter::repeat_n(rest, link.joint.kind().coordinate_count()));
     }
@@ -133,11 +135,11 @@ fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
     Some((first, last.max(first)))
 }
 
-/// How far a motion is from the way that a hand led, `begin_s` after its beginning: mean and largest over all rows and
-/// coordinates, rad or m; and the coordinate and time of the largest.
+/// Compares a motion with the path of a hand, `begin_s` after its beginning. Returns mean and largest distance over
+/// all rows and coordinates, rad or m, and the coordinate and time of the largest.
 ///
 /// # Errors
-/// [`MotionError`] if it is none of the rig.
+/// [`MotionError`] if it is not a motion of the rig.
 pub fn compare_with_guide(
     mechanism: &Mechanism,
     motion: &RigMotion,

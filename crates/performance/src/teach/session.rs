@@ -1,4 +1,4 @@
-//! A simulated rig that a scripted hand leads.
+//! Leads a simulated rig with a scripted hand.
 
 use sinew_firmware::supervisor::{Command, FaultSet, Refused, State};
 use sinew_rig::Mechanism;
@@ -8,38 +8,39 @@ use thiserror::Error;
 use super::{GuideTrajectory, ScriptedHand};
 use crate::play::{Drive, RigParts, SimulatedRig};
 
-/// After so long a rig that is not ready will not be, s.
+/// Longest time until a rig must be ready, s.
 const READY_S: f64 = 10.0;
 
-/// How the rig is while it is led.
+/// State of the rig while it is led.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
     /// Torque is off.
     Limp,
-    /// It carries its own weight.
+    /// The rig carries its own weight.
     Float,
 }
 
-/// Why nothing was taught.
+/// Error of a teaching session.
 #[derive(Debug, Error)]
 pub enum TeachSessionError {
-    /// Servos that take no effort.
+    /// A servo cannot be commanded by effort.
     #[error(
-        "the rig cannot carry itself: servo `{0}` is driven by position, and takes no effort; teach it limp (`--limp`)"
+        "the rig cannot carry itself: servo `{0}` is driven by position, and accepts no effort; lead it with torque \
+         off (`--limp`)"
     )]
     NoEffort(String),
-    /// Servos that tell nothing.
+    /// A servo reports nothing.
     #[error(
-        "nothing can be taught by hand: servo `{0}` takes pulses, and does not tell where it is"
+        "nothing can be recorded by hand: servo `{0}` is driven by pulses, and does not report its position"
     )]
     TellsNothing(String),
-    /// A command was refused.
+    /// The controller refused a command.
     #[error("the controller refused: {0}")]
     Refused(Refused),
-    /// Faults ended it.
+    /// Faults ended the session.
     #[error("it ended with {}: see docs/faults.md", names(*.0))]
     Faults(FaultSet),
-    /// It did not become what it was asked to be.
+    /// The rig did not reach the requested state.
     #[error("the rig is still {0} after 10 s")]
     NotReady(State),
 }
@@ -48,27 +49,27 @@ fn names(faults: FaultSet) -> String {
     faults.iter().map(sinew_firmware::supervisor::Fault::name).collect::<Vec<_>>().join(", ")
 }
 
-/// What was measured.
+/// The measured motion of a session.
 #[derive(Debug, Clone)]
 pub struct TeachRecording {
-    /// From row to row, s.
+    /// Time between two rows, s.
     pub dt_s: f64,
     /// Measured coordinates while a hand led.
     pub rows: Vec<Vec<f64>>,
-    /// How far each coordinate went after the hand let go, rad or m: the most in all that time.
+    /// Largest motion of each coordinate after the hand released the rig, rad or m.
     pub drift: Vec<f64>,
 }
 
-/// A rig on its stand, and a hand.
+/// A simulated rig on its stand, and a hand.
 pub struct TeachSession<'s, 'a> {
     sim: &'s mut SimulatedRig<'a, RigPlant>,
     hand: ScriptedHand,
 }
 
-/// That the servos of a rig can be taught so.
+/// Checks that the servos of a rig can be taught in a mode.
 ///
 /// # Errors
-/// [`TeachSessionError`] names the first one that cannot.
+/// [`TeachSessionError`] names the first servo that cannot.
 pub fn check_servos(parts: &RigParts, mode: Mode) -> Result<(), TeachSessionError> {
     let name = |refused: fn(Drive) -> bool| {
         let found = parts.servos.iter().find(|part| refused(part.drive));
@@ -84,7 +85,7 @@ pub fn check_servos(parts: &RigParts, mode: Mode) -> Result<(), TeachSessionErro
 }
 
 impl<'s, 'a> TeachSession<'s, 'a> {
-    /// With a stand just before power comes on.
+    /// Creates a session with a rig just before power-on.
     pub fn new(
         sim: &'s mut SimulatedRig<'a, RigPlant>,
         mechanism: &Mechanism,
@@ -93,11 +94,11 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         Self { sim, hand: ScriptedHand::new(mechanism, guide) }
     }
 
-    /// Power on, the hand holds the rig; it is led along a way, let go for `let_go_s`, and made limp. `each` sees every
-    /// tick's state.
+    /// Runs the session: power-on while the hand holds the rig; the hand leads it along the path and releases it for
+    /// `let_go_s`; then torque off. `each` receives the state of every tick.
     ///
     /// # Errors
-    /// [`TeachSessionError`].
+    /// [`TeachSessionError`] if the rig cannot be taught, or a fault ends the session.
     pub fn run(
         &mut self,
         mode: Mode,
@@ -144,7 +145,7 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         Ok(TeachRecording { dt_s: 1e-6 * f64::from(self.sim.parts.tick_us()), rows, drift })
     }
 
-    /// What leads from the present state to the one in which it is taught.
+    /// Returns the next command on the way from the present state to the state for teaching.
     fn towards(&self, mode: Mode) -> Option<Command> {
         let report = self.sim.report();
         match (mode, report.state) {
@@ -157,7 +158,7 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         }
     }
 
-    /// Where the hand is now.
+    /// Puts the hand at its position at a time of the path.
     fn hold(&mut self, time_s: f64) {
         self.hand.hold(time_s, |dof, hand| {
             self.sim.lead(dof, hand);

@@ -1,8 +1,8 @@
-//! A transition from one clip to another where their poses are nearest, the blend along geodesics.
+//! Blends one clip into another at their nearest poses, along geodesics.
 //!
-//! The places are found exactly: of all pairs of frames, the one whose geodesic is shortest ([`nearest`]). In the
-//! blend both clips play, and every pose lies on the geodesic between theirs of that moment, a smooth share of the
-//! way from one to the other ([`blend`]).
+//! The places are found exactly: of all pairs of frames, the pair with the shortest geodesic ([`nearest`]). During
+//! the blend both clips play. Every pose is on the geodesic between the two clips' poses at that time, at a
+//! smoothly increasing share of its length ([`blend`]).
 
 mod nearest;
 mod pair;

@@ -1,4 +1,4 @@
-//! Of two clips' frames, the pair whose geodesic is shortest.
+//! Finds the pair of frames of two clips whose geodesic is shortest.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,52 +10,52 @@ use sinew_mocap::JointSample;
 use super::pair::Pair;
 use crate::geodesic::{Options, RigError, solve};
 
-/// Where the blend's middle may be: frames of both clips.
+/// The permitted frames of the middle of the blend, in both clips.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FrameRanges {
-    /// Of the first.
+    /// Frames of the first clip.
     pub a: RangeInclusive<usize>,
-    /// Of the second.
+    /// Frames of the second clip.
     pub b: RangeInclusive<usize>,
 }
 
-/// The nearest pair, and what it took to find it.
+/// The nearest pair of frames, and the cost of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     /// Frame of the first clip.
     pub a: usize,
-    /// Frame of the second.
+    /// Frame of the second clip.
     pub b: usize,
     /// Length of the geodesic, m.
     pub geodesic_m: f64,
-    /// The way straight through space, m.
+    /// Straight-line distance of the joint positions, m.
     pub positions_m: f64,
-    /// The solver's iterations for this pair.
+    /// Number of the solver's iterations for this pair.
     pub iterations: usize,
-    /// Pairs there are.
+    /// Number of all pairs of frames.
     pub pairs: usize,
-    /// Pairs whose geodesic was computed.
+    /// Number of pairs whose geodesic was computed.
     pub solved: usize,
-    /// Those of them where the solver gave up.
+    /// Number of these pairs for which the solver gave up.
     pub gave_up: usize,
 }
 
-/// Pairs that are solved before the best is looked at again. It is part of the report, so it does not depend on
-/// threads.
+/// Number of pairs that are solved before the best pair is updated. It does not depend on the number of threads,
+/// since the report contains it.
 const BATCH: usize = 4;
 
-/// No curve is shorter than the way straight through space, but for the rounding of f64.
+/// Safety factor for the rounding of f64. In exact arithmetic no curve is shorter than the straight-line distance.
 const ROUNDING: f64 = 1.0 - 1e-9;
 
-/// The pair of frames with the shortest geodesic, the earlier of two of the same length. Pairs are visited in the
-/// order of the way straight through space, of which no geodesic is shorter, until that is longer than the best: what
-/// is never solved cannot be it. `done` is called for every pair solved.
+/// Returns the pair of frames with the shortest geodesic; of two equal pairs, the earlier. Pairs are visited in
+/// the order of their straight-line distance, which is a lower bound of the geodesic, until that distance exceeds
+/// the best geodesic: the remaining pairs cannot be better. `done` is called for every solved pair.
 ///
 /// # Errors
-/// [`RigError`] if a pose is not one of the rig.
+/// [`RigError`] if a pose does not fit the rig.
 ///
 /// # Panics
-/// If there are no places, or frames beyond the clips.
+/// If a range is empty, or contains frames after a clip's end.
 pub fn nearest(
     pair: &Pair,
     places: &FrameRanges,
@@ -63,7 +63,7 @@ pub fn nearest(
 ) -> Result<Nearest, RigError> {
     let (frames_a, of_a) = moving(pair, &pair.a.frames, &places.a);
     let (frames_b, of_b) = moving(pair, &pair.b.frames, &places.b);
-    // Of every frame of the first, its nearest of the second that was not visited.
+    // For a frame of the first clip, the nearest frame of the second that was not visited yet.
     let after = |row: usize, last: Option<(f64, usize)>| {
         let columns = of_b.iter().enumerate().map(|(column, b)| (way_m(&of_a[row], b), column));
         let rest = columns.filter(|next| last.is_none_or(|last| order(last, *next).is_lt()));
@@ -121,8 +121,8 @@ pub fn nearest(
     Ok(Nearest { solved, gave_up, ..best })
 }
 
-/// Frames, and the positions of all joints in each. A frame in the pose of the one before is left out: its ways are as
-/// long, and of those the earlier one counts. So clips that stand still do not take forever.
+/// Returns the frames of a range with the positions of all joints. A frame with the pose of its predecessor is
+/// omitted: its distances are equal, and the earlier frame would be chosen. This makes clips at rest fast.
 fn moving(
     pair: &Pair,
     frames: &[Vec<JointSample>],

@@ -1,4 +1,4 @@
-//! Two clips made ready for each other: on one skeleton, at one rate.
+//! Converts two clips to one skeleton and one rate.
 
 use glam::{DQuat, DVec3};
 use sinew_core::JointKind;
@@ -13,42 +13,42 @@ use crate::spatial::Rigid;
 /// Two clips on the skeleton of the first, at its rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
-    /// The first.
+    /// First clip.
     pub a: Clip,
-    /// The second, with the first one's bones. What joints are off their offsets stays as it is; how its body goes
-    /// through space is made as much larger as its legs are.
+    /// Second clip, with the first clip's bones. Displacements of joints from their offsets are unchanged; the
+    /// motion of the body through space is scaled by the ratio of the legs.
     pub b: Clip,
-    /// The factor of that.
+    /// Scale factor of the second clip's motion through space.
     pub scale: f64,
-    /// The joint that moves the body through space.
+    /// Index of the joint that moves the body through space.
     pub(super) root: usize,
-    /// Which joints hang on it, itself first, and those of them that move.
+    /// Indices of the joints of its subtree, itself first.
     pub(super) joints: Vec<usize>,
     rigid: Rigid,
     pub(super) rig: Rig,
 }
 
-/// Two clips cannot be joined.
+/// The error of two clips that cannot be joined.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PairError {
-    /// They are of different skeletons.
+    /// The clips have different skeletons.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
-    /// The skeleton cannot be a rig.
+    /// The skeleton is invalid as a rig.
     #[error(transparent)]
     Rig(#[from] RigError),
 }
 
 impl Pair {
-    /// Puts `b` on the skeleton of `a`, joints by their names, and to its rate.
+    /// Converts `b` to the skeleton of `a`, joints matched by name, and to its rate.
     ///
     /// # Errors
-    /// [`PairError::Mismatch`] if their joints are not the same; [`PairError::Rig`] if bones are not finite.
+    /// [`PairError::Mismatch`] if the clips have different joints; [`PairError::Rig`] if bones are not finite.
     pub fn new(a: Clip, b: &Clip) -> Result<Self, PairError> {
         let order = same_joints(&a.skeleton, &b.skeleton)?;
         let of_b = resample(b, a.rate_hz());
         let (root_a, root_b) = (moving_root(&[&a]), moving_root(&[b]));
-        // If either moves its root, that carries both.
+        // If either clip moves the skeleton's root, the root is the joint that moves the body in both.
         let root = if order[root_a] == root_b { root_a } else { 0 };
         let (body, joints) = a.skeleton.subtree(root);
         let (of_a, other) = (legs_m(&body), legs_m(&b.skeleton.subtree(order[root]).0));
@@ -76,17 +76,17 @@ impl Pair {
         Ok(Self { a, b, scale, root, joints, rigid, rig })
     }
 
-    /// The skeleton's part that poses are compared on: the joints that move.
+    /// Returns the part of the skeleton on which poses are compared: the joints that move.
     pub fn body(&self) -> &Skeleton {
         &self.rigid.skeleton
     }
 
-    /// Local rotations of the body's joints in a frame.
+    /// Returns the local rotations of the body's joints in a frame.
     pub fn rotations(&self, frame: &[JointSample]) -> Vec<DQuat> {
         self.rigid.pose(&rotations(&self.joints, frame))
     }
 
-    /// Puts the rotations of the body's joints into a frame.
+    /// Writes the rotations of the body's joints to a frame.
     pub(super) fn put(&self, pose: &[JointPosition], frame: &mut [JointSample]) {
         let turns: Vec<DQuat> = pose
             .iter()
@@ -95,25 +95,25 @@ impl Pair {
                 _ => DQuat::IDENTITY,
             })
             .collect();
-        // The first is the body itself.
+        // The first joint is the body itself.
         for (joint, rotation) in self.rigid.joints(&turns).skip(1) {
             frame[self.joints[joint]].rotation = rotation;
         }
     }
 
-    /// A frame as the solver takes it.
+    /// Returns a frame as the solver's input.
     pub(super) fn pose(&self, frame: &[JointSample]) -> Vec<JointPosition> {
         let rotations = self.rotations(frame).into_iter().skip(1);
         std::iter::once(JointPosition::Fixed).chain(rotations.map(JointPosition::Turn)).collect()
     }
 }
 
-/// Local rotations of some joints.
+/// Returns the local rotations of some joints.
 fn rotations(joints: &[usize], frame: &[JointSample]) -> Vec<DQuat> {
     joints.iter().map(|joint| frame[*joint].rotation).collect()
 }
 
-/// How far below its root a skeleton goes at rest, in metres.
+/// Returns the depth of a skeleton below its root at rest, in metres.
 fn legs_m(skeleton: &Skeleton) -> f64 {
     let rest_m = skeleton.rest_positions_m();
     let ends =

@@ -1,4 +1,4 @@
-//! The result of a blend, as text and JSON.
+//! Writes the result of a blend as text and JSON.
 
 use std::fmt::Write as _;
 
@@ -7,27 +7,27 @@ use serde::Serialize;
 use super::nearest::Nearest;
 use super::transition::Blend;
 
-/// A blend with what is reported of it.
+/// A blend with the reported values.
 #[derive(Debug, Clone, Copy)]
 pub struct Outcome<'a> {
     /// The first clip.
     pub a: Side<'a>,
-    /// The second.
+    /// The second clip.
     pub b: Side<'a>,
-    /// Where they meet.
+    /// The nearest pair of frames, in the middle of the blend.
     pub nearest: &'a Nearest,
-    /// The geodesic line's length there, m.
+    /// Length of the geodesic line there, m.
     pub line_m: f64,
-    /// The motion.
+    /// The blended motion.
     pub blend: &'a Blend,
-    /// Factor on how the second clip's body goes through space.
+    /// Scale factor of the second clip's motion through space.
     pub scale: f64,
 }
 
-/// A clip, and how its frames are numbered in its file.
+/// A clip, and the times of its frames in its file.
 #[derive(Debug, Clone, Copy)]
 pub struct Side<'a> {
-    /// The clip's name.
+    /// Name of the clip.
     pub name: &'a str,
     /// Time of its first frame in the file, in seconds.
     pub start_s: f64,
@@ -36,7 +36,7 @@ pub struct Side<'a> {
 }
 
 impl Side<'_> {
-    /// Time in the file of a frame at the rate of the blend, and the file's frame next to it.
+    /// Returns the time in the file for a frame at the blend's rate, and the nearest frame of the file.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
@@ -61,8 +61,8 @@ impl std::fmt::Display for FrameTime {
 }
 
 impl Outcome<'_> {
-    /// Places where the first clip is left, where the second is entered, and of both the middle of the blend; then
-    /// where the second plays alone.
+    /// Returns the places where the first clip is left and the second is entered, and the middle of the blend in
+    /// both.
     fn places(&self) -> [FrameTime; 4] {
         let Self { a, b, nearest, blend, .. } = self;
         let half = (blend.last - blend.first) / 2;
@@ -80,7 +80,7 @@ impl Outcome<'_> {
     }
 }
 
-/// A line for each thing that is reported.
+/// Returns the report as text, one line per value.
 pub fn text(outcome: &Outcome<'_>) -> String {
     let Outcome { a, b, nearest, line_m, blend, scale } = outcome;
     let [leaves, enters, middle_a, middle_b] = outcome.places();
@@ -117,7 +117,10 @@ pub fn text(outcome: &Outcome<'_>) -> String {
         line("not converged", format!("{found} of the search, {blended} of the blend"));
     }
     if blend.gave_up > 0 {
-        line("way", "every joint on its own shortest way, as geodesics did not converge".into());
+        line(
+            "way",
+            "every joint on its own shortest path, because geodesics did not converge".into(),
+        );
     }
     line(
         "body",
@@ -161,7 +164,7 @@ struct Document<'a> {
     iterations: usize,
     iterations_most: usize,
     not_converged: usize,
-    /// What poses are on: `geodesics`, or `joints`, each on its own way.
+    /// Kind of path of the poses: `geodesics`, or `joints` if each joint moves on its own path.
     way: &'static str,
     turn_rad: f64,
     scale: f64,
@@ -174,7 +177,7 @@ struct Document<'a> {
     frames: usize,
 }
 
-/// One JSON object, schema `sinew-blend/1`.
+/// Returns the report as one JSON object, schema `sinew-blend/1`.
 pub fn json(outcome: &Outcome<'_>) -> String {
     let Outcome { a, b, nearest, line_m, blend, scale } = outcome;
     let [leaves_a, enters_b, middle_a, middle_b] = outcome.places();

@@ -4,7 +4,7 @@ use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint, forward_kinematics
 use super::*;
 use crate::geodesic::{Options, solve};
 
-/// A leg and an arm on a trunk.
+/// Returns a skeleton with a leg and an arm on a trunk.
 fn skeleton(size: f64) -> Skeleton {
     let joint = |name: &str, parent, x, y| SkeletonJoint {
         name: name.into(),
@@ -24,7 +24,7 @@ fn skeleton(size: f64) -> Skeleton {
     }
 }
 
-/// A motion that swings all joints and walks on, turned by `heading` and out of step by `phase`.
+/// Returns a motion that swings all joints and walks, turned by `heading` and with its phase shifted by `phase`.
 fn motion(size: f64, heading: f64, phase: f64, rate_hz: f64, frames: usize) -> Clip {
     let skeleton = skeleton(size);
     let frame = |k: usize| {
@@ -85,7 +85,7 @@ fn worlds(clip: &Clip) -> Vec<Vec<DVec3>> {
     clip.frames.iter().map(places).collect()
 }
 
-/// Largest change of any joint's velocity from a step to the next, m/s, by frame.
+/// Returns the largest change of any joint's velocity from a step to the next, m/s, by frame.
 fn jumps(worlds: &[Vec<DVec3>], rate_hz: f64) -> Vec<f64> {
     worlds
         .windows(3)
@@ -106,7 +106,8 @@ fn both_clips_go_on_and_nothing_jumps() {
     let joined = blend(&pair, at_a, at_b, half, |_| ()).unwrap();
     assert_eq!((joined.first, joined.last, joined.gave_up), (at_a - half, at_a + half, 0));
     assert_eq!(joined.clip.frames.len(), at_a + pair.b.frames.len() - at_b);
-    // Each clip alone is as it was: the first the same, the second in its poses, and its way only turned and shifted.
+    // Outside the blend each clip is unchanged: the first exactly; the second in its poses, while its path is
+    // turned and shifted.
     assert_eq!(joined.clip.frames[..joined.first], pair.a.frames[..joined.first]);
     for (frame, original) in
         joined.clip.frames[joined.last + 1..].iter().zip(&pair.b.frames[at_b + half + 1..])
@@ -123,7 +124,7 @@ fn both_clips_go_on_and_nothing_jumps() {
             assert!(sample.rotation.angle_between(original.rotation) < 1e-6);
         }
     }
-    // Bones are as long as the first clip's.
+    // Bones have the length of the first clip's bones.
     let joined_worlds = worlds(&joined.clip);
     let skeleton = &pair.a.skeleton;
     for world in &joined_worlds {
@@ -132,7 +133,7 @@ fn both_clips_go_on_and_nothing_jumps() {
             assert!((bone_m - joint.offset_m.length()).abs() < 1e-9);
         }
     }
-    // At both ends of the blend velocities change no more than within the clips.
+    // At both ends of the blend, velocities do not change more than within the clips.
     let changes = jumps(&joined_worlds, 60.0);
     let own = |clip: &Clip| jumps(&worlds(clip), 60.0).into_iter().fold(0.0, f64::max);
     let most = own(&pair.a).max(own(&pair.b));
@@ -165,7 +166,8 @@ fn other_joints_are_refused() {
     assert_eq!(error, "joint `hand`: expected a joint of that name, found none");
 }
 
-/// Curves of long chains do not all converge, and neighbours would jump: then no frame is on one.
+/// Tests long chains, whose curves do not all converge; neighbouring frames would jump. In that case no frame uses
+/// a curve.
 #[test]
 fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
     let count = 40;
@@ -205,7 +207,7 @@ fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
         for joint in 1..count {
             let [a, b, at] =
                 [&pair.a.frames[k], &pair.b.frames[k], frame].map(|frame| frame[joint].rotation);
-            // On the great arc; an angle of quaternions is known to the root of f64's rounding.
+            // On the great arc; an angle of quaternions is accurate only to the square root of f64's rounding.
             assert!((near(a, at) + near(at, b) - near(a, b)).abs() < 1e-6, "{k} {joint}");
         }
     }

@@ -1,4 +1,4 @@
-//! The joined clip: the first up to the blend, the blend, the second from there.
+//! The joined clip: the first clip up to the blend, the blend, and the second clip after it.
 
 use glam::{DQuat, DVec3};
 use rayon::prelude::*;
@@ -7,61 +7,61 @@ use sinew_mocap::{Clip, JointSample, forward_kinematics};
 use super::pair::Pair;
 use crate::geodesic::{Geodesic, JointPosition, Options, Rig, RigError, solve};
 
-/// Two clips as one.
+/// Two clips joined into one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Blend {
-    /// The motion, on the first clip's skeleton and at its rate.
+    /// Joined motion, on the first clip's skeleton and at its rate.
     pub clip: Clip,
-    /// Its frame where the blend begins, the last of the first clip alone, and the one where it ends, the first of
-    /// the second.
+    /// Frame at which the blend begins: the last frame of the first clip alone.
     pub first: usize,
-    /// The frame where it ends.
+    /// Frame at which the blend ends: the first frame of the second clip alone.
     pub last: usize,
-    /// How the second clip was turned about the vertical, rad.
+    /// Rotation of the second clip about the vertical, rad.
     pub turn_rad: f64,
-    /// How much of the way from one body's orientation to the other's is left then in the middle of the blend, rad.
+    /// Remaining angle between the two bodies' orientations in the middle of the blend, after that rotation, rad.
     pub tilt_rad: f64,
-    /// How much higher the second clip's body is there, m.
+    /// Height of the second clip's body above the first clip's in the middle of the blend, m.
     pub rise_m: f64,
-    /// Most iterations that a frame of the blend took.
+    /// Maximum number of iterations for a frame of the blend.
     pub iterations: usize,
-    /// Frames where the solver gave up. If there is one, all frames of the blend have every joint on its own shortest
-    /// way: curves that did not converge may lie apart from frame to frame, and the motion would jump.
+    /// Number of frames for which the solver gave up. If there is any, every joint in all frames of the blend
+    /// moves on its own shortest path: unconverged curves may differ from frame to frame, and the motion would
+    /// jump.
     pub gave_up: usize,
     /// The fastest joint in the blend.
     pub fastest: PeakSpeed,
-    /// The fastest joint of both clips meanwhile, each as it plays alone.
+    /// The fastest joint of both clips over the blend's frames, when each plays alone.
     pub fastest_alone: PeakSpeed,
-    /// Speed of the fastest joint by step between frames, m/s: of the motion, and of both clips alone in the frames
-    /// of the blend.
+    /// Speed of the fastest joint for each step between frames, m/s: in the joined motion, and in both clips alone
+    /// in the frames of the blend.
     pub speeds: [Vec<f64>; 3],
 }
 
-/// The speed of a joint.
+/// The peak speed of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PeakSpeed {
-    /// Its name.
+    /// Name of the joint.
     pub joint: String,
-    /// Its speed, m/s.
+    /// Peak speed, m/s.
     pub speed_m_s: f64,
 }
 
-/// Joins two clips: frame `at_a` of the first and `at_b` of the second are the middle of the blend, and `half` frames
-/// before and after it belong to it.
+/// Joins two clips. Frame `at_a` of the first and `at_b` of the second are the middle of the blend, which includes
+/// `half` frames before and after it.
 ///
-/// The second clip is turned about the vertical so that its body is turned as nearly as possible as the first one's
-/// in the middle, and shifted so that both are at the same place there, seen from above. In the blend both clips play
-/// on. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (least jerk:
-/// at both ends it has neither velocity nor acceleration, so that each clip is left and entered with its own). The
-/// body's place goes along the line, its orientation along the great arc, by the same share. If a geodesic does not
-/// converge, all joints go along their great arcs in the whole blend: see [`Blend::gave_up`]. `done` is called for each
-/// frame of the blend.
+/// The second clip is turned about the vertical to bring its body as near as possible to the first body's
+/// orientation in the middle, and shifted until both are at one place there, seen from above. During the blend
+/// both clips play. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its
+/// length (minimum jerk: velocity and acceleration of the share are zero at both ends, which preserves each clip's
+/// own velocity there). By the same share the body's place moves along the line and its orientation along the
+/// great arc. If a geodesic does not converge, all joints move along their great arcs in the whole blend: see
+/// [`Blend::gave_up`]. `done` is called for each frame of the blend.
 ///
 /// # Errors
-/// [`RigError`] if a pose is not one of the rig.
+/// [`RigError`] if a pose does not fit the rig.
 ///
 /// # Panics
-/// If a clip has no `half` frames before and after its place, or `half` is 0.
+/// If a clip has fewer than `half` frames before or after its place, or `half` is 0.
 pub fn blend(
     pair: &Pair,
     at_a: usize,
@@ -116,7 +116,7 @@ pub fn blend(
     })
 }
 
-/// How the second clip is moved as a whole.
+/// The rigid motion of the second clip as a whole.
 struct Shift {
     turn_rad: f64,
     turn: DQuat,
@@ -127,7 +127,7 @@ struct Shift {
 impl Shift {
     fn new(pair: &Pair, at_a: usize, at_b: usize) -> Self {
         let [a, b] = [&pair.a.frames[at_a], &pair.b.frames[at_b]].map(|frame| frame[pair.root]);
-        // The turn about the vertical that is nearest to the whole one.
+        // The turn about the vertical that is nearest to the whole rotation.
         let whole = a.rotation * b.rotation.conjugate();
         let half_rad = libm::atan2(whole.y, whole.w);
         let turn_rad = 2.0
@@ -151,12 +151,13 @@ impl Shift {
     }
 }
 
-/// From 0 to 1 with the least jerk, standing still at both ends up to the second derivative (Flash & Hogan 1985).
+/// Returns the minimum-jerk function from 0 to 1, at rest at both ends up to the second derivative (Flash & Hogan
+/// 1985).
 pub fn least_jerk(t: f64) -> f64 {
     t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
-/// The frame at a share of the geodesic from one to another.
+/// Returns the frame at a share of the geodesic from one frame to another.
 fn between(
     pair: &Pair,
     a: &[JointSample],
@@ -169,14 +170,15 @@ fn between(
     Ok((frame, geodesic))
 }
 
-/// The frame at a share of the way from one to another, every joint on its own.
+/// Returns the frame at a share of the path from one frame to another, each joint separately.
 fn joint_by_joint(
     pair: &Pair,
     a: &[JointSample],
     b: &[JointSample],
     share: f64,
 ) -> Vec<JointSample> {
-    // Joints above the one that carries the body stay; the places of others are off their offsets by what both are off.
+    // Ancestors of the joint that moves the body are unchanged. Displacements of the other joints from their
+    // offsets are interpolated.
     let mut frame = a.to_vec();
     for joint in &pair.joints {
         frame[*joint] = a[*joint].towards(&b[*joint], share);
@@ -184,7 +186,7 @@ fn joint_by_joint(
     frame
 }
 
-/// The pose at a share of a geodesic's length in space; between the poses that were solved for, every joint on its
+/// Returns the pose at a share of a geodesic's length in space. Between the solved poses, every joint moves on its
 /// great arc.
 fn along(rig: &Rig, geodesic: &Geodesic, share: f64) -> Vec<JointPosition> {
     let places: Vec<_> = geodesic.poses.iter().map(|pose| rig.positions_m(pose)).collect();
@@ -194,7 +196,7 @@ fn along(rig: &Rig, geodesic: &Geodesic, share: f64) -> Vec<JointPosition> {
     };
     let mut steps_m: Vec<f64> = places.windows(2).map(step_m).collect();
     let mut total_m: f64 = steps_m.iter().sum();
-    // Where no joint moves, only how hands and feet are turned differs: in equal steps.
+    // If no joint moves, only the rotations of hands and feet differ: equal steps are used.
     if total_m < 1e-9 {
         steps_m.fill(1.0);
         total_m = steps_m.len() as f64;
@@ -218,7 +220,8 @@ fn along(rig: &Rig, geodesic: &Geodesic, share: f64) -> Vec<JointPosition> {
         .collect()
 }
 
-/// Speed of the fastest joint by step between frames, and the fastest of some steps (of all, without).
+/// Returns the speed of the fastest joint for each step between frames, and the fastest joint within `steps` (all
+/// steps if it is `None`).
 fn speeds(
     clip: &Clip,
     frames: &[Vec<JointSample>],

@@ -1,45 +1,45 @@
-//! Why a character was refused.
+//! Errors of characters that cannot be read.
 
 use std::fmt::{self, Display};
 use std::path::PathBuf;
 
 use sinew_mocap::format;
 
-/// A file that holds no character.
+/// The error of a file that contains no usable character.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The file system refused.
+    /// A file that could not be read.
     #[error("{}: cannot be read: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file is damaged, or holds no character.
+    /// A file that is damaged or contains no character.
     #[error("{}: {refusal}", file.display())]
     Refused {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong in it.
+        /// Description of the fault in the file.
         refusal: Refusal,
     },
-    /// Not a motion either.
+    /// A file that is not a motion either.
     #[error(transparent)]
     Motion(#[from] format::Error),
 }
 
-/// What is wrong, and what would be right.
+/// A fault in a file: what was found, and what was expected.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{place}{item}: expected {expected}, found {found}")]
 pub struct Refusal {
-    /// Where in the file.
+    /// Place in the file.
     pub place: FilePosition,
-    /// What is wrong.
+    /// Name of the faulty item.
     pub item: String,
-    /// What would be right.
+    /// Description of a valid value.
     pub expected: String,
-    /// What is there.
+    /// Description of the value that was found.
     pub found: String,
 }
 
@@ -66,18 +66,18 @@ impl Display for FilePosition {
 }
 
 impl Refusal {
-    /// At this place, unless a nearer one is known.
+    /// Adds this place, unless a more precise place is known.
     pub(super) fn at(self, place: FilePosition) -> Self {
         if self.place == FilePosition::File { Self { place, ..self } } else { self }
     }
 
-    /// In this item, as `vertex 7: weights`.
+    /// Adds the name of the enclosing item, as in `vertex 7: weights`.
     pub(super) fn of(self, item: impl Display) -> Self {
         Self { item: format!("{item}: {}", self.item), ..self }
     }
 }
 
-/// A refusal of the file as a whole.
+/// Creates a refusal of the file as a whole.
 pub(super) fn refuse(
     item: impl Into<String>,
     expected: impl Into<String>,
@@ -91,5 +91,5 @@ pub(super) fn refuse(
     }
 }
 
-/// The files that [`read`](super::read) knows, for messages.
+/// Names of the file types that [`read`](super::read) accepts, for messages.
 pub const NAMES: &str = "Geno.bin, *.glb, *.gltf, *.vrm, *.urdf, *.bvh, *.amc or humanoid3d_*.txt";

@@ -1,5 +1,5 @@
-//! `Geno.bin`, the character of D. Holden's `GenoView` (github.com/orangeduck/GenoView): little-endian arrays behind
-//! three counts. It has no magic number: its size identifies it.
+//! `Geno.bin`, the character of D. Holden's `GenoView` (github.com/orangeduck/GenoView): little-endian arrays
+//! after three counts. The format has no magic number; the file is identified by its size.
 //!
 //! | bytes | content |
 //! | --- | --- |
@@ -24,15 +24,15 @@ const TRIANGLE: usize = 3 * 2;
 const NAME: usize = 32;
 const BONE: usize = NAME + 4 + 10 * 4;
 
-/// Reads the bytes of a file.
+/// Parses the bytes of a file.
 ///
 /// # Errors
-/// [`Refusal`] with the byte, if the sizes do not fit each other or the parts are no character.
+/// [`Refusal`] with the byte, if the sizes are inconsistent or the parts do not make a character.
 pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let mut bytes = Bytes { bytes, at: 0 };
     let [vertices, triangles, bones] = bytes.counts()?;
     let positions_m = bytes.vectors(vertices)?;
-    // Texture and normals say nothing of what moves.
+    // Texture coordinates and normals do not affect the motion.
     bytes.take(vertices * (2 + 3) * 4);
     let skin = bytes.skin(vertices, bones)?;
     let triangles = bytes.triangles(triangles, vertices)?;
@@ -40,14 +40,14 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     Character::new(name, joints, Some(Mesh { positions_m, skin, triangles }))
 }
 
-/// The file's bytes, whose number was checked, and how many of them are read.
+/// The file's bytes, whose number was checked, and the read position.
 struct Bytes<'a> {
     bytes: &'a [u8],
     at: usize,
 }
 
 impl<'a> Bytes<'a> {
-    /// Vertices, triangles and bones; as many as the file has bytes for.
+    /// Reads the numbers of vertices, triangles and bones. Checks that they match the file's size.
     fn counts(&mut self) -> Result<[usize; 3], Refusal> {
         let found = self.bytes.len();
         if found < HEADER {
@@ -58,7 +58,7 @@ impl<'a> Bytes<'a> {
             core::array::from_fn(|_| u64::from(u32::from_le_bytes(self.array())));
         let [vertices, triangles, bones] = stored;
         let sizes = [(vertices, VERTEX), (triangles, TRIANGLE), (bones, BONE)];
-        // Three products of 32 and 7 bits: they cannot overflow.
+        // Three products of 32 and 7 bits: no overflow is possible.
         let size =
             sizes.iter().fold(HEADER as u64, |sum, (count, size)| sum + count * *size as u64);
         if size != found as u64 {
@@ -111,7 +111,7 @@ impl<'a> Bytes<'a> {
             let in_vertex = |r: Refusal| r.of(format!("vertex {vertex}")).at(place);
             let (shares, is_one) = shares(pairs).map_err(in_vertex)?;
             if !is_one {
-                // Its one writer divides by the sum.
+                // The only program that writes this format divides by the sum.
                 return Err(in_vertex(refuse("weights", "a sum of 1", "another")));
             }
             if let Some((bone, _)) = shares.iter().find(|(bone, _)| *bone >= bones) {
@@ -148,7 +148,7 @@ impl<'a> Bytes<'a> {
             let position_m = self.vector(|| format!("bone {bone} `{name}`"))?;
             let place = FilePosition::Byte(self.at);
             let rest: [f64; 7] = core::array::from_fn(|_| self.number());
-            // Neither is used, but what is not finite is a sign of damage.
+            // Rotation and scale are not used, but a value that is not finite indicates damage.
             if rest.iter().all(|number| number.is_finite()) {
                 return Ok(Joint { name, parent, position_m });
             }

@@ -1,4 +1,4 @@
-//! The skin of a character, and the shares of its vertices.
+//! The skin of a character, and the weights of its vertices.
 
 use glam::DVec3;
 
@@ -8,11 +8,11 @@ use super::limits::{A_PLACE, is_place};
 /// A skinned triangle mesh in the rest pose.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
-    /// Every vertex in the world, in metres.
+    /// Position of every vertex in the world, in metres.
     pub positions_m: Vec<DVec3>,
-    /// The joints that each vertex moves with: their indices and shares, which are above 0 and sum to 1.
+    /// Joints with which each vertex moves: their indices and weights. Weights are above 0 and sum to 1.
     pub skin: Vec<Vec<(usize, f64)>>,
-    /// The vertices of each triangle.
+    /// Vertex indices of each triangle.
     pub triangles: Vec<[usize; 3]>,
 }
 
@@ -49,14 +49,14 @@ impl Mesh {
     }
 }
 
-/// How far stored shares may sum from 1: eight of eight bits, each rounded.
+/// Tolerated deviation of the sum of stored weights from 1: eight weights of eight bits, each rounded.
 const SHARE_ROUNDING: f64 = 0.02;
 
-/// Larger shares are damage: writers that do not divide by the sum have at most a few times 1.
+/// Maximum weight. Larger weights indicate damage: programs that do not normalize write at most a few times 1.
 const SHARE_MAX: f64 = 1e3;
 
-/// The shares of a vertex as a file stores them: those above 0, made to sum to exactly 1; and whether they did but for
-/// rounding.
+/// Returns the weights above 0 of a vertex, normalized to a sum of exactly 1, and whether the stored sum was 1 up
+/// to rounding.
 pub(super) fn shares(
     stored: impl IntoIterator<Item = (usize, f64)>,
 ) -> Result<(Vec<(usize, f64)>, bool), Refusal> {

@@ -1,7 +1,7 @@
-//! The skeleton of a motion, as a character without a skin.
+//! Reads the skeleton of a motion as a character without a skin.
 //!
-//! An end site becomes a joint `NAMEEnd` behind its joint `NAME` (`NAMEEnd2` the second), since it says how long the
-//! last bone is; one at its joint says nothing and is left out.
+//! An end site becomes a child joint `NAMEEnd` of its joint `NAME` (`NAMEEnd2` for the second), since it gives the
+//! length of the last bone. An end site at its joint's position gives no length and is omitted.
 
 use std::path::Path;
 
@@ -22,8 +22,8 @@ use super::size::BONE_MAX_M;
 /// Reads the skeleton of a motion.
 ///
 /// # Errors
-/// [`Error::Motion`] if the file is no motion; [`Error::Refused`] if nothing says its unit of length, or it has no such
-/// frame.
+/// [`Error::Motion`] if the file is not a motion; [`Error::Refused`] if its unit of length cannot be determined,
+/// or it lacks the requested frame.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let recording = match format::read(path) {
         Ok(recording) => recording,
@@ -53,7 +53,7 @@ fn character(recording: Recording, options: &Options) -> Result<Character, Refus
     };
     let poses = forward_kinematics(skeleton, &local);
     let mut joints: Vec<Joint> = Vec::new();
-    // Where each joint of the skeleton is among them; parents come first.
+    // Index of each joint of the skeleton among `joints`. Parents precede their children.
     let mut places: Vec<usize> = Vec::with_capacity(poses.len());
     for (joint, pose) in skeleton.joints.iter().zip(&poses) {
         let place = joints.len();
@@ -80,7 +80,7 @@ fn character(recording: Recording, options: &Options) -> Result<Character, Refus
     Ok(character)
 }
 
-/// Every joint where its offset has it, all rotations zero.
+/// Returns the rest pose: every joint at its offset, all rotations zero.
 fn at_rest(skeleton: &Skeleton) -> Vec<JointSample> {
     let sample = |joint: &SkeletonJoint| JointSample {
         rotation: DQuat::IDENTITY,
@@ -89,7 +89,7 @@ fn at_rest(skeleton: &Skeleton) -> Vec<JointSample> {
     skeleton.joints.iter().map(sample).collect()
 }
 
-/// Every joint as a frame has it.
+/// Returns the pose of every joint in a frame.
 fn in_frame(recording: &Recording, frame: usize) -> Result<Vec<JointSample>, Refusal> {
     let count = recording.frames.len();
     let samples = recording

@@ -1,7 +1,7 @@
-//! Characters: joints at rest, and the skin on them if there is one.
+//! Characters: joints at rest, and their skin if there is one.
 //!
-//! A reader per kind of file makes a [`Character`]: metres, right-handed, y up. Characters that cannot be
-//! are refused here, whatever file they came from; a reader names the place in the file.
+//! Each kind of file has a reader that makes a [`Character`]: metres, right-handed, y up. Invalid characters are
+//! refused here, for all kinds of file; a reader adds the place in the file.
 
 mod error;
 mod geno;
@@ -24,16 +24,16 @@ pub use model::{Character, Joint};
 pub use options::Options;
 pub use surface::VertexArea;
 
-/// Reads the character in a file, of the kind that its name says, or else its content.
+/// Reads the character in a file. The kind of file is determined by its name, or else by its content.
 ///
 /// # Errors
-/// [`Error`], which names the file, and the place in it.
+/// [`Error`], with the file and the place in it.
 pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     let kind = extension.to_str();
     let of_format = |character: Character| {
-        // URDF has z up, and its reader has turned that: what is told is told of the file's axes.
+        // URDF has z up, and its reader has converted the axes; the user's option refers to the file's axes.
         let up = if kind == Some("urdf") { urdf::in_character } else { |axis| axis };
         let refused = |refusal| Error::Refused { file: path.to_path_buf(), refusal };
         size::of_format(character, options.units, up, kind == Some("urdf")).map_err(refused)
@@ -53,7 +53,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     }
 }
 
-/// Reads a file whole and parses it; the character is called after the file's stem.
+/// Reads a whole file and parses it. The character's name is the file's stem.
 fn parsed(
     path: &Path,
     parse: impl FnOnce(&[u8], String) -> Result<Character, Refusal>,

@@ -14,27 +14,27 @@ pub struct Character {
     pub(super) name: String,
     pub(super) joints: Vec<Joint>,
     pub(super) mesh: Option<Mesh>,
-    /// How tall it is, in which unit, and what was overlooked in its file.
+    /// Notes for the user: height, unit, and faults in the file that were tolerated.
     pub(super) notes: Vec<String>,
 }
 
 /// A joint at rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// The name, unlike all others of the character.
+    /// Name of the joint, unique in the character.
     pub name: String,
-    /// Index of the parent joint, which may come later; `None` for the one root.
+    /// Index of the parent joint, which may be larger than the joint's own; `None` for the single root.
     pub parent: Option<usize>,
-    /// Where it is in the world, in metres.
+    /// Position in the world, in metres.
     pub position_m: DVec3,
 }
 
 impl Character {
-    /// A character of checked parts.
+    /// Creates a character from its parts, which are checked.
     ///
     /// # Errors
-    /// [`Refusal`] for no joint or too many, names that are not different, parents that are no tree with one root,
-    /// numbers that are not finite, and vertices or joints that are not there.
+    /// [`Refusal`] for no joint or too many joints, names that are not unique, parents that are not a tree with
+    /// one root, numbers that are not finite, and indices of vertices or joints that do not exist.
     pub fn new(name: String, joints: Vec<Joint>, mesh: Option<Mesh>) -> Result<Self, Refusal> {
         check_joints(&joints)?;
         if let Some(mesh) = &mesh {
@@ -43,44 +43,44 @@ impl Character {
         Ok(Self { name, joints, mesh, notes: Vec::new() })
     }
 
-    /// Returns its name: the stem of its file.
+    /// Returns the name: the stem of the file.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The joints, in the order of the file.
+    /// Returns the joints, in the order of the file.
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
-    /// The skin.
+    /// Returns the skin, if there is one.
     pub fn mesh(&self) -> Option<&Mesh> {
         self.mesh.as_ref()
     }
 
-    /// What a person should know of it: its size first.
+    /// Returns notes for the user; the first is the character's size.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
 
-    /// The bone that ends in a joint, from its parent; `None` for the root.
+    /// Returns the two ends of the bone that ends at a joint, from its parent; `None` for the root.
     pub fn bone_m(&self, joint: usize) -> Option<[DVec3; 2]> {
         let Joint { parent, position_m, .. } = self.joints[joint];
         Some([self.joints[parent?].position_m, position_m])
     }
 
-    /// Length of the bone that ends in a joint; 0 for the root.
+    /// Returns the length of the bone that ends at a joint; 0 for the root.
     pub fn bone_length_m(&self, joint: usize) -> f64 {
         self.bone_m(joint).map_or(0.0, |[from, to]| from.distance(to))
     }
 
-    /// Index of the joint called `name`.
+    /// Returns the index of the joint called `name`.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
     }
 }
 
-/// Longer names are damage, and would make pictures of any width.
+/// Maximum length of a name in bytes. Longer names indicate damage, and would make pictures of any width.
 const NAME_BYTES_MAX: usize = 256;
 
 fn check_joints(joints: &[Joint]) -> Result<(), Refusal> {
@@ -111,7 +111,8 @@ fn check_joints(joints: &[Joint]) -> Result<(), Refusal> {
         return Err(refuse("the character", "one joint without a parent", found));
     }
     for (index, joint) in joints.iter().enumerate() {
-        // A way that is longer than the character goes round in it; without a root every way does.
+        // A path to the root that is longer than the number of joints contains a cycle. Without a root every path
+        // does.
         let way = std::iter::successors(joint.parent, |parent| joints[*parent].parent);
         if way.take(count).count() == count {
             let item = format!("joint {index} `{}`", joint.name);

@@ -4,17 +4,17 @@ use sinew_figure::measured::UnitOverrides;
 
 use super::error::{Refusal, refuse};
 
-/// What a file does not tell.
+/// The user's options for facts that a file does not contain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Options {
-    /// The length of its unit, and which axis points up.
+    /// Length of the unit, and the axis that points up.
     pub units: UnitOverrides,
-    /// The frame of a motion whose pose is the rest pose; without, all rotations are zero.
+    /// Frame of a motion whose pose becomes the rest pose; `None` for zero rotations.
     pub frame: Option<usize>,
 }
 
 impl Options {
-    /// Refuses what only motions have a use for.
+    /// Refuses options that apply only to motions.
     pub(super) fn ensure_default(&self) -> Result<(), Refusal> {
         let of_motions = "a motion, or this option left out";
         if self.frame.is_some() {

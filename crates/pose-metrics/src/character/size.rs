@@ -1,4 +1,4 @@
-//! How large a character is and which way up: as its format says, as the user says, and whether that is believable.
+//! Size and up axis of a character: from its format or from the user, with a check of plausibility.
 
 use glam::DVec3;
 use sinew_figure::measured::{Measured, UnitOverrides};
@@ -8,14 +8,14 @@ use sinew_retarget::skeleton::SkeletonMatch;
 use super::error::{Refusal, refuse};
 use super::model::{Character, Joint};
 
-/// The longest bone that is believed, m: as long as the tallest figure.
+/// Longest plausible bone, m: as long as the tallest figure.
 pub(super) const BONE_MAX_M: f64 = 3.0;
 
 impl Character {
-    /// Its rest pose as a recording without frames, in metres.
+    /// Returns the rest pose as a recording without frames, in metres.
     pub fn at_rest(&self) -> Recording {
         let joints = &self.joints;
-        // Parents first, as recordings have them: by their depth, and in the order of the file.
+        // Recordings list parents first: sorted by depth, then in the order of the file.
         let depth = |joint: usize| {
             std::iter::successors(joints[joint].parent, |p| joints[*p].parent).count()
         };
@@ -45,7 +45,7 @@ impl Character {
         }
     }
 
-    /// Every place `metres_per_unit` times as far from the origin, and turned so that `up` is y.
+    /// Scales every position by `metres_per_unit`, and rotates the character to turn `up` into y.
     #[must_use]
     fn placed(mut self, metres_per_unit: f64, up: DVec3) -> Self {
         let turn = to_y(up);
@@ -57,7 +57,7 @@ impl Character {
         self
     }
 
-    /// Refuses a bone that no body has, unless the user has said the unit.
+    /// Refuses a bone that is longer than any body, as a sign of a wrong unit.
     fn check_bones(&self) -> Result<(), Refusal> {
         let long = (0..self.joints.len()).find(|joint| self.bone_length_m(*joint) > BONE_MAX_M);
         let Some(joint) = long else { return Ok(()) };
@@ -69,11 +69,11 @@ impl Character {
     }
 }
 
-/// A character whose format says unit and axes, unless the user says otherwise. `in_character`: from the file's axes to
-/// the character's. Rigs may be machines, and have bones of any length.
+/// Applies the user's unit and up axis to a character whose format prescribes both. `in_character` converts the
+/// file's axes to the character's. Rigs may be machines, and have bones of any length.
 ///
 /// # Errors
-/// [`Refusal`] for a bone longer than any body.
+/// [`Refusal`] for a bone that is longer than any body.
 pub(super) fn of_format(
     character: Character,
     units: UnitOverrides,
@@ -87,12 +87,12 @@ pub(super) fn of_format(
     }
     let rest = character.at_rest();
     let mut measured = Measured::of_format(&rest, &SkeletonMatch::new(&rest.skeleton, &[]));
-    // Robots are of any size.
+    // Robots have any size.
     measured.is_body &= !is_rig;
     if let Some(metres_per_unit) = units.metres_per_unit {
         measured.height_units /= metres_per_unit;
         measured.metres_per_unit = Some(metres_per_unit);
-        "as you say".clone_into(&mut measured.unit_reason);
+        "as you specified".clone_into(&mut measured.unit_reason);
     }
     if units.up.is_some() {
         "after the turn that you asked for".clone_into(&mut measured.up.reason);

@@ -1,25 +1,25 @@
-//! How much of a mesh's surface each vertex stands for.
+//! The surface area that each vertex of a mesh represents.
 
 use super::mesh::Mesh;
 
-/// The surface that a vertex stands for, by the triangles around it.
+/// The rule for the area of a vertex, from the triangles around it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum VertexArea {
-    /// A third of their areas' sum: over all vertices that is the surface.
+    /// One third of the sum of the triangles' areas. The total over all vertices is the surface.
     #[default]
     Surface,
-    /// The mean of their areas. That is no surface (about half of it where six meet), but what the list in D. Holden,
-    /// "Joint Error Propagation" (2025), was made with.
+    /// The mean of the triangles' areas. Its total is not the surface (about half of it if six triangles meet at
+    /// each vertex), but the list in D. Holden, "Joint Error Propagation" (2025), was made with it.
     Article,
 }
 
 impl Mesh {
-    /// Whether there is a surface to weigh: a triangle with an area that f32 holds.
+    /// Returns whether any triangle has an area that is representable in f32.
     pub fn has_surface(&self) -> bool {
         self.triangle_areas_m2().iter().any(|area_m2| *area_m2 >= f64::from(f32::MIN_POSITIVE))
     }
 
-    /// Area of every triangle, in m².
+    /// Returns the area of every triangle, in m².
     pub fn triangle_areas_m2(&self) -> Vec<f64> {
         let area_m2 = |triangle: &[usize; 3]| {
             let [a, b, c] = triangle.map(|vertex| self.positions_m[vertex]);
@@ -28,7 +28,7 @@ impl Mesh {
         self.triangles.iter().map(area_m2).collect()
     }
 
-    /// What every vertex stands for, in m²; 0 for one that no triangle has.
+    /// Returns the area that every vertex represents, in m²; 0 for a vertex without triangles.
     pub fn vertex_areas_m2(&self, rule: VertexArea) -> Vec<f64> {
         let mut sums_m2 = vec![0.0; self.positions_m.len()];
         let mut counts = vec![0_u32; self.positions_m.len()];

@@ -1,10 +1,11 @@
-//! The rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a skin.
+//! Reads the rig in a URDF file (the Unified Robot Description Format of ROS), in its zero pose and without a
+//! skin.
 //!
-//! Its joints are the character's, from the root outwards; the root is the link that no joint moves, which floats. What
-//! fixed joints carry is part of the link that they hang on. Where nothing that moves hangs on that, the farthest of
-//! them stays, as the end of its bone. Where a joint has that link's name too, the root is called `NAME (link)`. A
-//! joint is where the frame of its child link is. URDF has x ahead, y left and z up (ROS REP 103), where characters
-//! have x left, y up and z ahead.
+//! The rig's moving joints are the character's, from the root outwards. The root is the link that no joint moves;
+//! it floats. Links on fixed joints become part of their parent link. If that link carries no moving joint, the
+//! farthest fixed joint remains, as the end of the link's bone. If a joint has the root link's name too, the root
+//! is called `NAME (link)`. A joint is at the frame of its child link. URDF has x ahead, y left and z up (ROS REP
+//! 103); characters have x left, y up and z ahead.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,10 +18,10 @@ use super::error::{FilePosition, Refusal, refuse};
 use super::limits::JOINT_COUNT_MAX;
 use super::model::{Character, Joint};
 
-/// Reads the text of a file.
+/// Parses the text of a file.
 ///
 /// # Errors
-/// [`Refusal`] with line and column if it is not XML, no robot, or its joints and links are no tree.
+/// [`Refusal`] with line and column if it is not XML or not a robot, or its joints and links are not a tree.
 pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let text = encoding::decoded(bytes).map_err(|error| {
         refuse("a URDF", "text in UTF-8 or UTF-16", "other bytes")
@@ -47,7 +48,7 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let joints: Vec<UrdfJoint<'_, '_>> = children(robot, "joint")
         .map(|joint| UrdfJoint::read(joint, &links))
         .collect::<Result<_, _>>()?;
-    // The joint that moves a link.
+    // The joint that moves each link.
     let mut movers: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, joint) in joints.iter().enumerate() {
         if let Some(first) = movers.insert(joint.child, index) {
@@ -68,7 +69,7 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     let positions_m: Vec<DVec3> = joints
         .iter()
         .map(|joint| {
-            // Every way up ends at the root unless it goes round.
+            // Every path upwards ends at the root, unless it contains a cycle.
             let way = std::iter::successors(Some(joint), |joint| {
                 movers.get(joint.parent).map(|index| &joints[*index])
             });
@@ -89,8 +90,8 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
         root_name.push_str(" (link)");
     }
     let mut made = vec![Joint { name: root_name, parent: None, position_m: DVec3::ZERO }];
-    // From the root outwards, each branch to its end: files may have any order. Those to come, the next one last:
-    // joints on links, and the place of what moves the link.
+    // Depth first from the root, since files may have any order. The stack contains joints with the place of the
+    // joint that moves their link; the next joint is last.
     let on = |link: &str, place: usize| {
         let on_link =
             joints.iter().enumerate().rev().filter(move |(_, joint)| joint.parent == link);
@@ -101,7 +102,7 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
         let position_m = in_character(positions_m[index]);
         Joint { name: joints[index].name.to_owned(), parent: Some(parent), position_m }
     };
-    // Of each that was made, the fixed joint on it that is farthest away.
+    // For each joint in `made`, the farthest fixed joint on its link.
     let mut ends: BTreeMap<usize, Joint> = BTreeMap::new();
     while let Some((index, parent)) = to_come.pop() {
         let joint = made_of(index, parent);
@@ -121,15 +122,15 @@ pub(super) fn parse(bytes: &[u8], name: String) -> Result<Character, Refusal> {
     Character::new(name, made, None)
 }
 
-/// From the axes of a URDF to those of a character.
+/// Converts URDF axes to a character's axes.
 pub(super) fn in_character(v: DVec3) -> DVec3 {
     DVec3::new(v.y, v.z, v.x)
 }
 
-/// What a joint may be.
+/// Valid types of a joint.
 const TYPES: [&str; 6] = ["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
 
-/// Larger angles are damage: of those that are many turns, f64 has ever fewer digits within one.
+/// Maximum angle. Larger angles indicate damage: f64 has fewer digits left within a turn.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 /// A joint of the file, in its parent link's frame.
@@ -140,7 +141,7 @@ struct UrdfJoint<'a, 'b> {
     origin_m: DVec3,
     rotation: DMat3,
     is_fixed: bool,
-    /// Its place is looked for where a message needs it: that takes as long as the file is.
+    /// Node of the joint. Its line is computed only for a message, since that requires a scan of the file.
     node: Node<'a, 'b>,
 }
 
@@ -182,7 +183,7 @@ impl<'a, 'b> UrdfJoint<'a, 'b> {
     }
 }
 
-/// The links by their names.
+/// Returns the names of the links.
 fn links<'a>(robot: Node<'a, '_>) -> Result<BTreeSet<&'a str>, Refusal> {
     let mut links = BTreeSet::new();
     for link in children(robot, "link") {
@@ -199,7 +200,7 @@ fn children<'a, 'b>(node: Node<'a, 'b>, tag: &str) -> impl Iterator<Item = Node<
     node.children().filter(move |child| child.has_tag_name(tag))
 }
 
-/// The element of a name; `None` if there is none.
+/// Returns the element of this name; `None` if there is none.
 fn only_child<'a, 'b>(node: Node<'a, 'b>, tag: &str) -> Result<Option<Node<'a, 'b>>, Refusal> {
     let mut found = children(node, tag);
     let first = found.next();
@@ -219,7 +220,7 @@ fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, Refusal> {
     })
 }
 
-/// Three numbers of at most `max`, which `expected` says; zeros if there is no such attribute.
+/// Returns three numbers of at most `max`, which `expected` describes; zeros if the attribute is missing.
 fn vector(node: Node<'_, '_>, name: &str, expected: &str, max: f64) -> Result<DVec3, Refusal> {
     let Some(text) = node.attribute(name) else { return Ok(DVec3::ZERO) };
     let numbers: Option<Vec<f64>> = text.split_whitespace().map(|word| word.parse().ok()).collect();

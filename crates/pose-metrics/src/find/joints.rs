@@ -1,32 +1,33 @@
-//! Two skeletons' joints, matched by their names.
+//! Matches the joints of two skeletons by name.
 
 use sinew_mocap::Skeleton;
 
-/// A skeleton that has other joints than it should.
+/// A difference between the joints of a skeleton and the expected joints.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Mismatch {
-    /// One is missing.
+    /// A joint is missing.
     #[error("joint `{0}`: expected a joint of that name, found none")]
     Lacks(String),
-    /// One is too many.
+    /// A joint is not expected.
     #[error("joint `{0}`: expected no joint of that name")]
     Has(String),
-    /// One is in another place.
+    /// A joint has another parent.
     #[error("joint `{joint}`: expected it on `{expected}`, found it on `{found}`")]
     HangsElsewhere {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// Its parent where it should be.
+        /// Name of the expected parent.
         expected: String,
-        /// Its parent here.
+        /// Name of the parent that was found.
         found: String,
     },
 }
 
-/// Which joint of `found`, or of what its joint of the first name carries, is which of `expected`.
+/// Returns, for each joint of `expected`, the joint of that name in `found`, within the subtree of the first
+/// joint.
 ///
 /// # Errors
-/// [`Mismatch`] by the first joint that differs.
+/// [`Mismatch`] for the first joint that differs.
 pub fn same_joints(expected: &Skeleton, found: &Skeleton) -> Result<Vec<usize>, Mismatch> {
     let parent = |of: &Skeleton, joint: usize| {
         of.joints[joint].parent.map_or_else(String::new, |parent| of.joints[parent].name.clone())
@@ -55,7 +56,7 @@ mod tests {
     fn joints_are_told_by_their_names_whatever_their_order() {
         let skeleton = builtin::clips().swap_remove(0).skeleton;
         let (hand, head) = (skeleton.find("hand_l").unwrap(), skeleton.find("head").unwrap());
-        // The head, on which nothing hangs, goes to the end.
+        // The head, which has no children, is moved to the end.
         let mut other = skeleton.clone();
         let moved = other.joints.remove(head);
         for parent in other.joints.iter_mut().filter_map(|joint| joint.parent.as_mut()) {

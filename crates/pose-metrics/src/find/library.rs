@@ -1,4 +1,4 @@
-//! The query and the clips that are searched, all on the query's skeleton.
+//! The query and the searched clips, all on the query's skeleton.
 
 use std::path::{Path, PathBuf};
 
@@ -15,60 +15,60 @@ use super::joints::{Mismatch, same_joints};
 use super::reference::{ClipPart, Reference, ReferenceError};
 use crate::spatial::{MeasuredPose, RigMeasure, Rigid};
 
-/// What is looked for.
+/// The pose or the clip to search for.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Query {
-    /// Its file.
+    /// Path of the query's file.
     pub file: PathBuf,
-    /// The clip's name.
+    /// Name of the query's clip.
     pub name: String,
-    /// Whether it is one pose.
+    /// Whether the query is a single pose.
     pub is_pose: bool,
-    /// The skeleton that everything is compared on: of the file's, what moves.
+    /// Skeleton on which poses are compared: the moving part of the file's skeleton.
     pub skeleton: Skeleton,
-    /// The frames, a rotation for each joint of the skeleton; of a clip, at the rate of the search.
+    /// Frames of the query, with a rotation for each joint of the skeleton; a clip is at the search rate.
     pub poses: Vec<Vec<DQuat>>,
-    /// Time of the first, in seconds from frame 0 of the file.
+    /// Time of the first pose, in seconds from frame 0 of the file.
     pub start_s: f64,
-    /// The rate of the search.
+    /// Rate of the search, Hz.
     pub rate_hz: f64,
-    /// How its skeleton maps on the figure; `None` if it is no human's.
+    /// Mapping of the query's skeleton to the figure; `None` if the skeleton is not human.
     pub mapping: Option<Mapping>,
-    /// What was done to it.
+    /// Changes that were made to the query when it was read.
     pub notices: Vec<Notice>,
 }
 
-/// A query or a clip cannot be used.
+/// The error of a query or a clip that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// It cannot be read.
+    /// A clip that cannot be read.
     #[error(transparent)]
     Clip(#[from] pipeline::Error),
-    /// The query's part is not in it.
+    /// A part of the query that is not in its file.
     #[error(transparent)]
     Reference(#[from] ReferenceError),
-    /// It is of another skeleton.
+    /// A clip with another skeleton.
     #[error("{}: {source}", file.display())]
     Mismatch {
-        /// The file.
+        /// Path of the clip's file.
         file: PathBuf,
-        /// Where it differs.
+        /// Difference between the skeletons.
         source: Mismatch,
     },
-    /// A pose cannot be compared.
+    /// A pose that cannot be compared.
     #[error("{}: frame {frame}: {source}", file.display())]
     Pose {
-        /// The file.
+        /// Path of the clip's file.
         file: PathBuf,
-        /// The frame, at the rate of the search.
+        /// Frame, at the search rate.
         frame: usize,
-        /// Why not.
+        /// Reason why it cannot be compared.
         source: PoseSpaceError,
     },
 }
 
 impl Query {
-    /// Reads what is looked for.
+    /// Reads the query.
     ///
     /// # Errors
     /// [`ReadError::Clip`] and [`ReadError::Reference`].
@@ -84,7 +84,7 @@ impl Query {
         let is_pose = matches!(reference.part, ClipPart::Pose(_));
         let start_s = (skipped + first) as f64 * clip.frame_time_s;
         let part = Clip { frames: clip.frames[first..=last].to_vec(), ..clip };
-        // A single frame is taken as it is.
+        // A single frame is not resampled.
         let part = if is_pose { part } else { resample(&part, rate_hz) };
         let poses = rotations(&part, &joints);
         let (file, name) = (reference.file.clone(), part.name);
@@ -101,35 +101,35 @@ fn rotations(clip: &Clip, joints: &[usize]) -> Vec<Vec<DQuat>> {
 /// A clip that is searched.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LibraryClip {
-    /// Its file.
+    /// Path of the clip's file.
     pub file: PathBuf,
-    /// The clip's name.
+    /// Name of the clip.
     pub name: String,
-    /// Its poses at the rate of the search, a rotation for each joint of the query.
+    /// Poses at the search rate, with a rotation for each joint of the query.
     pub poses: Vec<Vec<DQuat>>,
-    /// Time of the first, in seconds from frame 0 of the file.
+    /// Time of the first pose, in seconds from frame 0 of the file.
     pub start_s: f64,
     /// Frames per second of the file.
     pub file_rate_hz: f64,
-    /// What was done to it.
+    /// Changes that were made to the clip when it was read.
     pub notices: Vec<Notice>,
 }
 
 /// The clips that are searched.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Library {
-    /// In the order given.
+    /// Clips in the given order.
     pub clips: Vec<LibraryClip>,
-    /// A line for each file of a folder that cannot be searched: which, and why.
+    /// A line for each file of a folder that cannot be searched: its name and the reason.
     pub left_out: Vec<String>,
 }
 
 impl Library {
-    /// Reads the clips that `paths` name, in parallel; `done` is called for each. What is damaged, or of another
-    /// skeleton than the query's, is left out if it comes from a folder, unless `is_strict`.
+    /// Reads the clips that `paths` name, in parallel; `done` is called for each. A clip that is damaged, or whose
+    /// skeleton is not the query's, is skipped if it was found in a folder, unless `is_strict`.
     ///
     /// # Errors
-    /// [`ReadError`] for the first clip that is not left out, or the first of all if none can be searched.
+    /// [`ReadError`] for the first clip that is not skipped, or for the first of all if none can be searched.
     pub fn read(
         paths: &[PathBuf],
         query: &Query,
@@ -151,13 +151,13 @@ impl Library {
         Ok(Self { clips, left_out })
     }
 
-    /// The joints that move in the query or in a clip, see [`Rigid`]; `root` is kept.
+    /// Finds the joints that move in the query or in a clip, see [`Rigid`]; `root` is kept.
     pub fn rigid(&self, query: &Query, root: Option<&str>) -> Rigid {
         let poses = query.poses.iter().chain(self.clips.iter().flat_map(|clip| &clip.poses));
         Rigid::new(&query.skeleton, poses, root)
     }
 
-    /// The clips' poses, made ready to be compared, in parallel: 60 bytes for each of `N` bodies.
+    /// Precomputes the clips' poses for comparison, in parallel: 60 bytes for each of `N` bodies.
     ///
     /// # Errors
     /// [`ReadError::Pose`].
@@ -171,10 +171,10 @@ impl Library {
     }
 }
 
-/// Poses, made ready to be compared.
+/// Precomputes poses for comparison.
 ///
 /// # Errors
-/// [`ReadError::Pose`] with the file they come from.
+/// [`ReadError::Pose`] with the file of the poses.
 pub(super) fn measured<const N: usize>(
     measuring: &RigMeasure<'_, N>,
     rigid: &Rigid,
@@ -190,7 +190,7 @@ pub(super) fn measured<const N: usize>(
 }
 
 impl Query {
-    /// Its poses, made ready to be compared.
+    /// Precomputes the query's poses for comparison.
     ///
     /// # Errors
     /// [`ReadError::Pose`].
@@ -220,12 +220,12 @@ impl LibraryClip {
         })
     }
 
-    /// Time of a pose, in seconds from frame 0 of the file.
+    /// Returns the time of a pose, in seconds from frame 0 of the file.
     pub fn seconds(&self, pose: usize, rate_hz: f64) -> f64 {
         self.start_s + pose as f64 / rate_hz
     }
 
-    /// The file's frame next to a time.
+    /// Returns the file's frame that is nearest to a time.
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -1,7 +1,9 @@
-//! The nearest moments in a library of clips to a pose or a clip, under any of the measures of [`crate::spatial`].
+//! Finds the moments in a library of clips that are nearest to a pose or a clip, with any of the measures of
+//! [`crate::spatial`].
 //!
-//! All poses are put on the query's skeleton, joints by their names: it is poses that are compared, not people. What
-//! cannot be among the nearest is left out by lower bounds, never by approximation: see [`Search`].
+//! All poses are converted to the query's skeleton, joints matched by name: the comparison is between poses, not
+//! between bodies. Moments that cannot be among the nearest are skipped by lower bounds, never by approximation:
+//! see [`Search`].
 
 mod joints;
 mod library;

@@ -1,4 +1,4 @@
-//! How a pose or a piece of a clip is named: `FILE@12`, `FILE@1.25s`, `FILE@1.0s..2.5s`, `FILE`.
+//! References to a pose or a part of a clip: `FILE@12`, `FILE@1.25s`, `FILE@1.0s..2.5s`, `FILE`.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -6,69 +6,69 @@ use std::str::FromStr;
 
 use sinew_figure::pipeline::LoadedClip;
 
-/// A file, and which part of it.
+/// A file, and the part of it that is meant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// The part.
+    /// Part of the clip in the file.
     pub part: ClipPart,
 }
 
 /// A part of a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClipPart {
-    /// All of it.
+    /// The whole clip.
     Whole,
-    /// One pose.
+    /// A single pose.
     Pose(ClipTime),
-    /// From one place to another, both inside.
+    /// A range from one place to another, both included.
     Range(ClipTime, ClipTime),
 }
 
 /// A place in a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClipTime {
-    /// A frame of the file, from 0; an inserted T-pose counts.
+    /// A frame of the file, counted from 0 and including an inserted T-pose.
     Frame(usize),
-    /// The frame next to a time, in seconds from frame 0.
+    /// The frame nearest to a time, in seconds from frame 0.
     Seconds(f64),
 }
 
-/// A reference that names nothing.
+/// The error of an invalid reference.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
-    /// What follows `@` is no place.
+    /// The text after `@` is not a place.
     #[error(
         "`{text}`: expected FILE@FRAME (from 0), FILE@SECONDSs, FILE@FROM..TO with both in frames or both in seconds, or FILE; \
          found `{part}` after the last @"
     )]
     Syntax {
-        /// All of it.
+        /// Whole text of the reference.
         text: String,
-        /// What follows `@`.
+        /// Text after `@`.
         part: String,
     },
-    /// It is not in the clip.
+    /// The place is not in the clip.
     #[error("{file}: expected a place from {first} to {last}, found {found}")]
     Outside {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// The first frame that counts.
+        /// First valid frame.
         first: FrameTime,
-        /// The last.
+        /// Last valid frame.
         last: FrameTime,
-        /// What was asked for.
+        /// Requested place.
         found: ClipTime,
     },
-    /// The wrong way round.
+    /// The range ends before it begins.
     #[error("{file}: expected FROM before TO, found {from}..{to}")]
     Backwards {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// The first.
+        /// Requested start.
         from: ClipTime,
-        /// The second.
+        /// Requested end.
         to: ClipTime,
     },
 }
@@ -76,9 +76,9 @@ pub enum ReferenceError {
 /// A frame with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameTime {
-    /// The frame, from 0.
+    /// Index of the frame, from 0.
     pub frame: usize,
-    /// Its time, in seconds from frame 0.
+    /// Time in seconds from frame 0.
     pub seconds: f64,
 }
 
@@ -127,7 +127,7 @@ impl FromStr for Reference {
         };
         match part {
             Some(part) => Ok(Self { file: file.into(), part }),
-            // A name may have the sign in it.
+            // A file's name may contain the sign.
             None if Path::new(text).exists() => Ok(whole()),
             None => Err(ReferenceError::Syntax { text: text.into(), part: after.into() }),
         }
@@ -135,7 +135,7 @@ impl FromStr for Reference {
 }
 
 impl Reference {
-    /// The frames that are meant, of the clip without its T-pose: the first and the last.
+    /// Returns the first and the last frame of the part, in the clip without its T-pose.
     ///
     /// # Errors
     /// [`ReferenceError::Outside`] and [`ReferenceError::Backwards`].

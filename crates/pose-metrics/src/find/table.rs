@@ -1,4 +1,4 @@
-//! Found moments as a table, JSON and CSV.
+//! Writes the found moments as a table, JSON and CSV.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use super::library::{Library, Query};
 use super::search::{Found, Moment};
 use crate::spatial::{Measure, Weighting};
 
-/// An aligned table: a row per moment, and what the search took.
+/// Returns an aligned table with a row per moment, and the cost of the search.
 pub fn text(query: &Query, library: &Library, measure: Measure, found: &Found) -> String {
     let mut table = Table::new();
     let distance = format!("distance {}", measure.metric.unit());
@@ -48,7 +48,7 @@ pub fn text(query: &Query, library: &Library, measure: Measure, found: &Found) -
     text
 }
 
-/// The query in words.
+/// Describes the query in words.
 fn what(query: &Query) -> String {
     let Query { name, start_s, rate_hz, .. } = query;
     if query.is_pose {
@@ -106,8 +106,8 @@ struct Document<'a> {
     moments: Vec<Row<'a>>,
 }
 
-/// One JSON object, schema `sinew-find/1`: the query, the measure, what the search took, and the moments, nearest
-/// first.
+/// Returns one JSON object, schema `sinew-find/1`: the query, the measure, the cost of the search, and the
+/// moments, nearest first.
 pub fn json(query: &Query, library: &Library, measure: Measure, found: &Found) -> String {
     let document = Document {
         schema: "sinew-find/1",
@@ -130,7 +130,7 @@ pub fn json(query: &Query, library: &Library, measure: Measure, found: &Found) -
     text + "\n"
 }
 
-/// A row per moment, the nearest first.
+/// Returns a row per moment, nearest first.
 pub fn csv(query: &Query, library: &Library, found: &Found) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows(query, library, found) {

@@ -1,6 +1,7 @@
-//! Newton's step joint by joint: each joint is eliminated in all poses at once, from the leaves to the root, as the
-//! articulated-body algorithm does in one. What the rest of a curve feels of a joint is a quadratic form in the
-//! velocities of its parent in all poses, since a position moves with its parent's velocity and its own joint alone.
+//! Newton's step, eliminated joint by joint: each joint is eliminated in all poses at once, from the leaves to the
+//! root, as the articulated-body algorithm does within a single pose. The rest of a curve feels a joint as a
+//! quadratic form in the velocities of its parent in all poses, since a position depends only on its parent's
+//! velocity and its own joint.
 
 use glam::DVec3;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
@@ -9,23 +10,23 @@ use super::joint::Axis;
 use super::pose_model::PoseModel;
 use super::rig::{Rig, RigPose};
 
-/// The energy as a body and all that it carries add to it: `½ Vᵀ matrix V - pullᵀ V`, with V the velocity of the body
-/// in each pose: angular, and of its position.
+/// The energy that a body and its descendants contribute: `½ Vᵀ matrix V - pullᵀ V`, with V the velocity of the
+/// body in each pose: angular, and of its position.
 #[derive(Clone)]
 struct Carried {
     matrix: DMatrix<f64>,
     pull: DVector<f64>,
 }
 
-/// A joint that is eliminated: `L Lᵀ` is its own matrix, and its step is `L⁻ᵀ (right - coupling V)`, with V of its
-/// parent.
+/// An eliminated joint: `L Lᵀ` is its own matrix, and its step is `L⁻ᵀ (right - coupling V)`, with V the velocity
+/// of its parent.
 struct Eliminated {
     factor: Cholesky<f64, Dyn>,
     coupling: DMatrix<f64>,
     right: DVector<f64>,
 }
 
-/// The step of each pose, with `added` on the diagonal. `None` if the matrix is not positive definite.
+/// Returns the step of each pose, with `added` on the diagonal; `None` if the matrix is not positive definite.
 /// O(joints · poses³).
 pub(super) fn solve(
     rig: &Rig,
@@ -82,7 +83,7 @@ pub(super) fn solve(
     Some(steps)
 }
 
-/// By joint, the first of its columns.
+/// Returns the first column of each joint.
 fn first_columns(rig: &Rig) -> Vec<usize> {
     let mut next = 0;
     let first = rig.joints.iter().map(|joint| {
@@ -93,7 +94,8 @@ fn first_columns(rig: &Rig) -> Vec<usize> {
     first.collect()
 }
 
-/// A position's squared steps from pose to pose: 4 on the diagonal of its velocities, -2 beside it, times its weight.
+/// Adds the squared steps of a position from pose to pose: 4 on the diagonal of its velocities, -2 beside it,
+/// times the weight.
 fn add_positions(matrix: &mut DMatrix<f64>, weight: f64) {
     for row in (0..matrix.nrows()).filter(|row| row % 6 >= 3) {
         matrix[(row, row)] += 4.0 * weight;
@@ -115,13 +117,13 @@ struct Joint<'a> {
 }
 
 impl Joint<'_> {
-    /// Of each unknown: its row, pose and column.
+    /// Returns row, pose and column of each unknown.
     fn rows(self) -> impl Iterator<Item = (usize, usize, usize)> {
         let own = self.rig.joints[self.index].columns();
         (0..self.placed.len() * own).map(move |row| (row, row / own, self.first + row % own))
     }
 
-    /// How a coordinate moves the body.
+    /// Returns the motion of the body per unit of a coordinate.
     fn axis(self, k: usize, column: usize) -> Axis {
         self.placed[k].axes[column].1
     }
@@ -131,7 +133,7 @@ impl Joint<'_> {
         self.placed[k].positions_m[self.index] - self.placed[k].positions_m[parent]
     }
 
-    /// The velocity that the parent's gives.
+    /// Returns the velocity that results from the parent's velocity.
     fn carried(self, parent: &DVector<f64>) -> DVector<f64> {
         let mut velocity = parent.clone();
         for k in 0..self.placed.len() {
@@ -140,7 +142,7 @@ impl Joint<'_> {
         velocity
     }
 
-    /// What a pull on the body is on its parent.
+    /// Converts a pull on the body to a pull on its parent.
     fn to_parent(self, pull: &mut [f64]) {
         for k in 0..self.placed.len() {
             let torque = self.arm_m(k).cross(DVec3::from_slice(&pull[6 * k + 3..]));
@@ -150,11 +152,11 @@ impl Joint<'_> {
         }
     }
 
-    /// The energy in the parent's velocities while the joint is still.
+    /// Converts the energy to the parent's velocities, with the joint at rest.
     fn on_parent(self, own: Carried) -> Carried {
         let Carried { mut matrix, mut pull } = own;
         self.to_parent(pull.as_mut_slice());
-        // Columns, then, as it is symmetric, rows.
+        // First the columns, then, by symmetry, the rows.
         for _ in 0..2 {
             for mut column in matrix.column_iter_mut() {
                 self.to_parent(column.as_mut_slice());
@@ -164,7 +166,8 @@ impl Joint<'_> {
         Carried { matrix, pull }
     }
 
-    /// The least energy over the joint's own step, in the parent's velocities, and what gives that step.
+    /// Minimizes the energy over the joint's own step. Returns the minimum as a function of the parent's
+    /// velocities, and the data from which that step follows.
     fn eliminate(
         self,
         body: Carried,

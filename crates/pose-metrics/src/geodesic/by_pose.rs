@@ -1,15 +1,16 @@
-//! Newton's step pose by pose: the matrix is block-tridiagonal, and taken apart by Cholesky factors of its blocks.
+//! Newton's step, eliminated pose by pose: the matrix is block-tridiagonal, and is solved by Cholesky factors of
+//! its blocks.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::pose_model::PoseModel;
 use super::rig::{Rig, RigPose};
 
-/// The matrix of second derivatives, without what is added to its diagonal.
+/// The matrix of second derivatives, without the additions to its diagonal.
 pub(super) struct Blocks {
     diagonal: Vec<DMatrix<f64>>,
     above: Vec<DMatrix<f64>>,
-    /// Without second derivatives of positions.
+    /// Diagonal blocks without second derivatives of positions.
     convex: Vec<DMatrix<f64>>,
 }
 
@@ -41,7 +42,7 @@ impl Blocks {
         blocks
     }
 
-    /// The step of each pose, with this added to the diagonal. `None` if the matrix is not positive definite.
+    /// Returns the step of each pose, with `added` on the diagonal; `None` if the matrix is not positive definite.
     pub(super) fn solve(
         &self,
         bends: bool,
@@ -60,15 +61,17 @@ impl Blocks {
     }
 }
 
-/// Solves `A x = b` for a symmetric positive definite matrix of blocks next to its diagonal: `diagonal` are the
-/// blocks on it, `above[k]` the one in row k, column k + 1. `None` if it is not positive definite. O(blocks · size³).
+/// Solves `A x = b` for a symmetric positive definite block-tridiagonal matrix: `diagonal` contains the diagonal
+/// blocks, `above[k]` is the block in row k, column k + 1. `None` if the matrix is not positive definite. O(blocks
+/// · size³).
 fn solve(
     diagonal: &[DMatrix<f64>],
     above: &[DMatrix<f64>],
     right: &[DVector<f64>],
 ) -> Option<Vec<DVector<f64>>> {
     let mut factors: Vec<Cholesky<f64, Dyn>> = Vec::with_capacity(diagonal.len());
-    // L⁻¹ of the factor before, times the block above: what is left of it below the diagonal, transposed.
+    // L⁻¹ of the previous factor times the block above the diagonal: the transpose of the factor's block below the
+    // diagonal.
     let mut couplings: Vec<DMatrix<f64>> = Vec::with_capacity(above.len());
     let mut forward: Vec<DVector<f64>> = Vec::with_capacity(right.len());
     for (k, (block, right)) in diagonal.iter().zip(right).enumerate() {

@@ -1,4 +1,4 @@
-//! A curve through poses, and where it is between the ends of ranges.
+//! A curve through poses, and its distances from the ends of ranges.
 
 use nalgebra::DVector;
 
@@ -6,11 +6,11 @@ use super::joint::JointPosition;
 use super::limit::Limit;
 use super::rig::{Rig, RigPose};
 
-/// A curve, and where it puts the joints.
+/// A curve, and the positions of the joints along it.
 pub(super) struct Curve {
     pub(super) poses: Vec<Vec<JointPosition>>,
     pub(super) placed: Vec<RigPose>,
-    /// Of each pose between the ends.
+    /// Limits of each inner pose.
     pub(super) limits: Vec<Vec<Limit>>,
     pub(super) energy_m2: f64,
 }
@@ -24,7 +24,7 @@ impl Curve {
         Self { poses, placed, limits, energy_m2 }
     }
 
-    /// The poses between the ends.
+    /// Returns the inner poses, without the two ends.
     pub(super) fn inner(&self) -> &[RigPose] {
         &self.placed[1..self.placed.len() - 1]
     }
@@ -33,7 +33,8 @@ impl Curve {
         self.placed.windows(2).map(|pair| (&pair[1].f - &pair[0].f).norm()).sum()
     }
 
-    /// The curve within all ranges, away from their ends by a share of their widths, but for its own ends.
+    /// Returns the curve moved within all ranges, at least a share of their widths from their ends. The two end
+    /// poses are unchanged.
     pub(super) fn within(&self, rig: &Rig, margin: f64) -> Self {
         let mut poses = self.poses.clone();
         let last = poses.len() - 1;
@@ -43,15 +44,15 @@ impl Curve {
         Self::new(rig, poses)
     }
 
-    /// Sets all forces so that their products with the gaps are `height`.
+    /// Sets all forces to make their products with the gaps equal to `height`.
     pub(super) fn push(&mut self, height: f64) {
         for limit in self.limits.iter_mut().flatten() {
             limit.force = height / limit.gap;
         }
     }
 
-    /// The curve after a step, or after as much of it as leaves some of all gaps, and that share. Forces are those
-    /// after the whole step, to first order, on barriers of this height.
+    /// Returns the curve after a step, or after the share of it that leaves a part of every gap, and that share.
+    /// Forces are those after the whole step, to first order, with barriers of this height.
     pub(super) fn stepped(&self, rig: &Rig, step: &[DVector<f64>], height: f64) -> (Self, f64) {
         let along = || {
             let poses = self.limits.iter().zip(step);
@@ -59,7 +60,7 @@ impl Curve {
         };
         let mut share = along().map(|(limit, step)| limit.share(step)).fold(1.0, f64::min);
         let mut next = self.moved(rig, step, share);
-        // Gaps that bend get smaller than their slopes say.
+        // Curved gaps decrease more than their slopes predict.
         let is_inside = |next: &Self| {
             let gaps = next.limits.iter().flatten().zip(self.limits.iter().flatten());
             gaps.into_iter().all(|(after, before)| after.is_left(before))
@@ -82,7 +83,8 @@ impl Curve {
         Self::new(rig, poses)
     }
 
-    /// How much less the energy of a curve is, with that of barriers of this height: `-height ln gap` of each limit.
+    /// Returns the decrease of the energy to the next curve, including the energy of barriers of this height:
+    /// `-height ln gap` for each limit.
     pub(super) fn gain_m2(&self, next: &Self, height: f64) -> f64 {
         let gaps = next.limits.iter().flatten().zip(self.limits.iter().flatten());
         let closer: f64 = gaps.map(|(after, before)| libm::log(after.gap / before.gap)).sum();

@@ -1,4 +1,4 @@
-//! How the positions of a rig's joints move with its pose, to second order.
+//! Derivatives of the positions of a rig's joints by its pose, to second order.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
@@ -6,19 +6,20 @@ use nalgebra::{DMatrix, DVector};
 use super::joint::Model;
 use super::rig::{Rig, RigPose};
 
-/// What a force on every joint does to a rig, by column.
+/// The effect of a force on every joint of a rig, by column.
 #[derive(Debug, Clone)]
 pub(super) struct Pull {
-    /// Jᵀ times the force.
+    /// Product of Jᵀ and the force.
     pub(super) along: DVector<f64>,
-    /// Σ over all joints that an axis carries: the velocity that it gives, times the force (a cross product). So much
-    /// more the force pulls along the column, by the angular velocity of what carries its joint. Of what a ball turns
-    /// in the world ([`Rig::stepped`]), the mean of that and of the same with both velocities in the other order.
+    /// Sum, over all joints that an axis moves, of the cross product of two vectors: the velocity that the axis
+    /// gives to the joint, and the force on the joint. Multiplied by the angular velocity of an outer axis, it
+    /// gives the change of the force along the column. For a ball joint that turns in the world
+    /// ([`Rig::stepped`]), it is the mean over both orders of the axes.
     pub(super) gathered: Vec<DVec3>,
 }
 
 impl Rig {
-    /// W½ J at a pose: a column for each axis of each joint that moves.
+    /// Returns the weighted Jacobian `W½ J` at a pose: a column for each axis of each moving joint.
     pub(super) fn jacobian(&self, at: &RigPose) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(3 * self.joints.len(), self.columns);
         for (column, (moving, axis)) in at.axes.iter().enumerate() {
@@ -36,9 +37,9 @@ impl Rig {
         jacobian
     }
 
-    /// Squared lengths of the Jacobian's columns. O(joints).
+    /// Returns the squared lengths of the Jacobian's columns. O(joints).
     pub(super) fn squares(&self, at: &RigPose) -> DVector<f64> {
-        // Of what every joint carries: Σ w, Σ w r and Σ w r rᵀ, with r from the joint.
+        // Sums over each joint's subtree: Σ w, Σ w r and Σ w r rᵀ, with r from the joint.
         let count = self.joints.len();
         let mut weight = vec![0.0; count];
         let mut first = vec![DVec3::ZERO; count];
@@ -66,11 +67,11 @@ impl Rig {
         DVector::from_iterator(self.columns, squares)
     }
 
-    /// What a force on F does. O(joints).
+    /// Computes the effect of a force on F. O(joints).
     pub(super) fn pull(&self, at: &RigPose, force: &DVector<f64>) -> Pull {
         let count = self.joints.len();
-        // Of what every joint carries: the sum of forces, Σ r fᵀ about the joint, and the part of that which second
-        // derivatives see.
+        // Sums over each joint's subtree: the forces, the moment matrix Σ r fᵀ about the joint, and the part of it
+        // for second derivatives.
         let mut sum = vec![DVec3::ZERO; count];
         let mut moment = vec![DMat3::ZERO; count];
         let mut bent = vec![DMat3::ZERO; count];
@@ -92,7 +93,7 @@ impl Rig {
         let along = at.axes.iter().map(|(joint, axis)| {
             let moment = moment[*joint];
             let [x, y, z] = [moment.x_axis, moment.y_axis, moment.z_axis];
-            // Σ r × f.
+            // The torque is Σ r × f.
             let torque = DVec3::new(z.y - y.z, x.z - z.x, y.x - x.y);
             axis.angular.dot(torque) + axis.linear.dot(sum[*joint])
         });
@@ -103,8 +104,8 @@ impl Rig {
         Pull { along: DVector::from_iterator(self.columns, along), gathered: gathered.collect() }
     }
 
-    /// Σ over all joints of the force times the second derivative of their (weighted) positions: how the surface that
-    /// F makes bends, as seen along the force.
+    /// Returns the sum over all joints of the force times the second derivative of their (weighted) positions: the
+    /// curvature, along the force, of the surface that F describes.
     pub(super) fn bend(&self, at: &RigPose, pull: &Pull) -> DMatrix<f64> {
         let mut bend = DMatrix::zeros(self.columns, self.columns);
         for (inner, (of_inner, _)) in at.axes.iter().enumerate() {
@@ -119,10 +120,12 @@ impl Rig {
         bend
     }
 
-    /// [`Rig::bend`] along two columns, of which the outer one carries the inner one or is of the same joint.
+    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's, or
+    /// is the same.
+    /// same.
     ///
-    /// An outer axis carries the velocity `u` that an inner one gives: `∂²p = a × u`. Of one ball joint, both orders'
-    /// mean.
+    /// An outer axis rotates the velocity `u` that an inner axis gives: `∂²p = a × u`. For two axes of one ball
+    /// joint it is the mean over both orders.
     pub(super) fn bend_along(&self, at: &RigPose, pull: &Pull, outer: usize, inner: usize) -> f64 {
         let ((of_outer, a), (of_inner, b)) = (&at.axes[outer], &at.axes[inner]);
         let (a, b) = (a.angular, b.angular);
@@ -131,7 +134,7 @@ impl Rig {
         if !is_ball {
             a.dot(pull.gathered[inner])
         } else if a == DVec3::ZERO || b == DVec3::ZERO {
-            // Sliding in the frame that the turn does not carry: nothing.
+            // Zero for a slide in the frame that the rotation does not affect.
             0.0
         } else {
             0.5 * (a.dot(pull.gathered[inner]) + b.dot(pull.gathered[outer]))
@@ -139,7 +142,7 @@ impl Rig {
     }
 }
 
-/// `a bᵀ`.
+/// Returns `a bᵀ`.
 fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }

@@ -1,4 +1,4 @@
-//! One joint of a pose: its state, how it moves, and its range.
+//! A joint of a pose: its state, its motion, and its range.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use glam::{DQuat, DVec3};
 use sinew_core::JointKind;
 use sinew_core::projection::JointRange;
 
-/// What a joint leaves free.
+/// The state of a joint's dofs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointPosition {
-    /// Nothing.
+    /// State of a joint without dofs.
     Fixed,
-    /// Angles in rad or way in m of a joint with one or two axes; unused ones are 0.
+    /// Angles in rad or distance in m of a joint with one or two axes; unused values are 0.
     Along([f64; 2]),
     /// Rotation in the joint frame of a spherical joint.
     Turn(DQuat),
@@ -20,7 +20,7 @@ pub enum JointPosition {
 }
 
 impl JointPosition {
-    /// The same with quaternions of length 1.
+    /// Returns the state with quaternions normalized.
     pub(super) fn normalized(self) -> Self {
         match self {
             Self::Turn(q) => Self::Turn(q.normalize()),
@@ -30,14 +30,14 @@ impl JointPosition {
     }
 }
 
-/// A direction that a joint can move in: how the body moves when its coordinate does, in the world.
+/// A direction in which a joint can move: the motion of the body per unit of its coordinate, in the world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
     pub(super) angular: DVec3,
     pub(super) linear: DVec3,
 }
 
-/// How a joint is made.
+/// The kind of a joint, with its axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Model {
     Fixed,
@@ -76,7 +76,7 @@ impl Model {
         }
     }
 
-    /// Whether the state is one that such a joint has.
+    /// Returns whether the state is valid for this kind of joint.
     pub(super) fn has(self, state: &JointPosition) -> bool {
         let unit = |q: &DQuat| (q.length_squared() - 1.0).abs() < 1e-3;
         match (self, state) {
@@ -91,7 +91,7 @@ impl Model {
         }
     }
 
-    /// Rotation and position in the joint frame.
+    /// Returns rotation and position in the joint frame.
     pub(super) fn pose(self, state: &JointPosition) -> (DQuat, DVec3) {
         match (self, *state) {
             (Self::Revolute(axis), JointPosition::Along([a, _])) => {
@@ -107,8 +107,9 @@ impl Model {
         }
     }
 
-    /// The directions that a joint can move in, outer ones first. `frame`: rotation of the joint frame in the world,
-    /// `body`: of the body. Of a turn with a range, the first is the way out.
+    /// Returns the directions in which a joint can move, outer axes first. `frame` is the rotation of the joint
+    /// frame in the world, `body` that of the body. For a rotation with a range, the first axis leads to the end
+    /// of the range.
     pub(super) fn axes(
         self,
         state: &JointPosition,
@@ -135,7 +136,7 @@ impl Model {
         }
     }
 
-    /// The state after a step along its axes.
+    /// Returns the state after a step along its axes.
     pub(super) fn stepped(state: &JointPosition, range: JointRange, step: &[f64]) -> JointPosition {
         match (*state, step) {
             (JointPosition::Along([a, b]), [da]) => JointPosition::Along([a + da, b]),
@@ -153,7 +154,8 @@ impl Model {
         }
     }
 
-    /// The state a share `t` of the way from one to another, the shorter way round where no range is in it.
+    /// Returns the state at a share `t` of the path from one state to another; the shorter way round, unless there
+    /// is a range.
     pub(super) fn between(
         self,
         range: JointRange,
@@ -183,7 +185,8 @@ impl Model {
     }
 }
 
-/// Turning axes of a spherical joint in the body: with a range, the way out and two across it.
+/// Returns the rotation axes of a spherical joint in the body: with a range, the axis towards its end and two
+/// perpendicular axes.
 fn basis(state: &JointPosition, range: JointRange) -> [DVec3; 3] {
     match (*state, range) {
         (JointPosition::Turn(q), JointRange::Turn(_)) => {
@@ -195,7 +198,7 @@ fn basis(state: &JointPosition, range: JointRange) -> [DVec3; 3] {
     }
 }
 
-/// Axis times angle, the angle in [0, π].
+/// Returns axis times angle, the angle in [0, π].
 pub(super) fn rotation_vector(q: DQuat) -> DVec3 {
     let q = if q.w < 0.0 { -q } else { q };
     let sine = q.xyz().length();

@@ -1,5 +1,5 @@
-//! The ends of ranges, as interior-point methods take them: a gap that is positive inside, and a force that keeps it
-//! so.
+//! The ends of ranges, for an interior-point method: a gap that is positive inside, and a force that keeps it
+//! positive.
 
 use glam::DQuat;
 use sinew_core::projection::JointRange;
@@ -9,46 +9,49 @@ use super::joint::{JointPosition, rotation_vector};
 /// An end of a range, near a pose.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limit {
-    /// The column of the Jacobian along which it is.
+    /// Column of the Jacobian along which the gap changes.
     pub(super) column: usize,
-    /// How many columns the gap bends along, from that one on.
+    /// Number of columns, starting at `column`, along which the gap is curved.
     pub(super) bends: usize,
-    /// How far the end is, positive inside.
+    /// Distance from the end, positive inside.
     pub(super) gap: f64,
     /// Derivative of the gap along the column.
     pub(super) slope: f64,
-    /// Second derivative of the gap along each column that it bends along.
+    /// Second derivative of the gap along each column along which it is curved.
     pub(super) bend: f64,
-    /// How strongly it pushes inwards along the gap: Lagrange's multiplier.
+    /// Force that pushes inwards along the gap: the Lagrange multiplier.
     pub(super) force: f64,
 }
 
-/// Of a gap or a force, the most that a step takes.
+/// Maximum share of a gap or a force that a step may use up.
 const MOST: f64 = 0.99;
 
-/// So much wider is the range of an axis, rad or m, for an axis that is locked to have an inside.
+/// Widening of the range of an axis, rad or m, to give a locked axis an interior.
 const WIDER: f64 = 1e-9;
 
 impl Limit {
-    /// The share of a step along its column that leaves some of the gap, if the gap did not bend.
+    /// Returns the share of a step along the limit's column that leaves a part of the gap, if the gap were not
+    /// curved.
     pub(super) fn share(&self, step: f64) -> f64 {
         let way = -self.slope * step;
         if way > MOST * self.gap { MOST * self.gap / way } else { 1.0 }
     }
 
-    /// Whether it is still as far as steps leave it, `before` a step that its bend is allowed to shorten by half.
+    /// Returns whether the gap is still as large as a step may leave it. The gap's curvature may reduce the rest
+    /// by half.
     pub(super) fn is_left(&self, before: &Self) -> bool {
         self.gap >= 0.5 * (1.0 - MOST) * before.gap
     }
 
-    /// The force after a step along its column, so that its product with the gap is `height`, to first order.
+    /// Returns the force after a step along the limit's column, which makes its product with the gap `height` to
+    /// first order.
     pub(super) fn force_after(&self, step: f64, height: f64) -> f64 {
         let after = (height - self.force * self.slope * step) / self.gap;
         after.max((1.0 - MOST) * self.force)
     }
 }
 
-/// A range that limits something: up to half a turn is any turn.
+/// Returns the range, or no range if it limits nothing: a range of half a turn permits any rotation.
 pub(super) fn real(range: JointRange) -> JointRange {
     match range {
         JointRange::Turn(most) if most >= std::f32::consts::PI => JointRange::Any,
@@ -56,7 +59,7 @@ pub(super) fn real(range: JointRange) -> JointRange {
     }
 }
 
-/// The limits of a joint whose first column is `column`.
+/// Appends the limits of a joint whose first column is `column`.
 pub(super) fn of_joint(
     state: &JointPosition,
     range: JointRange,
@@ -74,10 +77,10 @@ pub(super) fn of_joint(
             axis(column, a, first);
             axis(column + 1, b, second);
         }
-        // The cosine of half the angle is smooth everywhere, and bends alike in all directions.
+        // The cosine of half the angle is smooth everywhere, and its curvature is equal in all directions.
         (JointRange::Turn(most), JointPosition::Turn(q)) => {
             let (half, end) = (0.5 * rotation_vector(q).length(), 0.5 * f64::from(most));
-            // cos half - cos end, without the digits that they have in common.
+            // cos half - cos end, without cancellation of their common digits.
             let gap = 2.0 * libm::sin(0.5 * (end + half)) * libm::sin(0.5 * (end - half));
             let (slope, bend) = (-0.5 * libm::sin(half), -0.25 * libm::cos(half));
             out.push(Limit { column, bends: 3, gap, slope, bend, force: 0.0 });
@@ -86,7 +89,7 @@ pub(super) fn of_joint(
     }
 }
 
-/// The state, at least a share `margin` of the range's width away from its ends.
+/// Returns the state moved at least a share `margin` of the range's width away from its ends.
 pub(super) fn within(state: &JointPosition, range: JointRange, margin: f64) -> JointPosition {
     let inside = |x: f64, [least, most]: [f32; 2]| {
         let (least, most) = (f64::from(least), f64::from(most));

@@ -1,5 +1,5 @@
-//! Geodesics between poses: the shortest ways through space that keep bone lengths, and joints within their ranges.
-//! f64, in its own code: the judge of [`sinew_core::pose_space`].
+//! Geodesics between poses: the shortest paths through space that keep bone lengths, and joints within their
+//! ranges. In f64, with independent code: the reference for [`sinew_core::pose_space`].
 
 mod by_joint;
 mod by_pose;

@@ -1,4 +1,4 @@
-//! The energy near a curve, to second order, as one of its poses has it.
+//! The energy near a curve, to second order, for one of its poses.
 
 use nalgebra::DVector;
 
@@ -6,15 +6,15 @@ use super::curve::Curve;
 use super::derivatives::Pull;
 use super::rig::Rig;
 
-/// What a model knows of one pose, by column.
+/// The model of one pose, by column.
 pub(super) struct PoseModel {
-    /// Minus the gradient.
+    /// Negative gradient.
     pub(super) downhill: DVector<f64>,
-    /// What barriers add to the diagonal.
+    /// Additions of the barriers to the diagonal.
     pub(super) barrier: DVector<f64>,
-    /// The diagonal without second derivatives and barriers.
+    /// Diagonal without second derivatives and barriers.
     pub(super) own: DVector<f64>,
-    /// What the forces of the curve's bends do.
+    /// Effect of the forces that the curve's bends exert.
     pub(super) pull: Pull,
 }
 

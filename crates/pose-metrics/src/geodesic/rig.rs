@@ -1,4 +1,4 @@
-//! A rig in f64: where a pose puts its joints, and how they move.
+//! A rig in f64: positions of the joints in a pose, and their motion.
 
 use glam::{DQuat, DVec3};
 use nalgebra::DVector;
@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::joint::{Axis, JointPosition, Model};
 use super::limit::{self, Limit};
 
-/// The rig that poses are of: its joints, their ranges, and how much it counts where each is.
+/// A rig for geodesics: its joints, their ranges, and the weight of each joint's position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     pub(super) joints: Vec<Joint>,
@@ -17,25 +17,25 @@ pub struct Rig {
     pub(super) columns: usize,
 }
 
-/// A joint as it is given: on its parent, whose index is smaller.
+/// Description of a joint. Its parent has a smaller index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigJoint {
-    /// Index of the parent; `None` for the root alone, which is left out.
+    /// Index of the parent; `None` only for the root, whose motion is ignored.
     pub parent: Option<usize>,
-    /// What it leaves free.
+    /// Kind of joint.
     pub kind: JointKind,
     /// Rotation of the joint frame in the parent.
     pub rotation: DQuat,
     /// Position of the joint in the parent, m.
     pub offset_m: DVec3,
-    /// How far it can go.
+    /// Range of the joint's motion.
     pub range: JointRange,
-    /// How much the square of its way counts.
+    /// Weight of the squared displacement of the joint.
     pub weight: f64,
 }
 
 impl From<&Body> for RigJoint {
-    /// As far as its kind lets it, counting 1.
+    /// Returns a joint of the body's kind without a range, with weight 1.
     fn from(body: &Body) -> Self {
         Self {
             parent: body.parent,
@@ -57,73 +57,73 @@ pub(super) struct Joint {
     offset_m: DVec3,
     pub(super) weight: f64,
     pub(super) range: JointRange,
-    /// Whether a geodesic moves it: neither left out, nor fixed, nor without any joint that it moves.
+    /// Whether a geodesic moves it: it is not the root and not fixed, and it moves a joint that has a weight.
     pub(super) moves: bool,
 }
 
 impl Joint {
-    /// Whether a step turns its body in the world, whatever its parents do: a ball that no range holds to its parent.
+    /// Returns whether a step rotates the joint's body in the world, independently of its parents: a ball joint
+    /// without a range.
     pub(super) fn turns_in_world(&self) -> bool {
         self.moves && self.model == Model::Spherical && self.range == JointRange::Any
     }
 
-    /// How many columns of the Jacobian are its.
+    /// Returns the number of the joint's columns in the Jacobian.
     pub(super) fn columns(&self) -> usize {
         if self.moves { self.model.dof_count() } else { 0 }
     }
 }
 
-/// What a pose is made of, when it cannot be.
+/// The error of an invalid rig or pose.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RigError {
-    /// One is missing, or there are too many.
+    /// A list of the wrong length.
     #[error("{what}: expected {expected}, one for each joint, found {found}")]
     Count {
-        /// What.
+        /// Name of the list.
         what: &'static str,
         /// Number of joints.
         expected: usize,
-        /// Number given.
+        /// Length of the list.
         found: usize,
     },
-    /// A joint's item is not usable.
+    /// An invalid value of a joint.
     #[error("joint {joint}: {what}")]
     Joint {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// What is wrong and what would be right.
+        /// Description of the fault and of a valid value.
         what: &'static str,
     },
 }
 
-/// Where a pose puts the joints, and how it can move them.
+/// The rig in a pose: positions of the joints, and the axes along which they can move.
 #[derive(Debug, Clone)]
 pub(super) struct RigPose {
-    /// F: positions of all joints in one vector, each times the root of its weight.
+    /// Vector F: the positions of all joints, each times the square root of its weight.
     pub(super) f: DVector<f64>,
     pub(super) positions_m: Vec<DVec3>,
-    /// Of all bodies, in the world.
+    /// Rotations of all bodies in the world.
     rotations: Vec<DQuat>,
-    /// By column: the joint, and how it moves.
+    /// For each column, the joint and its motion.
     pub(super) axes: Vec<(usize, Axis)>,
 }
 
 impl Rig {
-    /// A rig of joints in regular numbering, the root being left out: where it is and how it is turned counts for
-    /// nothing.
+    /// Creates a rig of joints in regular numbering. The root's position and orientation are ignored.
     ///
     /// # Errors
-    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit, or a
-    /// parent does not come first.
+    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit the joint, or a
+    /// parent does not precede its child.
     pub fn new(given: &[RigJoint]) -> Result<Self, RigError> {
         let expected = given.len();
         let mut joints = Vec::with_capacity(expected);
         for (joint, given) in given.iter().enumerate() {
-            // Written so that NaN is bad.
+            // This condition is written to refuse NaN.
             let what = if !(0.0..=1e6).contains(&given.weight) {
                 "expected a weight from 0 to 1e6"
             } else if given.parent.map_or(joint > 0, |parent| parent >= joint) {
-                "expected a parent that comes before it, and one root alone"
+                "expected a parent that comes before it, and only one root"
             } else if !((given.rotation.length_squared() - 1.0).abs() < 1e-3
                 && given.offset_m.is_finite())
             {
@@ -146,7 +146,7 @@ impl Rig {
             };
             return Err(RigError::Joint { joint, what });
         }
-        // Whether turning or sliding it moves a joint that counts.
+        // Whether a rotation or a translation of the joint moves a joint that has a weight.
         let mut carries = vec![false; expected];
         for index in (0..expected).rev() {
             let joint = &joints[index];
@@ -162,7 +162,7 @@ impl Rig {
         Ok(Self { joints, columns })
     }
 
-    /// Checks a pose, and brings its quaternions to length 1.
+    /// Checks a pose, normalizes its quaternions and moves its joints into their ranges.
     ///
     /// # Errors
     /// [`RigError`] if there is not a finite state of the right kind for each joint.
@@ -180,18 +180,19 @@ impl Rig {
         Ok(self.within(&unit, 0.0))
     }
 
-    /// The pose with each joint at least a share `margin` of its range's width away from the range's ends.
+    /// Returns the pose with each joint moved at least a share `margin` of its range's width away from the range's
+    /// ends.
     pub(super) fn within(&self, pose: &[JointPosition], margin: f64) -> Vec<JointPosition> {
         let joints = self.joints.iter().zip(pose);
         joints.map(|(joint, state)| limit::within(state, joint.range, margin)).collect()
     }
 
-    /// Positions of all joints in a pose as seen from the root, m.
+    /// Returns the positions of all joints in a pose relative to the root, m.
     pub fn positions_m(&self, pose: &[JointPosition]) -> Vec<DVec3> {
         self.frames(pose).into_iter().map(|(_, _, position)| position).collect()
     }
 
-    /// Of each body: rotation of its joint frame, its own, and its position.
+    /// Returns, for each body, the rotation of its joint frame, its own rotation, and its position.
     fn frames(&self, pose: &[JointPosition]) -> Vec<(DQuat, DQuat, DVec3)> {
         let mut frames: Vec<(DQuat, DQuat, DVec3)> = Vec::with_capacity(self.joints.len());
         for (joint, state) in self.joints.iter().zip(pose) {
@@ -211,7 +212,7 @@ impl Rig {
         frames
     }
 
-    /// Where a pose puts the joints.
+    /// Computes the positions of the joints in a pose, and their axes.
     pub(super) fn place(&self, pose: &[JointPosition]) -> RigPose {
         let frames = self.frames(pose);
         let mut axes = Vec::with_capacity(self.columns);
@@ -234,7 +235,7 @@ impl Rig {
         RigPose { f, positions_m, rotations, axes }
     }
 
-    /// Whether a joint is another or carries it.
+    /// Returns whether `carried` is in the subtree of `joint`, or is the joint itself.
     pub(super) fn carries(&self, joint: usize, mut carried: usize) -> bool {
         while carried > joint {
             let Some(parent) = self.joints[carried].parent else { return false };
@@ -243,18 +244,18 @@ impl Rig {
         carried == joint
     }
 
-    /// The pose after a step along all axes.
+    /// Returns the pose after a step along all axes.
     ///
-    /// A ball's body is turned in the world by the step's angular velocity of it: as the positions are sums of bones,
-    /// they then bend with each bone's own turn, and not with those of all that carry it times each other. A joint of
-    /// another kind, or with a range, takes its own coordinates further.
+    /// The body of a ball joint is rotated in the world by its angular velocity in the step. Since positions are
+    /// sums of bones, their curvature then depends only on each bone's own rotation, not on products with the
+    /// rotations of its ancestors. Joints of other kinds, and joints with a range, step in their own coordinates.
     pub(super) fn stepped(
         &self,
         pose: &[JointPosition],
         at: &RigPose,
         step: &[f64],
     ) -> Vec<JointPosition> {
-        // Of each body: its rotation after the step, and the step's angular velocity.
+        // For each body: its rotation after the step, and its angular velocity in the step.
         let mut after: Vec<(DQuat, DVec3)> = Vec::with_capacity(pose.len());
         let mut column = 0;
         let joints = self.joints.iter().zip(pose).enumerate();
@@ -283,7 +284,7 @@ impl Rig {
         stepped.collect()
     }
 
-    /// By limit of all joints that move: how far a pose is from it. In an order of its own, the same in every pose.
+    /// Returns the limits of all moving joints with their gaps in a pose. Their order is the same in every pose.
     pub(super) fn limits(&self, pose: &[JointPosition]) -> Vec<Limit> {
         let mut column = 0;
         let mut limits = Vec::new();
@@ -294,7 +295,7 @@ impl Rig {
         limits
     }
 
-    /// The pose a share `t` of the way from one to another, each joint on its own.
+    /// Returns the pose at a share `t` of the path from one pose to another, each joint separately.
     pub(super) fn between(
         &self,
         from: &[JointPosition],
@@ -306,7 +307,7 @@ impl Rig {
     }
 }
 
-/// Whether a joint of this kind can have this range; NaN is in none.
+/// Returns whether a joint of this kind can have this range; false for NaN.
 fn fits(range: JointRange, model: Model) -> bool {
     let ordered = |[least, most]: [f32; 2]| least <= most;
     match (range, model) {

@@ -1,22 +1,23 @@
-//! The least energy of a curve between two poses: Newton's method with a trust region in Levenberg's form, joint ranges
-//! by barriers that get lower and lower (a primal-dual interior-point method: Nocedal & Wright 2006, chapter 19).
+//! Minimizes the energy of a curve between two poses by Newton's method with a trust region in Levenberg's form.
+//! Joint ranges are barriers of decreasing height (a primal-dual interior-point method: Nocedal & Wright 2006,
+//! chapter 19).
 
 use super::curve::Curve;
 use super::joint::JointPosition;
 use super::model::{Model, NextCurve};
 use super::rig::{Rig, RigError};
 
-/// How to solve.
+/// Options of the solver.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Number of steps of the curve, N of the paper: there are N - 1 poses to find.
+    /// Number of steps of the curve, N in the paper: N - 1 poses are unknown.
     pub steps: usize,
-    /// Ends when no component of the gradient is above this share of the energy at the start (per rad or m), nor the
-    /// product of any limit's force and distance; or above what rounding comes to.
+    /// Convergence limit: the solver ends if no component of the gradient, and no product of a limit's force and
+    /// gap, is above this share of the initial energy (per rad or m), or above the rounding error.
     pub tolerance: f64,
-    /// Gives up after so many iterations.
+    /// Maximum number of iterations.
     pub iterations: usize,
-    /// Whether second derivatives of the positions are used; without, it is the method of Gauss and Newton.
+    /// Whether second derivatives of the positions are used; otherwise the Gauss-Newton method is used.
     pub second_derivatives: bool,
 }
 
@@ -26,52 +27,53 @@ impl Default for Options {
     }
 }
 
-/// A curve of least energy.
+/// A curve of minimum energy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geodesic {
-    /// All poses, both ends among them.
+    /// All poses, including both ends.
     pub poses: Vec<Vec<JointPosition>>,
-    /// Σ of the squared steps, m².
+    /// Sum of the squared steps, m².
     pub energy_m2: f64,
-    /// Σ of the steps, m.
+    /// Sum of the steps, m.
     pub length_m: f64,
-    /// The length of the curve that it started from: every joint on its own shortest way, m.
+    /// Length of the initial curve, on which every joint takes its own shortest path, m.
     pub line_length_m: f64,
-    /// Largest component of the gradient that no range keeps.
+    /// Largest component of the gradient that no range balances.
     pub gradient: f64,
-    /// Whether the gradient is as small as was asked for.
+    /// Whether the gradient is within the tolerance.
     pub converged: bool,
-    /// What every iteration came to.
+    /// State after every iteration.
     pub course: Vec<Iteration>,
 }
 
-/// After an iteration.
+/// The state after an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Iteration {
-    /// The energy, m².
+    /// Energy, m².
     pub energy_m2: f64,
-    /// Largest component of the gradient that no range keeps.
+    /// Largest component of the gradient that no range balances.
     pub gradient: f64,
-    /// Levenberg's factor.
+    /// Levenberg's damping factor.
     pub damping: f64,
 }
 
-/// Factor on the damping of a step that was as good as predicted.
+/// Minimum factor on the damping after a step that was as good as predicted.
 const SLOWEST: f64 = 1.0 / 3.0;
 
-/// Height of barriers at the start, as a share of the energy, and how much lower the next ones are.
+/// Initial height of the barriers, as a share of the energy. The next constant is the factor for each lower
+/// barrier.
 const HEIGHT: f64 = 1e-2;
 const LOWER: f64 = 0.1;
 
-/// How far from the ends of ranges the curve starts, as a share of their widths.
+/// Initial distance of the curve from the ends of ranges, as a share of their widths.
 const MARGIN: f64 = 1e-2;
 
-/// The curve of least energy (eq. 6) from one pose to another, each brought within the ranges: of several, the one
-/// downhill from every joint's own shortest way. An iteration takes O(steps · columns³), and of a rig with many more
-/// columns than steps O(joints · steps³).
+/// Computes the curve of minimum energy (eq. 6) from one pose to another, both moved into the ranges. If there are
+/// several minima, the result is the one reached downhill from every joint's own shortest path. An iteration costs
+/// O(steps · columns³), or O(joints · steps³) for a rig with many more columns than steps.
 ///
 /// # Errors
-/// [`RigError`] if a pose is not one of the rig.
+/// [`RigError`] if a pose does not fit the rig.
 pub fn solve(
     rig: &Rig,
     from: &[JointPosition],
@@ -81,11 +83,11 @@ pub fn solve(
     let (from, to) = (rig.checked(from)?, rig.checked(to)?);
     let steps = options.steps.max(1);
     let poses = (0..=steps).map(|k| rig.between(&from, &to, k as f64 / steps as f64));
-    // Within the ranges, where those are not convex in turns.
+    // Moved into the ranges, since ranges of rotations are not convex.
     let line = Curve::new(rig, poses.collect()).within(rig, 0.0);
     let line_length_m = line.length_m();
     let scale = line.energy_m2;
-    // Of poses that are nearly the same, gradients are not known better than positions are rounded.
+    // For poses that are nearly equal, gradients are not more accurate than the rounding of positions.
     let rounding = 64.0 * f64::EPSILON * line.placed[0].f.norm_squared();
     let enough = (options.tolerance * scale).max(rounding);
     let mut height_m2 = (HEIGHT * scale).max(enough);
@@ -104,23 +106,24 @@ pub fn solve(
             continue;
         };
         let NextCurve { curve: next, gain_m2, predicted_m2, decrement_m2 } = next;
-        // What is left to gain on barriers of this height is less than what lower ones give.
+        // The remaining gain with barriers of this height is smaller than the gain from lower barriers.
         let is_centred = decrement_m2 <= height_m2;
         let lower_m2 = if is_centred { (LOWER * height_m2).max(LOWER * enough) } else { height_m2 };
         let is_lower = model_now.press_m2 > enough && lower_m2 < height_m2;
-        // Near the end, energies differ by their rounding only: there the model is trusted while it gets flatter.
+        // Near the end, energies differ only by rounding. The model is then trusted while its gradient decreases.
         let is_rounding = predicted_m2 < 1e-12 * curve.energy_m2;
         let next_model = (gain_m2 > 0.0 || is_rounding).then(|| model(&next, lower_m2));
         match next_model {
             Some(next_model) if !is_rounding || is_lower || off(&next_model) < off(&model_now) => {
                 let ratio = if is_rounding { 1.0 } else { gain_m2 / predicted_m2 };
-                // Nielsen's rule: smoothly down as the model proves good, ever faster up as it does not.
+                // Nielsen's rule: a smooth decrease while the model is good, an accelerating increase while it is
+                // not.
                 damping *= f64::max(SLOWEST, 1.0 - (2.0 * ratio - 1.0).powi(3));
                 damping = damping.max(1e-14);
                 growth = 2.0;
                 (curve, model_now, height_m2) = (next, next_model, lower_m2);
             }
-            // Rounding is all that is left.
+            // Only rounding error is left.
             _ if is_rounding && damping > 1.0 => break,
             _ => {
                 damping = damping.max(1e-10) * growth;

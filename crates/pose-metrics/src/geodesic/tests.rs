@@ -7,7 +7,7 @@ use super::curve::Curve;
 use super::model::{Model, Order};
 use super::*;
 
-/// A joint 0.3 m along x from its parent.
+/// Returns a joint 0.3 m along x from its parent.
 fn joint(parent: Option<usize>, kind: JointKind) -> RigJoint {
     RigJoint {
         parent,
@@ -22,7 +22,8 @@ fn joint(parent: Option<usize>, kind: JointKind) -> RigJoint {
 const HINGE: JointKind = JointKind::Revolute { axis: Vec3::Z };
 const CROSS: JointKind = JointKind::Universal { first: Vec3::Y, second: Vec3::Z };
 
-/// A trunk that bends, and on it an arm of a ball, a hinge and a slide, and one of a cross and a hinge.
+/// Returns a bending trunk with two arms: one with a ball, a hinge and a slide, one with a universal joint and a
+/// hinge.
 fn rig_of_all_kinds() -> Vec<RigJoint> {
     let skewed = |joint: RigJoint| RigJoint {
         rotation: DQuat::from_scaled_axis(DVec3::new(0.3, -0.6, 0.2)),
@@ -74,7 +75,7 @@ fn derivatives_are_those_of_positions() {
     let pull = rig.pull(&placed, &force);
     let bend = rig.bend(&placed, &pull);
     let along = jacobian.tr_mul(&force);
-    // Sums of a few products of numbers below 1.
+    // The sums have few products of numbers below 1.
     assert!((&pull.along - along).amax() < 1e-13);
     let squares = jacobian.column_iter().map(|column| column.norm_squared());
     let squares = nalgebra::DVector::from_iterator(rig.columns, squares);
@@ -87,7 +88,7 @@ fn derivatives_are_those_of_positions() {
             let at = |a: f64, b: f64| moved(&[(column, a * step), (other, b * step)]).f.dot(&force);
             let second = (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0))
                 / (4.0 * step * step);
-            // Central differences of second order: third derivatives times h², and rounding over h².
+            // Central differences of second order: third derivatives times h², and rounding divided by h².
             assert!(
                 (second - bend[(column, other)]).abs() < 1e-6,
                 "{column} {other}: {second} {}",
@@ -97,7 +98,8 @@ fn derivatives_are_those_of_positions() {
     }
 }
 
-/// Of a system of equations, in any order: with joints at ends of their ranges, with and without second derivatives.
+/// Checks that both orders of elimination solve one system of equations: with joints at ends of their ranges, with
+/// and without second derivatives.
 #[test]
 fn steps_are_the_same_in_every_order() {
     let mut joints = rig_of_all_kinds();
@@ -117,15 +119,16 @@ fn steps_are_the_same_in_every_order() {
         };
         let by_pose = step(Order::Poses);
         for (one, other) in by_pose.iter().zip(step(Order::Joints)) {
-            // What damping adds is at least 1e-6 of the largest element, and all 50 eigenvalues together are at most 50
-            // times that: the condition is at most 5e7. Times the rounding of f64, 6e-9.
+            // The damping adds at least 1e-6 of the largest element, and the sum of all 50 eigenvalues is at most
+            // 50 times that element: the condition is at most 5e7. Times the rounding of f64, that is 6e-9.
             let difference = (one - &other).amax() / one.amax();
             assert!(difference < 1e-8, "{has_second_derivatives}: {difference:e}");
         }
     }
 }
 
-/// A chain of as many joints as are taken, all balls: pose by pose, an iteration takes the cube of its 765 columns.
+/// Tests a chain of the maximum number of joints, all ball joints. Elimination pose by pose would cost the cube of
+/// its 765 columns per iteration.
 #[test]
 fn a_long_chain_gets_shorter() {
     let joints: Vec<_> = (0..256)
@@ -155,7 +158,7 @@ fn no_other_curve_has_less_energy() {
     let geodesic = solve(&rig, &pose(1.0), &pose(-1.0), &Options::default()).unwrap();
     assert!(geodesic.converged && geodesic.course.len() < 60, "{:?}", geodesic.course.last());
     assert!(geodesic.length_m < geodesic.line_length_m);
-    // Steps of one size: an energy is at least the squared length over their number.
+    // The steps are of one size: the energy is at least the squared length divided by their number.
     let steps = (geodesic.poses.len() - 1) as f64;
     assert!((geodesic.energy_m2 * steps / geodesic.length_m.powi(2) - 1.0).abs() < 1e-3);
     let energy = |poses: &[Vec<JointPosition>]| -> f64 {
@@ -178,7 +181,7 @@ fn no_other_curve_has_less_energy() {
 
 #[test]
 fn both_methods_find_the_same_near_by() {
-    // Of wide motions there are several minima.
+    // A small motion, since large motions have several minima.
     let rig = Rig::new(&rig_of_all_kinds()).unwrap();
     let of = |second_derivatives| {
         let options = Options { second_derivatives, ..Options::default() };
@@ -193,7 +196,7 @@ fn both_methods_find_the_same_near_by() {
 
 #[test]
 fn joints_stay_within_their_ranges() {
-    // An arm from one side to the other goes inwards, by bending its elbow: as far as that can.
+    // An arm that moves from one side to the other goes inwards by bending its elbow, as far as its range permits.
     let free = vec![
         joint(None, JointKind::Fixed),
         joint(Some(0), JointKind::Spherical),
@@ -204,7 +207,7 @@ fn joints_stay_within_their_ranges() {
         vec![
             JointPosition::Fixed,
             JointPosition::Turn(DQuat::from_rotation_z(angle)),
-            // Straight, both sides to bend to would be equally good.
+            // With a straight elbow, both bending directions would be equally good.
             JointPosition::Along([0.05, 0.0]),
             JointPosition::Fixed,
         ]
@@ -228,13 +231,14 @@ fn joints_stay_within_their_ranges() {
     let locked = of(&stiff);
     assert!(any.converged && ranged.converged && locked.converged);
     assert!(widest(&any) > 0.3, "{}", widest(&any));
-    // Its force times its distance is at most 1e-9 of the energy, and the force is above a hundredth of that.
+    // The product of force and gap is at most 1e-9 of the energy, and the force is above a hundredth of the
+    // energy.
     assert!((-1e-7..=0.0).contains(&(widest(&ranged) - 0.25)), "{}", widest(&ranged));
     assert!(widest(&locked) <= 0.0);
     assert!(any.energy_m2 < ranged.energy_m2 && ranged.energy_m2 < locked.energy_m2);
 }
 
-/// A hinge without a range goes the shorter way round; one with a range cannot.
+/// Checks that a hinge without a range takes the shorter way round; a hinge with a range may not.
 #[test]
 fn hinges_go_the_shorter_way_round() {
     let mut joints = vec![
@@ -285,7 +289,7 @@ fn poses_that_are_nearly_the_same_are_no_trouble() {
     }
 }
 
-/// A ball's range ends in a sphere, that bends the more the smaller it is.
+/// Tests the range of a ball joint. It ends at a sphere, whose curvature increases as the sphere gets smaller.
 #[test]
 fn the_way_goes_along_the_end_of_a_turns_range() {
     for most_rad in [0.7, 0.1, 0.01, 1e-4] {
@@ -302,13 +306,14 @@ fn the_way_goes_along_the_end_of_a_turns_range() {
         });
         let beyond_rad: Vec<f64> = turns.collect();
         assert!(beyond_rad.iter().all(|beyond| *beyond < 1e-15), "{beyond_rad:?}");
-        // A force times its distance is at most 1e-9 of the energy, and the ball is pulled with a hundredth of that.
+        // The product of force and gap is at most 1e-9 of the energy, and the ball is pulled with a hundredth of
+        // the energy.
         assert!(beyond_rad[1..10].iter().any(|beyond| *beyond > -1e-7), "{beyond_rad:?}");
     }
 }
 
-/// A figure of balls whose hips and collars, as those of recorded skeletons, turn by next to nothing, and whose other
-/// joints all come near the ends of their ranges. With an active set this takes more than 200 iterations.
+/// Tests a figure of ball joints, like those of recorded skeletons: hips and collars hardly turn, and all other
+/// joints arrive near the ends of their ranges. An active-set method needs more than 200 iterations for this.
 #[test]
 fn tight_ranges_converge() {
     let ball = |parent, x: f64, y: f64| RigJoint {
@@ -358,7 +363,8 @@ fn tight_ranges_converge() {
     }
 }
 
-/// Bones of a chain turn in the world: in joints' own turns this takes more than 200 iterations.
+/// Tests long chains. A step rotates their bones in the world; with steps in the joints' own coordinates they need
+/// more than 200 iterations.
 #[test]
 fn chains_of_many_balls_converge() {
     for (count, size) in [(30, 0.05), (40, 0.05), (60, 0.1), (60, 0.2)] {

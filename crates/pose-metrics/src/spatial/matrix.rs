@@ -1,4 +1,4 @@
-//! Distances between all pairs of some things, each computed once.
+//! Distances between all pairs of some items, each computed once.
 
 use rayon::prelude::*;
 
@@ -10,8 +10,9 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// The distances that `distance` has between things `i > j`, rows in parallel; `done` is called for every row
-    /// with its number of pairs. The same bits for any number of threads. Memory: two bytes for each ordered pair.
+    /// Computes `distance` between all items `i > j`, rows in parallel. `done` is called for every row with its
+    /// number of pairs. The result is the same bits for any number of threads. Memory: two bytes for each ordered
+    /// pair.
     pub fn new<W>(
         count: usize,
         workspace: impl Fn() -> W + Sync,
@@ -36,18 +37,18 @@ impl Distances {
         Self { count, below }
     }
 
-    /// Number of things.
+    /// Returns the number of items.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The distance of two things.
+    /// Returns the distance of two items.
     pub fn get(&self, a: usize, b: usize) -> f64 {
         let (high, low) = (a.max(b), a.min(b));
         if high == low { 0.0 } else { f64::from(self.below[high * (high - 1) / 2 + low]) }
     }
 
-    /// The same between some of the things, in the order given.
+    /// Returns the distances between some of the items, in the given order.
     #[must_use]
     pub fn of(&self, things: &[usize]) -> Self {
         let pairs = (1..things.len()).flat_map(|i| (0..i).map(move |j| (i, j)));

@@ -1,4 +1,4 @@
-//! Which distance of two poses, and that distance.
+//! Measures of the distance between two poses.
 
 use std::fmt;
 
@@ -13,27 +13,27 @@ use super::BODY_COUNT;
 use super::rig::{SpatialRig, single};
 use crate::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
 
-/// What of two poses is compared. Hauberg & Pedersen (2012); all but geodesics are `core`'s.
+/// The quantity that a distance compares. Hauberg & Pedersen (2012); all except geodesics are computed by `core`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Metric {
     /// Coordinates of joints, rad: eq. (1).
     Angles,
-    /// Angles between joints' rotations times lengths of bones, m rad: Tournier et al. (2009).
+    /// Angles between the joints' rotations times the lengths of the bones, m rad: Tournier et al. (2009).
     Rotations,
     /// Positions of joints, m.
     Positions,
-    /// The length of the straight line between their coordinates, in space, m: eq. (4) over section 2.2.
+    /// Length in space of the straight line between the joint coordinates, m: eq. (4) in section 2.2.
     Line,
-    /// The length of the shortest way in space that keeps bones as long as they are, m, of all that lines stand in for:
-    /// a thousand times the work of a line.
+    /// Length of the shortest path in space that keeps the bones' lengths, m. A line approximates it at a
+    /// thousandth of the cost.
     Geodesic,
 }
 
 impl Metric {
-    /// Those of `core`, in the order in which they are shown: cheap enough to compare all poses of a study.
+    /// Metrics of `core`, in the order in which they are shown: fast enough to compare all poses of a study.
     pub const ALL: [Self; 4] = [Self::Angles, Self::Rotations, Self::Positions, Self::Line];
 
-    /// The name in tables and options.
+    /// Returns the name for tables and options.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Angles => "angles",
@@ -44,7 +44,7 @@ impl Metric {
         }
     }
 
-    /// The unit of the distance.
+    /// Returns the unit of the distance.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Angles => "rad",
@@ -53,45 +53,46 @@ impl Metric {
         }
     }
 
-    /// Whether it is the length of a curve in steps. The way straight through space is a lower bound of it.
+    /// Returns whether the metric is the length of a curve in steps. The straight-line distance of the joints is
+    /// then a lower bound.
     pub const fn is_length_of_curve(self) -> bool {
         matches!(self, Self::Line | Self::Geodesic)
     }
 }
 
-/// How much joints count.
+/// The weights of the joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Weighting {
-    /// All alike.
+    /// Equal weights.
     Alike,
-    /// By their importance, [`SpatialRig::importance`].
+    /// Weights by importance, see [`SpatialRig::importance`].
     Importance,
 }
 
-/// A distance of poses.
+/// A distance measure of poses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Measure {
-    /// What is compared.
+    /// Quantity that is compared.
     pub metric: Metric,
-    /// How much joints count.
+    /// Weights of the joints.
     pub weighting: Weighting,
-    /// Steps that a line or a geodesic has.
+    /// Number of steps of a line or a geodesic.
     pub steps: u16,
 }
 
 impl Measure {
-    /// All joints alike, lines in ten steps as in the paper.
+    /// Creates a measure with equal weights, and ten steps for lines as in the paper.
     pub const fn new(metric: Metric) -> Self {
         Self { metric, weighting: Weighting::Alike, steps: 10 }
     }
 
-    /// The same with joints by importance.
+    /// Returns the measure with joints weighted by importance.
     #[must_use]
     pub const fn weighted(self) -> Self {
         Self { weighting: Weighting::Importance, ..self }
     }
 
-    /// Every metric, with joints alike and by importance.
+    /// Returns every metric of `core`, with equal weights and with weights by importance.
     pub fn all() -> impl Iterator<Item = Self> {
         Metric::ALL.into_iter().map(Self::new).flat_map(|measure| [measure, measure.weighted()])
     }
@@ -106,17 +107,17 @@ impl fmt::Display for Measure {
     }
 }
 
-/// A measure on a rig.
+/// A measure for the poses of one rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigMeasure<'r, const N: usize = BODY_COUNT> {
     rig: &'r SpatialRig<N>,
     space: PoseSpace<'r, N>,
     measure: Measure,
-    /// The same rig for geodesics, if those are measured.
+    /// Rig for geodesics, if those are measured.
     geodesics: Option<Rig>,
 }
 
-/// A pose, made ready to be compared: 76 bytes for each of `N`.
+/// A pose that is prepared for comparison: 76 bytes for each of `N` bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     coordinates: PoseCoordinates<N>,
@@ -125,10 +126,10 @@ pub struct MeasuredPose<const N: usize = BODY_COUNT> {
 }
 
 impl<'r, const N: usize> RigMeasure<'r, N> {
-    /// A measure on the poses of a rig.
+    /// Creates a measure for the poses of a rig.
     ///
     /// # Panics
-    /// Never: a rig's importances and the squares of its bones are weights.
+    /// Never: a rig's importances, and the squares of its bones' lengths, are valid weights.
     pub fn new(rig: &'r SpatialRig<N>, measure: Measure) -> Self {
         let alike = PoseSpace::new(rig.tree());
         let mut weights = match measure.weighting {
@@ -154,17 +155,17 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
         Self { rig, space, measure, geodesics }
     }
 
-    /// The measure.
+    /// Returns the measure of this object.
     pub const fn measure(&self) -> Measure {
         self.measure
     }
 
-    /// The poses, as `core` compares them.
+    /// Returns the space in which `core` compares the poses.
     pub const fn space(&self) -> &PoseSpace<'r, N> {
         &self.space
     }
 
-    /// A pose from the local rotations of the skeleton's joints.
+    /// Prepares a pose from the local rotations of the skeleton's joints.
     ///
     /// # Errors
     /// [`PoseSpaceError::Pose`] if a rotation is not finite or not unit.
@@ -175,8 +176,8 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
         Ok(MeasuredPose { coordinates, places, rotations })
     }
 
-    /// How far two poses are apart, in the metric's unit. Of a geodesic that the solver did not find to the end, the
-    /// length that it came to.
+    /// Returns the distance of two poses, in the metric's unit. If the geodesic's solver does not converge, the
+    /// result is the length of its last curve.
     pub fn distance(
         &self,
         a: &MeasuredPose<N>,
@@ -199,7 +200,7 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
         }
     }
 
-    /// A pose as the geodesics' solver takes it: a spatial rig has balls and what is fixed.
+    /// Converts a pose for the geodesics' solver. A spatial rig has only ball joints and fixed joints.
     fn position(&self, pose: &MeasuredPose<N>) -> Vec<JointPosition> {
         let bodies = self.rig.tree().bodies().iter().zip(pose.coordinates.as_slice());
         let turn = |(body, of): (&Body, &JointCoordinates)| match body.joint {
@@ -211,26 +212,26 @@ impl<'r, const N: usize> RigMeasure<'r, N> {
         bodies.map(turn).collect()
     }
 
-    /// The way straight through space, with the measure's weights: in exact numbers a line or a geodesic is never
-    /// shorter.
+    /// Returns the straight-line distance of the joints, with the measure's weights. In exact arithmetic no line
+    /// and no geodesic is shorter.
     pub fn position_distance(&self, a: &MeasuredPose<N>, b: &MeasuredPose<N>) -> f32 {
         self.space.position_distance(&a.places, &b.places)
     }
 }
 
 impl<const N: usize> MeasuredPose<N> {
-    /// What its joints leave free.
+    /// Returns the coordinates of the pose's joints.
     pub const fn coordinates(&self) -> &PoseCoordinates<N> {
         &self.coordinates
     }
 
-    /// Where its bodies are, seen from the root.
+    /// Returns the poses of the bodies relative to the root.
     pub const fn places(&self) -> &BodyPoses<N> {
         &self.places
     }
 }
 
-/// Scratch memory for distances, one for each thread.
+/// Scratch memory for distances. Each thread needs its own.
 pub type Workspace<const N: usize = BODY_COUNT> = LineWorkspace<N>;
 
 #[cfg(test)]

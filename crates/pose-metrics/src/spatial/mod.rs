@@ -1,4 +1,4 @@
-//! Poses of one skeleton compared by how far joints move in space: `core`'s measures on recorded motion.
+//! Compares poses of one skeleton by the displacement of joints in space: `core`'s measures for recorded motion.
 
 mod matrix;
 mod measure;
@@ -12,8 +12,8 @@ pub use options::MeasureArgs;
 pub use rig::{SpatialError, SpatialRig};
 pub use rigid::Rigid;
 
-/// As many bodies as most skeletons' rigs have: poses of them take little memory.
+/// Default maximum number of bodies, sufficient for most skeletons. Its poses need little memory.
 pub const BODY_COUNT: usize = 64;
 
-/// As many bodies as a skeleton's rig may have.
+/// Maximum number of bodies of a skeleton's rig.
 pub const BODY_COUNT_MAX: usize = 256;

@@ -1,4 +1,4 @@
-//! A recorded skeleton as a rig of `core`, seen from any of its joints.
+//! A recorded skeleton as a rig of `core`, with any of its joints as the root.
 
 use std::cmp::Ordering;
 
@@ -10,8 +10,9 @@ use sinew_mocap::Skeleton;
 use super::BODY_COUNT;
 use crate::weights;
 
-/// A skeleton's joints as bodies of a rig: all spherical, bones as long as at rest, end sites left out (nothing turns
-/// there). The root's place and orientation do not count, so the root is where poses are seen from.
+/// A skeleton's joints as bodies of a rig. All joints are spherical, bones have their length at rest, and end
+/// sites are omitted since nothing rotates there. Poses are compared relative to the root, whose own position and
+/// orientation do not count.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpatialRig<const N: usize = BODY_COUNT> {
     tree: Box<Tree<N>>,
@@ -19,60 +20,60 @@ pub struct SpatialRig<const N: usize = BODY_COUNT> {
     importance: Vec<f32>,
 }
 
-/// What of the skeleton a body is.
+/// The part of the skeleton that a body represents.
 #[derive(Debug, Clone, PartialEq)]
 struct OfSkeleton {
     joint: String,
     turn: Turn,
 }
 
-/// How a body is turned in its parent.
+/// The rotation of a body in its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Turn {
     Not,
     By(usize),
-    /// The skeleton's parent, here the child.
+    /// Rotation by the inverse of a joint's rotation. The body's parent in the rig is its child in the skeleton.
     Against(usize),
 }
 
-/// No bone is longer: a file in another unit may have such. Squares of shorter ones, times importances, are weights
-/// of `core`.
+/// Maximum length of a bone. A longer bone indicates a wrong unit. Squares of shorter bones, times importances,
+/// are valid weights of `core`.
 const LONGEST_M: f64 = 100.0;
 
-/// A skeleton cannot be compared in space.
+/// The error of a skeleton that cannot be compared in space.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SpatialError {
-    /// The skeleton has no such joint.
+    /// A root that is not a joint of the skeleton.
     #[error("root {root}: expected a joint of the skeleton: {joints}")]
     Root {
-        /// What was asked for.
+        /// Requested joint.
         root: String,
-        /// What there is.
+        /// Names of the skeleton's joints.
         joints: String,
     },
-    /// A bone is not finite or too long to be one.
+    /// A bone whose length is not finite or is too large.
     #[error(
         "joint {joint}: expected a bone of at most {LONGEST_M} m, found {length_m} m: is the unit of length right?"
     )]
     Bone {
-        /// The joint at its end.
+        /// Joint at the end of the bone.
         joint: String,
-        /// Its length, m.
+        /// Length of the bone, m.
         length_m: f64,
     },
-    /// The rig of `core` refuses it.
+    /// A skeleton that the rig of `core` refuses.
     #[error("the skeleton: {0}")]
     Tree(#[from] TreeError),
-    /// It cannot be weighed.
+    /// A rest pose that is invalid for the weights.
     #[error("the skeleton at rest: {0}")]
     RestPose(#[from] RestPoseError),
-    /// It cannot be weighed.
+    /// Weights that cannot be computed.
     #[error("the joints' importance: {0}")]
     Importance(#[from] ImportanceError),
 }
 
 impl SpatialRig {
-    /// The rig of a skeleton of usual size, see [`sized`](Self::sized).
+    /// Creates the rig of a skeleton of usual size, see [`sized`](Self::sized).
     ///
     /// # Errors
     /// Those of [`sized`](Self::sized), with [`BODY_COUNT`] bodies.
@@ -82,12 +83,12 @@ impl SpatialRig {
 }
 
 impl<const N: usize> SpatialRig<N> {
-    /// The rig of a skeleton, poses seen from the named joint and the bone it turns; without a name, from the
-    /// skeleton's root.
+    /// Creates the rig of a skeleton. Poses are relative to the joint called `root` and the bone that it turns;
+    /// without a name, to the skeleton's root.
     ///
     /// # Errors
-    /// [`SpatialError`] if there is no such joint, more than `N` bodies, or a bone that is not finite or longer than
-    /// 100 m.
+    /// [`SpatialError`] if there is no such joint, more than `N` bodies, or a bone that is not finite or longer
+    /// than 100 m.
     pub fn sized(skeleton: &Skeleton, root: Option<&str>) -> Result<Self, SpatialError> {
         let start = match root {
             None => 0,
@@ -98,7 +99,7 @@ impl<const N: usize> SpatialRig<N> {
         };
         for joint in skeleton.joints.iter().filter(|joint| joint.parent.is_some()) {
             let length_m = joint.offset_m.length();
-            // Written so that NaN is too long.
+            // The condition is written to refuse NaN.
             if !matches!(length_m.partial_cmp(&LONGEST_M), Some(Ordering::Less | Ordering::Equal)) {
                 return Err(SpatialError::Bone { joint: joint.name.clone(), length_m });
             }
@@ -116,24 +117,24 @@ impl<const N: usize> SpatialRig<N> {
         Ok(rig)
     }
 
-    /// The tree, a body per joint of the skeleton; seen from another joint than its root, one more, without length, at
-    /// the start.
+    /// Returns the tree, with a body per joint of the skeleton. If the root is not the skeleton's, an additional
+    /// body without length is the first.
     pub fn tree(&self) -> &Tree<N> {
         &self.tree
     }
 
-    /// The skeleton's joint that a body is at.
+    /// Returns the name of the skeleton's joint at a body.
     pub fn joint(&self, body: usize) -> &str {
         &self.bodies[body].joint
     }
 
-    /// How much each body counts: the length of all bones behind it (D. Holden, "Joint Error Propagation", 2025),
-    /// their mean 1.
+    /// Returns the importance of each body: the total length of its descendants' bones (D. Holden, "Joint Error
+    /// Propagation", 2025), with mean 1.
     pub fn importance(&self) -> &[f32] {
         &self.importance
     }
 
-    /// The poses of all bodies in their parents, from the local rotations of the skeleton's joints.
+    /// Returns the poses of all bodies in their parents, from the local rotations of the skeleton's joints.
     ///
     /// # Panics
     /// If there are fewer rotations than the skeleton has joints.
@@ -149,21 +150,22 @@ impl<const N: usize> SpatialRig<N> {
         self.tree.bodies().iter().zip(&self.bodies).map(place).collect()
     }
 
-    /// Adds all bodies, depth first from the bone that joint `start` turns.
+    /// Adds all bodies in depth-first order, starting with the bone that joint `start` turns.
     fn grow(&mut self, skeleton: &Skeleton, start: usize) -> Result<(), SpatialError> {
-        // Bones to add: the bone, the one it was reached from, the body of that.
+        // Stack of bones to add: the bone, and the bone and the body from which it was reached.
         let mut open = vec![(start, None::<(usize, usize)>)];
-        // Where each body's origin is on its bone.
+        // Position of each body's origin on its bone.
         let mut origins_m: Vec<DVec3> = Vec::new();
         while let Some((bone, from)) = open.pop() {
             let joint = &skeleton.joints[bone];
             let (turn, at, on_parent_m, origin_m) = match from {
                 None => (Turn::Not, bone, DVec3::ZERO, DVec3::ZERO),
-                // Out from its parent, as in the skeleton.
+                // Away from the skeleton's root: the parent is the skeleton's parent.
                 Some((parent, _)) if joint.parent == Some(parent) => {
                     (Turn::By(bone), bone, joint.offset_m, DVec3::ZERO)
                 }
-                // Its child is the parent here: it turns about that child's joint.
+                // Towards the skeleton's root: the parent here is the skeleton's child, and the bone turns about
+                // that child's joint.
                 Some((child, _)) => {
                     (Turn::Against(child), child, DVec3::ZERO, skeleton.joints[child].offset_m)
                 }
@@ -178,7 +180,8 @@ impl<const N: usize> SpatialRig<N> {
                 Some(parent) if Some(parent) != child_it_came_from => {
                     open.push((parent, Some((bone, body))));
                 }
-                // The skeleton's root hangs on its child: its own place is a point of it.
+                // The skeleton's root is attached to its child here: its own position is a fixed point of that
+                // body.
                 None if from.is_some() => {
                     self.add(Some(body), JointKind::Fixed, -origin_m, &joint.name, Turn::Not)?;
                     origins_m.push(DVec3::ZERO);

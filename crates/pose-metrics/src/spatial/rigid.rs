@@ -1,24 +1,24 @@
-//! A skeleton without the joints that do not move: what is one body in all clips is one body here.
+//! Removes the joints that do not move: bodies that are rigidly connected in all clips become one body.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Skeleton, SkeletonJoint};
 
-/// A difference of two rotations that is none: readers' rounding of degrees with two digits is below it.
+/// Difference below which two rotations are equal: readers' rounding of degrees with two digits is smaller.
 const STILL: f64 = 1e-7;
 
-/// The joints that move, and how poses of all joints are poses of them. A joint stays although it does not move if it
-/// is the end of a bone that does: the farthest one that hangs on it, if nothing that moves does.
+/// The joints that move, and the conversion of poses of all joints to poses of these. A joint that does not move
+/// is kept if it is the end of a moving bone: the farthest joint of a moving joint without moving descendants.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rigid {
-    /// The joints that stay, parents first.
+    /// Skeleton of the kept joints, parents first.
     pub skeleton: Skeleton,
-    /// Which they are, and how those between each and its parent turn it.
+    /// Indices of the kept joints, and the constant rotation of the joints between each and its kept parent.
     kept: Vec<(usize, DQuat)>,
 }
 
 impl Rigid {
-    /// The skeleton of `poses`, a local rotation for each joint: those that are the same in all of them do not move.
-    /// `always` is kept, if it is a joint's name.
+    /// Removes the joints whose local rotation is equal in all `poses`, which contain a rotation for each joint.
+    /// The joint called `always` is kept.
     pub fn new<'p>(
         skeleton: &Skeleton,
         poses: impl IntoIterator<Item = &'p Vec<DQuat>>,
@@ -37,7 +37,7 @@ impl Rigid {
                 *keeps = *keeps || 1.0 - rotation.dot(*first).abs() > STILL;
             }
         }
-        // A pose alone tells of no joint that it stands still.
+        // A single pose does not show which joints move.
         if keeps.iter().filter(|keeps| **keeps).count() < 2 {
             keeps.fill(true);
         }
@@ -47,7 +47,7 @@ impl Rigid {
 
     fn of(skeleton: &Skeleton, still: &[DQuat], keeps: &[bool]) -> Self {
         let mut rigid = Self { skeleton: Skeleton { joints: Vec::new() }, kept: Vec::new() };
-        // Of each joint: the one that stays at or above it, and how it stands on that.
+        // For each joint: its nearest kept ancestor or itself, and its pose relative to that.
         let mut places: Vec<(usize, DQuat, DVec3)> = Vec::with_capacity(keeps.len());
         for (index, joint) in skeleton.joints.iter().enumerate() {
             let on = joint.parent.map(|parent| places[parent]);
@@ -64,7 +64,7 @@ impl Rigid {
                     end_sites_m: joint.end_sites_m.clone(),
                 });
             } else {
-                // The root stays, so there is a parent.
+                // The root is kept; therefore a parent exists.
                 let parent = on.map_or(0, |on| on.0);
                 places.push((parent, (turn * still[index]).normalize(), offset_m));
             }
@@ -72,13 +72,14 @@ impl Rigid {
         rigid
     }
 
-    /// The pose of the joints that stay, from one of all joints.
+    /// Returns the pose of the kept joints, from a pose of all joints.
     pub fn pose(&self, all: &[DQuat]) -> Vec<DQuat> {
         let place = |(joint, turn): &(usize, DQuat)| turned(*turn, all[*joint]);
         self.kept.iter().map(place).collect()
     }
 
-    /// The joints that stay: which of all, and its rotation in a pose of those that stay.
+    /// Returns, for each kept joint, its index among all joints and its local rotation, from a pose of the kept
+    /// joints.
     pub fn joints<'s>(&'s self, pose: &'s [DQuat]) -> impl Iterator<Item = (usize, DQuat)> + 's {
         let local = |((joint, turn), rotation): (&(usize, DQuat), &DQuat)| {
             (*joint, turned(turn.inverse(), *rotation))
@@ -87,12 +88,12 @@ impl Rigid {
     }
 }
 
-/// A rotation turned, to the bit itself where there is no turn.
+/// Returns a rotation preceded by `turn`. If `turn` is the identity, the result has exactly the same bits.
 fn turned(turn: DQuat, rotation: DQuat) -> DQuat {
     if turn == DQuat::IDENTITY { rotation } else { (turn * rotation).normalize() }
 }
 
-/// Keeps the farthest joint of each one that moves and carries none that does.
+/// Keeps the farthest joint of each moving joint that has no moving descendants.
 fn keep_ends(skeleton: &Skeleton, still: &[DQuat], keeps: &mut [bool]) {
     let mut carries = keeps.to_vec();
     for (index, joint) in skeleton.joints.iter().enumerate().rev() {
@@ -108,7 +109,8 @@ fn keep_ends(skeleton: &Skeleton, still: &[DQuat], keeps: &mut [bool]) {
             .any(|(child, of)| of.parent == Some(joint) && carries[child]);
         keeps[joint] && !moves_below
     };
-    // Of each joint: the bare one at or above it, and where it is on that.
+    // For each joint: its nearest ancestor (or itself) that moves and has no moving descendants, and its place on
+    // that.
     let mut places: Vec<Option<(usize, DQuat, DVec3)>> = Vec::with_capacity(keeps.len());
     let mut farthest: Vec<Option<(f64, usize)>> = vec![None; keeps.len()];
     for (index, joint) in skeleton.joints.iter().enumerate() {
@@ -167,7 +169,7 @@ mod tests {
         let rigid = Rigid::new(&skeleton, &poses, Some("head"));
         let kept: Vec<&str> =
             rigid.skeleton.joints.iter().map(|joint| joint.name.as_str()).collect();
-        // The ends of the forearm and of the thigh; the thorax has an arm that moves.
+        // The ends of the forearm and of the thigh are kept; the thorax has an arm that moves.
         assert_eq!(kept, ["pelvis", "thorax", "head", "forearm_l", "hand_l", "thigh_r", "foot_r"]);
         for pose in &poses {
             let all_m = world_m(&skeleton, pose);

@@ -1,4 +1,4 @@
-//! Why joints were not weighed.
+//! Errors of the weighting of joints.
 
 use std::path::PathBuf;
 
@@ -6,91 +6,91 @@ use sinew_core::importance::{ImportanceError, RestPoseError, VertexError};
 
 use super::limits::JOINT_COUNT_MAX;
 
-/// A character that cannot be weighed so.
+/// The error of a character whose weights a method cannot compute.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A setting makes no sense.
+    /// A setting whose value is invalid.
     #[error("{name}: expected {expected}, found {found:?}")]
     Setting {
-        /// The option.
+        /// Name of the option.
         name: &'static str,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         found: f64,
     },
-    /// More joints than `core` can weigh.
+    /// A character with more joints than `core` supports.
     #[error("expected at most {JOINT_COUNT_MAX} joints, found {found}")]
     TooManyJoints {
-        /// How many there are.
+        /// Number of joints.
         found: usize,
     },
-    /// Nothing to weigh it by.
+    /// A character without a mesh, for the method that needs one.
     #[error("method mesh: expected a character with a skinned mesh, found a skeleton only")]
     NoMesh,
-    /// A mesh that weighs nothing.
+    /// A mesh without surface.
     #[error(
         "method mesh: expected a mesh with a surface, found {triangles} triangles without area"
     )]
     NoSurface {
-        /// How many triangles it has.
+        /// Number of triangles.
         triangles: usize,
     },
     /// A file of radii that cannot be read.
     #[error("{}: expected a CSV of radii: {source}", file.display())]
     RadiusFile {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong in it, and where.
+        /// Fault and its place in the file.
         source: csv::Error,
     },
-    /// A file of other numbers.
+    /// A file without the necessary columns.
     #[error("{}:1: expected the columns joint and radius_m, found {found}", file.display())]
     RadiusColumns {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// Its columns.
+        /// Names of its columns.
         found: String,
     },
-    /// A row of a file of radii that cannot be used.
+    /// An invalid row of a file of radii.
     #[error("{}:{line}: joint `{joint}`: expected {expected}, found {found}", file.display())]
     RadiusRow {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The line, from 1.
+        /// Number of the line, from 1.
         line: u64,
-        /// The joint of the row.
+        /// Joint of the row.
         joint: String,
-        /// What would be right.
+        /// Description of a valid value.
         expected: String,
-        /// What is there.
+        /// Description of the value that was found.
         found: String,
     },
-    /// A bone without a radius.
+    /// A bone without a radius in the file.
     #[error(
         "{}: expected a radius of every bone that has a length, found none of joint `{joint}`{}",
         file.display(), if *more == 0 { String::new() } else { format!(" and {more} others") }
     )]
     RadiusMissing {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The first joint.
+        /// First joint without a radius.
         joint: String,
-        /// How many more.
+        /// Number of further joints without a radius.
         more: usize,
     },
-    /// `core` refuses the skeleton.
+    /// A skeleton that `core` refuses.
     #[error(transparent)]
     RestPose(#[from] RestPoseError),
-    /// `core` refuses the weights.
+    /// Weights that `core` refuses.
     #[error(transparent)]
     Importance(#[from] ImportanceError),
-    /// `core` refuses a vertex.
+    /// A vertex that `core` refuses.
     #[error("vertex {vertex}: {source}")]
     Vertex {
-        /// The vertex.
+        /// Index of the vertex.
         vertex: usize,
-        /// Why.
+        /// Reason for the refusal.
         source: VertexError,
     },
 }

@@ -1,6 +1,6 @@
-//! How many joints can be weighed.
+//! The maximum number of joints.
 
 use sinew_core::BodySet;
 
-/// As many joints as `core` can weigh.
+/// Maximum number of joints for which `core` can compute weights.
 pub const JOINT_COUNT_MAX: usize = BodySet::CAPACITY;

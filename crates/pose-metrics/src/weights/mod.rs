@@ -1,7 +1,7 @@
-//! How much each joint of a character matters: what `core` needs to weigh it, and its tables.
+//! The importance of each joint of a character: inputs for `core`'s computation, and tables of its results.
 //!
-//! All numbers are `core`'s ([`sinew_core::importance`]). Bones and surfaces are measured here, in f64; what is weighed
-//! is f32.
+//! `core` computes all results ([`sinew_core::importance`]). This module measures bones and surfaces in f64; the
+//! weights are f32.
 
 mod error;
 mod limits;
@@ -22,23 +22,23 @@ pub use error::Error;
 pub use limits::JOINT_COUNT_MAX;
 use radii::Radii;
 
-/// What a joint is weighed by. After D. Holden, "Joint Error Propagation" (2025).
+/// The quantity by which a joint is weighted. After D. Holden, "Joint Error Propagation" (2025).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// The length of the bones that hang on it.
+    /// Total length of the joint's descendant bones.
     Lengths,
-    /// The surface of the bones that hang on it, as cylinders, and how far away it is.
+    /// Surface of the joint's descendant bones as cylinders, times its distance.
     Cylinders,
-    /// The skin that moves with it, and how far away that is.
+    /// Skin that moves with the joint, times its distance.
     Mesh,
 }
 
 impl Method {
-    /// All, in the order in which they are shown.
+    /// All methods, in the order in which they are shown.
     pub const ALL: [Self; 3] = [Self::Lengths, Self::Cylinders, Self::Mesh];
 
-    /// The name in tables and files.
+    /// Returns the name for tables and files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Lengths => "lengths",
@@ -47,7 +47,7 @@ impl Method {
         }
     }
 
-    /// The unit of the weights before they are normalised, and so of the base.
+    /// Returns the unit of the weights before normalization, which is also the unit of the base.
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Lengths => "m",
@@ -62,16 +62,17 @@ impl Display for Method {
     }
 }
 
-/// How joints are weighed.
+/// Settings of the weighting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
-    /// The weight that every joint begins with, in the method's unit; without, [`Settings::base_of`] tells.
+    /// Initial weight of every joint, in the method's unit; `None` for the method's default, see
+    /// [`Settings::base_of`].
     pub base: Option<f64>,
-    /// What a bone still counts one joint further up, by lengths.
+    /// Discount of a bone's length for each joint further up; used by the method [`Method::Lengths`].
     pub discount: f64,
-    /// What a vertex stands for, by the mesh.
+    /// Rule for the area of a vertex; used by the method [`Method::Mesh`].
     pub vertex_area: VertexArea,
-    /// Of the cylinders.
+    /// Radii of the cylinders; used by the method [`Method::Cylinders`].
     pub radii: Radii,
 }
 
@@ -87,12 +88,13 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// The base of a method.
+    /// Returns the base of a method.
     ///
-    /// By default those that the article's own list back-solves to. Its printed 0.001 m³ goes with surfaces that its
-    /// code has too small: by half for cylinders (half a bone's length stands for all of it), by 0.546 for Geno's mesh
-    /// ([`VertexArea::Article`]). On whole surfaces 0.002 and 0.00183 m³ are the same. By lengths it prints 0.01 m, and
-    /// its list has 0.1.
+    /// The defaults are the values that reproduce the article's own list. The article prints 0.001 m³, but its
+    /// code uses surfaces that are too small: by a factor of one half for cylinders (half of a bone's length
+    /// represents the whole), and by 0.546 for Geno's mesh ([`VertexArea::Article`]). For complete surfaces the
+    /// equivalent values are 0.002 and 0.00183 m³. For lengths the article prints 0.01 m, but its list is computed
+    /// with 0.1 m.
     pub fn base_of(&self, method: Method) -> f64 {
         self.base.unwrap_or(match (method, self.vertex_area) {
             (Method::Lengths, _) => 0.1,
@@ -106,19 +108,19 @@ impl Settings {
 /// The weights of one method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weighing {
-    /// The method.
+    /// Method of the weighting.
     pub method: Method,
-    /// The weight that every joint began with, in the method's unit.
+    /// Initial weight of every joint, in the method's unit.
     pub base: f64,
-    /// By joint, in the character's order; they sum to 1.
+    /// Weights by joint, in the character's order. Their sum is 1.
     pub weights: Vec<f64>,
 }
 
-/// Weighs the joints of a character.
+/// Computes the weights of a character's joints.
 ///
 /// # Errors
-/// [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting makes no
-/// sense, the radii do not fit it, or it has no mesh with a surface to weigh it by.
+/// [`Error`] if it has more than [`JOINT_COUNT_MAX`] joints or is too large for f32, a setting is invalid, the
+/// radii do not fit it, or it has no mesh with a surface and the method needs one.
 pub fn weigh(
     character: &Character,
     method: Method,
@@ -143,7 +145,8 @@ pub fn weigh(
     Ok(Weighing { method, base, weights })
 }
 
-/// Larger ones are damage, as they would leave nothing of the largest character's joints; f32 holds their sums.
+/// Maximum base. Larger values indicate damage, since they would hide the weights of the largest character's
+/// joints. f32 can represent the sums.
 const BASE_MAX: f64 = 1e15;
 
 const A_BASE: &str = "a number from 0 to 1e15";
@@ -164,7 +167,8 @@ fn rest_pose(character: &Character) -> Result<RestPose<JOINT_COUNT_MAX>, Error> 
     Ok(RestPose::new(&parents, &positions_m)?)
 }
 
-/// Where the first joint is: f32 has more digits near it than near the world's origin.
+/// Returns the position of the first joint as the origin: f32 is more accurate near it than far from the world's
+/// origin.
 fn origin_m(character: &Character) -> DVec3 {
     character.joints()[0].position_m
 }

@@ -1,4 +1,4 @@
-//! How thick the bones are.
+//! Radii of the bones' cylinders.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,14 +9,14 @@ use serde::Deserialize;
 use super::error::Error;
 use crate::character::{COORDINATE_MAX_M, Character, VertexArea};
 
-/// Where the cylinders' radii come from. The cylinder of a joint is the bone that ends in it.
+/// The source of the cylinders' radii. The cylinder of a joint is the bone that ends in it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Radii {
-    /// From the mesh, see [`of_mesh_m`]; [`PER_LENGTH`] of their lengths for bones without skin.
+    /// Estimated from the mesh, see [`of_mesh_m`]; for bones without skin, [`PER_LENGTH`] of their lengths.
     Estimated,
-    /// The same for all.
+    /// One radius for all bones, m.
     Uniform(f64),
-    /// From a file, see [`read`].
+    /// Radii from a file, see [`read`].
     Given(RadiusTable),
 }
 
@@ -24,25 +24,26 @@ pub enum Radii {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RadiusTable {
     file: PathBuf,
-    /// Line and radius by the joint in which the bone ends.
+    /// Line number and radius, by the joint at the end of the bone.
     rows: BTreeMap<String, (u64, f64)>,
 }
 
-/// Radius per length of a bone of which nothing else is known.
+/// Radius per length of a bone without further information.
 ///
-/// Of the ratios from 0.03 to 0.4 that were tried, the one that comes nearest to the article's list for Geno: its
-/// weights are off by 24 % (root mean square of the logarithms), the neck's, a thick short bone, is 62 % too small.
+/// Ratios from 0.03 to 0.4 were tried. This ratio gives the smallest difference from the article's list for Geno:
+/// its weights differ by 24 % (root mean square of the logarithms); the weight of the neck, a thick short bone, is
+/// 62 % too small.
 pub const PER_LENGTH: f64 = 0.25;
 
-/// Bones that are shorter have no direction and no surface.
+/// Length below which a bone has no direction and no surface.
 const LENGTH_MIN_M: f64 = 1e-6;
 
 impl Radii {
-    /// Radius of the bone that ends in each joint, in m; 0 for the root and for bones without length.
+    /// Returns the radius of the bone that ends in each joint, in m; 0 for the root and for bones without length.
     ///
     /// # Errors
-    /// [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file
-    /// that the character lacks, and a bone of the character that the file lacks.
+    /// [`Error`] for a radius that is negative, not finite or larger than any character, a joint of the file that
+    /// the character lacks, and a bone of the character that the file lacks.
     pub fn of(&self, character: &Character) -> Result<Vec<f64>, Error> {
         match self {
             Self::Estimated => Ok(estimated_m(character)),
@@ -61,7 +62,7 @@ impl Radii {
 
 const A_RADIUS: &str = "metres from 0 to 100000";
 
-/// Whether a bone can be so thick: no more than a character's coordinates can be large. NaN cannot.
+/// Returns whether a radius is plausible: at most the maximum coordinate of a character. False for NaN.
 fn is_radius(radius_m: f64) -> bool {
     (0.0..=COORDINATE_MAX_M).contains(&radius_m)
 }
@@ -76,12 +77,12 @@ struct Row {
     radius_m: Option<f64>,
 }
 
-/// Reads radii from a CSV with the columns `joint` and `radius_m`, in any order and among others, such as
-/// [`super::table::csv`] writes. A row without a radius says nothing.
+/// Reads radii from a CSV with the columns `joint` and `radius_m`, in any order and possibly with further columns,
+/// as [`super::table::csv`] writes it. A row without a radius is ignored.
 ///
 /// # Errors
-/// [`Error::RadiusFile`] and [`Error::RadiusColumns`] if it is no such table, [`Error::RadiusRow`] for a radius that is
-/// negative, not finite or larger than any character, and for a joint that comes twice.
+/// [`Error::RadiusFile`] and [`Error::RadiusColumns`] if it is not a table of radii, [`Error::RadiusRow`] for a
+/// radius that is negative, not finite or larger than any character, and for a joint that occurs twice.
 pub fn read(file: &Path) -> Result<RadiusTable, Error> {
     let in_file = |source| Error::RadiusFile { file: file.to_path_buf(), source };
     let mut reader = csv::Reader::from_path(file).map_err(in_file)?;
@@ -143,15 +144,17 @@ fn estimated_m(character: &Character) -> Vec<f64> {
     by_mesh_m.into_iter().enumerate().map(radius_m).collect()
 }
 
-/// Radius of the bone that ends in each joint by the skin around it, in m; `None` without skin or bone.
+/// Returns the radius of the bone that ends in each joint, estimated from the skin around it, in m; `None` without
+/// skin or bone.
 ///
-/// It is the mean distance from the bone's axis of the skin that moves with the joint where the bone begins, weighed by
-/// surface and by the share of that joint. Where several bones begin, skin counts for the nearest of them; skin of a
-/// joint where none begins counts for the bone that ends there.
+/// It is the mean distance from the bone's axis of the skin that moves with the joint at the bone's start,
+/// weighted by area and by the skin's weight for that joint. If several bones start at the joint, skin counts for
+/// the nearest bone. If no bone starts at the joint, its skin counts for the bone that ends there.
 ///
-/// On Geno such cylinders give weights within 10 % of the article's (root mean square of the logarithms); toes are
-/// flat, there it is 33 %. Tried on the same list: the median distance 10 %, the distance from the bone instead of
-/// its axis 12 %, only the skin beside the bone 11 %, radii of equal surface 24 %.
+/// For Geno the resulting cylinders give weights within 10 % of the article's (root mean square of the
+/// logarithms); for the toes, which are flat, within 33 %. Alternatives on the same list: the median distance 10
+/// %, the distance from the bone instead of its axis 12 %, only the skin beside the bone 11 %, radii of equal
+/// surface 24 %.
 pub fn of_mesh_m(character: &Character) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0, 0.0); character.joints().len()];
     if let Some(mesh) = character.mesh() {
@@ -174,12 +177,12 @@ pub fn of_mesh_m(character: &Character) -> Vec<Option<f64>> {
     sums.into_iter().map(mean).collect()
 }
 
-/// A bone of some length.
+/// A bone of non-zero length.
 struct Bone {
-    /// The joint in which it ends.
+    /// Joint at the end of the bone.
     end: usize,
     from_m: DVec3,
-    /// To its end.
+    /// Vector to the end of the bone.
     along_m: DVec3,
 }
 
@@ -189,20 +192,21 @@ impl Bone {
         has_bone(character, end).then(|| Self { end, from_m, along_m: to_m - from_m })
     }
 
-    /// Of a point from the bone.
+    /// Returns the distance of a point from the bone.
     fn distance_m(&self, point_m: DVec3) -> f64 {
         let from_m = point_m - self.from_m;
         let place = from_m.dot(self.along_m) / self.along_m.length_squared();
         (from_m - place.clamp(0.0, 1.0) * self.along_m).length()
     }
 
-    /// Of a point from the line through the bone.
+    /// Returns the distance of a point from the infinite line through the bone.
     fn axis_distance_m(&self, point_m: DVec3) -> f64 {
         (point_m - self.from_m).reject_from(self.along_m).length()
     }
 }
 
-/// For each joint the bones that its skin is around: those that begin there, else the one that ends there.
+/// Returns, for each joint, the bones that its skin surrounds: those that start there, or else the bone that ends
+/// there.
 fn bones_of(character: &Character) -> Vec<Vec<Bone>> {
     let joints = character.joints();
     let mut bones: Vec<Vec<Bone>> = joints.iter().map(|_| Vec::new()).collect();

@@ -1,4 +1,4 @@
-//! Weights as tables, JSON and CSV.
+//! Writes weights as tables, JSON and CSV.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -9,11 +9,11 @@ use serde::Serialize;
 use super::{Method, Weighing};
 use crate::character::Character;
 
-/// Decimals of a weight in tables: as many as the article's list has.
+/// Number of decimals of a weight in tables: that of the article's list.
 const DECIMALS: usize = 8;
 
-/// An aligned table: a row per joint, indented by its depth, with the length of the bone that ends there, the radius if
-/// cylinders were weighed, and the methods' weights.
+/// Returns an aligned table: a row per joint, indented by its depth, with the length of the bone that ends there,
+/// the radius if cylinders were used, and the methods' weights.
 pub fn text(character: &Character, radii_m: Option<&[f64]>, weighings: &[Weighing]) -> String {
     let mut table = Table::new();
     let mut header = vec!["joint".to_owned(), "length cm".to_owned()];
@@ -45,7 +45,7 @@ pub fn text(character: &Character, radii_m: Option<&[f64]>, weighings: &[Weighin
     text
 }
 
-/// Number of joints above one.
+/// Returns the number of a joint's ancestors.
 fn depth(character: &Character, joint: usize) -> usize {
     let joints = character.joints();
     std::iter::successors(joints[joint].parent, |parent| joints[*parent].parent).count()
@@ -55,7 +55,7 @@ fn depth(character: &Character, joint: usize) -> usize {
 struct Document<'a> {
     schema: &'static str,
     character: &'a str,
-    /// The weight that every joint began with.
+    /// Initial weight of every joint, by method.
     base: BTreeMap<Method, f64>,
     methods: BTreeMap<Method, Vec<JointWeight<'a>>>,
 }
@@ -66,8 +66,8 @@ struct JointWeight<'a> {
     weight: f64,
 }
 
-/// One JSON object, schema `sinew-weights/1`: `methods` has a list of joints and weights for each method, in the
-/// character's order; `base` what every joint began with.
+/// Returns one JSON object, schema `sinew-weights/1`. `methods` contains a list of joints and weights for each
+/// method, in the character's order; `base` contains the initial weight of every joint.
 pub fn json(character: &Character, weighings: &[Weighing]) -> String {
     let list = |weighing: &Weighing| {
         let joints = character.joints().iter().zip(&weighing.weights);
@@ -84,8 +84,8 @@ pub fn json(character: &Character, weighings: &[Weighing]) -> String {
     serde_json::to_string_pretty(&document).expect("names and numbers are JSON") + "\n"
 }
 
-/// A row per joint: its name, its parent's, the length of the bone that ends there, its radius if cylinders were
-/// weighed, and a column per method.
+/// Returns a row per joint: its name, its parent's name, the length of the bone that ends there, its radius if
+/// cylinders were used, and a column per method.
 pub fn csv(character: &Character, radii_m: Option<&[f64]>, weighings: &[Weighing]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut write = |row: Vec<String>| writer.write_record(row).expect("memory takes everything");

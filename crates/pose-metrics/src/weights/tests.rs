@@ -9,7 +9,7 @@ fn joint(name: &str, parent: Option<usize>, position_m: DVec3) -> Joint {
     Joint { name: name.into(), parent, position_m }
 }
 
-/// An arm along x with an end that has no length, given from its end inwards.
+/// Returns an arm along x whose last bone has no length. Its joints are listed from the end inwards.
 fn arm(mesh: Option<Mesh>) -> Character {
     let joints = vec![
         joint("hand end", Some(1), DVec3::X * 1.5),
@@ -20,7 +20,7 @@ fn arm(mesh: Option<Mesh>) -> Character {
     Character::new("arm".into(), joints, mesh).unwrap()
 }
 
-/// A tube of squares of 24 sides around the arm: thick as 0.1 m around the upper arm, 0.05 m around the rest.
+/// Returns a tube of 24 sides around the arm: radius 0.1 m around the upper arm, 0.05 m around the rest.
 fn sleeve() -> Mesh {
     let mut mesh = Mesh::default();
     let sides = 24_u8;
@@ -62,7 +62,8 @@ fn lengths_of_an_arm() {
     close(&weighing.weights, &raw.map(|weight| weight / sum));
 }
 
-/// The skin of the sleeve is as far from the bones as it was made, and weighs what cylinders of its radii do.
+/// Checks that the estimated radii are those of the sleeve, and that its skin gives the weights of cylinders with
+/// these radii.
 #[test]
 fn radii_are_those_of_the_sleeve() {
     let character = arm(Some(sleeve()));
@@ -74,7 +75,7 @@ fn radii_are_those_of_the_sleeve() {
     let cylinders = weigh(&character, Method::Cylinders, &settings).unwrap();
     let mesh = weigh(&character, Method::Mesh, &settings).unwrap();
     for (cylinder, mesh) in cylinders.weights.iter().zip(&mesh.weights) {
-        // 24 flat sides, and a ring for each twentieth of a bone.
+        // The tube has 24 flat sides, and a ring for each twentieth of a bone.
         assert!((mesh / cylinder - 1.0).abs() < 0.02, "{mesh} for {cylinder}");
     }
 }
@@ -164,7 +165,7 @@ fn what_cannot_be_weighed_is_refused() {
     );
 }
 
-/// Whatever is let in, comes to weights.
+/// Checks that every accepted setting gives weights.
 #[test]
 fn the_largest_settings_are_weighed() {
     let mut mesh = sleeve();
@@ -186,7 +187,8 @@ fn the_largest_settings_are_weighed() {
     }
 }
 
-/// A mesh without triangles, or with all of them of no area, would leave the base of every joint.
+/// Checks that a mesh without triangles, or only with triangles of zero area, is refused: every joint would keep
+/// its base.
 #[test]
 fn a_mesh_without_surface_is_refused() {
     let message =
@@ -242,8 +244,8 @@ fn tables_have_a_row_for_each_joint() {
 }
 
 proptest! {
-    /// Where a character stands and how it is turned does not change what its joints weigh, its size only against
-    /// the base.
+    /// Checks that the position and rotation of a character do not change its joints' weights; its size changes
+    /// them only relative to the base.
     #[test]
     fn weights_do_not_depend_on_place_and_turn(
         x in -50.0..50.0, angle in -3.0..3.0, size in 0.5..2.0,

@@ -1,17 +1,17 @@
-//! From values to places on a chart, and round numbers to label them with.
+//! Maps values to positions on a chart, and finds round numbers for the labels.
 
-/// Values along one direction of a chart.
+/// An axis of a chart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
     /// Values at both ends.
     values: [f64; 2],
-    /// Places of both ends.
+    /// Positions of both ends.
     places: [f64; 2],
     logarithmic: bool,
 }
 
 impl Axis {
-    /// From zero to a round number above `largest`.
+    /// Creates an axis from zero to a round number above `largest`.
     pub(crate) fn from_zero(largest: f64, places: [f64; 2]) -> Self {
         let largest = if largest > 0.0 && largest.is_finite() { largest } else { 1.0 };
         let step = round_step(largest);
@@ -19,7 +19,7 @@ impl Axis {
         Self { values: [0.0, steps * step], places, logarithmic: false }
     }
 
-    /// From a round number below `low`, or zero if that is not far, to a round number above `high`.
+    /// Creates an axis from a round number below `low`, or zero if that is near, to a round number above `high`.
     pub(crate) fn around([low, high]: [f64; 2], places: [f64; 2]) -> Self {
         if !(low > 0.5 * high && low < high) {
             return Self::from_zero(high, places);
@@ -29,17 +29,17 @@ impl Axis {
         Self { values, places, logarithmic: false }
     }
 
-    /// Exactly from one value to another.
+    /// Creates an axis with exactly these ends.
     pub(crate) fn exact(values: [f64; 2], places: [f64; 2]) -> Self {
         Self { values, places, logarithmic: false }
     }
 
-    /// Logarithmic, from one positive value to another.
+    /// Creates a logarithmic axis between two positive values.
     pub(crate) fn logarithmic(values: [f64; 2], places: [f64; 2]) -> Self {
         Self { values, places, logarithmic: true }
     }
 
-    /// Place of a value; beyond the ends, that of the end.
+    /// Returns the position of a value, limited to the ends.
     pub(crate) fn at(&self, value: f64) -> f64 {
         let [low, high] = self.values.map(|value| self.straight(value));
         let share = if high > low { (self.straight(value) - low) / (high - low) } else { 0.0 };
@@ -51,7 +51,7 @@ impl Axis {
         if self.logarithmic { libm::log10(value) } else { value }
     }
 
-    /// Round values within the ends, with their labels.
+    /// Returns round values within the ends, with their labels.
     pub(crate) fn ticks(&self) -> Vec<(f64, String)> {
         let [low, high] = self.values;
         if self.logarithmic {
@@ -60,7 +60,7 @@ impl Axis {
         let step = round_step(high - low);
         let decimals = decimals(step);
         let mut ticks = Vec::new();
-        // Not the zero that is below zero.
+        // Avoids a negative zero in the labels.
         let mut index = libm::ceil(low / step - 1e-9) + 0.0;
         while index * step <= high + 1e-9 * step {
             ticks.push((index * step, format!("{:.decimals$}", index * step)));
@@ -70,7 +70,7 @@ impl Axis {
     }
 }
 
-/// 1, 2 or 5 times a power of ten, of which four to nine make the length.
+/// Returns 1, 2 or 5 times a power of ten, with four to nine steps in the length.
 fn round_step(length: f64) -> f64 {
     let rough = length / 5.0;
     let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
@@ -82,7 +82,8 @@ fn decimals(step: f64) -> usize {
     [1.0, 0.1, 0.01, 0.001, 0.0001].iter().position(|unit| step >= unit * 0.999).unwrap_or(5)
 }
 
-/// Powers of ten; with fewer than three decades, 2 and 5 times them too; with less than one, equal steps.
+/// Returns powers of ten; also 2 and 5 times them for fewer than three decades; equal steps for less than one
+/// decade.
 fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     if high / low < 4.0 {
         return Axis::exact([low, high], [0.0, 1.0]).ticks();

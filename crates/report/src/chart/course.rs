@@ -1,4 +1,4 @@
-//! Errors over the time of a clip.
+//! Charts of errors over the time of a clip.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -12,7 +12,7 @@ use super::quantity::Quantity;
 
 const HEIGHT: f64 = 260.0;
 
-/// What is shown of all bodies at a time.
+/// A statistic over all bodies at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Statistic {
     /// The mean over all bodies.
@@ -32,7 +32,7 @@ impl Statistic {
     }
 }
 
-/// One quantity of one clip and figure, a line per method.
+/// Draws one quantity of one clip and figure, with a line per method.
 pub(crate) fn course(
     courses: &[(MethodName, &ErrorTrace)],
     dt_s: f64,
@@ -72,10 +72,11 @@ pub(crate) fn course(
     )
 }
 
-/// More points than this cannot be distinguished at a chart's width.
+/// Maximum number of points that can be distinguished at a chart's width.
 const POINTS: usize = 250;
 
-/// Middles of the stretches in seconds and their errors, neighbours joined to what can be distinguished.
+/// Returns the middles of the stretches in seconds and their errors. Neighbouring stretches are joined to limit
+/// the number of points.
 fn points(
     course: &ErrorTrace,
     dt_s: f64,
@@ -90,7 +91,7 @@ fn points(
             let middle = (index * joined) as f64 + 0.5 * stretches.len() as f64;
             let error = match statistic {
                 Statistic::Mean => {
-                    // The last stretch may be shorter: weigh by number.
+                    // The last stretch may be shorter: the mean is weighted by the number of errors.
                     let n: u64 = stretches.iter().map(|stretch| stretch.n).sum();
                     let sum: f64 =
                         stretches.iter().map(|one| quantity.mean(one) * one.n as f64).sum();

@@ -1,4 +1,4 @@
-//! How many errors are how large.
+//! Charts of the distribution of errors.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -12,7 +12,7 @@ use super::quantity::Quantity;
 
 const HEIGHT: f64 = 280.0;
 
-/// The distribution function of one quantity, a line per method.
+/// Draws the distribution function of one quantity, with a line per method.
 pub(crate) fn distribution(spreads: &[(MethodName, Spread)], quantity: Quantity) -> Markup {
     let frame = Frame::of_height(HEIGHT, 44.0);
     let curves: Vec<(MethodName, Vec<(f64, f64)>)> = spreads
@@ -25,7 +25,7 @@ pub(crate) fn distribution(spreads: &[(MethodName, Spread)], quantity: Quantity)
             (*method, histogram.cumulative())
         })
         .collect();
-    // Errors that one in a thousand falls below are of no interest, and would take half of the axis.
+    // The smallest thousandth of the errors is omitted: it is not of interest, and would fill half of the axis.
     let ends = curves.iter().flat_map(|(_, curve)| {
         let low = curve.iter().find(|(_, share)| *share >= 1e-3);
         low.into_iter().chain(curve.last())

@@ -1,11 +1,12 @@
-//! The frame of every chart: its title, its axes, and the rectangle between them.
+//! The frame of a chart: title, axes, and the rectangle between them.
 
 use maud::{Markup, html};
 
 use super::axis::Axis;
 use super::path::px;
 
-/// Width of a chart: two stand side by side on a wide page, one fills a narrow one, both readable.
+/// Width of a chart. Two charts fit beside each other on a wide page, and one chart fits on a narrow page; both
+/// are readable.
 pub(crate) const WIDTH: f64 = 480.0;
 
 /// The rectangle between the axes, in the chart's units.
@@ -18,13 +19,13 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Room for a title above, numbers left and numbers and a name below.
+    /// Creates a frame with room for a title above, numbers on the left, and numbers and a name below.
     pub(super) const fn of_height(height: f64, left: f64) -> Self {
         Self { left, top: 30.0, right: WIDTH - 14.0, bottom: height - 40.0 }
     }
 }
 
-/// A whole chart: its title, and a description for those who cannot see it.
+/// Returns a whole chart with its title, and a description for people who cannot see it.
 pub(super) fn chart(height: f64, title: &str, description: &str, content: &Markup) -> Markup {
     html! {
         svg xmlns="http://www.w3.org/2000/svg" class="chart" role="img"
@@ -35,7 +36,7 @@ pub(super) fn chart(height: f64, title: &str, description: &str, content: &Marku
     }
 }
 
-/// Grid lines, numbers and name of the horizontal axis.
+/// Draws grid lines, numbers and the name of the horizontal axis.
 pub(super) fn horizontal_axis(frame: Frame, axis: &Axis, name: &str) -> Markup {
     html! {
         @for (value, label) in axis.ticks() {
@@ -47,7 +48,7 @@ pub(super) fn horizontal_axis(frame: Frame, axis: &Axis, name: &str) -> Markup {
     }
 }
 
-/// Grid lines and numbers of the vertical axis.
+/// Draws grid lines and numbers of the vertical axis.
 pub(super) fn vertical_axis(frame: Frame, axis: &Axis) -> Markup {
     html! {
         @for (value, label) in axis.ticks() {

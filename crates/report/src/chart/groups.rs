@@ -1,4 +1,4 @@
-//! A bar for each of several kinds, for groups of joints.
+//! Charts with a bar for each of several kinds, in groups of joints.
 
 use maud::{Markup, html};
 
@@ -7,14 +7,14 @@ use super::frame::{Frame, WIDTH, chart, horizontal_axis};
 use super::path::px;
 
 const BAR: f64 = 7.0;
-/// Room between two groups.
+/// Space between two groups.
 const GAP: f64 = 10.0;
 const KEY: f64 = 20.0;
 
-/// Kinds of bars, with their classes and labels.
+/// Kinds of bars: CSS class and label of each.
 pub type Kinds<'a> = &'a [(&'a str, &'a str)];
 
-/// Values of all kinds by group; a value that does not exist has no bar.
+/// Draws the values of all kinds by group. A missing value has no bar.
 pub fn groups(
     title: &str,
     unit: &str,

@@ -1,4 +1,4 @@
-//! One metric of a sweep over two of its parameters.
+//! Charts of one metric of a sweep over two of its parameters.
 
 use maud::{Markup, html};
 
@@ -8,13 +8,13 @@ use crate::sweep::Grid;
 
 const CELL: f64 = 34.0;
 
-/// Narrower cells have no room for their number, narrower columns none for their value.
+/// Minimum width of a cell for its number, and of a column for its label.
 const NUMBER: f64 = 30.0;
 
-/// A field of coloured cells with their values: the darker, the larger. Empty cells are crossed.
+/// Draws a grid of coloured cells with their values: larger values are darker. Empty cells are crossed.
 pub fn heat_map(grid: &Grid) -> Markup {
     let longest = grid.rows.iter().map(|label| label.chars().count()).max().unwrap_or(0);
-    // A letter is some 7 units wide.
+    // A letter is about 7 units wide.
     let (left, top) = (f64::max(110.0, 16.0 + 7.0 * longest as f64), 46.0);
     let width = (WIDTH - left - 8.0) / grid.columns.len() as f64;
     let every = labelled(width);
@@ -61,7 +61,7 @@ pub fn heat_map(grid: &Grid) -> Markup {
     )
 }
 
-/// Every how many columns there is room for a value.
+/// Returns the interval of the columns that have room for a label.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to some hundreds")]
 fn labelled(width: f64) -> usize {
     libm::ceil(NUMBER / width).max(1.0) as usize
@@ -80,7 +80,7 @@ fn level(value: f64, low: f64, high: f64) -> usize {
     ((share * LEVELS as f64) as usize).min(LEVELS - 1)
 }
 
-/// Three figures.
+/// Formats a number with three digits.
 fn number(value: f64) -> String {
     match value.abs() {
         small if small < 10.0 => format!("{value:.2}"),

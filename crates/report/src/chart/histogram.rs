@@ -1,4 +1,4 @@
-//! How often values are how large: histograms one below the other, on one axis.
+//! Histograms below each other, on a common axis.
 
 use maud::{Markup, html};
 
@@ -6,21 +6,21 @@ use super::axis::Axis;
 use super::frame::{Frame, WIDTH, chart, horizontal_axis, vertical_axis};
 use super::path::{line, px};
 
-/// Height of a histogram, and of the line above it.
+/// Height of a histogram. The next constant is the height of the line above it.
 const PANEL: f64 = 120.0;
 const LINE: f64 = 24.0;
 const KEY: f64 = 20.0;
 
-/// Histograms of the same kinds of values.
+/// Several histograms of values of common kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histograms<'a> {
     pub title: &'a str,
-    /// What the values are, with their unit.
+    /// Name of the values, with their unit.
     pub axis: &'a str,
-    /// Ends of the axis and width of a bin.
+    /// Ends of the axis. The next field is the width of a bin.
     pub range: [f64; 2],
     pub bin: f64,
-    /// Classes and names of kinds of values, stacked in this order.
+    /// CSS classes and names of the kinds of values, stacked in this order.
     pub kinds: &'a [(&'a str, &'a str)],
     pub panels: Vec<Panel>,
 }
@@ -29,9 +29,9 @@ pub struct Histograms<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     pub title: String,
-    /// Values of every kind.
+    /// Values by kind.
     pub values: Vec<Vec<f64>>,
-    /// A value to hold them against, and what it is.
+    /// A value for comparison, and its name.
     pub mark: Option<(f64, String)>,
 }
 
@@ -43,7 +43,7 @@ impl Histograms<'_> {
         let mut left = 10.0;
         let key = self.kinds.iter().map(|(class, label)| {
             let at = left;
-            // A letter is some 7 units wide.
+            // A letter is about 7 units wide.
             left += 40.0 + 7.0 * label.chars().count() as f64;
             (class, label, at)
         });
@@ -101,7 +101,7 @@ impl Histograms<'_> {
         }
     }
 
-    /// Number of values in every bin; what is beyond the ends counts in the bins there.
+    /// Returns the number of values in every bin. Values beyond the ends count in the outermost bins.
     fn counts(&self, values: &[f64]) -> Vec<usize> {
         let [low, high] = self.range;
         let whole = |x: f64| {
@@ -116,7 +116,7 @@ impl Histograms<'_> {
         let mut counts = vec![0; whole(libm::rint((high - low) / self.bin)).max(1)];
         let last = counts.len() - 1;
         for value in values {
-            // A billionth of a bin takes up the rounding of the division.
+            // A billionth of a bin compensates the rounding of the division.
             counts[whole((value - low) / self.bin + 1e-9).min(last)] += 1;
         }
         counts

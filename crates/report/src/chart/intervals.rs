@@ -1,4 +1,4 @@
-//! Means with their spread, for several kinds of each thing.
+//! Charts of means with their spread, for several kinds per row.
 
 use maud::{Markup, html};
 
@@ -6,32 +6,32 @@ use super::axis::Axis;
 use super::frame::{Frame, WIDTH, chart, horizontal_axis};
 use super::path::px;
 
-/// Of one kind's mark, and between two rows.
+/// Height of one kind's mark. The next constant is the space between two rows.
 const MARK: f64 = 11.0;
 const GAP: f64 = 9.0;
 const KEY: f64 = 18.0;
 
-/// A mean among the values that it is of.
+/// A mean, and the spread of its values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interval {
     pub mean: f64,
-    /// The middle half of the values.
+    /// Interval of the middle half of the values.
     pub middle: [f64; 2],
-    /// All but the outermost.
+    /// Interval of the values without the outermost.
     pub ends: [f64; 2],
 }
 
-/// One thing.
+/// A row of the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     pub label: String,
-    /// By kind.
+    /// Intervals by kind.
     pub intervals: Vec<Option<Interval>>,
-    /// What the paper has.
+    /// The paper's value, if there is one.
     pub paper: Option<f64>,
 }
 
-/// Rows of intervals in percent, each kind with its class and label; the paper's figures as rings.
+/// Draws rows of intervals in percent, each kind with its class and label, and the paper's values as rings.
 pub fn intervals(title: &str, kinds: &[(&str, String)], rows: &[Row]) -> Markup {
     let row = MARK * kinds.len() as f64 + GAP;
     let has_paper = rows.iter().any(|row| row.paper.is_some());
@@ -42,7 +42,7 @@ pub fn intervals(title: &str, kinds: &[(&str, String)], rows: &[Row]) -> Markup 
         let ends = row.intervals.iter().flatten().map(|interval| interval.ends[0]);
         ends.chain(row.paper)
     });
-    // To the next ten below, and the axis' end is not on it.
+    // Rounded down to a multiple of ten, with the lowest value not on the end of the axis.
     let low = 10.0 * libm::floor(lowest.fold(100.0, f64::min) / 10.0 - 0.1);
     let axis = Axis::exact([low.max(0.0), 100.0], [frame.left, frame.right]);
     let texts = rows.iter().flat_map(|row| {

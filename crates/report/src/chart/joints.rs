@@ -1,4 +1,4 @@
-//! Mean errors of the bodies, one by one.
+//! Charts of the mean errors of each body.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -13,16 +13,16 @@ use super::quantity::Quantity;
 /// Height of a body's row in charts of the figure.
 pub(crate) const ROW: f64 = 29.0;
 const BAR: f64 = 7.5;
-/// Width of a letter of a name, and how many there is room for.
+/// Width of a letter of a name. The next constant is the maximum number of letters.
 const LETTER: f64 = 6.9;
 const LETTERS: usize = 23;
 
-/// Height of a body's row in which so many bars do not meet those of the next.
+/// Returns the height of a row in which this number of bars does not touch those of the next row.
 pub(crate) fn room(bars: usize) -> f64 {
     ROW.max(BAR * bars as f64 + 6.5)
 }
 
-/// One quantity of one figure, a bar per body and method; `row` is a body's height.
+/// Draws one quantity of one figure, with a bar per body and method. `row` is the height of a body's row.
 pub(crate) fn joints(
     bodies: &[String],
     spreads: &[(MethodName, Spread)],
@@ -32,7 +32,7 @@ pub(crate) fn joints(
     let height = 30.0 + row * bodies.len() as f64 + 40.0;
     let names: Vec<String> = bodies.iter().map(|body| name(body)).collect();
     let longest = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    // Room for the names of the figure, and as far as there is, for longer ones.
+    // Room for the figure's names, and for longer names up to a limit.
     let left = (LETTER * longest as f64 + 12.0).max(92.0);
     let frame = Frame { left, top: 30.0, right: WIDTH - 14.0, bottom: height - 40.0 };
     let means = |body: usize| {
@@ -70,7 +70,7 @@ pub(crate) fn joints(
     )
 }
 
-/// A body's name as one reads it, without the middle of one that is too long: names differ at their ends.
+/// Formats a body's name for readers. A name that is too long loses its middle, since names differ at their ends.
 fn name(name: &str) -> String {
     let count = name.chars().count();
     if count > LETTERS {

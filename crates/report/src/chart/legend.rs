@@ -1,16 +1,16 @@
-//! How methods look: each has its colour, its dashes and its marker, in every chart.
+//! Colours, dashes and markers of the methods, equal in every chart.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
 
 use super::path::px;
 
-/// The class of a method's colour and dashes.
+/// Returns the CSS classes of a method's colour and dashes.
 pub(crate) fn class(method: MethodName) -> String {
     format!("method {}", method.as_str())
 }
 
-/// A method's marker at a place.
+/// Draws a method's marker at a position.
 pub(super) fn marker(method: MethodName, x: f64, y: f64) -> Markup {
     let corners: &[(f64, f64)] = match method {
         MethodName::Local => return html! { circle class="marker" cx=(px(x)) cy=(px(y)) r="4" {} },
@@ -42,7 +42,7 @@ pub(super) fn marker(method: MethodName, x: f64, y: f64) -> Markup {
     html! { polygon class="marker" points=(points.join(" ")) {} }
 }
 
-/// The methods with their looks, for several charts at once.
+/// Returns a legend of the methods, for several charts together.
 pub(crate) fn legend(methods: impl IntoIterator<Item = MethodName>) -> Markup {
     html! {
         ul class="legend" aria-label="Methods" {
@@ -61,7 +61,7 @@ pub(crate) fn legend(methods: impl IntoIterator<Item = MethodName>) -> Markup {
     }
 }
 
-/// The legend of charts that stand alone as a file, in lines that fit a width; and its height.
+/// Returns the legend of a chart that is a file of its own, in lines that fit a width, and its height.
 pub(crate) fn legend_lines(
     methods: impl IntoIterator<Item = MethodName>,
     width: f64,
@@ -70,7 +70,7 @@ pub(crate) fn legend_lines(
     let (mut left, mut y) = (10.0, 12.0);
     let mut entries = Vec::new();
     for method in methods {
-        // A letter is some 7 units wide.
+        // A letter is about 7 units wide.
         let length = 58.0 + 7.0 * method.label().len() as f64;
         if left + length > width && left > 10.0 {
             (left, y) = (10.0, y + LINE);

@@ -1,5 +1,5 @@
-//! Charts as SVG. Colours come from classes and `assets/chart.css`, so that one picture serves a light and a
-//! dark page, and a file of its own.
+//! Charts as SVG. Colours are CSS classes of `assets/chart.css`: one picture can be used on a light page, on a
+//! dark page, and as a file of its own.
 
 mod axis;
 mod course;

@@ -1,4 +1,4 @@
-//! Mean linear over mean angular errors: what a gain in one costs in the other.
+//! Charts of mean linear error over mean angular error: the price of a gain in one error.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -9,34 +9,34 @@ use super::legend::{class, marker};
 use super::path::{line, px};
 use crate::labels::{self, Circle, Ground, Label, Rectangle};
 
-/// Of the field between the axes, and of a line above it.
+/// Height of the field between the axes. The next constant is the height of a line above it.
 const FIELD: f64 = 256.0;
 const LINE: f64 = 18.0;
 
 /// A mean angular error in degrees and a mean linear error in centimetres.
 pub(crate) type Means = [f64; 2];
 
-/// A chart of mean linear over mean angular errors.
+/// A chart of mean linear error over mean angular error.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct ParetoChart {
     pub(crate) title: String,
-    /// What all of it has in common, in a line of its own.
+    /// Conditions that all results share, on a separate line.
     pub(crate) condition: String,
     pub(crate) spots: Vec<Spot>,
-    /// Spots of one method that differ in one value, joined.
+    /// Spots of one method that differ in one value, joined by a line.
     pub(crate) joined: Vec<Joined>,
-    /// What the spots are compared with.
+    /// Curves for comparison.
     pub(crate) references: Vec<Reference>,
 }
 
-/// One result.
+/// A result in the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spot {
-    /// The method that gives it its looks.
+    /// Method whose colour and marker the spot has.
     pub(crate) method: Option<MethodName>,
-    /// What it is, for those who cannot see it.
+    /// Description of the result, for people who cannot see it.
     pub(crate) name: String,
-    /// What is written beside it, if anything.
+    /// Text beside the spot, if there is any.
     pub(crate) label: Option<String>,
     pub(crate) means: Means,
     pub(crate) on_front: bool,
@@ -49,18 +49,18 @@ pub(crate) struct Joined {
     pub(crate) means: Vec<Means>,
 }
 
-/// A curve that results are compared with, and its name in the key.
+/// A curve for comparison, and its name in the key.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Reference {
     pub(crate) name: &'static str,
     pub(crate) dashed: bool,
     pub(crate) means: Vec<Means>,
-    /// What is written beside some of its points.
+    /// Texts beside some of its points.
     pub(crate) labels: Vec<(String, Means)>,
 }
 
 impl ParetoChart {
-    /// The chart: the nearer to the origin, the better.
+    /// Draws the chart. Points nearer to the origin are better.
     pub(crate) fn draw(&self) -> Markup {
         let lines = if self.condition.is_empty() { 2.0 } else { 3.0 };
         let top = 16.0 + LINE * lines;
@@ -101,7 +101,7 @@ impl ParetoChart {
                 }
                 @for label in &labels {
                     @let (from, to) = (label.lead, label.named);
-                    // Beside its marker, a text needs no line.
+                    // A text directly beside its marker needs no line.
                     @if libm::hypot(from.0 - to.0, from.1 - to.1) > NEAR {
                         path class="lead" d=(line([from, to])) {}
                     }
@@ -117,7 +117,7 @@ impl ParetoChart {
                     }
                 }
                 @for label in &labels {
-                    // Left of its marker, a text ends beside it.
+                    // A text on the left of its marker ends beside the marker.
                     @let (x, anchor) = if label.lead.0 < label.named.0 { (label.lead.0, "end") } else { (label.place.0, "start") };
                     @for (index, line) in label.text.lines().enumerate() {
                         text class="tick" x=(px(x)) text-anchor=(anchor) y=(px(label.place.1 + LABEL_LINE * index as f64)) { (line) }
@@ -127,8 +127,8 @@ impl ParetoChart {
         )
     }
 
-    /// Texts beside spots and references, in this order, so that the spots have the better places. Spots that
-    /// cannot be distinguished share one.
+    /// Places the texts beside spots and references, in this order, to give the spots the better places. Spots
+    /// that cannot be distinguished share one text.
     fn labels(&self, frame: Frame, at: impl Fn(&Means) -> (f64, f64)) -> Vec<Label> {
         let mut texts: Vec<(String, (f64, f64))> = Vec::new();
         for spot in &self.spots {
@@ -203,7 +203,8 @@ impl ParetoChart {
 /// Height of a line of a label.
 const LABEL_LINE: f64 = 14.0;
 
-/// Radius of the ring around what is on the front, and how far a label may be without a line.
+/// Radius of the ring around a point on the front. The next constant is the maximum distance of a label without a
+/// line.
 const RING: f64 = 8.0;
 const NEAR: f64 = 13.0;
 
@@ -217,7 +218,7 @@ fn looks(method: Option<MethodName>) -> String {
     method.map_or_else(|| "method".to_owned(), class)
 }
 
-/// Circles that cover a line.
+/// Returns circles that cover a line.
 fn along(a: (f64, f64), b: (f64, f64)) -> impl Iterator<Item = Circle> {
     const COUNT: u32 = 16;
     (1..=COUNT).map(move |index| {

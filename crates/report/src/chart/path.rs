@@ -1,8 +1,8 @@
-//! Coordinates as text.
+//! Formats coordinates as text.
 
 use std::fmt::Write as _;
 
-/// Path data of a line through points.
+/// Returns the path data of a line through points.
 pub(crate) fn line(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut data = String::new();
     for (index, (x, y)) in points.into_iter().enumerate() {
@@ -12,7 +12,7 @@ pub(crate) fn line(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     data
 }
 
-/// A coordinate to a tenth: finer than can be seen, and the same text on every machine.
+/// Formats a coordinate with one decimal: finer than visible, and identical on every machine.
 pub fn px(x: f64) -> String {
     let text = format!("{x:.1}");
     let short = text.strip_suffix(".0").unwrap_or(&text);

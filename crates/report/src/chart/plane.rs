@@ -1,4 +1,4 @@
-//! Ways through the plane: the first two components of an embedding, beside each other.
+//! Charts of paths in the plane: the first two components of two embeddings, beside each other.
 
 use maud::{Markup, html};
 
@@ -6,21 +6,21 @@ use super::axis::Axis;
 use super::frame::{Frame, WIDTH, chart};
 use super::path::{line, px};
 
-/// Side of a panel.
+/// Width and height of a panel.
 const SIDE: f64 = 222.0;
 const TOP: f64 = 74.0;
 
-/// Places of several things over time.
+/// The positions of several items over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     pub title: String,
-    /// Below the title.
+    /// Text below the title.
     pub subtitle: String,
-    /// One way for each thing.
+    /// Path of each item.
     pub ways: Vec<Vec<[f64; 2]>>,
 }
 
-/// Two planes side by side; `things` has classes and names.
+/// Draws two planes side by side. `things` contains the CSS class and the name of each item.
 pub fn planes(title: &str, things: &[(&str, &str)], planes: &[Plane; 2]) -> Markup {
     let height = TOP + SIDE + 10.0;
     let key_width = (WIDTH - 20.0) / things.len() as f64;
@@ -45,7 +45,7 @@ pub fn planes(title: &str, things: &[(&str, &str)], planes: &[Plane; 2]) -> Mark
 }
 
 impl Plane {
-    /// As wide as it is high, in equal units.
+    /// Draws a square plane with equal units on both axes.
     fn draw(&self, things: &[(&str, &str)], frame: Frame) -> Markup {
         let all = || self.ways.iter().flatten();
         let ends = |axis: usize| {

@@ -1,13 +1,13 @@
-//! Both kinds of errors.
+//! The two kinds of errors.
 
 use sinew_evaluation::ErrorTotals;
 
-/// What an error is measured in.
+/// A kind of error, with its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Quantity {
-    /// Angles, in degrees.
+    /// Angular errors, in degrees.
     Angular,
-    /// Distances, in centimetres.
+    /// Linear errors, in centimetres.
     Linear,
 }
 

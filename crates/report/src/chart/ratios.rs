@@ -1,4 +1,4 @@
-//! Our means beside the paper's, both divided by Local's.
+//! Charts of our means beside the paper's, both divided by Local's.
 
 use maud::{Markup, html};
 use sinew_evaluation::MethodName;
@@ -10,23 +10,23 @@ use super::path::px;
 
 const ROW: f64 = 26.0;
 
-/// One row: a mean of one method over one group of joints, divided by Local's.
+/// A row: the mean of one method over one group of joints, divided by Local's.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ratio {
     pub(crate) method: MethodName,
-    /// The mean and the joints, such as "angular, leaf".
+    /// Name of the mean and of the joints, such as "angular, leaf".
     pub(crate) what: &'static str,
     pub(crate) ours: f64,
-    /// The paper's, where it has this figure.
+    /// The paper's value, if the paper has this figure.
     pub(crate) paper: Option<f64>,
 }
 
-/// The ratios of one figure. Local is the line at 1: left of it is better.
+/// Draws the ratios of one figure. Local is the line at 1; values on its left are better.
 pub(crate) fn ratios(title: &str, rows: &[Ratio]) -> Markup {
     let height = 30.0 + ROW * rows.len() as f64 + 40.0;
     let frame = Frame { left: 180.0, top: 30.0, right: WIDTH - 14.0, bottom: height - 40.0 };
     let values = || rows.iter().flat_map(|row| [Some(row.ours), row.paper]).flatten();
-    // Both sides of 1, with a margin.
+    // The axis includes both sides of 1, with a margin.
     let low = values().fold(0.9, f64::min) * 0.93;
     let high = values().fold(1.1, f64::max) * 1.07;
     let axis = Axis::logarithmic([low, high], [frame.left, frame.right]);

@@ -1,4 +1,4 @@
-//! Which cluster each pose of two sequences is in, by several measures.
+//! Charts of the cluster of each pose of two sequences, for several measures.
 
 use std::ops::Range;
 
@@ -10,24 +10,24 @@ use super::path::px;
 const STRIP: f64 = 13.0;
 const GAP: f64 = 4.0;
 const LEFT: f64 = 110.0;
-/// Between both sequences.
+/// Space between the two sequences.
 const SEAM: f64 = 6.0;
 
 /// Strips of one pair of sequences.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
-    /// What both sequences are.
+    /// Names of the two sequences.
     pub names: [String; 2],
-    /// How many poses the first one has.
+    /// Number of poses of the first sequence.
     pub first: usize,
-    /// Label, cluster of every pose of both, and what is written behind.
+    /// Strips: label, cluster of every pose of both sequences, and the text after the strip.
     pub strips: Vec<(String, Vec<usize>, String)>,
 }
 
-/// The classes of both clusters' colours.
+/// CSS classes of the two clusters' colours.
 const CLASSES: [&str; 2] = ["local", "world"];
 
-/// Pairs below each other.
+/// Draws pairs below each other.
 pub fn strips(title: &str, pairs: &[Pair]) -> Markup {
     let heights = pairs.iter().map(|pair| 34.0 + (STRIP + GAP) * pair.strips.len() as f64);
     let tops: Vec<f64> = heights
@@ -73,7 +73,8 @@ pub fn strips(title: &str, pairs: &[Pair]) -> Markup {
     )
 }
 
-/// Poses in a row that are in the same cluster and of the same sequence, of which the first has so many poses.
+/// Returns the runs of consecutive poses in one cluster and one sequence. `first` is the number of poses of the
+/// first sequence.
 fn runs(of: &[usize], first: usize) -> Vec<Range<usize>> {
     let is_seam = |pose: &usize| *pose == first || of[*pose - 1] != of[*pose];
     let starts: Vec<usize> = std::iter::once(0).chain((1..of.len()).filter(is_seam)).collect();

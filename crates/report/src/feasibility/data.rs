@@ -1,4 +1,4 @@
-//! What the page's scripts get.
+//! Data for the page's scripts.
 
 use serde::Serialize;
 use sinew_retarget::feasibility::{CheckError, Excess, Kind, Limits, Performance, Report};
@@ -8,7 +8,7 @@ use sinew_rig::mechanism::JointModel;
 use super::samples::Samples;
 use crate::rig::{Body, bodies};
 
-/// What is drawn: all joints but the drive of a base.
+/// The drawn data: all joints except the drive of a base.
 pub(super) struct Drawn<'a> {
     pub(super) limits: &'a Limits,
     pub(super) report: &'a Report,
@@ -16,10 +16,10 @@ pub(super) struct Drawn<'a> {
     pub(super) excesses: &'a [Excess],
 }
 
-/// A degree of freedom of a joint.
+/// A dof of a joint.
 #[derive(Debug, Serialize)]
 pub(super) struct DrawnDof<'a> {
-    /// In the order of `qd`.
+    /// Index in the order of `qd`.
     #[serde(skip)]
     pub(super) index: usize,
     body: usize,
@@ -27,15 +27,15 @@ pub(super) struct DrawnDof<'a> {
     name: &'a str,
     slides: bool,
     home: f64,
-    /// Where a range is drawn, finite.
+    /// Range in the drawing, finite.
     range: [f64; 2],
-    /// The limits of the plots; infinite ones are null.
+    /// Limits in the plots; infinite limits become null.
     position: [f64; 2],
     speed: f64,
     acceleration: f64,
     pub(super) effort: f64,
     pub(super) continuous: f64,
-    /// The largest turn, if it is an axis of a ball joint.
+    /// Maximum rotation of the joint, if the dof is an axis of a ball joint.
     #[serde(skip)]
     pub(super) turn: Option<f64>,
 }
@@ -76,7 +76,7 @@ impl<'a> Drawn<'a> {
         Self { limits, report, dofs, excesses: &report.excesses }
     }
 
-    /// The scripts' data as JSON that may stand in HTML: of the rig, and of the show.
+    /// Returns the scripts' data of the rig and of the show, as JSON that is safe in HTML.
     pub(super) fn json(
         &self,
         mechanism: &Mechanism,
@@ -114,13 +114,13 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// Texts of the scripts' data.
+/// The JSON texts for the scripts.
 pub(super) struct Json {
     pub(super) rig: String,
     pub(super) show: String,
-    /// From sample to sample, s.
+    /// Time between samples, s.
     pub(super) dt_s: f64,
-    /// Until when the samples reach, s.
+    /// Time of the last sample, s.
     pub(super) end_s: f64,
 }
 

@@ -1,5 +1,5 @@
-//! What a show asks of a rig, as a page: the rig in motion, plots of every joint beside its limits, and each excess.
-//! One file, no network.
+//! A page about the demands of a show on a rig: the moving rig, plots of every joint with its limits, and each
+//! excess. The page is a single file and needs no network.
 
 mod data;
 mod samples;
@@ -28,32 +28,32 @@ const SCRIPT: &str = concat!(
 );
 const STYLE: &str = include_str!("assets/page.css");
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Debug)]
 pub struct Page<'a, P> {
-    /// The rig's name.
+    /// Name of the rig.
     pub rig: &'a str,
-    /// The clip's name.
+    /// Name of the clip.
     pub clip: &'a str,
-    /// The rig.
+    /// The rig's mechanism.
     pub mechanism: &'a Mechanism,
-    /// What its joints may do.
+    /// Limits of the joints.
     pub limits: &'a Limits,
-    /// Where the performance exceeds that.
+    /// Peaks of the performance, and its excesses over the limits.
     pub report: &'a Report,
     /// The performance that was checked.
     pub performance: &'a P,
-    /// What a fit has done, line by line; none if none was asked for.
+    /// Changes made by a fit, one per line; `None` if there was no fit.
     pub fitted: Option<&'a str>,
-    /// What else is to be said of the show, line by line.
+    /// Further remarks about the show, one per line.
     pub summary: &'a str,
 }
 
 impl<P: Performance> Page<'_, P> {
-    /// One HTML text with everything in it. O(duration · bodies).
+    /// Returns the page as one HTML text that includes all scripts and data. O(duration · bodies).
     ///
     /// # Errors
-    /// [`CheckError`] if the rig is larger than the core takes, or an instant is none of it.
+    /// [`CheckError`] if the rig is larger than the core's capacity, or a time is outside the performance.
     pub fn html(&self) -> Result<String, CheckError> {
         let drawn = Drawn::of(self.mechanism, self.limits, self.report);
         let json = drawn.json(self.mechanism, self.performance)?;
@@ -89,7 +89,7 @@ impl<P: Performance> Page<'_, P> {
                             section aria-labelledby="joints-title" {
                                 h2 id="joints-title" { "Joints" }
                                 p class="small" {
-                                    "The most that each joint is asked for, over what it may. "
+                                    "The largest demand on each joint, divided by its limit. "
                                     "Torques are with rotors and friction. Choose a joint to see its plots."
                                 }
                                 (table::joints(drawn))
@@ -106,7 +106,7 @@ impl<P: Performance> Page<'_, P> {
         }
     }
 
-    /// What is said of the show.
+    /// Writes the section about the show.
     fn show(&self, json: &Json) -> Markup {
         html! {
             section aria-labelledby="show-title" {
@@ -124,7 +124,7 @@ impl<P: Performance> Page<'_, P> {
     }
 }
 
-/// One sentence.
+/// Returns the verdict in one sentence.
 fn verdict(drawn: &Drawn<'_>) -> String {
     let duration_s = drawn.report.duration_s;
     if drawn.excesses.is_empty() {
@@ -144,7 +144,7 @@ fn verdict(drawn: &Drawn<'_>) -> String {
     )
 }
 
-/// What the page leaves out.
+/// Returns notes about data that the page omits.
 fn notes(json: &Json, duration_s: f64) -> Vec<String> {
     let mut notes = vec![format!(
         "This page has {:.0} poses a second. Speeds, accelerations and torques in its plots are the largest between \

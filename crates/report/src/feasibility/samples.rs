@@ -1,4 +1,4 @@
-//! A performance as samples, packed for the page's script.
+//! Samples of a performance, packed for the page's script.
 
 use serde::Serialize;
 use sinew_retarget::feasibility::{CheckError, Efforts, Instant, Performance};
@@ -6,22 +6,22 @@ use sinew_rig::Mechanism;
 
 use crate::traces::{Channel, MOST, pack, spacing};
 
-/// How often a second the performance is looked at.
+/// Rate at which the performance is evaluated, Hz.
 const LOOK_HZ: f64 = 250.0;
 
-/// What the page knows of a performance.
+/// Samples of a performance.
 #[derive(Debug, Serialize)]
 pub(super) struct Samples {
-    /// How many there are.
+    /// Number of samples.
     pub(super) count: usize,
-    /// From one to the next, s.
+    /// Time between samples, s.
     pub(super) dt_s: f64,
     /// Joint coordinates at the samples.
     coordinates: Vec<Channel>,
     courses: Traces,
 }
 
-/// By dof, of all looks next to a sample the one farthest from zero: no peak is lost.
+/// Traces by dof. A sample is the value farthest from zero among all evaluations near it, which preserves peaks.
 #[derive(Debug, Serialize)]
 struct Traces {
     speed: Vec<Channel>,
@@ -30,7 +30,7 @@ struct Traces {
 }
 
 impl Samples {
-    /// Samples of a performance; of the degrees of freedom only those in `dofs`, by their index in `qd`.
+    /// Samples a performance. `dofs` selects dofs by their index in `qd`.
     pub(super) fn of(
         mechanism: &Mechanism,
         performance: &impl Performance,
@@ -73,7 +73,7 @@ impl Samples {
         Ok(Self { count, dt_s, coordinates: packed(&rows), courses })
     }
 
-    /// Until when they reach, s.
+    /// Returns the time of the last sample, s.
     pub(super) fn end_s(&self) -> f64 {
         (self.count - 1) as f64 * self.dt_s
     }

@@ -1,4 +1,4 @@
-//! What each joint is asked for, beside its limits; and the times at which limits are exceeded.
+//! Tables of the demands on each joint with its limits, and of the times of excesses.
 
 use maud::{Markup, html};
 use sinew_performance::text;
@@ -7,10 +7,10 @@ use sinew_retarget::feasibility::{DofLimits, DofPeaks, Excess, Kind};
 use super::data::Drawn;
 use crate::joint_table::joint_table;
 
-/// The most excesses that are listed: the script draws all of them.
+/// Maximum number of listed excesses. The script draws all of them.
 const LISTED: usize = 200;
 
-/// All joints.
+/// Returns the table of all joints.
 pub(super) fn joints(drawn: &Drawn<'_>) -> Markup {
     let head = [
         "Joint",
@@ -47,7 +47,7 @@ fn joint(drawn: &Drawn<'_>, place: usize, index: usize) -> Markup {
     }
 }
 
-/// The part of its range that a joint uses. A ball joint's turn as a whole is limited: `turn`.
+/// Returns the cell with the used part of a joint's range. `turn` is the limit of a ball joint's whole rotation.
 fn range(limits: &DofLimits, peaks: &DofPeaks, turn: Option<f64>, is_exceeded: bool) -> Markup {
     let unit = if limits.slides { " mm" } else { "" };
     let text = |x: f64| text::position(limits.slides, x);
@@ -81,7 +81,7 @@ fn bound(x: f64, text: &impl Fn(f64) -> String, infinite: &str) -> String {
     if x.is_finite() { text(x) } else { infinite.to_owned() }
 }
 
-/// A largest value beside its limit.
+/// Returns the cell with a peak value and its limit.
 fn peak(value: f64, limit: f64, unit: &str, is_exceeded: bool) -> Markup {
     let bar = (limit.is_finite() && limit > 0.0)
         .then(|| format!("width: {:.1}%", (100.0 * value / limit).min(100.0)));
@@ -97,7 +97,7 @@ fn peak(value: f64, limit: f64, unit: &str, is_exceeded: bool) -> Markup {
     }
 }
 
-/// When which limit is exceeded: in time, and of too many the worst.
+/// Returns the list of excesses in the order of time. If there are too many, only the worst are listed.
 pub(super) fn excesses(drawn: &Drawn<'_>) -> Markup {
     let all = &drawn.excesses;
     let mut listed: Vec<usize> = (0..all.len()).collect();
@@ -135,7 +135,7 @@ fn lasting(seconds: f64) -> String {
     if seconds < 0.005 { "an instant".into() } else { format!("{seconds:.2} s") }
 }
 
-/// How bad an excess is: its share of the limit, or of a radian or 0.1 m beyond a range.
+/// Returns the severity of an excess: its ratio to the limit; for a range, 1 plus the distance beyond it.
 fn severity(excess: &Excess) -> f64 {
     match excess.kind {
         Kind::Range | Kind::LinkedRange => 1.0 + (excess.value - excess.limit).abs(),

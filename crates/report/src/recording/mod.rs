@@ -1,5 +1,5 @@
-//! A recording of `sinew play`, as a page: the rig in motion, each joint's target, course, error and torque, states and
-//! faults. One file, no network.
+//! A page about a recording of `sinew play`: the moving rig, each joint's target, trace, error and torque, and
+//! states and faults. The page is a single file and needs no network.
 
 mod rig;
 mod table;
@@ -28,33 +28,33 @@ const SCRIPT: &str = concat!(
 const STYLE: &str =
     concat!(include_str!("../feasibility/assets/page.css"), include_str!("assets/page.css"));
 
-/// Why there is no page.
+/// The error of a recording for which there is no page.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PageError {
     /// The recording cannot be read.
     #[error(transparent)]
     Recording(#[from] RecordingError),
-    /// It is of another rig.
+    /// The recording is of another rig.
     #[error(transparent)]
     Rig(#[from] RigError),
-    /// It does not say how fast it was.
+    /// The recording does not contain its rate.
     #[error("does not say at what rate it was made")]
     Rate,
 }
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Debug)]
 pub struct Page<'a> {
-    /// The recording.
+    /// The recording to show.
     pub recording: &'a Recording,
-    /// The rig.
+    /// Description of the rig.
     pub rig: &'a Description,
-    /// The same.
+    /// Mechanism of the rig.
     pub mechanism: &'a Mechanism,
 }
 
-/// How long what is whole of a recording took, s.
+/// Returns the duration of the complete part of a recording, s.
 ///
 /// # Errors
 /// [`PageError::Rate`].
@@ -68,7 +68,7 @@ fn rate_hz(recording: &Recording) -> Result<f64, PageError> {
 }
 
 impl Page<'_> {
-    /// One HTML text with everything in it. O(rows · joints).
+    /// Returns the page as one HTML text that includes all scripts and data. O(rows · joints).
     ///
     /// # Errors
     /// [`PageError`].
@@ -89,7 +89,7 @@ impl Page<'_> {
         let rig = json(serde_json::to_string(&Rig::of(self.mechanism, joints)));
         let show = json(serde_json::to_string(&watch.show()));
         let show_name = self.recording.note("show").unwrap_or("A show");
-        // Of a file its own name.
+        // The name of a file without its folders.
         let name = show_name.rsplit(['/', '\\']).next().unwrap_or(show_name);
         let duration_s = duration_s(self.recording)?;
         Ok(html! {
@@ -135,12 +135,12 @@ impl Page<'_> {
     }
 }
 
-/// What is said of a recording that was not written to its end.
+/// Returns the notice about a recording that is cut off.
 pub fn cut(duration_s: f64) -> String {
     format!("The recording is cut off. Its first {duration_s:.2} s are whole, and shown.")
 }
 
-/// One sentence.
+/// Returns the verdict in one sentence.
 fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
     let turning = || joints.iter().zip(watch.told()).filter(|(joint, _)| joint.is_followed());
     let ticks: usize = turning().map(|(_, told)| told.ticks).sum();
@@ -165,9 +165,9 @@ fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
     };
     let is_fault = |(_, fault): &&(f64, String)| !fault.starts_with("warning");
     let faults = match watch.faults.iter().filter(is_fault).count() {
-        0 => "no fault came".to_owned(),
-        1 => "one fault came".to_owned(),
-        many => format!("{many} faults came"),
+        0 => "there was no fault".to_owned(),
+        1 => "there was one fault".to_owned(),
+        many => format!("there were {many} faults"),
     };
     format!("{followed}{swinging} In {duration_s:.2} s {faults}.")
 }
@@ -179,11 +179,11 @@ fn notes(watch: &Watch, duration_s: f64) -> Vec<String> {
              them.",
             watch.dt_s().recip()
         ),
-        "Error is the command of the tick before less what was measured after it, as the controller compares them."
+        "Error is the command of the previous tick minus the value measured after it, as in the controller."
             .to_owned(),
         "The thin lines on the stage are where the rig was sent.".to_owned(),
-        "Swing is what of the error alternates faster than some 8 times a second, from peak to peak, where it is largest. \
-         It is bold where the controller warned of it."
+        "Swing is the largest peak-to-peak change of the error that alternates faster than about 8 times a second. It \
+         is bold where the controller warned of it."
             .to_owned(),
     ];
     if watch.end_s() < duration_s - 2.0 * watch.dt_s() {
@@ -242,7 +242,8 @@ fn plots(joints: &[Joint]) -> Markup {
 }
 
 impl Joint {
-    /// Whether it turns, and a servo moves it: then it counts in the mean of all.
+    /// Returns whether the joint rotates and is moved by a servo. Only these joints count in the mean of all
+    /// joints.
     fn is_followed(&self) -> bool {
         !self.slides && self.columns.servo.is_some()
     }

@@ -1,4 +1,4 @@
-//! The rig that a recording is of.
+//! Matches a recording with its rig.
 
 use serde::Serialize;
 use sinew_performance::play::Recording;
@@ -9,17 +9,17 @@ use thiserror::Error;
 use super::watch::Columns;
 use crate::rig::{Body, bodies};
 
-/// Why a recording is not of a rig.
+/// The error of a recording that does not belong to a rig.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RigError {
-    /// Its drives cannot be.
+    /// The rig's drives are invalid.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// It has a joint that was not recorded.
+    /// The rig has a joint that was not recorded.
     #[error("the rig has a joint {0:?}, which was not recorded: it is another rig")]
     NotRecorded(String),
-    /// It lacks a joint.
+    /// The rig lacks a recorded joint.
     #[error("a joint {0:?} was recorded, which the rig does not have: it is another rig")]
     Unknown(String),
 }
@@ -32,7 +32,7 @@ pub(super) struct Joint {
     pub(super) name: String,
     pub(super) slides: bool,
     home: f64,
-    /// Where a range is drawn, finite.
+    /// Range in the drawing, finite.
     range: [f64; 2],
     #[serde(skip)]
     pub(super) columns: Columns,
@@ -50,7 +50,7 @@ impl<'a> Rig<'a> {
     }
 }
 
-/// The joints of a rig, in its order, with their columns.
+/// Returns the joints of a rig, in its order, with their columns in the recording.
 pub(super) fn joints(
     recording: &Recording,
     description: &Description,
@@ -92,7 +92,7 @@ pub(super) fn joints(
     Ok(joints)
 }
 
-/// By joint of the description: the columns of its first servo.
+/// Returns, for each joint of the description, the column of its first servo.
 fn first_servos(
     recording: &Recording,
     description: &Description,
@@ -101,7 +101,7 @@ fn first_servos(
     for drive in description.actuation()?.drives {
         let name = drive.servos.first().map(|servo| description.servos[*servo].name.as_str());
         let column = name.and_then(|name| {
-            // A servo that is called as a joint has its own columns.
+            // A servo with the name of a joint has its own columns.
             let own = format!("{name}.servo");
             let of = |wanted: &str| recording.servos().iter().position(|servo| servo == wanted);
             of(&own).or_else(|| of(name))

@@ -1,4 +1,4 @@
-//! What came when, and how each joint followed.
+//! Tables of a recording: states and faults in the order of time, and the tracking errors of each joint.
 
 use maud::{Markup, html};
 use sinew_performance::text;
@@ -7,10 +7,10 @@ use super::rig::Joint;
 use super::watch::{JointSummary, Span, Watch};
 use crate::joint_table::joint_table;
 
-/// The most faults that are listed: the plots have all of them.
+/// Maximum number of listed faults. The plots contain all of them.
 const LISTED: usize = 200;
 
-/// States and faults, in time.
+/// Returns the list of states and faults, in the order of time.
 pub(super) fn course(watch: &Watch) -> Markup {
     let (states, faults) = (watch.states.iter(), watch.faults.iter().take(LISTED));
     let mut all: Vec<(f64, Markup)> =
@@ -34,7 +34,7 @@ pub(super) fn course(watch: &Watch) -> Markup {
     }
 }
 
-/// A fault; of a warning that it is one.
+/// Returns the text of a fault or a warning, with its kind.
 fn fault_text(fault: &str) -> Markup {
     let warning = fault.strip_prefix("warning ").map(|warning| ("Warning: ", warning));
     let (kind, what) = warning.unwrap_or(("Fault: ", fault));
@@ -45,12 +45,12 @@ fn state(state: &Span) -> Markup {
     html! { (state.name) small { " for " (format!("{:.2} s", state.to_s - state.from_s)) } }
 }
 
-/// All joints.
+/// Returns the table of all joints.
 pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
     let head = [
         "Joint",
-        "Error in the mean",
-        "At most",
+        "Mean error",
+        "Largest error",
         "Torque, N\u{a0}m",
         "Current, A",
         "Warmest, °C",
@@ -63,7 +63,7 @@ pub(super) fn joints(joints: &[Joint], watch: &Watch) -> Markup {
 
 fn row(joint: &Joint, told: &JointSummary) -> Markup {
     let unit = if joint.slides { " N" } else { "" };
-    // What was never read is 0.
+    // A value that was never read is 0.
     let known = |number: f64, text: String| if number > 0.0 { text } else { "–".to_owned() };
     html! {
         tr {

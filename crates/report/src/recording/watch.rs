@@ -1,4 +1,4 @@
-//! What a page keeps of a recording, tick after tick.
+//! Collects the data of a recording for its page, tick by tick.
 
 use std::collections::BTreeMap;
 
@@ -9,18 +9,19 @@ use sinew_performance::play::{Part, SwingMeter};
 
 use crate::traces::{Channel, MOST, pack, spacing};
 
-/// Numbers of a page for each joint and sample: its courses, and half a one for what limits it and whether it swings.
+/// Size of a sample of one joint in numbers of the page: its traces, and half a number each for limiter and
+/// oscillation.
 const WIDTH: usize = 6;
 
-/// Which columns a joint of the page is made of.
+/// Columns of the recording for a joint of the page.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Columns {
     pub(super) joint: usize,
-    /// Of its first servo, if one moves it.
+    /// Column of the joint's first servo, if a servo moves it.
     pub(super) servo: Option<usize>,
 }
 
-/// What is kept while parts come.
+/// The data collected from the parts of a recording.
 #[derive(Debug)]
 pub(super) struct Watch {
     columns: Vec<Columns>,
@@ -30,13 +31,13 @@ pub(super) struct Watch {
     rate_hz: f64,
     joints: Vec<Joint>,
     limiters: Vec<String>,
-    /// What the supervisor was in, and from when until when, s.
+    /// States of the supervisor with their start and end, s.
     pub(super) states: Vec<Span>,
-    /// Faults and warnings, and when they came, s.
+    /// Faults and warnings with their times, s.
     pub(super) faults: Vec<(f64, String)>,
 }
 
-/// A state.
+/// A state of the supervisor, and its time interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct Span {
     pub(super) name: String,
@@ -51,34 +52,34 @@ struct Joint {
     error: Vec<f64>,
     effort: Vec<f64>,
     current: Vec<f64>,
-    /// By sample: what limits it, counted from 1.
+    /// Limiter by sample: its number, counted from 1; 0 for none.
     limiter: Vec<u8>,
-    /// By sample: 1 where it swings.
+    /// Oscillation by sample: 1 if the joint oscillates in it.
     swings: Vec<u8>,
     told: JointSummary,
 }
 
-/// What is told of a joint while the show runs.
+/// Summary of a joint over the ticks in which the show runs.
 #[derive(Debug, Clone)]
 pub(super) struct JointSummary {
-    /// Ticks.
+    /// Number of ticks.
     pub(super) ticks: usize,
-    /// Of the sizes of its errors, rad or m.
+    /// Sum of the absolute errors, rad or m.
     pub(super) error_sum: f64,
-    /// The largest.
+    /// Largest absolute error, rad or m.
     pub(super) error_most: f64,
-    /// When, s.
+    /// Time of the largest error, s.
     pub(super) error_most_s: f64,
-    /// The largest, N m or N.
+    /// Largest torque or force, N m or N.
     pub(super) effort: f64,
-    /// The largest of its first servo, A and °C.
+    /// Largest current of the joint's first servo, A. The next field is its highest temperature, °C.
     pub(super) current_a: f64,
     pub(super) celsius: f64,
-    /// By what it was limited, in how many ticks.
+    /// Number of limited ticks by limiter.
     pub(super) limited: BTreeMap<String, usize>,
-    /// The part of its error that is faster than a show.
+    /// Meter of the part of the error that is faster than a show.
     pub(super) swing: SwingMeter,
-    /// Whether the controller has found that it swings, at any time.
+    /// Whether the controller detected an oscillation at any time.
     pub(super) is_swinging: bool,
 }
 
@@ -87,7 +88,7 @@ impl JointSummary {
         self.error_sum / self.ticks.max(1) as f64
     }
 
-    /// In what part of the ticks it was limited, and by what most often.
+    /// Returns the percentage of limited ticks, and the most frequent limiter.
     pub(super) fn limited(&self) -> String {
         let share = 100.0 * self.limited.values().sum::<usize>() as f64 / self.ticks.max(1) as f64;
         let most = self.limited.iter().max_by_key(|(_, count)| **count);
@@ -111,7 +112,7 @@ impl JointSummary {
 }
 
 impl Watch {
-    /// Of so many rows.
+    /// Creates the collection for a recording with this number of rows.
     pub(super) fn new(columns: Vec<Columns>, rows: usize, rate_hz: f64) -> Self {
         let (looks, every) = spacing(rows.saturating_sub(1), rate_hz, WIDTH * columns.len(), MOST);
         let count = looks / every + 1;
@@ -138,7 +139,7 @@ impl Watch {
         }
     }
 
-    /// Takes the next rows.
+    /// Adds the next rows.
     pub(super) fn take(&mut self, part: &Part) {
         for (row, time_s) in part.time_s.iter().enumerate() {
             let name = part.states[row].as_deref().unwrap_or("unknown");
@@ -149,7 +150,7 @@ impl Watch {
                     self.states.push(Span { name, from_s: *time_s, to_s: *time_s });
                 }
             }
-            // Those of one tick stand in one cell.
+            // Faults of one tick are in one cell.
             let faults = part.faults[row].iter().flat_map(|faults| faults.split(", "));
             self.faults.extend(faults.map(|fault| (*time_s, fault.to_owned())));
             for place in 0..self.columns.len() {
@@ -191,7 +192,7 @@ impl Watch {
         for (course, now) in
             [(&mut joint.error, error), (&mut joint.effort, effort), (&mut joint.current, current)]
         {
-            // What is not known is exceeded by anything.
+            // A known value always replaces an unknown one.
             if course[sample].is_nan() || now.abs() > course[sample].abs() {
                 course[sample] = now;
             }
@@ -207,17 +208,17 @@ impl Watch {
         }
     }
 
-    /// What is told of the joints.
+    /// Returns the summaries of the joints.
     pub(super) fn told(&self) -> impl Iterator<Item = &JointSummary> {
         self.joints.iter().map(|joint| &joint.told)
     }
 
-    /// From sample to sample, s.
+    /// Returns the time between samples, s.
     pub(super) fn dt_s(&self) -> f64 {
         self.every as f64 / self.rate_hz
     }
 
-    /// Until when samples reach, s.
+    /// Returns the time of the last sample, s.
     pub(super) fn end_s(&self) -> f64 {
         (self.count() - 1) as f64 * self.dt_s()
     }
@@ -226,7 +227,7 @@ impl Watch {
         (self.taken - 1) / self.every + 1
     }
 
-    /// What the page's script gets.
+    /// Returns the data for the page's script.
     pub(super) fn show(&self) -> Show<'_> {
         let packed = |of: fn(&Joint) -> &Vec<f64>| {
             self.joints.iter().map(|joint| pack(of(joint))).collect::<Vec<_>>()
@@ -250,7 +251,8 @@ impl Watch {
     }
 }
 
-/// The number of a limiter, from 1 on. Kinds of limits are few; beyond 255 all have one.
+/// Returns the number of a limiter, starting at 1. There are few kinds of limiters; all beyond 255 share one
+/// number.
 fn code(limiters: &mut Vec<String>, name: &str) -> u8 {
     let place = limiters.iter().position(|known| known == name).unwrap_or_else(|| {
         limiters.push(name.to_owned());
@@ -259,7 +261,7 @@ fn code(limiters: &mut Vec<String>, name: &str) -> u8 {
     u8::try_from(place + 1).unwrap_or(u8::MAX)
 }
 
-/// Bytes, base64; empty if all are 0.
+/// Encodes bytes as base64; empty if all are 0.
 fn codes(bytes: &[u8]) -> String {
     if bytes.iter().all(|code| *code == 0) {
         return String::new();
@@ -279,7 +281,7 @@ pub(super) struct Show<'a> {
     faults: Vec<f64>,
 }
 
-/// By joint. Of error, effort and current each sample has the one of its ticks that is farthest from zero.
+/// Traces by joint. A sample of error, effort or current is the value farthest from zero in its ticks.
 #[derive(Debug, Serialize)]
 struct Traces {
     commanded: Vec<Channel>,

@@ -1,4 +1,5 @@
-//! A rig as a page: seen in 3D, moved by sliders, its loads in colour. One file, no network.
+//! A page about a rig: a 3D view, sliders that move it, and its loads in colour. The page is a single file and
+//! needs no network.
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
@@ -16,14 +17,14 @@ const SCRIPT: &str = concat!(
 );
 const STYLE: &str = include_str!("assets/view.css");
 
-/// What the page's script gets.
+/// Data for the page's script.
 #[derive(Debug, Serialize)]
 struct Data<'a> {
     bodies: Vec<Body<'a>>,
     dofs: Vec<DofData<'a>>,
 }
 
-/// A body as `kinematics.js` takes it.
+/// A body in the form of `kinematics.js`.
 #[derive(Debug, Serialize)]
 pub(super) struct Body<'a> {
     name: &'a str,
@@ -38,7 +39,7 @@ pub(super) struct Body<'a> {
     home: &'a [f64],
 }
 
-/// A slider.
+/// A slider for a dof.
 #[derive(Debug, Serialize)]
 struct DofData<'a> {
     body: usize,
@@ -48,12 +49,12 @@ struct DofData<'a> {
     range: [f64; 2],
     limited: bool,
     home: f64,
-    /// What it holds for long, or the file's limit; none if neither is known.
+    /// Continuous capacity, or else the limit in the file; `None` if neither is known.
     capacity: Option<f64>,
     worst: &'a [f64],
 }
 
-/// The page of a rig.
+/// Returns the page of a rig.
 pub fn page(name: &str, mechanism: &Mechanism, review: &Review) -> String {
     let data = serde_json::to_string(&data(mechanism, review)).expect("numbers and names only");
     markup(name, mechanism, review, &data.replace("</", "<\\/")).into_string()
@@ -89,7 +90,7 @@ fn markup(name: &str, mechanism: &Mechanism, review: &Review, data: &str) -> Mar
                     }
                     section id="joints" aria-label="Joints" {
                         h2 { "Joints" }
-                        p class="hint" { "Load: what gravity asks of the joint in this pose." }
+                        p class="hint" { "Load: the effort of the joint against gravity in this pose." }
                         ol id="sliders" {}
                     }
                     section class="findings" aria-label="Findings" {
@@ -120,7 +121,7 @@ fn summary(mechanism: &Mechanism, review: &Review) -> String {
     )
 }
 
-/// The bodies of a rig, as `kinematics.js` takes them.
+/// Returns the bodies of a rig in the form of `kinematics.js`.
 pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
     let body = |link: &'a Link| {
         let (kind, axes) = kind(link.joint);
@@ -146,7 +147,7 @@ fn data<'a>(mechanism: &'a Mechanism, review: &'a Review) -> Data<'a> {
     for (body, link) in mechanism.bodies.iter().enumerate() {
         for axis in 0..link.joint.kind().dof_count() {
             let Some(review) = reviews.next() else { continue };
-            // The base's drive is no joint of the rig.
+            // The drive of the base is not a joint of the rig.
             if link.joint != JointModel::Free {
                 dofs.push(dof(link, body, axis, review));
             }

@@ -1,13 +1,13 @@
-//! From the world to the picture.
+//! Projects the world to the picture.
 
 use glam::DVec3;
 
 /// A camera on a sphere around its target, y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// What it looks at, in metres.
+    /// Target of the camera, in metres.
     pub target_m: DVec3,
-    /// Angle about the vertical from the z axis to the x axis.
+    /// Angle about the vertical, from the z axis to the x axis.
     pub yaw_rad: f64,
     /// Angle above the horizon.
     pub pitch_rad: f64,
@@ -15,25 +15,25 @@ pub struct Camera {
     pub distance_m: f64,
     /// Picture units per metre at a distance of one metre.
     pub focal: f64,
-    /// Where the target is in the picture.
+    /// Position of the target in the picture.
     pub center: [f64; 2],
 }
 
 /// A point in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Projected {
-    /// To the right.
+    /// Coordinate to the right.
     pub(super) x: f64,
-    /// Downwards.
+    /// Coordinate downwards.
     pub(super) y: f64,
     /// Distance along the view, in metres.
     pub(super) depth_m: f64,
-    /// Picture units per metre there.
+    /// Picture units per metre at that depth.
     pub(super) scale: f64,
 }
 
 impl Camera {
-    /// Where a point is seen.
+    /// Projects a point.
     pub(super) fn project(&self, point_m: DVec3) -> Projected {
         let (sin_yaw, cos_yaw) = libm::sincos(self.yaw_rad);
         let (sin_pitch, cos_pitch) = libm::sincos(self.pitch_rad);
@@ -42,7 +42,7 @@ impl Camera {
         let up = towards.cross(right);
         let from_target = point_m - self.target_m;
         let depth_m = self.distance_m - from_target.dot(towards);
-        // What is beside the camera or behind it is not near without end.
+        // Limits the scale for points beside or behind the camera.
         let scale = self.focal / depth_m.max(self.distance_m / 60.0);
         let [x, y] = self.center;
         Projected {
@@ -68,7 +68,7 @@ mod tests {
             focal: 400.0,
             center: [200.0, 100.0],
         };
-        // From +z one sees +x at the right.
+        // Seen from +z, +x is on the right.
         let seen = camera.project(DVec3::new(1.0, 1.5, 0.0));
         assert!((seen.x - 300.0).abs() < 1e-9 && (seen.y - 50.0).abs() < 1e-9, "{seen:?}");
         assert!(camera.project(DVec3::new(0.0, 1.0, 1.0)).depth_m < seen.depth_m);

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
-/// An arm of six joints that stands upright: links of 0.1 m, the hand 0.08 m.
+/// Returns an upright arm with six joints: links of 0.1 m, the hand 0.08 m.
 pub(crate) fn arm() -> Mechanism {
     let joints = [
         JointModel::Fixed,

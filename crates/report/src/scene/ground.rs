@@ -9,24 +9,25 @@ use serde::Serialize;
 use super::camera::Camera;
 use crate::chart::line;
 
-/// A level disk with a grid, in metres.
+/// A horizontal disk with a grid, in metres.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Ground {
-    /// Where it is.
+    /// Height of the disk.
     pub height_m: f64,
-    /// How far it goes.
+    /// Radius of the disk.
     pub radius_m: f64,
-    /// Between two lines of the grid. They stay where they are in the world.
+    /// Spacing of the grid, whose lines are fixed in the world.
     pub grid_m: f64,
 }
 
 impl Ground {
-    /// Under a human figure.
+    /// Returns the ground for a human figure.
     pub fn at(height_m: f64) -> Self {
         Self { height_m, radius_m: 1.6, grid_m: 0.5 }
     }
 
-    /// Under what is so much larger than a human figure, with a grid of 1, 2 or 5 of a power of ten.
+    /// Returns the ground for a rig of `size_m` times a human figure, with a grid spacing of 1, 2 or 5 times a
+    /// power of ten.
     pub(crate) fn of_size(height_m: f64, size_m: f64) -> Self {
         let widest_m = 0.55 * size_m;
         let power_m = libm::pow(10.0, libm::floor(libm::log10(widest_m)));
@@ -35,7 +36,7 @@ impl Ground {
         Self { height_m, radius_m: 1.6 * size_m, grid_m: factor * power_m }
     }
 
-    /// The ground around what a camera looks at.
+    /// Draws the ground around the camera's target.
     pub(super) fn draw(&self, camera: &Camera) -> Markup {
         let Self { height_m, radius_m, grid_m } = *self;
         let place = |point_m: DVec3| {

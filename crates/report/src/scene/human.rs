@@ -1,17 +1,18 @@
-//! The mannequin of the paper's figure: a human one.
+//! The mannequin of the paper's figure, with human shape.
 
 use glam::DVec3;
 use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use super::mannequin::{Mannequin, Part};
 
-/// Bodies whose segment ends at no joint: head, hands, feet. Their ends are the points behind those of the joints.
+/// Bodies whose segment does not end at a joint: head, hands, feet. Their ends are the points after those of the
+/// joints.
 const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
 
-/// Number of the first parts that are the trunk.
+/// Number of parts that make the trunk. They are the first parts.
 const TRUNK: usize = 6;
 
-/// The parts, for a leg of [`LEG_M`].
+/// Parts for a leg of [`LEG_M`].
 const PARTS: [Part; 19] = [
     (12, 15, 0.0, 1.0, 0.09, 0.09),
     (0, 2, 0.0, 1.0, 0.108, 0.112),
@@ -34,20 +35,20 @@ const PARTS: [Part; 19] = [
     (17, 22, 0.0, 1.0, 0.042, 0.03),
 ];
 
-/// Length of the leg that [`PARTS`] are for.
+/// Length of the leg for which [`PARTS`] are dimensioned.
 const LEG_M: f64 = 0.86;
 
-/// Shorter than this a segment has no direction, in metres.
+/// Length below which a segment has no direction, in metres.
 const SHORTEST_M: f64 = 1e-3;
 
-/// Hands and feet among the points.
+/// Indices of hands and feet among the points.
 const HANDS_AND_FEET: [usize; 4] = [7, 11, 14, 17];
 
-/// Feet and their ends among the points.
+/// Indices of the feet and their ends among the points.
 const ON_THE_GROUND: [usize; 4] = [14, 17, 21, 22];
 
 impl Mannequin {
-    /// The human mannequin on a clip's skeleton.
+    /// Returns the human mannequin on a clip's skeleton.
     pub fn of_figure(motion: &FigureMotion) -> Self {
         let legs = BODIES
             .iter()
@@ -59,7 +60,7 @@ impl Mannequin {
             if end.length() > SHORTEST_M {
                 return (body, end);
             }
-            // A skeleton without ends: as its parent goes on.
+            // In a skeleton without ends, the end continues in the direction of the bone from the parent.
             (body, motion.offset_m[body].normalize_or(DVec3::Y) * (0.16 * girth))
         });
         let joints = (0..BODY_COUNT).map(|body| (body, DVec3::ZERO));
@@ -67,17 +68,17 @@ impl Mannequin {
     }
 }
 
-/// Height of the lowest point of a figure's feet.
+/// Returns the height of the lowest point of a figure's feet.
 pub(crate) fn feet_m(points: &[DVec3]) -> f64 {
     ON_THE_GROUND.map(|point| points[point].y).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// How far beside the pelvis a hand or a foot is at most, in metres.
+/// Returns the largest horizontal distance of a hand or a foot from the pelvis, in metres.
 pub fn reach_m(points: &[DVec3]) -> f64 {
     farthest_reach(points).length()
 }
 
-/// From the pelvis to the farthest hand or foot beside it, level, in metres.
+/// Returns the horizontal vector from the pelvis to the farthest hand or foot, in metres.
 fn farthest_reach(points: &[DVec3]) -> DVec3 {
     let beside = HANDS_AND_FEET.map(|limb| (points[limb] - points[0]).with_y(0.0));
     beside
@@ -85,14 +86,14 @@ fn farthest_reach(points: &[DVec3]) -> DVec3 {
         .fold(DVec3::ZERO, |best, one| if one.length() > best.length() { one } else { best })
 }
 
-/// From where a figure's farthest reach is seen from its side, a little from in front: angle about the
-/// vertical from the z axis to the x axis.
+/// Returns the direction from which a figure's farthest reach is seen from the side and a little from the front:
+/// the angle about the vertical from the z axis to the x axis.
 pub fn side_view_rad(points: &[DVec3]) -> f64 {
-    /// Straight from the side a figure is flat.
+    /// Turn from the exact side view, in which a figure looks flat.
     const TURN_RAD: f64 = 0.45;
     let reach = farthest_reach(points);
     let side = DVec3::new(reach.z, 0.0, -reach.x);
-    // Of the two sides, the one that the chest is turned to.
+    // The side towards which the chest is turned.
     let chest = (points[12] - points[15]).cross(DVec3::Y);
     let side = if side.dot(chest) < 0.0 { -side } else { side };
     let turn = if side.cross(reach).y > 0.0 { TURN_RAD } else { -TURN_RAD };

@@ -1,4 +1,4 @@
-//! Mannequins in space as SVG: the stills of the report. The page's script draws the same in motion.
+//! Draws mannequins in space as SVG, for the report's still pictures. The page's script draws the animated ones.
 
 mod camera;
 #[cfg(test)]

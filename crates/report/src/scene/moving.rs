@@ -1,7 +1,7 @@
-//! The two figures in few words of SVG, for animations: hundreds of parts, and no gradient of their own.
+//! Compact SVG of the two figures, for animations with hundreds of parts, without a gradient per part.
 //!
-//! Every part is drawn in its own axes, along x and with its larger end of radius 1. So four gradients serve all
-//! parts: two figures, lit from one side or from the other.
+//! Every part is drawn in its own axes, along x and with its larger end of radius 1. Four gradients are then
+//! sufficient for all parts: two figures, each lit from either of two sides.
 
 use core::fmt::Write as _;
 
@@ -9,10 +9,10 @@ use maud::{Markup, PreEscaped, html};
 
 use super::stage::{Drawn, LIGHT, RED, Stage, WHITE};
 
-/// Below this share of its radius a part's axis has no direction in the picture.
+/// Length of a part's axis, as a share of its radius, below which the axis has no direction in the picture.
 const SHORTEST: f64 = 0.5;
 
-/// The gradients that [`Stage::frame`] refers to.
+/// Returns the gradients for [`Stage::frame`].
 pub(crate) fn gradients() -> Markup {
     html! {
         defs {
@@ -30,7 +30,7 @@ pub(crate) fn gradients() -> Markup {
 }
 
 impl Stage<'_> {
-    /// Shadow and figures of one frame, without what does not move.
+    /// Draws shadow and figures of one frame, without the static parts.
     pub(crate) fn frame(&self) -> Markup {
         let (desired, measured) = self.figures();
         let mut parts = String::new();
@@ -48,7 +48,7 @@ impl Stage<'_> {
     }
 }
 
-/// A part, in its own axes.
+/// Draws a part in its own axes.
 fn path(figure: &str, part: &Drawn) -> String {
     let [a, b] = part.ends;
     let (a, b) = if a.r < b.r { (b, a) } else { (a, b) };
@@ -56,7 +56,7 @@ fn path(figure: &str, part: &Drawn) -> String {
     let length = libm::hypot(dx, dy) / a.r;
     let [light_x, light_y] = LIGHT;
     let (turn_rad, length) = if length < SHORTEST {
-        // Its upper side in its own axes is then the lit one.
+        // The part is turned until its upper side, in its own axes, is the lit one.
         (libm::atan2(light_x, -light_y), 0.0)
     } else {
         (libm::atan2(dy, dx), length)
@@ -77,14 +77,14 @@ fn path(figure: &str, part: &Drawn) -> String {
     path
 }
 
-/// The outline around a circle of radius 1 and a smaller one that is so far along x.
+/// Returns the outline around a circle of radius 1 and a smaller circle at distance `length` along x.
 fn outline(length: f64, radius: f64) -> String {
     let cos = (1.0 - radius) / length;
     if cos >= 1.0 || length == 0.0 {
         return "M1 0A1 1 0 0 0-1 0A1 1 0 0 0 1 0Z".into();
     }
     let sin = libm::sqrt(1.0 - cos * cos);
-    // Both circles are touched by two straight lines.
+    // Two straight lines are tangents of both circles.
     let (x, y) = (length + radius * cos, radius * sin);
     format!(
         "M{cos:.2}-{sin:.2}A1 1 0 1 0 {cos:.2} {sin:.2}L{x:.2} {y:.2}A{radius:.2} {radius:.2} 0 0 0 {x:.2}-{y:.2}Z"
@@ -102,10 +102,10 @@ mod tests {
             let ends = [Circle { x: 0.0, y: 0.0, r: 10.0 }, Circle { x, y, r: 8.0 }];
             path("white", &Drawn { ends, depth_m: 0.0 })
         };
-        // In its own axes a part to the right has its upper side above, one to the left below.
+        // In its own axes, a part to the right has its upper side up, a part to the left has it down.
         assert!(part(50.0, 0.0).contains("#white-top"));
         assert!(part(-50.0, 0.0).contains("#white-bottom"));
-        // What hangs down is turned by a right angle: its lower side is to the left.
+        // A part that points down is rotated by a right angle: its lower side is on the left.
         assert!(part(0.0, 50.0).contains("#white-bottom"));
         assert!(part(0.0, -50.0).contains("#white-top"));
         assert!(part(1.0, 0.0).contains("#white-top"));

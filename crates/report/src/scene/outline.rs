@@ -1,4 +1,4 @@
-//! Outlines of what is round at both ends, as paths.
+//! Outlines of parts with round ends, as paths.
 
 use core::f64::consts::PI;
 use std::fmt::Write as _;
@@ -6,17 +6,17 @@ use std::fmt::Write as _;
 use crate::chart::px;
 use crate::labels::Circle;
 
-/// The outline around two circles, always turning the same way.
+/// Returns the outline around two circles, always with the same orientation.
 pub(super) fn capsule(a: Circle, b: Circle) -> String {
     let (dx, dy) = (b.x - a.x, b.y - a.y);
     let length = libm::sqrt(dx * dx + dy * dy);
     let mut path = String::new();
     if length <= (a.r - b.r).abs() {
-        // One hides the other.
+        // One circle hides the other.
         let larger = if a.r > b.r { a } else { b };
         arc(&mut path, larger, 0.0, 2.0 * PI, 'M');
     } else {
-        // Both are touched by two straight lines.
+        // Two straight lines are tangents of both circles.
         let along = libm::atan2(dy, dx);
         let touch = libm::acos((a.r - b.r) / length);
         arc(&mut path, b, along - touch, along + touch, 'M');
@@ -26,11 +26,11 @@ pub(super) fn capsule(a: Circle, b: Circle) -> String {
     path
 }
 
-/// Appends an arc from one angle to another as cubic curves; `command` leads to its beginning.
+/// Appends an arc from one angle to another as cubic curves. `command` leads to its start.
 fn arc(path: &mut String, circle: Circle, from: f64, to: f64, command: char) {
     let pieces = libm::ceil((to - from) / (0.5 * PI) - 1e-9).max(1.0);
     let turn = (to - from) / pieces;
-    // The curve that touches the arc at its ends and its middle.
+    // The curve touches the arc at its ends and at its middle.
     let handle = circle.r * 4.0 / 3.0 * libm::tan(0.25 * turn);
     let at = |angle: f64| {
         let (sin, cos) = libm::sincos(angle);

@@ -5,7 +5,7 @@ use sinew_figure::{BODIES, FigureMotion};
 
 use super::mannequin::{Mannequin, Points};
 
-/// The mannequin of a motion, and its points in a frame.
+/// Returns the mannequin of a motion, and its points in a frame.
 pub fn posed(motion: &FigureMotion, frame: usize) -> (Mannequin, Points) {
     let mut poses: Vec<Pose> = Vec::new();
     for (body, position_m) in motion.world_positions_m(frame).into_iter().enumerate() {

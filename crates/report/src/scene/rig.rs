@@ -1,31 +1,33 @@
-//! The mannequin of any rig: a round part from every joint to the next ones.
+//! The mannequin of any rig: a round part from every joint to the next joints.
 
 use glam::DVec3;
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 
 use super::mannequin::{Mannequin, Part};
 
-/// Shares of the rig's size: what is shorter has no direction, and the length of a leaf that has none.
+/// Length, as a share of the rig's size, below which a part has no direction. The next constant is the length of a
+/// leaf without a direction.
 const SHORTEST: f64 = 0.01;
 const STUB: f64 = 0.05;
 
-/// Thickness at a joint, as shares of the rig's size: of one that carries nothing, and how much more one has that
-/// carries all of the rig. Half as far is by a square root thinner, so that fingers are seen beside legs.
+/// Radius at a joint that carries nothing, as a share of the rig's size. The next constant is the increase for a
+/// joint that carries the whole rig. The increase grows with the square root of the length beyond the joint, to
+/// keep fingers visible beside legs.
 const THINNEST: f64 = 0.01;
 const THICKER: f64 = 0.04;
 
-/// Thickness of a leaf's end, as a share of that at its joint.
+/// Radius of a leaf's end, relative to that at its joint.
 const TAPER: f64 = 0.7;
 
 impl Mannequin {
-    /// The mannequin of a rig. Leaves go on from their joint through their centre of mass, as far behind it as before.
+    /// Returns the mannequin of a rig. A leaf starts at its joint, and its centre of mass is in its middle.
     pub fn of_rig(mechanism: &Mechanism) -> Self {
         let bodies = &mechanism.bodies;
         let mut leaves = vec![true; bodies.len()];
         for parent in bodies.iter().filter_map(hinged) {
             leaves[parent] = false;
         }
-        // The links from a body on, end to end: of leaves as far as is known yet.
+        // Length of the links beyond each body, end to end; at first only leaves have a known length.
         let mut beyond_m: Vec<f64> = bodies.iter().map(|_| 0.0).collect();
         for (body, link) in bodies.iter().enumerate().rev() {
             if leaves[body] {
@@ -36,7 +38,7 @@ impl Mannequin {
             }
         }
         let size_m = beyond_m.iter().copied().fold(0.0, f64::max);
-        // All in one point: a ball.
+        // All points coincide: a ball is drawn.
         let size_m = if size_m > 0.0 { size_m } else { 1.0 };
         let radius_m =
             |body: usize| size_m * (THINNEST + THICKER * libm::sqrt(beyond_m[body] / size_m));
@@ -49,7 +51,7 @@ impl Mannequin {
                 && (link.position_m.length() > SHORTEST * size_m
                     || matches!(link.joint, JointModel::Prismatic(_)))
             {
-                // A thin limb on a thick body is thin from the beginning.
+                // A thin limb on a thick body is thin from its start.
                 let (from, to) = (radius_m(parent), radius_m(body));
                 parts.push((parent, body, 0.0, 1.0, from.min(1.4 * to), to));
             }
@@ -59,7 +61,7 @@ impl Mannequin {
                 points.push((body, end_m));
             }
         }
-        // What all of it hangs on is seen, even if the next joint is in the same place.
+        // The root is drawn even if the next joint is at its place.
         for (body, _) in bodies.iter().enumerate().filter(|(_, link)| link.parent.is_none()) {
             if !parts.iter().any(|part| part.0 == body) {
                 parts.push((body, body, 0.0, 1.0, radius_m(body), radius_m(body)));
@@ -69,12 +71,12 @@ impl Mannequin {
     }
 }
 
-/// The body that a joint holds a link to. What is free only happens to be counted from there.
+/// Returns the body to which a joint connects a link. A free body is not connected to its parent.
 fn hinged(link: &Link) -> Option<usize> {
     link.parent.filter(|_| link.joint != JointModel::Free)
 }
 
-/// Where a leaf ends in its own frame, in metres.
+/// Returns the end of a leaf in its own frame, in metres.
 fn end_m(link: &Link, size_m: f64) -> DVec3 {
     let through_center_m = 2.0 * link.center_of_mass_m;
     if through_center_m.length() > SHORTEST * size_m {
@@ -93,13 +95,13 @@ mod tests {
     fn an_arm_is_parts_from_joint_to_joint_and_a_tip() {
         let arm = arm();
         let mannequin = Mannequin::of_rig(&arm);
-        // The base and six joints; the hand ends at its own end.
+        // Seven points for the base and six joints, and one for the end of the hand.
         assert_eq!(mannequin.points.len(), 8);
         let joined: Vec<(usize, usize)> =
             mannequin.parts.iter().map(|part| (part.0, part.1)).collect();
         assert_eq!(joined, [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7)]);
         let points = mannequin.points(&arm.poses(&arm.home()));
-        // All links upright: 0.1 m each, and the hand twice the way to its centre of mass.
+        // All links are upright: 0.1 m each; the hand has twice the distance to its centre of mass.
         assert!(points[6].distance(DVec3::Y * 0.6) < 1e-12, "{}", points[6]);
         assert!(points[7].distance(DVec3::Y * 0.68) < 1e-12, "{}", points[7]);
         let radii: Vec<f64> = mannequin.parts.iter().map(|part| part.5).collect();

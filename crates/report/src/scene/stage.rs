@@ -1,4 +1,4 @@
-//! A stage with two mannequins on it: where the bodies should be, and where they are.
+//! A stage with two mannequins: the desired and the actual positions of the bodies.
 
 use core::ops::Range;
 
@@ -15,7 +15,7 @@ use crate::labels::{self, Circle, Label, Rectangle};
 pub const STAGE_WIDTH: f64 = 480.0;
 pub const STAGE_HEIGHT: f64 = 500.0;
 
-/// Labels stay off the edges, and below the title.
+/// Region for labels: away from the edges, and below the title.
 const LABELS: labels::Ground = labels::Ground {
     bounds: Rectangle {
         left: 10.0,
@@ -29,18 +29,18 @@ const LABELS: labels::Ground = labels::Ground {
     gap: 5.0,
 };
 
-/// Figures in one picture, seen by one camera.
+/// Two figures in one picture with one camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage<'a> {
-    /// A word that begins the picture's identifiers: no two pictures of a page may share it.
+    /// Prefix of the picture's identifiers, which must be unique on a page.
     pub id: &'a str,
-    /// The camera.
+    /// Camera of the picture.
     pub camera: Camera,
-    /// What they stand on, around the camera's target.
+    /// Ground around the camera's target.
     pub ground: Ground,
-    /// Where the bodies should be: a mannequin and its points.
+    /// Desired positions of the bodies: a mannequin and its points.
     pub desired: (&'a Mannequin, &'a [DVec3]),
-    /// Where they are: a mannequin of the same parts, and its points.
+    /// Actual positions of the bodies: a mannequin with the same parts, and its points.
     pub measured: (&'a Mannequin, &'a [DVec3]),
 }
 
@@ -51,7 +51,7 @@ pub(super) struct Drawn {
 }
 
 impl Stage<'_> {
-    /// Stage, shadows and figures, as the content of an SVG.
+    /// Draws stage, shadows and figures, as the content of an SVG.
     pub fn draw(&self) -> Markup {
         let (desired, measured) = self.figures();
         let groups = self.order(&desired, &measured);
@@ -66,7 +66,8 @@ impl Stage<'_> {
         }
     }
 
-    /// Stage, shadow and the desired figure alone, from the lit side to the dark one in these colours.
+    /// Draws stage, shadow and only the desired figure. `shades` are its colours from the lit side to the dark
+    /// side.
     pub fn draw_desired(&self, shades: [&str; 3]) -> Markup {
         let parts = self.parts(self.desired, 1.0);
         html! {
@@ -78,13 +79,13 @@ impl Stage<'_> {
         }
     }
 
-    /// The parts of both figures.
+    /// Returns the parts of both figures.
     pub(super) fn figures(&self) -> (Vec<Drawn>, Vec<Drawn>) {
         (self.parts(self.desired, 1.0), self.parts(self.measured, MEASURED_GIRTH))
     }
 
-    /// Parts from the farthest to the nearest. A part of one figure stays with that of the other, so that the two
-    /// never hide each other by accident.
+    /// Returns groups of parts from the farthest to the nearest. Corresponding parts of the two figures are in one
+    /// group, which keeps the figures from hiding each other by accident.
     pub(super) fn order(&self, desired: &[Drawn], measured: &[Drawn]) -> Vec<Range<usize>> {
         let trunk = self.desired.0.trunk();
         let others = (trunk..desired.len()).map(|part| part..part + 1);
@@ -98,7 +99,7 @@ impl Stage<'_> {
         groups
     }
 
-    /// The stage without anyone on it.
+    /// Draws the stage without figures.
     pub(crate) fn backdrop(&self) -> Markup {
         let clip = format!("{}-stage", self.id);
         html! {
@@ -110,18 +111,18 @@ impl Stage<'_> {
         }
     }
 
-    /// Place of a point in the picture.
+    /// Returns the position of a point in the picture.
     pub(crate) fn place(&self, point_m: DVec3) -> (f64, f64) {
         let Projected { x, y, .. } = self.camera.project(point_m);
         (x, y)
     }
 
-    /// Places for texts beside what they name in the picture.
+    /// Returns positions for texts near the points that they name in the picture.
     pub(crate) fn labels(&self, texts: Vec<(String, (f64, f64))>) -> Vec<Label> {
         labels::place(texts, &self.drawn(), &LABELS)
     }
 
-    /// Circles that cover both figures.
+    /// Returns circles that cover both figures.
     fn drawn(&self) -> Vec<Circle> {
         let (desired, measured) = self.figures();
         let along = |part: &Drawn| {
@@ -152,13 +153,13 @@ impl Stage<'_> {
             .collect()
     }
 
-    /// A part with the light from above left, across its axis.
+    /// Draws a part, lit from the upper left across its axis.
     fn part(&self, figure: &str, shades: [&str; 3], part: usize, drawn: &Drawn) -> Markup {
         let [a, b] = drawn.ends;
         let (dx, dy) = (b.x - a.x, b.y - a.y);
         let length = libm::sqrt(dx * dx + dy * dy).max(1e-6);
         let (nx, ny) = (dy / length, -dx / length);
-        // The side that the light comes from; from a part that points at it, the middle of both.
+        // The side of the light; for a part that points at the viewer, the light's own direction.
         let [light_x, light_y] = LIGHT;
         let towards_light = light_x * nx + light_y * ny;
         let (nx, ny) = if length < 0.5 * a.r.max(b.r) {
@@ -181,8 +182,8 @@ impl Stage<'_> {
         }
     }
 
-    /// The figure's shadow under a light from straight above, as one path: where parts overlap it is not
-    /// darker.
+    /// Returns the figure's shadow under a light from directly above. It is one path, to avoid darker areas where
+    /// parts overlap.
     pub(super) fn shadow(
         &self,
         (mannequin, points): (&Mannequin, &[DVec3]),
@@ -206,9 +207,9 @@ impl Stage<'_> {
     }
 }
 
-/// Towards the light in the picture, y down: above, a little to the left.
+/// Direction to the light in the picture, y down: up and a little to the left.
 pub(super) const LIGHT: [f64; 2] = [-0.45, -0.89];
 
-/// From the lit side to the dark one.
+/// Colours from the lit side to the dark side.
 pub const WHITE: [&str; 3] = ["#ffffff", "#e4e8ee", "#98a2b0"];
 pub(crate) const RED: [&str; 3] = ["#ff7b68", "#d8301e", "#7e120a"];

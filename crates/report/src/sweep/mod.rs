@@ -1,4 +1,4 @@
-//! A sweep's CSV as fields of cells, one metric over two parameters, and as fronts of methods and weights.
+//! Reads a sweep's CSV, and prepares maps of one metric over two parameters, and fronts of methods and weights.
 
 mod pareto;
 
@@ -8,14 +8,14 @@ use std::path::Path;
 use sinew_evaluation::MethodName;
 use thiserror::Error;
 
-/// The cells of a sweep, as its CSV has them.
+/// The cells of a sweep, from its CSV.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// The parameters that vary, with the value of every cell.
+    /// Parameters that vary, with the value of every cell.
     parameters: Vec<Column<String>>,
-    /// The metrics, with the value of every cell that has one.
+    /// Metrics, with the value of every cell that has one.
     metrics: Vec<Column<Option<f64>>>,
-    /// The method of every cell, if the file has it.
+    /// Method of every cell, if the file contains it.
     methods: Vec<Option<MethodName>>,
     cells: usize,
 }
@@ -26,61 +26,61 @@ struct Column<T> {
     values: Vec<T>,
 }
 
-/// One field: a metric over two parameters.
+/// A map of a metric over two parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Grid {
-    /// What is shown.
+    /// Title of the map.
     pub title: String,
-    /// What the other parameters are, where fields differ in them.
+    /// Values of the other parameters by which this map differs from others.
     pub condition: String,
-    /// What rows are.
+    /// Name of the parameter in the rows.
     pub row_name: String,
-    /// What columns are.
+    /// Name of the parameter in the columns.
     pub column_name: String,
-    /// The rows' names.
+    /// Labels of the rows.
     pub rows: Vec<String>,
-    /// The columns' names.
+    /// Labels of the columns.
     pub columns: Vec<String>,
-    /// By row; `None` where there is no cell, or no value in it.
+    /// Values row by row; `None` if there is no cell, or the cell has no value.
     pub cells: Vec<Option<f64>>,
     /// Smallest and largest value.
     pub range: (f64, f64),
 }
 
-/// Why a sweep's file cannot be shown.
+/// The error of a sweep's file that cannot be shown.
 #[derive(Debug, Error)]
 pub enum SweepError {
-    /// Not a table.
+    /// A file that is not a CSV table.
     #[error("{file}: {source}")]
     Csv {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// Why.
+        /// Error of the CSV reader.
         source: csv::Error,
     },
-    /// A metric that is no number.
+    /// A metric that is not a number.
     #[error(
         "{file}, line {line}, column {column}: expected a finite number or nothing, found `{value}`"
     )]
     Value {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// The line.
+        /// Number of the line.
         line: usize,
-        /// The column's name.
+        /// Name of the column.
         column: String,
         /// The value that was found.
         value: String,
     },
-    /// Nothing to show.
+    /// A file without a metric to show.
     #[error("{file}: no column of a metric, such as all_linear_mean_cm")]
     NoMetric {
-        /// The file.
+        /// Path of the file.
         file: String,
     },
 }
 
-/// Endings of the columns that are metrics.
+/// Endings of the names of metric columns.
 const METRICS: [&str; 6] = [
     "angular_mean_deg",
     "linear_mean_cm",
@@ -90,12 +90,12 @@ const METRICS: [&str; 6] = [
     "weighted_max_cm",
 ];
 
-/// Columns that are neither metrics nor parameters.
+/// Names of columns that are neither metrics nor parameters.
 const OTHERS: [&str; 8] =
     ["cell", "status", "reason", "n_all", "n_leaf", "widest_gap_mm", "limited", "on_front"];
 
 impl Sweep {
-    /// Reads a sweep's CSV: a row per cell; columns of parameters, metrics and a status.
+    /// Reads a sweep's CSV: a row per cell, with columns for parameters, metrics and a status.
     ///
     /// # Errors
     /// [`SweepError`].
@@ -150,17 +150,17 @@ impl Sweep {
         Ok(Self { parameters, metrics, methods, cells: rows.len() })
     }
 
-    /// Number of cells.
+    /// Returns the number of cells.
     pub(super) fn cells(&self) -> usize {
         self.cells
     }
 
-    /// The names of the parameters that vary.
+    /// Returns the names of the parameters that vary.
     pub(super) fn parameters(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().map(|parameter| parameter.name.as_str())
     }
 
-    /// Every mean over every two parameters that make a whole field, the largest fields first.
+    /// Returns a map of every mean over every two parameters that make a complete grid, the largest grids first.
     pub(super) fn grids(&self) -> Vec<Grid> {
         let mut fields = self.fields();
         fields.sort_by_key(|field| std::cmp::Reverse(field.cells.len()));
@@ -171,8 +171,8 @@ impl Sweep {
         fields.iter().flat_map(of_field).collect()
     }
 
-    /// The planes through the cells over which two parameters vary, every value of one with every value of
-    /// the other; without any, the lines of one parameter.
+    /// Returns the grids of cells in which two parameters vary, with all combinations of their values. If there is
+    /// none, returns the lines in which one parameter varies.
     fn fields(&self) -> Vec<Field> {
         let count = self.parameters.len();
         let mut fields = Vec::new();
@@ -205,7 +205,7 @@ impl Sweep {
             let own = values(a, cells).len();
             own > 1 && (b.is_none() || others > 1) && cells.len() == own * others
         });
-        // Named is only what tells these planes apart.
+        // The condition contains only the parameters that distinguish these grids.
         let told: Vec<usize> = (0..rest.len())
             .filter(|p| planes.keys().map(|at| at[*p]).collect::<BTreeSet<_>>().len() > 1)
             .collect();
@@ -268,19 +268,19 @@ impl Sweep {
     }
 }
 
-/// A parameter, and its values in a field.
+/// A parameter, and its values in a grid.
 type Axis = (Option<usize>, Vec<String>);
 
-/// Cells over which two parameters vary and nothing else.
+/// Cells in which only two parameters vary.
 struct Field {
     columns: Axis,
     rows: Axis,
-    /// What tells it apart from the other fields of the same parameters.
+    /// Difference from the other grids of the same parameters.
     condition: String,
     cells: Vec<usize>,
 }
 
-/// A metric's name as one reads it.
+/// Formats a metric's name for readers.
 fn title(metric: &str) -> String {
     match metric {
         "all_angular_mean_deg" => "Mean angular error of all bodies (°)".into(),
@@ -292,7 +292,7 @@ fn title(metric: &str) -> String {
     }
 }
 
-/// Nothing and NaN are no value: the cell has failed, and its status says why.
+/// Parses a metric. An empty text and NaN are no value: the cell has failed, and its status contains the reason.
 fn metric(text: &str) -> Result<Option<f64>, String> {
     match text.trim() {
         "" | "NaN" => Ok(None),
@@ -303,7 +303,7 @@ fn metric(text: &str) -> Result<Option<f64>, String> {
     }
 }
 
-/// The values there are: numbers by size, other words in the order of the file.
+/// Returns the distinct values: numbers in increasing order, other texts in the order of the file.
 fn distinct(values: &[String]) -> Vec<String> {
     let mut distinct: Vec<String> = Vec::new();
     for value in values {
@@ -352,10 +352,10 @@ mod tests {
                         .join(",");
             }
         }
-        // A cell that belongs to no field.
+        // A cell that belongs to no grid.
         text += "9,9,z,1.0,1.0\n";
         let grids = sweep(&text).unwrap().grids();
-        // By size: a with b for each c; a with c for each b; b with c for each a.
+        // In order of size: a with b for each c; a with c for each b; b with c for each a.
         let sizes: Vec<usize> = grids.iter().step_by(2).map(|grid| grid.cells.len()).collect();
         assert_eq!(sizes, [6, 6, 6, 6, 4, 4, 4]);
         let first: Vec<(&str, &str)> =

@@ -1,4 +1,4 @@
-//! The fronts of a sweep: where its methods and weights lie in angle and distance, task by task.
+//! The fronts of a sweep: angle and distance of its methods and weights, task by task.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,29 +8,29 @@ use sinew_evaluation::pareto::on_front;
 use super::{Column, Sweep, distinct};
 use crate::chart::{Joined, ParetoChart, Spot};
 
-/// Distances that are shown over the angles of all joints.
+/// Columns of the distances that are shown over the angles of all joints.
 const DISTANCES: [(&str, &str); 2] =
     [("all_linear_mean_cm", "all joints"), ("leaf_linear_mean_cm", "leaf joints")];
 
-/// With more spots than this, only those on the front are labelled.
+/// Maximum number of spots for which all are labelled. With more, only spots on the front are labelled.
 const LABELLED: usize = 24;
 
-/// One task of a sweep.
+/// The fronts of one task of a sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fronts {
-    /// The methods that it has.
+    /// Methods in the task.
     pub(crate) methods: Vec<MethodName>,
-    /// A chart for each distance.
+    /// Charts, one for each distance.
     pub(crate) charts: Vec<ParetoChart>,
 }
 
-/// Whether a parameter is how a figure is controlled, and not what is controlled.
+/// Returns whether a parameter belongs to the controller, and not to the task.
 fn is_control(parameter: &Column<String>) -> bool {
     parameter.name.starts_with("controller.")
 }
 
 impl Sweep {
-    /// The fronts of all tasks, in the order of the cells, where methods or settings of the controller vary.
+    /// Returns the fronts of all tasks in which methods or controller settings vary, in the order of the cells.
     pub(crate) fn fronts(&self) -> Vec<Fronts> {
         let (controls, others): (Vec<_>, Vec<_>) =
             self.parameters.iter().partition(|p| is_control(p));
@@ -44,7 +44,7 @@ impl Sweep {
             tasks.entry(task).or_default().push(cell);
         }
         tasks.retain(|_, cells| cells.iter().filter(|cell| angles[**cell].is_some()).count() > 1);
-        // Named is only what tells these tasks apart.
+        // The condition contains only the parameters that distinguish these tasks.
         let told: Vec<usize> = (0..others.len())
             .filter(|p| tasks.keys().map(|task| task[*p]).collect::<BTreeSet<_>>().len() > 1)
             .collect();
@@ -113,9 +113,9 @@ impl Sweep {
 
 /// The cells of one method in one task.
 struct Series<'a> {
-    /// By value if one setting varies, else as they come.
+    /// Cells sorted by value if one setting varies, otherwise in the order of the file.
     cells: Vec<usize>,
-    /// The settings that vary among them, but the method.
+    /// Settings that vary among the cells, except the method.
     settings: Vec<&'a Column<String>>,
 }
 
@@ -137,7 +137,7 @@ impl<'a> Series<'a> {
         Self { cells, settings }
     }
 
-    /// Whether one number varies: then neighbours belong together.
+    /// Returns whether exactly one numeric setting varies: neighbouring cells are then joined.
     fn is_line(&self) -> bool {
         let [setting] = self.settings.as_slice() else { return false };
         self.cells.iter().all(|cell| setting.values[*cell].parse::<f64>().is_ok())
@@ -145,7 +145,7 @@ impl<'a> Series<'a> {
 
     fn spot(&self, cell: usize, method: Option<MethodName>, means: [f64; 2]) -> Spot {
         let name = method.map_or("", MethodName::label);
-        // The last part of a key tells enough; along a line, once.
+        // The last part of a key is sufficient; along a line it is written only once.
         let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
         let along = self.is_line() && self.cells.first() != Some(&cell);
         let values: Vec<String> = self
@@ -182,7 +182,7 @@ mod tests {
                 linear_compensation,0.25,SCALE,2.0,3.5\nlinear_compensation,0.5,SCALE,3.0,3.75\n";
             text += &cells.replace("SCALE", scale);
         }
-        // Alone in its task, and a figure that was lost.
+        // A cell that is alone in its task, and a lost figure.
         text += "world,1.0,1.2,1.0,5.0\nlocal,1.0,1.2,,\n";
         let fronts = sweep(&text).fronts();
         let conditions: Vec<&str> =

@@ -1,4 +1,4 @@
-//! A row per joint and a bar per method, over one logarithmic scale.
+//! Draws a row per joint and a bar per method, on one logarithmic scale.
 
 use maud::{Markup, html};
 use sinew_pose_metrics::character::Character;
@@ -7,24 +7,24 @@ use sinew_pose_metrics::weights::Weighing;
 use super::caption::class;
 use crate::chart::{Axis, px};
 
-/// Heights of rows: names can be read, and few joints do not fill a page.
+/// Minimum and maximum height of rows: names remain readable, and a few joints do not fill a page.
 const ROWS: [f64; 2] = [13.5, 24.0];
 
-/// Width of a method's bars, and of the numbers behind them.
+/// Width of a method's bars. The next constant is the width of the numbers after them.
 const COLUMN: f64 = 150.0;
 const NUMBER: f64 = 46.0;
 
-/// What a joint's depth moves its name to the right.
+/// Indentation of a joint's name per level of depth.
 const INDENT: f64 = 5.0;
 
 /// Width of a letter of a name.
 const LETTER: f64 = 6.4;
 
-/// Height of the heading.
+/// Height of the heading. The next constant is the height of the space below the bars.
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 30.0;
 
-/// Ends of the scale, and what is between them.
+/// Values on the scale, with their labels.
 const POWERS: [(f64, &str); 7] = [
     (1.0, "1"),
     (1e-1, "10⁻¹"),
@@ -43,12 +43,12 @@ pub(super) struct Bars<'a> {
     /// Width of the names.
     names: f64,
     axis: Axis,
-    /// The lower end of the scale: a power of ten.
+    /// Lower end of the scale: a power of ten.
     low: f64,
 }
 
 impl<'a> Bars<'a> {
-    /// Bars at least this high, unless their rows are too far apart then.
+    /// Creates bars with this total height, limited by the maximum height of rows.
     pub(super) fn new(character: &'a Character, weighings: &'a [Weighing], height: f64) -> Self {
         let joints = character.joints();
         let depth = |joint: usize| {
@@ -104,7 +104,7 @@ impl<'a> Bars<'a> {
         }
     }
 
-    /// Powers of ten.
+    /// Draws the grid lines and labels of the powers of ten.
     fn axis(&self, bottom: f64) -> Markup {
         html! {
             @for (value, label) in POWERS.iter().filter(|(value, _)| *value >= self.low) {
@@ -116,7 +116,7 @@ impl<'a> Bars<'a> {
     }
 }
 
-/// Three figures.
+/// Formats a number with three digits.
 fn number(weight: f64) -> String {
     let exponent = if weight > 0.0 { libm::floor(libm::log10(weight)) } else { 0.0 };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2 to 6")]

@@ -1,8 +1,8 @@
-//! How methods are called and coloured.
+//! Names and colours of the methods.
 
 use sinew_pose_metrics::weights::Method;
 
-/// The class of a method's colour.
+/// Returns the CSS class of a method's colour.
 pub(super) const fn class(method: Method) -> &'static str {
     match method {
         Method::Lengths => "by-lengths",
@@ -11,11 +11,11 @@ pub(super) const fn class(method: Method) -> &'static str {
     }
 }
 
-/// What the method weighs, in a few words.
+/// Returns a short description of a method.
 pub(super) const fn caption(method: Method) -> &'static str {
     match method {
-        Method::Lengths => "by lengths of bones below",
-        Method::Cylinders => "by surfaces of bones below",
-        Method::Mesh => "by the skin that moves",
+        Method::Lengths => "by lengths of the bones below",
+        Method::Cylinders => "by surfaces of the bones below",
+        Method::Mesh => "by the skin that the joint moves",
     }
 }

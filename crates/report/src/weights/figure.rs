@@ -1,4 +1,4 @@
-//! A character at rest with a disc at each joint.
+//! Draws a character at rest with a disc at each joint.
 
 use std::fmt::Write as _;
 
@@ -13,19 +13,19 @@ use crate::chart::{line, px};
 /// Radius of the largest disc.
 const LARGEST: f64 = 34.0;
 
-/// Free width around the figure: the largest disc may be at its rim.
+/// Free width around the figure, since the largest disc may be at its edge.
 const MARGIN: f64 = LARGEST;
 
 /// Height of the caption.
 const CAPTION: f64 = 26.0;
 
-/// Width of a figure, however narrow or wide the character.
+/// Minimum and maximum width of a figure.
 const WIDTHS: [f64; 2] = [240.0, 420.0];
 
-/// The character as seen level along the horizontal axis across which it is wider: no perspective.
+/// A horizontal view of the character from the side on which it is wider, without perspective.
 pub(super) struct View<'a> {
     character: &'a Character,
-    /// Joints in the picture.
+    /// Positions of the joints in the picture.
     joints: Vec<DVec2>,
     /// Path of the skin.
     skin: String,
@@ -33,7 +33,7 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// A view of this height.
+    /// Creates a view of this height.
     pub(super) fn new(character: &'a Character, height: f64) -> Self {
         let joints = character.joints().iter().map(|joint| joint.position_m);
         let vertices =
@@ -45,7 +45,7 @@ impl<'a> View<'a> {
                 (low.min(p), high.max(p))
             });
         let size_m = high_m - low_m;
-        // From ahead, or from its left.
+        // From the front, or from the character's left.
         let right = if size_m.z > size_m.x { DVec3::NEG_Z } else { DVec3::X };
         let across_m = size_m.dot(right).abs();
         let [least, most] = WIDTHS;
@@ -66,12 +66,13 @@ impl<'a> View<'a> {
         self.width
     }
 
-    /// The skin, once for all figures.
+    /// Defines the skin once for all figures.
     pub(super) fn definitions(&self) -> Markup {
         html! { defs { path id="skin" class="skin" d=(self.skin) {} } }
     }
 
-    /// Skin, bones and discs; the area of a disc is its weight, and `largest` that of the largest disc.
+    /// Draws skin, bones and discs. The area of a disc is proportional to its weight; `largest` is the weight of
+    /// the largest disc.
     pub(super) fn draw(&self, weighing: &Weighing, largest: f64) -> Markup {
         let mut order: Vec<usize> = (0..self.joints.len()).collect();
         order.sort_by(|a, b| weighing.weights[*b].total_cmp(&weighing.weights[*a]));
@@ -92,13 +93,13 @@ impl<'a> View<'a> {
     }
 }
 
-/// The triangles that face the viewer, as one path.
+/// Returns the triangles that face the viewer, as one path.
 fn skin(mesh: &Mesh, place: impl Fn(DVec3) -> DVec2) -> String {
     let places: Vec<DVec2> = mesh.positions_m.iter().map(|p| place(*p)).collect();
     let mut path = String::new();
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|vertex| places[vertex]);
-        // y is down: what turns left in space turns right here.
+        // y points down: a left turn in space is a right turn in the picture.
         if (b - a).perp_dot(c - a) < 0.0 {
             let ends = [a, b, c].map(|end| (end.x, end.y));
             write!(path, "{}Z", line(ends)).expect("a string takes everything");

@@ -1,4 +1,4 @@
-//! The weights of a character's joints: over the figure, and as bars.
+//! Draws the weights of a character's joints: on the figure, and as bars.
 
 mod bars;
 mod caption;
@@ -16,24 +16,24 @@ use super::file;
 use bars::Bars;
 use figure::View;
 
-/// Least height of a figure.
+/// Minimum height of a figure.
 const FIGURE_HEIGHT: f64 = 330.0;
 
 /// Height of the title and the line below it.
 const TOP: f64 = 48.0;
 
-/// Writes the picture as SVG, or as PNG if the file is named so.
+/// Writes the picture as SVG or PNG, selected by the file's extension.
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::InvalidInput`] for a file of another name.
+/// The error of the operating system; [`io::ErrorKind::InvalidInput`] for a file with another extension.
 pub fn write(path: &Path, character: &Character, weighings: &[Weighing]) -> io::Result<()> {
     file::write(path, &picture(character, weighings))
 }
 
-/// A figure per method, one below the other, beside the bars of all joints.
+/// Draws a figure per method, below each other, beside the bars of all joints.
 fn picture(character: &Character, weighings: &[Weighing]) -> Markup {
     let bars = Bars::new(character, weighings, FIGURE_HEIGHT * weighings.len() as f64);
-    // The bars of few joints are lower than the figures.
+    // The bars of a few joints are lower than the figures.
     let figures = weighings.len() as f64;
     let figure_height = (bars.height() / figures.max(1.0)).max(FIGURE_HEIGHT);
     let view = View::new(character, figure_height);

@@ -1,9 +1,9 @@
-//! Positions of servos as the Blender servo animation add-on writes them: JSON of `fps`, `frames` and `positions`, a
-//! table of servo number and position for each frame. Its later versions have `servos` instead, with all positions of
-//! each.
+//! Servo positions in the format of the Blender servo animation add-on: JSON with `fps`, `frames` and `positions`,
+//! a table of servo number and position for each frame. Its later versions have `servos` instead, with all
+//! positions of each servo.
 //!
-//! What the numbers mean is up to the builder; here they are steps of a bus servo's encoder, and pulses in us of a
-//! hobby servo.
+//! The builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
+//! for a hobby servo.
 
 use std::collections::BTreeMap;
 
@@ -13,22 +13,22 @@ use thiserror::Error;
 
 use super::servos::{ServoTrack, ServoTrackError, number_of};
 
-/// The most frames of a file: an hour at 240 Hz, four times over.
+/// Maximum number of frames of a file: about four times an hour at 240 Hz.
 const FRAMES_MAX: usize = 4_000_000;
 
-/// Why a file is none of the add-on's.
+/// The reason why a file of the add-on is invalid.
 #[derive(Debug, Error)]
 pub enum BlenderError {
-    /// It is no such JSON.
+    /// The file is not JSON of this form.
     #[error("expected the JSON of the Blender servo animation add-on: {0}")]
     Json(#[from] serde_json::Error),
-    /// A rate that is none.
+    /// The frame rate is invalid.
     #[error("fps: expected a number of frames a second from 1 to 1000, found {0}")]
     Rate(f64),
-    /// Neither kind of table, or too little of it.
+    /// The file has neither kind of table, or too few frames.
     #[error("expected `positions` of at least 2 frames, or `servos`; found {0} frames")]
     Frames(usize),
-    /// The table and the rig do not fit.
+    /// The table does not fit the rig.
     #[error(transparent)]
     Servos(#[from] ServoTrackError),
 }
@@ -59,7 +59,7 @@ struct OfServo {
     positions: Vec<i32>,
 }
 
-/// The JSON of a rig's servos: every servo in every frame.
+/// Returns the JSON of a rig's servos, with every servo in every frame.
 ///
 /// # Errors
 /// [`BlenderError`] if there are no frames.
@@ -87,13 +87,13 @@ pub fn write(rig: &str, tracks: &[ServoTrack], fps: f64) -> Result<String, Blend
     Ok(serde_json::to_string_pretty(&file)?)
 }
 
-/// Reads positions of a rig's servos, and the frames a second. A servo that a frame does not name stays where it was.
+/// Reads positions of a rig's servos, and the frame rate. A servo that a frame does not contain keeps its position.
 ///
 /// # Errors
-/// [`BlenderError`] names what is wrong, and what would be right.
+/// [`BlenderError`] describes the error and a valid value.
 pub fn read(text: &str, rig: &Description) -> Result<(Vec<ServoTrack>, f64), BlenderError> {
     let file: File = serde_json::from_str(text)?;
-    // Written so that NaN is refused.
+    // The comparison also refuses NaN.
     if !(1.0..=1000.0).contains(&file.fps) {
         return Err(BlenderError::Rate(file.fps));
     }
@@ -103,7 +103,7 @@ pub fn read(text: &str, rig: &Description) -> Result<(Vec<ServoTrack>, f64), Ble
             for (frame, positions) in frames.iter().enumerate() {
                 for (number, position) in positions {
                     let track = by_number.entry(*number).or_default();
-                    // Nothing was said of it so far: it stands where it is first told to be.
+                    // Before its first entry, the servo has the position of that entry.
                     track.resize(frame, track.last().copied().unwrap_or(*position));
                     track.push(*position);
                 }

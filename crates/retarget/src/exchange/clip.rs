@@ -1,4 +1,4 @@
-//! A rig's motion as a clip of a skeleton.
+//! Converts a rig's motion to a clip of a skeleton.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
@@ -6,8 +6,9 @@ use sinew_rig::Mechanism;
 
 use crate::feasibility::RigMotion;
 
-/// The motion of the rig's bodies as a clip: a joint for each, in world axes where all coordinates are zero, as
-/// animators' files have it. Bodies bolted on, and centres of mass of the last ones, are ends of bones.
+/// Converts the motion of the rig's bodies to a clip with a joint for each body. The joints have world axes where
+/// all coordinates are zero, as in animators' files. Bone ends are merged bodies, and the centres of mass of the
+/// last bodies.
 pub fn clip(name: &str, mechanism: &Mechanism, motion: &RigMotion) -> Clip {
     let zero: Vec<f64> = mechanism.bodies.iter().flat_map(|link| link.joint.zero()).collect();
     let rest = mechanism.poses(&zero);
@@ -36,7 +37,7 @@ pub fn clip(name: &str, mechanism: &Mechanism, motion: &RigMotion) -> Clip {
             }
         })
         .collect();
-    // A body's rotation from its rest in the world, by the parent's.
+    // Rotation of a body from its rest in the world, relative to its parent's.
     let frame = |q: &Vec<f64>| {
         let poses = mechanism.poses(q);
         let turned = |body: usize| poses[body].rotation * rest[body].rotation.conjugate();

@@ -1,8 +1,8 @@
-//! Motions of a rig as other programs take them, and back.
+//! Exchange of a rig's motions with other programs.
 //!
 //! - [`table`]: a CSV of joint coordinates.
 //! - [`clip`]: a clip of a skeleton, which `sinew_mocap::bvh` writes as BVH.
-//! - [`blender`]: positions of servos, as the Blender servo animation add-on writes them.
+//! - [`blender`]: servo positions in the format of the Blender servo animation add-on.
 
 pub mod blender;
 pub mod clip;

@@ -1,4 +1,4 @@
-//! What the servos of a rig do in a motion, in their makers' numbers.
+//! Positions of a rig's servos during a motion, in their makers' units.
 
 use glam::DQuat;
 use sinew_rig::actuation::Actuation;
@@ -13,89 +13,90 @@ use crate::feasibility::RigMotion;
 
 /// Pulse of a hobby servo in the middle of its range, us.
 const MIDDLE_US: f64 = 1500.0;
-/// From there to an end, us: what such servos take as a rule. Each is to be calibrated.
+/// Pulse difference from the middle to an end, us: typical for hobby servos, but each should be calibrated.
 const HALF_RANGE_US: f64 = 1000.0;
 
-/// Positions of one servo over a motion.
+/// Positions of one servo during a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoTrack {
-    /// Its name.
+    /// Name of the servo.
     pub servo: String,
-    /// Where it is on its bus.
+    /// Address on its bus.
     pub address: Address,
-    /// Its position in every row: steps of its encoder (a servo with an id), or its pulse in us (one on a channel).
+    /// Position in every row: encoder steps for a servo with an id, or the pulse in us for a servo on a channel.
     pub positions: Vec<i32>,
-    /// In how many rows it was held at an end of its range.
+    /// Number of rows in which it was limited to an end of its range.
     pub limited: usize,
 }
 
-/// Why there are no positions.
+/// The reason why servo positions were not computed.
 #[derive(Debug, Error)]
 pub enum ServoTrackError {
     /// The rig has no servos.
     #[error(
-        "the rig has no servos: expected `[[servo]]` and `[[drive]]` in its rig.toml; `sinew rig import` leaves them to you"
+        "the rig has no servos: expected `[[servo]]` and `[[drive]]` in its rig.toml; `sinew rig import` does not \
+         write them"
     )]
     NoServos,
-    /// A servo or drive of the rig cannot be.
+    /// A servo or drive of the rig is invalid.
     #[error(transparent)]
     Rig(#[from] DescriptionError),
     /// A drive refuses a position.
     #[error("row {row}, servo `{servo}`: {source}")]
     Drive {
-        /// Which row.
+        /// Index of the row.
         row: usize,
-        /// The drive's first servo.
+        /// First servo of the drive.
         servo: String,
-        /// Why.
+        /// Reason of the drive.
         source: DriveInputError,
     },
-    /// A number that is none.
+    /// A position is NaN or infinite.
     #[error("row {row}, servo `{servo}`: {source}")]
     NotFinite {
-        /// Which row.
+        /// Index of the row.
         row: usize,
-        /// The servo.
+        /// Name of the servo.
         servo: String,
-        /// Why.
+        /// The value that is not finite.
         source: NotFinite,
     },
-    /// Two servos of one number: a table of positions cannot tell them apart.
+    /// Two servos have the same number, therefore a table of positions cannot distinguish them.
     #[error(
         "servos `{first}` and `{second}` have the number {number}: expected a number for each servo, over all buses, in a table of \
          positions"
     )]
     SameNumber {
-        /// A servo.
+        /// Name of the first servo.
         first: String,
-        /// Another one.
+        /// Name of the second servo.
         second: String,
-        /// Their id or channel.
+        /// Id or channel of both.
         number: u8,
     },
-    /// Positions of servos that the rig has not, or not as many as it has.
+    /// Positions belong to servos that the rig does not have, or their number differs.
     #[error("servo {found}: expected the ids or channels of the rig: {expected}")]
     UnknownServo {
-        /// Its number.
+        /// Number of the servo.
         found: String,
-        /// Those that there are.
+        /// Numbers of the rig's servos.
         expected: String,
     },
-    /// A servo without a position.
+    /// A servo has no position in a frame.
     #[error(
         "servo `{servo}` ({number}): expected a position in every frame, found none in frame {frame}"
     )]
     NoPosition {
-        /// The servo.
+        /// Name of the servo.
         servo: String,
-        /// Its id or channel.
+        /// Id or channel of the servo.
         number: u8,
-        /// Which frame.
+        /// Index of the frame.
         frame: usize,
     },
 }
 
-/// How a servo's own angle becomes its maker's number.
+/// Conversion of a servo's own angle to its maker's unit.
 #[derive(Debug, Clone, Copy)]
 struct Numbering {
     middle: f64,
@@ -105,7 +106,7 @@ struct Numbering {
 impl Numbering {
     fn of(rig: &Description, index: usize) -> Self {
         let servo = &rig.servos[index];
-        // `actuation` has seen its kind.
+        // `actuation` has ensured that the kind is known.
         let model = rig.servo_model(&servo.model).unwrap_or_default();
         let range_rad = model.range_rad.value.max(1e-6);
         match servo.address {
@@ -120,10 +121,10 @@ impl Numbering {
     }
 }
 
-/// What a rig's servos do in a motion.
+/// Computes the positions of a rig's servos during a motion.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, or one of them cannot be.
+/// [`ServoTrackError`] if the rig has no servos, or one of them is invalid.
 pub fn tracks(
     rig: &Description,
     mechanism: &Mechanism,
@@ -167,10 +168,10 @@ pub fn tracks(
     Ok(tracks)
 }
 
-/// The motion of a rig whose servos do that; joints that no servo moves stay at home.
+/// Computes the rig's motion from servo positions; joints without servos stay at home.
 ///
 /// # Errors
-/// [`ServoTrackError`] if a servo of the rig has no track, or one of the tracks is of no servo.
+/// [`ServoTrackError`] if a servo of the rig has no track, or a track belongs to no servo.
 pub fn motion(
     rig: &Description,
     mechanism: &Mechanism,
@@ -220,7 +221,7 @@ fn numberings(rig: &Description) -> Vec<Numbering> {
     (0..rig.servos.len()).map(|index| Numbering::of(rig, index)).collect()
 }
 
-/// Its id, or its channel.
+/// Returns the id or the channel of an address.
 pub fn number_of(address: Address) -> u8 {
     match address {
         Address::Id(number) | Address::Channel(number) => number,
@@ -243,7 +244,7 @@ fn actuation(rig: &Description) -> Result<Actuation, ServoTrackError> {
     Ok(actuation)
 }
 
-/// Where in `q` the coordinates of each joint of a description are.
+/// For each joint of a description, its kind and its coordinates' range in `q`.
 struct Places {
     joints: Vec<Option<(JointModel, std::ops::Range<usize>)>>,
 }
@@ -252,7 +253,7 @@ impl Places {
     fn of(rig: &Description, mechanism: &Mechanism) -> Self {
         let ranges = mechanism.coordinate_ranges();
         let place = |name: &str| {
-            // The base has no joint of the description.
+            // The base has no joint in the description.
             let body =
                 mechanism.bodies.iter().skip(1).position(|link| link.joint_name == name)? + 1;
             Some((mechanism.bodies[body].joint, ranges[body].clone()))
@@ -260,7 +261,7 @@ impl Places {
         Self { joints: rig.joints.iter().map(|joint| place(&joint.name)).collect() }
     }
 
-    /// Coordinates of a joint as a drive has them: of a ball joint its rotation vector.
+    /// Returns a joint's coordinates for a drive; for a ball joint its rotation vector.
     fn of_joint(&self, joint: usize, q: &[f64]) -> Vec<f32> {
         let Some((dof, range)) = &self.joints[joint] else { return Vec::new() };
         let of_joint = q.get(range.clone()).unwrap_or_default();
@@ -278,7 +279,7 @@ impl Places {
         }
     }
 
-    /// Puts what a drive says of a joint into `q`; returns what is left.
+    /// Stores a joint's coordinates from a drive in `q`; returns the remaining numbers of the drive.
     fn take<'a>(&self, joint: usize, of_drive: &'a [f32], q: &mut [f64]) -> &'a [f32] {
         let Some((dof, range)) = &self.joints[joint] else { return of_drive };
         let count = dof.kind().dof_count();

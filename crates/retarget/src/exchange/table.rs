@@ -1,4 +1,4 @@
-//! A motion as a CSV of joint coordinates, and back.
+//! Writes a motion as a CSV table of joint coordinates, and reads it.
 
 use std::fmt::Write as _;
 
@@ -8,17 +8,18 @@ use sinew_rig::mechanism::{JointModel, Link};
 
 use crate::feasibility::{MotionError, RigMotion};
 
-/// Half a turn back about x, from Sinew's world (y up) to one with z up: x stays, y is its -z, z its y.
+/// Returns the rotation from Sinew's world (y up) to a world with z up: 90 deg about x. x is unchanged, y becomes
+/// z, z becomes -y.
 fn to_z_up() -> DQuat {
     DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2)
 }
 
-/// The motion as CSV: `time` in s, `start_s` in the first row; then a column for each coordinate by the joint's name,
-/// rad and m.
+/// Returns the motion as CSV: `time` in s, which is `start_s` in the first row, then a column for each coordinate
+/// with the joint's name, in rad and m.
 ///
-/// A hinge or a slide has one column; other joints `NAME.0`, `NAME.1` (universal) or `NAME.x` to `NAME.w` (ball). A
-/// driven base has `root_x root_y root_z root_qw root_qx root_qy root_qz`: the pose of its body in a world with z up,
-/// as robot programs have it.
+/// A hinge or a slide has one column; other joints have `NAME.0`, `NAME.1` (universal) or `NAME.x` to `NAME.w`
+/// (ball). A driven base has `root_x root_y root_z root_qw root_qx root_qy root_qz`: the pose of its body in a
+/// world with z up, which is the convention of robot programs.
 pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
     let mut text = String::from("time");
     for link in &mechanism.bodies {
@@ -53,7 +54,7 @@ pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
     text
 }
 
-/// Names of a joint's columns.
+/// Returns the names of a joint's columns.
 fn columns(link: &Link) -> Vec<String> {
     let name = &link.joint_name;
     match link.joint {
@@ -67,34 +68,34 @@ fn columns(link: &Link) -> Vec<String> {
     }
 }
 
-/// Why a table is no motion of a rig.
+/// The reason why a table is not a valid motion of a rig.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// It is no CSV.
+    /// The text is not CSV.
     #[error(transparent)]
     Csv(#[from] csv::Error),
     /// The first column is not the time.
     #[error("the first column is `{0}`: expected `time`, in s")]
     NoTime(String),
-    /// A column that the rig has no use for.
+    /// A column does not belong to the rig.
     #[error("column `{found}`: expected one of {expected}")]
     Column {
-        /// The column.
+        /// Name of the column.
         found: String,
-        /// What there is.
+        /// Names of the valid columns.
         expected: String,
     },
-    /// A column stands twice.
-    #[error("column `{0}` stands twice")]
+    /// A column occurs twice.
+    #[error("column `{0}` occurs twice")]
     Twice(String),
-    /// A field is no number.
+    /// A field is not a number.
     #[error("line {line}, column `{column}`: expected a number from -1e6 to 1e6, found `{found}`")]
     Number {
         /// Line of the file.
         line: u64,
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// What stands there.
+        /// Text that was found.
         found: String,
     },
     /// Rows are not evenly spaced.
@@ -104,24 +105,23 @@ pub enum TableError {
     Uneven {
         /// Line of the file.
         line: u64,
-        /// Time that was due, s.
+        /// Expected time, s.
         expected: f64,
-        /// From row to row, s.
+        /// Time from row to row, s.
         step: f64,
-        /// Time that stands there, s.
+        /// Time that was found, s.
         found: f64,
     },
-    /// It moves a base that travels: a table of [`csv()`] has that in another world.
+    /// The rig's base travels; the table of [`csv()`] has its pose in another world.
     #[error("the rig's base travels (`root_x` ..): hold it with `--base stand`")]
     Travels,
-    /// What was read is no motion.
+    /// The numbers are not a valid motion.
     #[error(transparent)]
     Motion(#[from] MotionError),
 }
 
-/// Reads a table as [`csv()`] writes it: the motion, and the time of its first row, s. Columns stand in any order
-/// behind
-/// `time`; a joint without a column stays at home.
+/// Reads a table in the format of [`csv()`]. Returns the motion, and the time of its first row, s. `time` is the
+/// first column; the others may have any order. A joint without a column stays at home.
 ///
 /// # Errors
 /// [`TableError`] names line and column.
@@ -177,7 +177,7 @@ pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), Table
     let step = (times[times.len() - 1] - start_s) / (times.len() - 1) as f64;
     for (row, (found, line)) in times.iter().zip(&lines).enumerate() {
         let expected = start_s + row as f64 * step;
-        // A hundredth of a step is what people round.
+        // The tolerance of 1 % of a step allows for rounded times.
         if (found - expected).abs() > 0.01 * step.abs() + 1e-6 {
             return Err(TableError::Uneven { line: *line, expected, step, found: *found });
         }
@@ -187,12 +187,12 @@ pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), Table
     Ok((motion, start_s))
 }
 
-/// Nine digits; no negative zero.
+/// Appends a number with nine decimals, and without a negative zero.
 fn number(text: &mut String, value: f64) {
     write!(text, "{:.9}", value + 0.0).expect("a string takes everything");
 }
 
-/// A name as a field of CSV.
+/// Returns a name as a field of CSV.
 fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\""))

@@ -32,7 +32,7 @@ fn servos_and_joints_are_each_others_way_back() {
         let tracks = servos::tracks(&rig, &mechanism, &motion).unwrap();
         assert_eq!(tracks.len(), rig.servos.len());
         assert!(tracks.iter().all(|track| track.limited == 0));
-        // Half a step of each servo, as its drive shows it: a tenth of a degree is more than any here.
+        // Half a step of each servo, through its drive: less than 0.1 deg for all of them.
         let back = servos::motion(&rig, &mechanism, &tracks, motion.dt_s).unwrap();
         for (before, after) in motion.rows.iter().zip(&back.rows) {
             for (before, after) in before.iter().zip(after) {
@@ -45,7 +45,7 @@ fn servos_and_joints_are_each_others_way_back() {
 #[test]
 fn servos_of_one_number_are_refused() {
     let mut rig = arm(2).unwrap();
-    // On two buses they are two servos, but a table has one number for both.
+    // Servos on two buses are different, but a table has one number for both.
     rig.servos[1].address = rig.servos[0].address;
     rig.servos[1].bus = "second".to_owned();
     let mechanism = rig.mechanism().unwrap();
@@ -84,7 +84,7 @@ fn the_add_ons_json_comes_back() {
     let (back, fps) = blender::read(&text, &rig).unwrap();
     assert!((fps - 50.0).abs() < 1e-12);
     assert_eq!(back, tracks);
-    // Only what changed, and the later form.
+    // Only changes, and the later format.
     let number = servos::number_of(tracks[0].address);
     let few = format!(
         r#"{{"fps": 30, "positions": [{{"{number}": 2000}}, {{}}, {{"{number}": 2010}}]}}"#

@@ -1,4 +1,4 @@
-//! Where a motion exceeds what a rig can do.
+//! Finds the places where a motion exceeds the limits of a rig.
 
 use std::ops::Range;
 
@@ -10,27 +10,27 @@ use super::error::CheckError;
 use super::limits::Limits;
 use super::report::{DofPeaks, Excess, Kind, Report};
 
-/// Two excesses that are nearer than this are one, s.
+/// Excesses with a smaller gap are combined to one, s.
 const GAP_S: f64 = 0.1;
 
-/// The least rate of looks, not below `rate_hz`, that meets every row of a motion: there a curve's accelerations are
-/// largest. The others lie evenly between.
+/// Returns the smallest rate, at least `rate_hz`, whose samples include every row of a motion, because a curve's
+/// accelerations are largest at rows. The other samples are spaced evenly between rows.
 pub fn rate_at_rows(rate_hz: f64, dt_s: f64) -> f64 {
     (rate_hz * dt_s - 1e-6).ceil().max(1.0) / dt_s
 }
 
-/// Looks at a motion `rate_hz` times a second. Positions, speeds and accelerations are the performance's own; efforts
-/// are those of the core's inverse dynamics with rotors and friction. O(duration · rate · bodies).
+/// Samples a motion `rate_hz` times per second. Positions, speeds and accelerations are those of the performance;
+/// efforts are those of the core's inverse dynamics with rotors and friction. O(duration · rate · bodies).
 ///
 /// # Errors
-/// [`CheckError`] if the rig is larger than the core takes, or an instant is none of it.
+/// [`CheckError`] if the rig exceeds the core's capacity, or an instant is invalid for the rig.
 pub fn check(
     mechanism: &Mechanism,
     limits: &Limits,
     performance: &impl Performance,
     rate_hz: f64,
 ) -> Result<Report, CheckError> {
-    // Written so that NaN is refused.
+    // The comparison also refuses NaN.
     if !(10.0..=10_000.0).contains(&rate_hz) {
         return Err(CheckError::Rate(rate_hz));
     }
@@ -50,22 +50,22 @@ pub fn check(
     Ok(tally.report(duration_s, count + 1))
 }
 
-/// What is known so far.
+/// Values accumulated over the instants so far.
 pub(super) struct Tally<'a> {
     limits: &'a Limits,
-    /// The dofs that are told to be beyond; without a list all are.
+    /// Dofs whose excesses `take` reports; `None` for all dofs.
     pub(super) watched: Option<&'a [bool]>,
     dt_s: f64,
-    /// The index in `q` of each dof's position; ball joints and a driven base have none.
+    /// Index in `q` of each dof's position; `None` for ball joints and a driven base.
     places: Vec<Option<usize>>,
-    /// The place in `q` of each body's coordinates, and its first dof.
+    /// Range in `q` of each body's coordinates, and its first dof.
     joints: Vec<(Range<usize>, usize)>,
-    /// Mean squares of efforts, as heat counts them.
+    /// Low-passed squares of efforts, a measure of heat.
     heat: Vec<f64>,
     squares: Vec<f64>,
     peaks: Vec<DofPeaks>,
     excesses: Vec<Excess>,
-    /// The last excess of a dof and kind, in `excesses`.
+    /// Index in `excesses` of the last excess of a dof and kind.
     open: Vec<[Option<usize>; Kind::COUNT]>,
 }
 
@@ -96,8 +96,8 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Looks at an instant and its efforts; whether a speed, an acceleration or an effort that is watched is beyond its
-    /// limit.
+    /// Processes an instant and its efforts. Returns whether a speed, an acceleration or an effort of a watched dof
+    /// exceeds its limit.
     pub(super) fn take(&mut self, time_s: f64, instant: &Instant, efforts: &[f64]) -> bool {
         let limits = self.limits;
         let mut is_beyond = false;
@@ -131,7 +131,7 @@ impl<'a> Tally<'a> {
                 }
             }
             if let Some(heat) = limits.heat {
-                // A low-pass of the square: what warms a motor, over the time that it takes to.
+                // A low-pass of the square is proportional to the heating of a motor, over its thermal time.
                 let share = self.dt_s / heat.time_s;
                 self.heat[dof] += (effort * effort - self.heat[dof]) * share.min(1.0);
                 let mean = libm::sqrt(self.heat[dof]);
@@ -144,7 +144,7 @@ impl<'a> Tally<'a> {
         is_beyond
     }
 
-    /// Turns of ball joints, and limits that join two joints.
+    /// Checks rotations of ball joints, and limits that join two joints.
     fn take_joined(&mut self, time_s: f64, instant: &Instant) {
         for (body, most) in &self.limits.turns {
             let (range, dof) = self.joints[*body].clone();
@@ -160,7 +160,7 @@ impl<'a> Tally<'a> {
             let sum = linked.factor * position(linked.body)
                 + linked.other_factor * position(linked.other);
             let [least, most] = linked.range;
-            // What is tied is computed, and has roundings.
+            // Tied joints are computed, therefore rounding errors are allowed.
             let room = 1e-6;
             let end = if sum < least { least } else { most };
             if sum < least - room || sum > most + room {
@@ -169,7 +169,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// Notes that a dof is beyond a limit.
+    /// Records that a dof exceeds a limit.
     fn note(&mut self, dof: usize, kind: Kind, time_s: f64, value: f64, limit: f64) {
         let open = &mut self.open[dof][kind as usize];
         if let Some(open) = *open {
@@ -201,7 +201,7 @@ impl<'a> Tally<'a> {
                 (peaks.least, peaks.most) = (0.0, 0.0);
             }
         }
-        // Played again and again, a drive comes to the mean of the whole.
+        // If the motion is repeated, a drive's heat approaches the mean over the whole motion.
         for dof in 0..self.peaks.len() {
             let value = self.peaks[dof].effort_rms;
             let limit = self.limits.dofs[dof].heat.map(|heat| heat.continuous);

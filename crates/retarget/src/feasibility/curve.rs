@@ -1,4 +1,4 @@
-//! A smooth curve through the samples of a motion.
+//! A smooth curve through the rows of a motion.
 
 use std::ops::Range;
 
@@ -8,56 +8,57 @@ use sinew_rig::Mechanism;
 use super::motion::{MotionError, RigMotion};
 use super::rows::Rows;
 
-/// What a rig does at an instant.
+/// State of a rig at an instant.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Instant {
-    /// Coordinates as [`Mechanism::home`].
+    /// Coordinates, ordered as [`Mechanism::home`].
     pub q: Vec<f64>,
-    /// Speeds along the degrees of freedom, as `sinew_core::coordinates` has them: rad/s, m/s.
+    /// Speeds along the dofs, as in `sinew_core::coordinates`: rad/s, m/s.
     pub qd: Vec<f64>,
-    /// Accelerations along them: rad/s², m/s².
+    /// Accelerations along the dofs: rad/s², m/s².
     pub qdd: Vec<f64>,
 }
 
 /// A motion with derivatives at any time: a [`Curve`], or a decoded show.
 pub trait Performance {
-    /// How long it takes, s.
+    /// Returns the duration, s.
     fn duration_s(&self) -> f64;
 
-    /// What the rig does `time_s` after the beginning; before it and after the end, what it does there.
+    /// Writes the state of the rig `time_s` after the beginning. Before the beginning and after the end, the state
+    /// is that of the nearer end.
     fn at(&self, time_s: f64, instant: &mut Instant);
 }
 
-/// The cubic spline through the rows of a motion: position, speed and acceleration are continuous. Its first and its
-/// last piece are parabolas, so that a motion may begin and end in full swing.
+/// The cubic spline through the rows of a motion: position, speed and acceleration are continuous. Its first and
+/// last pieces are parabolas, so that a motion may begin and end at any speed.
 ///
-/// Rotations are splines of the four numbers of their quaternions, made unit.
+/// Rotations are splines of the four numbers of their quaternions, then normalized.
 #[derive(Debug, Clone)]
 pub struct Curve {
     dt_s: f64,
-    /// Coordinates of the rows, with the quaternions of one sign.
+    /// Coordinates of the rows. Signs of quaternions are consistent from row to row.
     rows: Rows,
-    /// Second derivatives of the coordinates at the rows, per second squared, as the rows are.
+    /// Second derivatives of the coordinates at the rows, 1/s², in the layout of the rows.
     bends: Vec<f64>,
     pieces: Vec<Piece>,
 }
 
-/// Coordinates of a row that are computed alike.
+/// Coordinates of a row that are computed in the same way.
 #[derive(Debug, Clone)]
 enum Piece {
-    /// Of joints along single axes, all that follow each other.
+    /// Coordinates of consecutive joints with single axes.
     Scalars(Range<usize>),
-    /// A rotation.
+    /// A rotation, from this index.
     Rotation(usize),
-    /// A rotation, then a way along the turned axes.
+    /// A rotation, then a translation, from this index.
     Free(usize),
 }
 
 impl Curve {
-    /// The curve of a motion. O(rows).
+    /// Creates the curve of a motion. O(rows).
     ///
     /// # Errors
-    /// [`MotionError`] if it is no motion of the rig.
+    /// [`MotionError`] if the motion is invalid for the rig.
     pub fn new(mechanism: &Mechanism, motion: &RigMotion) -> Result<Self, MotionError> {
         motion.check(mechanism)?;
         let joints = mechanism.coordinate_ranges();
@@ -65,7 +66,7 @@ impl Curve {
         Ok(Self::through(&joints, rows, motion.dt_s))
     }
 
-    /// The curve through rows that are a motion of the rig: at least two.
+    /// Creates the curve through at least two rows, which are a valid motion of the rig.
     pub(super) fn through(joints: &[Range<usize>], mut rows: Rows, dt_s: f64) -> Self {
         align_quaternions(joints, &mut rows);
         let mut pieces: Vec<Piece> = Vec::new();
@@ -81,7 +82,7 @@ impl Curve {
         Self { dt_s, rows, bends, pieces }
     }
 
-    /// Samples of the curve, `rate_hz` of them a second, at least two. Where they fall on rows, they are the rows.
+    /// Samples the curve at `rate_hz`, with at least two samples. Samples at the time of a row equal the row.
     pub fn resampled(&self, rate_hz: f64) -> RigMotion {
         let dt_s = rate_hz.recip();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
@@ -90,7 +91,7 @@ impl Curve {
         RigMotion { dt_s, rows: self.rows_at(times_s).lists() }
     }
 
-    /// Coordinates at some times.
+    /// Returns the coordinates at these times.
     pub(super) fn rows_at(&self, times_s: impl Iterator<Item = f64>) -> Rows {
         let mut instant = Instant::default();
         let width = self.rows.width;
@@ -104,12 +105,12 @@ impl Curve {
         rows
     }
 
-    /// What it leads through.
+    /// Returns the rows that the curve was created from.
     pub(super) fn into_rows(self) -> Rows {
         self.rows
     }
 
-    /// Time from row to row, s.
+    /// Returns the time from row to row, s.
     pub fn dt_s(&self) -> f64 {
         self.dt_s
     }
@@ -163,7 +164,7 @@ impl Performance for Curve {
             qd.extend(turn.speed.to_array());
             qdd.extend(turn.acceleration.to_array());
             if is_free {
-                // A free joint's way is told along the body's axes.
+                // Speed and acceleration of a free joint are along the body's axes.
                 let three = |of: &dyn Fn(usize) -> f64| {
                     DVec3::from_array(std::array::from_fn(|k| of(first + 4 + k)))
                 };
@@ -176,7 +177,7 @@ impl Performance for Curve {
     }
 }
 
-/// A turning body, speeds and accelerations in its axes.
+/// State of a rotating body; speed and acceleration in its axes.
 struct Turning {
     rotation: DQuat,
     speed: DVec3,
@@ -184,7 +185,8 @@ struct Turning {
 }
 
 impl Turning {
-    /// Of four numbers `p` on their way, not of unit length: with q = p / |p| the speed is 2 vec(p* p') / |p|².
+    /// Computes the state from a moving quaternion `p` that is not of unit length: with q = p / |p| the speed is 2
+    /// vec(p* p') / |p|².
     fn of(p: DVec4, slope: DVec4, bend: DVec4) -> Self {
         let quaternion = |v: DVec4| DQuat::from_xyzw(v.x, v.y, v.z, v.w);
         let squared = p.dot(p);
@@ -200,7 +202,7 @@ impl Turning {
     }
 }
 
-/// Gives quaternions one sign from row to row, so that their numbers have no jumps.
+/// Makes the signs of quaternions consistent from row to row, so that their numbers do not jump.
 pub(super) fn align_quaternions(joints: &[Range<usize>], rows: &mut Rows) {
     for range in joints.iter().filter(|range| range.len() >= 4) {
         let turn = range.start..range.start + 4;
@@ -218,14 +220,15 @@ pub(super) fn align_quaternions(joints: &[Range<usize>], rows: &mut Rows) {
     }
 }
 
-/// Second derivatives of the spline at the rows: a tridiagonal system for each coordinate, by Thomas.
+/// Returns the second derivatives of the spline at the rows, from a tridiagonal system for each coordinate (Thomas
+/// algorithm).
 fn bends(rows: &Rows, dt_s: f64) -> Vec<f64> {
     let (count, width) = (rows.count, rows.width);
     let mut bends = vec![0.0; count * width];
     if count < 3 {
         return bends;
     }
-    // m[i-1] + 4 m[i] + m[i+1] = 6 (y[i-1] - 2 y[i] + y[i+1]) / h². The ends bend as their neighbours do.
+    // m[i-1] + 4 m[i] + m[i+1] = 6 (y[i-1] - 2 y[i] + y[i+1]) / h². At an end, m equals that of the next row.
     let mut shares = vec![0.0; count];
     let scale = 6.0 / (dt_s * dt_s);
     for row in 1..count - 1 {

@@ -1,4 +1,4 @@
-//! Efforts that a motion takes: those of inverse dynamics, and friction.
+//! Efforts that a motion needs, from inverse dynamics and friction.
 
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
@@ -9,23 +9,23 @@ use super::curve::{Instant, Performance};
 use super::error::CheckError;
 use super::limits::{DofLimits, Limits};
 
-/// Computes the efforts of instants, with rotors and friction: what [`check`](super::check()) compares with limits.
+/// A calculator of efforts with rotors and friction, which [`check`](super::check()) compares with limits.
 #[derive(Debug)]
 pub struct Efforts {
     dynamics: InverseDynamics,
     single: [Vec<f32>; 3],
     side_by_side: [Vec<[f32; LANES]>; 3],
-    /// The effort that friction takes of each dof: Coulomb's, and per speed.
+    /// Friction of each dof: Coulomb friction, and viscous friction per speed.
     friction: Vec<[f64; 2]>,
-    /// Whether anybody asks for them: else they are told as zero.
+    /// Whether any limit needs the efforts; if not, they are reported as zero.
     is_asked: bool,
 }
 
 impl Efforts {
-    /// Of a rig. O(bodies · depth).
+    /// Creates a calculator for a rig. O(bodies · depth).
     ///
     /// # Errors
-    /// [`TreeError`] if the rig is larger than the core takes.
+    /// [`TreeError`] if the rig exceeds the core's capacity.
     pub fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
         let of_link = |link: &sinew_rig::mechanism::Link| {
             let count = link.joint.kind().dof_count();
@@ -40,29 +40,30 @@ impl Efforts {
         })
     }
 
-    /// The same for comparing instants with limits: of a rig without a limit of effort or heat no dynamics is computed.
+    /// Creates a calculator for a comparison with limits. Without a limit of effort or heat, it computes no
+    /// dynamics.
     pub(super) fn asked_by(mechanism: &Mechanism, limits: &Limits) -> Result<Self, TreeError> {
         let asks = |limits: &DofLimits| limits.effort.is_finite() || limits.heat.is_some();
         Ok(Self { is_asked: limits.dofs.iter().any(asks), ..Self::of(mechanism)? })
     }
 
-    /// The effort that dry friction takes of a dof at a speed, N m or N: softened below 0.01 rad/s, so that a joint
-    /// that stands asks for none.
+    /// Returns the effort of Coulomb friction of a dof at a speed, N m or N. It is proportional to speed below 0.01
+    /// rad/s, so that a joint at rest needs none.
     pub fn dry_friction(&self, dof: usize, speed: f64) -> f64 {
         let [dry, _] = self.friction[dof];
         dry * (speed / 0.01).clamp(-1.0, 1.0)
     }
 
-    /// The effort that friction which grows with the speed takes of a dof, N m or N.
+    /// Returns the effort of viscous friction of a dof, N m or N.
     pub(super) fn viscous_friction(&self, dof: usize, speed: f64) -> f64 {
         let [_, viscous] = self.friction[dof];
         viscous * speed
     }
 
-    /// Efforts along the degrees of freedom, with the joints' friction, N m or N. O(n).
+    /// Computes the efforts along the dofs, including the joints' friction, N m or N. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`] if the instant is none of the rig.
+    /// [`CoordinatesError`] if the instant is invalid for the rig.
     pub fn at(&mut self, instant: &Instant, out: &mut Vec<f64>) -> Result<(), CoordinatesError> {
         self.without_friction([&instant.q, &instant.qd, &instant.qdd], out)?;
         for (dof, (effort, speed)) in out.iter_mut().zip(&instant.qd).enumerate() {
@@ -71,7 +72,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// The same without friction, of positions, speeds and accelerations.
+    /// Computes the efforts without friction for positions, speeds and accelerations.
     fn without_friction(
         &mut self,
         motion: [&[f64]; 3],
@@ -89,7 +90,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// The same of several instants at once, in less time: of each the motion, and where its efforts go.
+    /// Computes the efforts without friction for several instants at once, which is faster.
     fn side_by_side(
         &mut self,
         motions: [[&[f64]; 3]; LANES],
@@ -121,7 +122,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// Efforts with friction of instants at these times.
+    /// Computes the efforts with friction for instants at these times.
     pub(super) fn of_instants(
         &mut self,
         times_s: [f64; LANES],
@@ -137,7 +138,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// Efforts without friction of positions, speeds and accelerations at these times.
+    /// Computes the efforts without friction for positions, speeds and accelerations at these times.
     fn of_motions(
         &mut self,
         times_s: [f64; LANES],
@@ -145,7 +146,7 @@ impl Efforts {
         out: &mut [Vec<f64>; LANES],
     ) -> Result<(), CheckError> {
         if self.side_by_side(motions, out).is_err() {
-            // One after the other tells which is none of the rig.
+            // Computing one instant after the other finds the invalid one.
             for ((time_s, motion), out) in times_s.into_iter().zip(motions).zip(out) {
                 self.without_friction(motion, out)
                     .map_err(|source| CheckError::Instant { time_s, source })?;
@@ -155,10 +156,10 @@ impl Efforts {
     }
 }
 
-/// Instants of a performance, one behind the other, with what they take.
+/// Consecutive instants of a performance, with their efforts.
 #[derive(Debug, Default)]
 pub(super) struct Block {
-    /// How many there are: the rest repeat the last one.
+    /// Number of instants; the other places repeat the last one.
     pub(super) count: usize,
     pub(super) times_s: [f64; LANES],
     pub(super) instants: [Instant; LANES],
@@ -166,7 +167,8 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// The performance at the next of these times; whether there were any. Without efforts yet.
+    /// Reads the performance at the next of these times, still without efforts. Returns whether there were any
+    /// times.
     pub(super) fn next(
         &mut self,
         performance: &impl Performance,
@@ -187,7 +189,7 @@ impl Block {
         self.count > 0
     }
 
-    /// Each instant: when, the motion, the efforts.
+    /// Returns time, motion and efforts of each instant.
     pub(super) fn each(&self) -> impl Iterator<Item = (f64, &Instant, &[f64])> {
         let motions = self.times_s.iter().zip(&self.instants).take(self.count);
         motions
@@ -195,13 +197,13 @@ impl Block {
             .map(|((time_s, instant), efforts)| (*time_s, instant, &efforts[..]))
     }
 
-    /// Finds the efforts, with friction.
+    /// Computes the efforts, with friction.
     pub(super) fn find_efforts(&mut self, efforts: &mut Efforts) -> Result<(), CheckError> {
         let instants = self.instants.each_ref();
         efforts.of_instants(self.times_s, instants, &mut self.efforts)
     }
 
-    /// Finds the efforts without friction.
+    /// Computes the efforts without friction.
     pub(super) fn find_without_friction(
         &mut self,
         efforts: &mut Efforts,
@@ -210,7 +212,7 @@ impl Block {
         efforts.of_motions(self.times_s, motions, &mut self.efforts)
     }
 
-    /// What holds the poses of the instants.
+    /// Computes the efforts that hold the poses of the instants.
     pub(super) fn holding(
         &mut self,
         efforts: &mut Efforts,
@@ -221,7 +223,8 @@ impl Block {
         efforts.of_motions(self.times_s, motions, out)
     }
 
-    /// What it takes to hold the poses and to accelerate, from rest, by as much as the speeds are.
+    /// Computes the efforts that hold the poses and accelerate from rest, with accelerations equal to the instants'
+    /// speeds.
     pub(super) fn changing(
         &mut self,
         efforts: &mut Efforts,

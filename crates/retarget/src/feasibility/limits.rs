@@ -1,4 +1,4 @@
-//! What a rig's joints may do.
+//! Limits of a rig's joints.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link, LinkedRange};
@@ -6,31 +6,32 @@ use sinew_rig::review::Servos;
 
 use super::report::{Excess, Kind, Report};
 
-/// Time over which effort counts as heat, where nobody says: the motor of a small servo.
+/// Default time over which effort counts as heat, s: that of a small servo's motor.
 const THERMAL_TIME_S: f64 = 60.0;
 
-/// The limits of one degree of freedom. Infinite where there is none.
+/// Limits of one dof; infinite without limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DofLimits {
-    /// Its name, see [`Mechanism::dof_names`].
+    /// Name of the dof, see [`Mechanism::dof_names`].
     pub name: String,
-    /// Body that its joint moves.
+    /// Index of the body that its joint moves.
     pub joint: usize,
-    /// Whether it slides: m and N, else rad and N m.
+    /// Whether the dof slides: units are m and N, otherwise rad and N m.
     pub slides: bool,
-    /// Least and most position. Of a ball joint none: its turn as a whole is limited, see [`Limits::turns`].
+    /// Minimum and maximum position. Infinite for a ball joint, whose rotation is limited as a whole, see
+    /// [`Limits::turns`].
     pub range: [f64; 2],
-    /// The largest speed, rad/s or m/s.
+    /// Maximum speed, rad/s or m/s.
     pub speed: f64,
-    /// The largest acceleration, rad/s² or m/s².
+    /// Maximum acceleration, rad/s² or m/s².
     pub acceleration: f64,
-    /// The largest effort, N m or N.
+    /// Maximum effort, N m or N.
     pub effort: f64,
-    /// Effort for long, if servos are known.
+    /// Continuous effort, if servos are known.
     pub heat: Option<Heat>,
 }
 
-/// How much effort a drive gives for long.
+/// Continuous effort of a drive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     /// Root mean square effort, N m or N.
@@ -39,19 +40,19 @@ pub struct Heat {
     pub time_s: f64,
 }
 
-/// The limits of a rig.
+/// Limits of a rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
-    /// Of each degree of freedom, in the order of `qd`. Of a driven base there are none.
+    /// Limits of each dof, in the order of `qd`. Those of a driven base are infinite.
     pub dofs: Vec<DofLimits>,
-    /// The largest turn of each ball joint from its zero pose, rad: its body, and the turn.
+    /// Maximum rotation of each ball joint from its zero pose: its body, and the angle, rad.
     pub turns: Vec<(usize, f64)>,
     /// Limits that join two joints.
     pub linked: Vec<LinkedRange>,
 }
 
 impl Limits {
-    /// The limits in the rig's description, and what its servos give for long.
+    /// Collects the limits in the rig's description, and the continuous efforts of its servos.
     pub fn of(mechanism: &Mechanism, servos: &Servos) -> Self {
         let mut names = mechanism.dof_names().into_iter();
         let mut heat = servos.by_dof.iter();
@@ -81,7 +82,7 @@ impl Limits {
         Self { dofs, turns, linked: mechanism.linked.clone() }
     }
 
-    /// The same with every limit of speed, acceleration and effort at a share of itself: room for what a spline adds.
+    /// Multiplies every limit of speed, acceleration and effort by `share`: a margin for a spline.
     #[must_use]
     pub fn at(&self, share: f64) -> Self {
         let mut limits = self.clone();
@@ -94,12 +95,12 @@ impl Limits {
     }
 }
 
-/// What is kept of a limit that was exceeded, each time.
+/// Factor on an exceeded limit, each time.
 const TIGHTER: f64 = 0.93;
 
 impl Limits {
-    /// The same, tighter where a report says that they were exceeded: for a motion of which a spline is made once more.
-    /// Each limit once, however often it was exceeded: it is of the whole motion.
+    /// Tightens the limits that a report lists as exceeded, for another attempt to make a spline of the motion.
+    /// Each limit is tightened once, even if it is exceeded several times, because it applies to the whole motion.
     #[must_use]
     pub fn tightened(&self, report: &Report) -> Self {
         let mut limits = self.clone();
@@ -136,7 +137,7 @@ impl Limits {
     }
 }
 
-/// A range with both ends nearer to its middle; equal ends stay.
+/// Moves both ends of a range towards its middle; equal ends are unchanged.
 fn narrower([least, most]: [f64; 2], by: f64) -> [f64; 2] {
     let by = by.min(0.4 * (most - least));
     [least + by, most - by]

@@ -1,4 +1,4 @@
-//! A motion whose end meets its beginning.
+//! Blends the end of a motion into its beginning.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
@@ -12,103 +12,105 @@ use super::motion::{MotionError, RigMotion};
 use super::report::{Excess, Kind};
 use super::rows::Rows;
 
-/// Rows that tell the speed and the acceleration at an end: a parabola goes through them.
+/// Number of rows that give the speed and acceleration at an end: a parabola goes through them.
 const END_ROWS: usize = 3;
-/// A quaternion that becomes shorter than this, squared, turns more than three times as fast as its numbers.
+/// Minimum squared length of a blended quaternion. A shorter one rotates more than three times as fast as its
+/// numbers change.
 const SHORTEST_SQUARED: f64 = 0.1;
-/// How often a second the blend is looked at.
+/// Sampling rate of the check of a blend, Hz.
 const CHECK_HZ: f64 = 200.0;
 
-/// A motion that can be played round after round.
+/// A motion that can be played in a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopedMotion {
-    /// The motion. Its last row is its first one.
+    /// The motion. Its last row equals its first row.
     pub motion: RigMotion,
-    /// How long before its end it leaves the given one, s.
+    /// Duration of the blend at the end, s.
     pub blend_s: f64,
-    /// The body whose joint was changed the most, and by how much: rad or m. A driven base is left out.
+    /// Body whose joint was changed most, and that change, rad or m. A driven base is left out.
     pub most: (usize, f64),
 }
 
-/// Why a motion is no loop.
+/// The reason why a motion cannot be looped.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LoopError {
-    /// The motion is none of the rig.
+    /// The motion is invalid for the rig.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The rig or an instant was refused.
+    /// The check refused the rig or an instant.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// The blend is not within the motion.
+    /// The blend is too short or too long for the motion.
     #[error(
         "the blend into the beginning: expected from {least_s:.3} s to the {most_s:.3} s that the motion lasts, found \
          {found_s:.3} s"
     )]
     Blend {
-        /// What was asked for, s.
+        /// Requested duration, s.
         found_s: f64,
-        /// The shortest, s: as many rows as tell the acceleration.
+        /// Minimum duration, s: the rows that give the acceleration.
         least_s: f64,
-        /// The longest, s.
+        /// Maximum duration, s.
         most_s: f64,
     },
-    /// The base is elsewhere at the end.
+    /// The base ends too far from its start.
     #[error(
-        "the base `{joint}` ends {way_m:.2} m from where it begins: back within {blend_s:.2} s it would go at \
-         {speed:.2} m/s, and the motion itself never takes it faster than {fastest:.2} m/s: a longer blend, or a \
+        "the base `{joint}` ends {way_m:.2} m from its start: to return within {blend_s:.2} s it would move at \
+         {speed:.2} m/s, but the motion itself never moves it faster than {fastest:.2} m/s: use a longer blend, or a \
          base that does not travel"
     )]
     Travels {
-        /// The base's joint.
+        /// Name of the base's joint.
         joint: String,
-        /// How far, m.
+        /// Distance of the base from its start, m.
         way_m: f64,
-        /// The blend, s.
+        /// Duration of the blend, s.
         blend_s: f64,
-        /// Speed of the way back, m/s.
+        /// Speed of the return, m/s.
         speed: f64,
-        /// The motion's own, m/s.
+        /// Maximum speed of the motion itself, m/s.
         fastest: f64,
     },
-    /// A ball joint would turn by nearly half a turn or more.
+    /// A ball joint would rotate by about 180 deg or more.
     #[error(
-        "`{joint}`: its end is too far turned from its beginning, or turns too fast: a shorter blend helps"
+        "`{joint}`: its orientation at the end is too far from that at the start, or turns too fast: a shorter blend \
+         helps"
     )]
     Turns {
-        /// The joint.
+        /// Name of the joint.
         joint: String,
     },
-    /// The blend exceeds a limit that the motion itself keeps to.
+    /// The blend exceeds a limit that the motion itself observes.
     #[error(
-        "`{joint}`: to meet its beginning within {blend_s:.2} s its {} becomes {}, and its limit is {}: a longer \
+        "`{joint}`: to return to its start within {blend_s:.2} s, its {} becomes {}, and its limit is {}: use a longer \
          blend, or a fit",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)
     )]
     Beyond {
-        /// The dof.
+        /// Name of the dof.
         joint: String,
-        /// Whether it slides.
+        /// Whether the dof slides.
         slides: bool,
-        /// Of what.
+        /// Kind of limit.
         kind: Kind,
-        /// What it would be.
+        /// Value in the blend.
         value: f64,
-        /// The limit.
+        /// Value of the limit.
         limit: f64,
-        /// The blend, s.
+        /// Duration of the blend, s.
         blend_s: f64,
     },
 }
 
-/// Leads the last `blend_s` of a motion to its first row: a quintic is added to each coordinate, so that position,
-/// speed and acceleration are those of the beginning. Everything before the blend, and the duration, are unchanged.
-/// A ball joint goes the shorter way round. O(rows).
+/// Blends the last `blend_s` of a motion into its first row: a quintic is added to each coordinate, so that
+/// position, speed and acceleration become those of the beginning. Everything before the blend, and the duration,
+/// are unchanged. A ball joint takes the shorter rotation. O(rows).
 ///
 /// # Errors
-/// [`LoopError`] if the motion is none of the rig or shorter than the blend, a base would have to hurry back, or a ball
-/// joint has no direct way.
+/// [`LoopError`] if the motion is invalid for the rig or shorter than the blend, a base would have to return too
+/// fast, or a ball joint has no direct path.
 pub fn looped(
     mechanism: &Mechanism,
     motion: &RigMotion,
@@ -117,7 +119,7 @@ pub fn looped(
     motion.check(mechanism)?;
     let dt_s = motion.dt_s;
     let (least_s, most_s) = (END_ROWS as f64 * dt_s, motion.duration_s());
-    // Written so that NaN is refused; half a row, for the rounding of both.
+    // The comparison also refuses NaN. The tolerance of half a row is for rounding.
     if !(least_s - 0.5 * dt_s..=most_s + 0.5 * dt_s).contains(&blend_s) {
         return Err(LoopError::Blend { found_s: blend_s, least_s, most_s });
     }
@@ -133,7 +135,7 @@ pub fn looped(
     let mut steps: Vec<[f64; 3]> = (0..begin[0].len())
         .map(|k| {
             let [p0, v0, a0] = parabola([begin[0][k], begin[1][k], begin[2][k]]);
-            // Backwards in time: its speed has the other sign.
+            // The parabola runs backwards in time, therefore its speed has the opposite sign.
             let [p1, v1, a1] = parabola([end[0][k], end[1][k], end[2][k]]);
             let rows = span as f64;
             [p0 - p1, (v0 + v1) * rows, (a0 - a1) * rows * rows]
@@ -144,7 +146,7 @@ pub fn looped(
         let turn = range.start..range.start + 4;
         let along: f64 = turn.clone().map(|k| rows[0][k] * rows[last][k]).sum();
         if along < 0.0 {
-            // The same rotation by the other sign of the beginning.
+            // The other sign of the beginning's quaternion is the same rotation.
             for k in turn {
                 let [p0, v0, a0] = parabola([rows[0][k], rows[1][k], rows[2][k]]);
                 let rows = span as f64;
@@ -188,18 +190,18 @@ pub fn looped(
         }
         *row = now;
     }
-    // It is that row already, but for its last bits and the sign of quaternions.
+    // The last row equals the first, except for last bits and signs of quaternions.
     let first = rows[0].clone();
     rows[last] = first;
     Ok(LoopedMotion { motion: RigMotion { dt_s, rows }, blend_s: span as f64 * dt_s, most })
 }
 
 impl LoopedMotion {
-    /// Refuses a blend that exceeds a limit more than the given motion does anywhere. Heat is of the whole motion, and
-    /// not looked at. O(rows · bodies).
+    /// Refuses a blend that exceeds a limit more than the given motion does anywhere. Heat is ignored, because it
+    /// depends on the whole motion. O(rows · bodies).
     ///
     /// # Errors
-    /// [`LoopError::Beyond`] names the first.
+    /// [`LoopError::Beyond`] names the first excess.
     pub fn check(
         &self,
         mechanism: &Mechanism,
@@ -226,7 +228,8 @@ impl LoopedMotion {
     }
 }
 
-/// Refuses a base that would have to go back faster than it ever goes. `timing`: s from row to row, rows of the blend.
+/// Refuses a base that would have to return faster than it ever moves. The last argument contains the time from row
+/// to row, s, and the rows of the blend.
 fn check_travel(
     joint: &str,
     rows: &[Vec<f64>],
@@ -238,7 +241,7 @@ fn check_travel(
     };
     let fastest = rows.windows(2).map(|pair| way(&pair[0], &pair[1]) / dt_s).fold(0.0, f64::max);
     let (way_m, blend_s) = (way(&rows[0], &rows[rows.len() - 1]), span * dt_s);
-    // The quintic from rest to rest is so much faster in its middle than in the mean.
+    // The maximum speed of a quintic from rest to rest is 1.875 times its mean speed.
     let speed = 1.875 * way_m / blend_s;
     if speed > fastest {
         let joint = joint.to_owned();
@@ -247,12 +250,12 @@ fn check_travel(
     Ok(())
 }
 
-/// Position, speed and acceleration at the first of three rows, per row.
+/// Returns position, speed and acceleration at the first of three rows, per row.
 fn parabola([a, b, c]: [f64; 3]) -> [f64; 3] {
     [a, (4.0 * b - 3.0 * a - c) / 2.0, a - 2.0 * b + c]
 }
 
-/// The quintic from nothing, at rest, to a step of position, speed and acceleration, at a share of its time.
+/// Returns the quintic from zero at rest to a step of position, speed and acceleration, at a share of its time.
 fn added([p, v, a]: [f64; 3], share: f64) -> f64 {
     let x = share;
     let of_p = 10.0 + x * (6.0 * x - 15.0);
@@ -272,7 +275,7 @@ mod tests {
     const DT_S: f64 = 0.01;
     const BLEND_S: f64 = 0.8;
 
-    /// A base that is driven, a hinge and a ball.
+    /// Creates a rig of a driven base, a hinge and a ball.
     fn rig() -> Mechanism {
         let hinge = Link {
             joint_name: "hinge".into(),
@@ -288,7 +291,7 @@ mod tests {
         Mechanism { bodies: vec![base, hinge, ball], linked: vec![] }
     }
 
-    /// Two seconds in which nothing comes back to where it was. `turns_rad_s`: how fast the ball turns.
+    /// Creates a motion of 2 s in which no joint returns to its start. `turns_rad_s` is the speed of the ball.
     fn motion(turns_rad_s: f64) -> RigMotion {
         let row = |row: i32| {
             let t = DT_S * f64::from(row);
@@ -310,10 +313,10 @@ mod tests {
         let looped = looped(&rig, &given, BLEND_S).unwrap();
         let rows = &looped.motion.rows;
         assert_eq!((rows.len(), rows.first()), (given.rows.len(), rows.last()));
-        // All before the blend is what was given.
+        // Everything before the blend is unchanged.
         assert_eq!(rows[..=120], given.rows[..=120]);
         assert!((looped.blend_s - BLEND_S).abs() < 1e-12);
-        // Backwards from the end it is the parabola of the beginning.
+        // Backwards from the end, it is the parabola of the beginning.
         let last = rows.len() - 1;
         let span = BLEND_S / DT_S;
         for k in 0..rows[0].len() {
@@ -321,9 +324,9 @@ mod tests {
             let [p0, v0, a0] = jet(rows, [0, 1, 2]);
             let [p1, v1, a1] = jet(rows, [last, last - 1, last - 2]);
             let [q1, w1, b1] = jet(&given.rows, [last, last - 1, last - 2]);
-            // The third derivative of what was added. A parabola from one side misses a third of it in its speed, all
-            // of it in its acceleration; the fourth one, a tenth of it a row, is the rest. To make quaternions unit
-            // again changes them by as much.
+            // Tolerance from the third derivative of the added quintic. A parabola from one side misses a third of
+            // it in its speed, all of it in its acceleration; the fourth derivative, a tenth of it per row, is the
+            // rest. Normalizing quaternions changes them by a similar amount.
             let [p, v, a] = [p0 - q1, (v0 + w1) * span, (a0 - b1) * span * span];
             let third = (60.0 * p.abs() + 36.0 * v.abs() + 9.0 * a.abs()) / span.powi(3);
             let most = if (4..8).contains(&k) { third } else { 2.0 * third };
@@ -350,7 +353,7 @@ mod tests {
             told.contains("2.00 m from where it begins") && told.contains("1.00 m/s"),
             "{told}"
         );
-        // By way of three quarters to half a turn: what leads back is against the middle of it.
+        // Rotates from three quarters of 180 deg to 180 deg: the path back opposes its middle.
         let mut turned = given.clone();
         for (row, q) in turned.rows.iter_mut().enumerate() {
             let x = row as f64 / 200.0;
@@ -361,7 +364,7 @@ mod tests {
         let turned = looped(&rig, &turned, 2.0).unwrap_err();
         assert_eq!(turned, LoopError::Turns { joint: "ball".into() });
 
-        // 1.98 rad in 0.2 s is 19 rad/s; in 1.8 s it goes against the motion, and the sum is less than 3.
+        // 1.98 rad in 0.2 s is 19 rad/s; in 1.8 s the blend opposes the motion, and the sum is less than 3.
         let limits = Limits::of(&rig, &Servos::default());
         let mut fast = given.clone();
         for (row, q) in fast.rows.iter_mut().enumerate() {

@@ -1,8 +1,9 @@
 //! Low-passes and envelopes of evenly spaced numbers.
 
-/// A Gaussian low-pass, `sigma` rows wide; the first and the last value go on beyond the ends.
+/// Applies a Gaussian low-pass of `sigma` rows; the first and last values continue beyond the ends.
 ///
-/// Every value is a mean of values, with weights that are not negative: none is outside of what there was.
+/// Every result is a weighted mean with weights that are not negative, therefore it is within the range of the
+/// values.
 pub(super) fn low_pass(values: &[f64], sigma: f64) -> Vec<f64> {
     let weights = gaussian(sigma);
     let (reach, last) = (weights.len() - 1, values.len() - 1);
@@ -16,8 +17,8 @@ pub(super) fn low_pass(values: &[f64], sigma: f64) -> Vec<f64> {
     if reach == 0 { values.to_vec() } else { (0..=last).map(of_row).collect() }
 }
 
-/// A smooth curve that is nowhere above the values: the least within `reach` rows to either side, then a low-pass that
-/// looks no farther.
+/// Returns a smooth curve that is nowhere above the values: the minimum within `reach` rows on each side, then a
+/// low-pass with that reach.
 pub(super) fn lower_envelope(values: &[f64], reach: usize) -> Vec<f64> {
     let last = values.len() - 1;
     let least: Vec<f64> = (0..=last)
@@ -30,7 +31,7 @@ pub(super) fn lower_envelope(values: &[f64], reach: usize) -> Vec<f64> {
     low_pass(&least, reach as f64 / 3.0)
 }
 
-/// Weights of the middle and of those beside it, up to three sigma; all together 1.
+/// Returns the weights of the middle and of one side, up to three sigma. With both sides, their sum is 1.
 fn gaussian(sigma: f64) -> Vec<f64> {
     if sigma <= 0.0 {
         return vec![1.0];

@@ -1,12 +1,12 @@
-//! Whether a rig can perform a motion: ranges, speeds, accelerations, torques, heat; and the nearest motion that it
-//! can.
+//! Checks whether a rig can perform a motion (ranges, speeds, accelerations, torques, heat), and finds the nearest
+//! motion that it can perform.
 //!
-//! - [`RigMotion`] is the motion: samples of the rig's own coordinates. [`Curve`] leads smoothly through them, with
-//!   exact derivatives.
-//! - [`check`] says where a [`Performance`] exceeds [`Limits`], when, and by how much.
-//! - [`Efforts`] are the torques that it takes.
-//! - [`fit`](fit()) smooths, slows down and draws towards home until nothing is exceeded, and says what it did.
-//! - [`looped`](looped()) leads the end of a motion to its beginning.
+//! - [`RigMotion`] is the motion: samples of the rig's own coordinates. [`Curve`] is a smooth curve through them,
+//!   with exact derivatives.
+//! - [`check`] finds where a [`Performance`] exceeds [`Limits`], when, and by how much.
+//! - [`Efforts`] computes the torques that a motion needs.
+//! - [`fit`](fit()) smooths, slows down and draws towards home until no limit is exceeded, and reports its changes.
+//! - [`looped`](looped()) blends the end of a motion into its beginning.
 //!
 //! Collisions and balance are out of scope.
 

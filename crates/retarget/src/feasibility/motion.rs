@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use sinew_rig::Mechanism;
 use thiserror::Error;
 
-/// How far a quaternion's squared length may be from 1.
+/// Tolerance of a quaternion's squared length against 1.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A motion of a rig: rows of its joint coordinates, evenly spaced in time.
@@ -13,55 +13,55 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 pub struct RigMotion {
     /// Time from row to row, s.
     pub dt_s: f64,
-    /// Coordinates as [`Mechanism::home`] has them: rad, m, quaternions x y z w.
+    /// Coordinates in the order of [`Mechanism::home`]: rad, m, quaternions x y z w.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// Why a motion is none of the rig.
+/// The reason why a motion is invalid for the rig.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum MotionError {
-    /// The rows have no usable time step.
+    /// The time step is invalid, s.
     #[error("time from row to row: expected a number of seconds from 1e-5 to 1, found {0}")]
     TimeStep(f64),
     /// There are too few rows.
     #[error("expected at least 2 rows, found {0}")]
     Rows(usize),
-    /// A row has not a number for each coordinate.
+    /// A row does not have one number for each coordinate.
     #[error("row {row}: expected {expected} coordinates of the rig, found {found}")]
     Count {
-        /// Which row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// The rig's coordinates.
+        /// Number of the rig's coordinates.
         expected: usize,
-        /// The row's.
+        /// Number of values in the row.
         found: usize,
     },
-    /// A number that no machine has.
+    /// A number is NaN, infinite or too large.
     #[error("row {row}, joint `{joint}`: expected a number from -1e6 to 1e6, found {found}")]
     Number {
-        /// Which row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The number.
+        /// Number that was found.
         found: f64,
     },
-    /// Four numbers that are no rotation.
+    /// A quaternion does not have unit length.
     #[error(
         "row {row}, joint `{joint}`: expected a unit quaternion, found one of squared length {squared}"
     )]
     NotUnit {
-        /// Which row, from 0.
+        /// Index of the row, from 0.
         row: usize,
-        /// The joint.
+        /// Name of the joint.
         joint: String,
-        /// The squared length.
+        /// Squared length that was found.
         squared: f64,
     },
 }
 
 impl RigMotion {
-    /// A number by which two motions are told apart where one of them is not kept: of the bits of all their numbers.
+    /// Returns a hash of the bits of all numbers, to recognize a motion that is no longer stored.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let mut hasher = DefaultHasher::new();
@@ -70,17 +70,17 @@ impl RigMotion {
         hasher.finish()
     }
 
-    /// Time of the last row, s; the first is at 0.
+    /// Returns the time of the last row, s; the first row is at 0.
     pub fn duration_s(&self) -> f64 {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s
     }
 
-    /// Checks that it is a motion of a rig.
+    /// Checks that the motion is valid for a rig.
     ///
     /// # Errors
     /// [`MotionError`] names row, joint and value.
     pub fn check(&self, mechanism: &Mechanism) -> Result<(), MotionError> {
-        // Written so that NaN is refused.
+        // The comparison also refuses NaN.
         if !(1e-5..=1.0).contains(&self.dt_s) {
             return Err(MotionError::TimeStep(self.dt_s));
         }

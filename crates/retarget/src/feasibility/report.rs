@@ -1,31 +1,31 @@
-//! The report of a motion's check.
+//! Report of a motion's check.
 
 use serde::Serialize;
 
-/// What was exceeded.
+/// Kind of limit that was exceeded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// The position is beyond an end of the range.
     Range,
-    /// A limit that joins two joints.
+    /// A limit that joins two joints is exceeded.
     LinkedRange,
-    /// The speed.
+    /// The speed is too large.
     Speed,
-    /// The acceleration.
+    /// The acceleration is too large.
     Acceleration,
-    /// The effort.
+    /// The effort is too large.
     Effort,
-    /// The mean square of the effort, over the drive's thermal time or, as if it were played again and again, over the
-    /// whole: the drive becomes too hot.
+    /// The mean square of the effort is too large, so that the drive overheats. The mean is over the drive's
+    /// thermal time or, for a repeated motion, over the whole motion.
     Heat,
 }
 
 impl Kind {
-    /// How many there are.
+    /// Number of kinds.
     pub(super) const COUNT: usize = 6;
 
-    /// What people call it.
+    /// Returns the name for messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Range => "range",
@@ -37,7 +37,7 @@ impl Kind {
         }
     }
 
-    /// The unit that people read it in: of a joint that turns, or of one that slides.
+    /// Returns the display unit, for a joint that turns or one that slides.
     pub fn unit(self, slides: bool) -> &'static str {
         match (self, slides) {
             (Self::Range | Self::LinkedRange, false) => "°",
@@ -51,7 +51,7 @@ impl Kind {
         }
     }
 
-    /// A value in [its unit](Self::unit), to three places.
+    /// Formats a value in [its unit](Self::unit), with three decimals.
     pub fn shown(self, slides: bool, value: f64) -> String {
         let value = match (self, slides) {
             (Self::Range | Self::LinkedRange, false) => value.to_degrees(),
@@ -62,50 +62,50 @@ impl Kind {
     }
 }
 
-/// A time over which a dof is beyond a limit.
+/// A period during which a dof exceeds a limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excess {
-    /// The dof's index in the order of `qd`.
+    /// Index of the dof, in the order of `qd`.
     #[serde(rename = "freedom")]
     pub dof: usize,
-    /// Of what.
+    /// Kind of limit.
     pub kind: Kind,
-    /// From when, s.
+    /// Start of the period, s.
     pub from_s: f64,
-    /// Until when, s.
+    /// End of the period, s.
     pub to_s: f64,
-    /// When it is worst, s.
+    /// Time of the largest excess, s.
     pub worst_s: f64,
-    /// The value there: rad, rad/s, rad/s², N m, or their likes of a slide.
+    /// Value at that time: rad, rad/s, rad/s² or N m; for a slide, m, m/s, m/s² or N.
     pub value: f64,
-    /// The limit.
+    /// Value of the limit.
     pub limit: f64,
 }
 
-/// The largest values of a dof, without their signs.
+/// Largest absolute values of a dof.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DofPeaks {
-    /// Least position, rad or m.
+    /// Minimum position, rad or m.
     pub least: f64,
-    /// Most position.
+    /// Maximum position, rad or m.
     pub most: f64,
-    /// rad/s or m/s.
+    /// Largest speed, rad/s or m/s.
     pub speed: f64,
-    /// rad/s² or m/s².
+    /// Largest acceleration, rad/s² or m/s².
     pub acceleration: f64,
-    /// N m or N.
+    /// Largest effort, N m or N.
     pub effort: f64,
-    /// Root mean square over the whole motion, N m or N.
+    /// Root mean square effort over the whole motion, N m or N.
     pub effort_rms: f64,
 }
 
-/// What a motion asks of a rig.
+/// Demands of a motion on a rig.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// How long the motion is, s.
+    /// Duration of the motion, s.
     pub duration_s: f64,
-    /// By dof, in the order of `qd`.
+    /// Largest values of each dof, in the order of `qd`.
     pub peaks: Vec<DofPeaks>,
-    /// By dof, then in time.
+    /// Excesses, sorted by dof, then by time.
     pub excesses: Vec<Excess>,
 }

@@ -1,16 +1,16 @@
-//! Rows of coordinates in one piece: a fit makes and drops many.
+//! Rows of coordinates in one allocation, because a fit creates and drops many.
 
-/// Rows of equally many numbers, one behind the other.
+/// Rows of equal length, stored one after the other.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Rows {
-    /// Numbers of a row.
+    /// Length of a row.
     pub(super) width: usize,
     pub(super) count: usize,
     pub(super) numbers: Vec<f64>,
 }
 
 impl Rows {
-    /// Of rows of one width.
+    /// Copies rows of one length.
     pub(super) fn of(width: usize, rows: &[Vec<f64>]) -> Self {
         let mut numbers = Vec::with_capacity(width * rows.len());
         for row in rows {
@@ -27,18 +27,18 @@ impl Rows {
         &mut self.numbers[row * self.width..][..self.width]
     }
 
-    /// All rows in turn.
+    /// Returns all rows in turn.
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut [f64]> {
-        // Of a rig without coordinates there is nothing to change.
+        // A rig without coordinates has nothing to change.
         self.numbers.chunks_exact_mut(self.width.max(1))
     }
 
-    /// One number of every row.
+    /// Returns one number of every row.
     pub(super) fn column(&self, number: usize) -> Vec<f64> {
         (0..self.count).map(|row| self.row(row)[number]).collect()
     }
 
-    /// As lists.
+    /// Returns the rows as lists.
     pub(super) fn lists(&self) -> Vec<Vec<f64>> {
         (0..self.count).map(|row| self.row(row).to_vec()).collect()
     }

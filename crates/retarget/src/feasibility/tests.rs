@@ -6,7 +6,8 @@ use sinew_rig::review::Servos;
 
 use super::*;
 
-/// A fixed base, a shoulder that bends about z and an elbow, each with a rod of 0.2 m and 0.2 kg.
+/// Creates an arm: a fixed base, and a shoulder and an elbow that bend about z, each with a rod of 0.2 m and 0.2
+/// kg.
 fn arm(effort: f64) -> Mechanism {
     let rod = |parent, joint, x: f64, name: &str| Link {
         joint_name: name.to_owned(),
@@ -17,7 +18,7 @@ fn arm(effort: f64) -> Mechanism {
         speed: 4.0,
         acceleration: 60.0,
         effort,
-        // Hanging.
+        // The home pose hangs down.
         home: vec![-1.4],
         ..Link::on(Some(parent), joint, DVec3::X * x)
     };
@@ -41,7 +42,7 @@ fn swing(mechanism: &Mechanism, size: f64, hz: f64) -> (Limits, RigMotion) {
 #[track_caller]
 fn exceeds_nothing(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) {
     let curve = Curve::new(mechanism, motion).unwrap();
-    // Five times as often as the fit looked.
+    // Five times the sampling rate of the fit.
     let report = check(mechanism, limits, &curve, 1000.0).unwrap();
     assert_eq!(report.excesses, []);
 }
@@ -78,7 +79,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
     let (limits, motion) = swing(&arm, 0.7, 2.0);
     let settings = FitSettings::default();
     let first = fit(&arm, &limits, &motion, settings).unwrap();
-    // To the same limits there is nothing to do.
+    // For equal limits nothing remains to be done.
     assert_eq!(refit(&arm, &limits, &motion, &first.progress, settings).as_ref(), Ok(&first));
     let mut tight = limits.clone();
     tight.dofs[0].speed *= 0.8;
@@ -87,7 +88,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
         refit(&arm, &tight, &motion, &first.progress, settings).unwrap(),
     ];
     exceeds_nothing(&arm, &tight, &again.motion);
-    // As slow as it must be, and hardly slower than without the fit before.
+    // It is as slow as necessary, and hardly slower than without the earlier fit.
     let [anew_s, again_s] = [anew, again].map(|fit| fit.motion.duration_s());
     assert!(again_s > 1.05 * first.motion.duration_s(), "{again_s}");
     assert!(again_s < 1.1 * anew_s, "{again_s} {anew_s}");
@@ -106,12 +107,12 @@ fn a_limit_is_tightened_once_however_often_it_was_exceeded() {
     assert!(of(Kind::Speed).len() > 2 && of(Kind::Range).len() > 2);
     let tight = limits.tightened(&report);
     assert!((tight.dofs[0].speed - 0.93 * limits.dofs[0].speed).abs() < 1e-9);
-    // The range by the worst of all.
+    // The range is tightened by the largest excess.
     let beyond = |excess: &&Excess| (excess.value - excess.limit).abs();
     let worst = of(Kind::Range).iter().map(beyond).fold(0.0, f64::max);
     let [least, most] = [0, 1].map(|end| (tight.dofs[0].range[end]).abs());
     assert!((1.5 - least - 1.5 * worst).abs() < 1e-9 && (1.5 - most - 1.5 * worst).abs() < 1e-9);
-    // What was not exceeded stays.
+    // A limit that was not exceeded is unchanged.
     assert!(of(Kind::Effort).is_empty());
     assert!((tight.dofs[0].effort - limits.dofs[0].effort).abs() < 1e-9);
 }
@@ -128,7 +129,7 @@ fn without_a_limit_of_effort_the_fit_is_that_of_endless_strength() {
 
 #[test]
 fn a_pose_that_is_too_heavy_is_drawn_towards_home() {
-    // Stretched out the arm takes 0.2 * 9.81 * (0.1 + 0.3) = 0.78 N m.
+    // The stretched arm needs 0.2 * 9.81 * (0.1 + 0.3) = 0.78 N m.
     let arm = arm(0.5);
     let (limits, motion) = swing(&arm, 0.7, 0.2);
     let fitted = fit(&arm, &limits, &motion, FitSettings::default()).unwrap();
@@ -139,7 +140,8 @@ fn a_pose_that_is_too_heavy_is_drawn_towards_home() {
 
 #[test]
 fn where_gravity_takes_nearly_all_the_pose_changes_too() {
-    // Stretched out: gravity takes 0.78 of the 0.80 N m that the fit keeps to. Slower alone would be a seventh.
+    // Stretched: gravity needs 0.78 of the 0.80 N m that the fit permits. Slowing alone would need a seventh of the
+    // speed.
     let arm = arm(0.84);
     let (limits, mut motion) = swing(&arm, 0.0, 1.0);
     for (row, q) in (0..).zip(&mut motion.rows) {
@@ -205,7 +207,7 @@ fn a_small_slide_keeps_its_way() {
     let [(joint, change)] = &fitted.clamped[..] else { panic!("{:?}", fitted.clamped) };
     assert!(joint == "lip" && *change > 0.001, "{change}");
     let far = fitted.motion.rows.iter().map(|row| row[0]).fold(0.0, f64::max);
-    // Of its range two per cent are room.
+    // The margin is 2 % of its range.
     assert!(far > 0.0078, "{far}");
 }
 
@@ -239,7 +241,7 @@ fn a_ball_stays_within_its_turn_and_two_joints_within_what_joins_them() {
 fn a_hot_drive_is_drawn_towards_home() {
     let arm = arm(5.0);
     let (mut limits, motion) = swing(&arm, 0.5, 0.2);
-    // It holds 0.3 N m for long; a motor that warms in a second.
+    // It holds 0.3 N m continuously; its motor has a time constant of 1 s.
     limits.dofs[0].heat = Some(Heat { continuous: 0.3, time_s: 1.0 });
     let fitted = fit(&arm, &limits, &motion, FitSettings::default()).unwrap();
     exceeds_nothing(&arm, &limits, &fitted.motion);
@@ -282,13 +284,13 @@ fn numbers_that_no_rig_has_are_refused() {
 }
 
 proptest! {
-    /// Speeds and accelerations of a turning and flying body are the derivatives of its pose.
+    /// Speeds and accelerations of a body with rotation and translation are the derivatives of its pose.
     #[test]
     fn a_curve_has_exact_derivatives(
         turns in prop::collection::vec(prop::array::uniform3(-0.4..0.4), 6),
         row in 1..4_u8, part in 0.001..0.999,
     ) {
-        // Not within h of a row, where the jerk has a step that differences would mix.
+        // Not within h of a row: the jerk has a step there, which differences would mix.
         let at = 0.1 * (f64::from(row) + part);
         let base = Link { joint_name: "base".to_owned(), ..Link::on(None, JointModel::Free, DVec3::ZERO) };
         let mechanism = Mechanism { bodies: vec![base], linked: vec![] };
@@ -311,7 +313,7 @@ proptest! {
         let rotation = |i: &Instant| DQuat::from_slice(&i.q);
         let v = |numbers: &[f64]| DVec3::from_slice(numbers);
         let speed = (rotation(&before).conjugate() * rotation(&after)).to_scaled_axis() / (2.0 * h);
-        // Differences of rotations have roundings of 1e-16 / h, and a chord's error of h².
+        // Differences of rotations have rounding errors of 1e-16 / h, and chord errors of h².
         prop_assert!((speed - v(&now.qd)).length() < 1e-6 * (1.0 + speed.length()));
         let acceleration = (v(&after.qd) - v(&before.qd)) / (2.0 * h);
         prop_assert!((acceleration - v(&now.qdd)).length() < 1e-5 * (1.0 + acceleration.length()));

@@ -1,4 +1,4 @@
-//! Angles of a clip's joints that go straight to joints of the rig: jaws, brows and other faces.
+//! Angles of a clip's joints that directly drive joints of the rig: jaws, brows and other parts of faces.
 
 use glam::DVec3;
 use sinew_mocap::{Clip, JointSample, Skeleton};
@@ -8,23 +8,23 @@ use sinew_rig::mechanism::JointModel;
 use super::resolve::{clip_joint, joint};
 use super::{Mapping, MappingError, all};
 
-/// A mapping's curves on one rig and one clip.
+/// Curves of a mapping, resolved on one rig and one clip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curves(Vec<RigCurve>);
 
 #[derive(Debug, Clone, PartialEq)]
 struct RigCurve {
-    /// The clip's joint.
+    /// Index of the clip's joint.
     joint: usize,
     axis: DVec3,
     points: Vec<[f64; 2]>,
-    /// The rig's coordinate.
+    /// Index of the rig's coordinate in `q`.
     coordinate: usize,
     range: [f64; 2],
     speed: f64,
 }
 
-/// Curves that follow a performance frame by frame.
+/// Applies curves to a performance frame by frame, with speed limits.
 #[derive(Debug, Clone)]
 pub struct Follower<'c> {
     curves: &'c Curves,
@@ -32,10 +32,10 @@ pub struct Follower<'c> {
 }
 
 impl Mapping {
-    /// The curves on a rig and a clip.
+    /// Resolves the curves on a rig and a clip.
     ///
     /// # Errors
-    /// [`MappingError`] with the curve, the name, and what would be right.
+    /// [`MappingError`] with the curve, the name, and a description of a valid value.
     pub fn curves(
         &self,
         mechanism: &Mechanism,
@@ -75,12 +75,12 @@ impl Mapping {
 }
 
 impl Curves {
-    /// From the first frame on.
+    /// Creates a follower that starts at the first frame.
     pub fn follower(&self) -> Follower<'_> {
         Follower { curves: self, last: vec![None; self.0.len()] }
     }
 
-    /// Puts the curves of a whole clip into the poses of a rig, frame by frame.
+    /// Writes the curves of a whole clip to the poses of a rig, frame by frame.
     pub fn put(&self, clip: &Clip, q: &mut [Vec<f64>]) {
         let mut follower = self.follower();
         for (local, q) in clip.frames.iter().zip(q) {
@@ -90,7 +90,8 @@ impl Curves {
 }
 
 impl Follower<'_> {
-    /// Puts a frame's positions into `q`, within ranges and speeds. What is no number leaves the joint where it was.
+    /// Writes a frame's positions to `q`, within ranges and speeds. For a value that is not finite, the joint keeps
+    /// its position.
     pub fn put(&mut self, local: &[JointSample], frame_s: f64, q: &mut [f64]) {
         for (curve, last) in self.curves.0.iter().zip(&mut self.last) {
             let angle = local.get(curve.joint).map(|sample| turn_about(curve.axis, sample));
@@ -109,13 +110,13 @@ impl Follower<'_> {
     }
 }
 
-/// Angle of a joint's turn about an axis, in [-π, π].
+/// Returns the angle of a joint's rotation about an axis, in [-π, π].
 fn turn_about(axis: DVec3, sample: &JointSample) -> f64 {
     let q = if sample.rotation.w < 0.0 { -sample.rotation } else { sample.rotation };
     2.0 * libm::atan2(q.xyz().dot(axis), q.w)
 }
 
-/// Straight between the points, level beyond.
+/// Interpolates linearly between the points; beyond them, returns the value of the nearest point.
 fn at(points: &[[f64; 2]], x: f64) -> f64 {
     let [Some(first), Some(last)] = [points.first(), points.last()] else { return f64::NAN };
     if x <= first[0] {

@@ -1,8 +1,8 @@
-//! Which joint of a rig follows which joint of a clip, as a text that a person reads and edits.
+//! A map from joints of a clip to joints of a rig, as a text that a person reads and edits.
 //!
-//! The text is TOML: `[performance]` says how the clip is taken over, each `[[landmark]]` names joints of both sides,
-//! and each `[[curve]]` takes one angle of a clip's joint to one joint of the rig. What is not listed is not taken: a
-//! rig may follow a part of a clip. Angles are in degrees, lengths in metres.
+//! The text is TOML: `[performance]` contains settings, each `[[landmark]]` names joints of both sides, and each
+//! `[[curve]]` drives one joint of the rig by one angle of a clip's joint. Entries that are not listed are not
+//! used: a rig may follow a part of a clip. Angles are in degrees, lengths in metres.
 
 mod curve;
 mod propose;
@@ -18,36 +18,36 @@ pub use curve::{Curves, Follower};
 /// A mapping, by names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mapping {
-    /// What the rig is called, for people.
+    /// Name of the rig, for readers.
     pub rig: String,
-    /// What the clip is called, for people.
+    /// Name of the clip, for readers.
     pub clip: String,
-    /// How the clip is taken over.
+    /// Settings of the performance.
     pub performance: Performance,
-    /// Places that rig and clip have in common.
+    /// Landmarks that rig and clip have in common.
     pub landmarks: Vec<Entry>,
-    /// Angles that go straight to a joint.
+    /// Angles that directly drive a joint.
     pub curves: Vec<Curve>,
 }
 
-/// How a clip is taken over.
+/// Settings by which a rig follows a clip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Performance {
-    /// How far the rig travels for a metre of the performer; `None`: by the length of the legs.
+    /// Distance that the rig travels per metre of the performer; `None`: the ratio of leg lengths.
     pub scale: Option<f64>,
-    /// Left and right changed.
+    /// Whether left and right are exchanged.
     pub mirror: bool,
     /// Whether a free base travels.
     pub travels: bool,
-    /// Of a rig whose base is fixed: how far the performance is tilted, rad.
+    /// For a rig with a fixed base: angle by which the performance is tilted, rad.
     pub tilt_rad: f64,
-    /// What comes first in arms with too few joints.
+    /// Priority in arms with too few joints.
     pub arms: Limb,
-    /// The same of legs.
+    /// Priority in legs with too few joints.
     pub legs: Limb,
-    /// Largest speed of turning joints that name none, rad/s.
+    /// Maximum speed of joints without a speed limit, rad/s.
     pub speed_rad_s: f64,
-    /// Forward of the rig in the world, every joint at zero; `None`: by hips or shoulders.
+    /// Forward direction of the rig in the world, with every joint at zero; `None`: derived from hips or shoulders.
     pub forward: Option<[f64; 3]>,
 }
 
@@ -67,20 +67,20 @@ impl Default for Performance {
     }
 }
 
-/// One landmark on both sides.
+/// A landmark with its joints on both sides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// The place.
+    /// The landmark.
     pub landmark: Landmark,
-    /// Name of the clip's joint, if it has one.
+    /// Name of the clip's joint, if the clip has the landmark.
     pub clip: Option<String>,
-    /// Names of the rig's joints, from the trunk outwards; of the chest those between it and the pelvis.
+    /// Names of the rig's joints, from the trunk outwards; for the chest, the joints between chest and pelvis.
     pub rig: Vec<String>,
-    /// The landmark's point on the rig, if it is not to be found from the axes.
+    /// Point of the landmark on the rig, if it does not follow from the axes.
     pub point: Option<Point>,
-    /// From 0 to 1; written as a comment.
+    /// Confidence from 0 to 1; written as a comment.
     pub confidence: f64,
-    /// Why; written as a comment.
+    /// Reason for the confidence; written as a comment.
     pub reason: String,
 }
 
@@ -89,62 +89,63 @@ pub struct Entry {
 pub struct Point {
     /// Name of the body.
     pub body: String,
-    /// Body frame, m.
+    /// Position in the body frame, m.
     pub position_m: [f64; 3],
 }
 
-/// An angle of a clip's joint that goes to a joint of the rig.
+/// A curve that drives a joint of the rig by an angle of a clip's joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// Name of the clip's joint.
     pub clip: String,
-    /// The axis about which its turn on its parent is measured.
+    /// Axis about which the joint's rotation relative to its parent is measured.
     pub axis: [f64; 3],
     /// Name of the rig's joint, of one dof.
     pub rig: String,
-    /// Angle of the clip in rad and position of the rig in rad or m; the first grow. Straight between, level beyond.
+    /// Pairs of the clip's angle (rad, rising) and the rig's position (rad or m). Linear between points, constant
+    /// beyond.
     pub points: Vec<[f64; 2]>,
     /// Whether the rig's joint slides.
     pub slides: bool,
 }
 
-/// What is wrong with a mapping.
+/// The reason why a mapping is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MappingError {
-    /// The text is no mapping.
+    /// The text is not a valid mapping.
     #[error("line {line}, column {column}: {message}")]
     Text {
-        /// From 1.
+        /// Line of the error, from 1.
         line: usize,
-        /// In characters, from 1.
+        /// Column of the error in characters, from 1.
         column: usize,
-        /// The key, what would be right, and what is there.
+        /// Key, description of a valid value, and value that was found.
         message: String,
     },
-    /// A value that does not fit the rig or the clip.
+    /// A value does not fit the rig or the clip.
     #[error("{item}: expected {expected}, found {found}")]
     Value {
-        /// The landmark or the curve, and the key.
+        /// Landmark or curve, and the key.
         item: String,
-        /// What would be right.
+        /// Description of a valid value.
         expected: String,
-        /// What is there.
+        /// Value that was found.
         found: String,
     },
-    /// The joints make no match.
+    /// The joints do not match the rig.
     #[error(transparent)]
     RigMatchError(#[from] crate::rig::RigMatchError),
-    /// All that is wrong.
+    /// Several errors, all listed.
     #[error("{} mistakes{}", .0.len(), lines(.0))]
     Several(Vec<Self>),
 }
 
-/// A line for each mistake.
+/// Returns a line for each error.
 fn lines(mistakes: &[MappingError]) -> String {
     mistakes.iter().fold(String::new(), |text, mistake| format!("{text}\n  {mistake}"))
 }
 
-/// What went well, or else all that is wrong.
+/// Collects all results, or all errors.
 fn all<T>(
     results: impl IntoIterator<Item = Result<T, MappingError>>,
 ) -> Result<Vec<T>, MappingError> {

@@ -1,4 +1,4 @@
-//! A proposal from what was matched on both sides.
+//! Proposes a mapping from the matches of both sides.
 
 use sinew_mocap::Skeleton;
 use sinew_rig::Mechanism;
@@ -8,11 +8,12 @@ use crate::Landmark;
 use crate::performer::PerformerJoints;
 use crate::rig::RigMatch;
 
-/// How sure a point is that geometry alone gives.
+/// Confidence of a point that follows only from geometry.
 const POINT: f64 = 0.5;
 
 impl Mapping {
-    /// A mapping of what both sides have. `of_clip`: how sure the clip's joint of a landmark is, from 0 to 1, and why.
+    /// Creates a mapping of the landmarks that either side has. `of_clip` returns confidence (0 to 1) and reason
+    /// for a landmark's joint in the clip.
     pub fn propose(
         names: [&str; 2],
         mechanism: &Mechanism,
@@ -24,7 +25,7 @@ impl Mapping {
         let entry = |landmark: Landmark| {
             let clip = joints.joints[landmark].and_then(|joint| skeleton.joints.get(joint));
             let group = rig.group(landmark);
-            // A hand or a toe without a joint: the point that was taken, for a person to look at.
+            // For a hand or a toe without a joint, the mapping contains the point, so that a person can check it.
             let point = rig.points[landmark].filter(|_| group.is_none());
             if clip.is_none() && group.is_none() && point.is_none() {
                 return None;
@@ -63,7 +64,7 @@ impl Mapping {
     }
 }
 
-/// Rounded to whole micrometres, for a text that people read.
+/// Rounds a length to whole micrometres, for a text that people read.
 fn micrometres(x_m: f64) -> f64 {
     (x_m * 1e6).round() / 1e6
 }

@@ -1,4 +1,4 @@
-//! A mapping from its text.
+//! Reads a mapping from its text.
 
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
@@ -108,7 +108,7 @@ impl Mapping {
     /// Reads a mapping.
     ///
     /// # Errors
-    /// [`MappingError::Text`] with line, column, key, and what would be right.
+    /// [`MappingError::Text`] with line, column, key, and a description of a valid value.
     ///
     /// ```
     /// use sinew_retarget::mapping::Mapping;
@@ -135,7 +135,7 @@ impl Mapping {
         Ok(mapping)
     }
 
-    /// A landmark, or a joint of the rig, that is named twice.
+    /// Refuses a landmark, or a joint of the rig, that is named twice.
     fn refuse_twice(&self) -> Result<(), MappingError> {
         let mut landmarks = Vec::new();
         let mut joints: Vec<(&str, String)> = Vec::new();
@@ -290,7 +290,7 @@ impl From<LimbWord> for Limb {
     }
 }
 
-/// What is wrong at a byte of the text.
+/// Creates the error at a byte of the text.
 fn wrong(text: &str, at: usize, message: String) -> MappingError {
     let before = text.as_bytes().get(..at).unwrap_or(text.as_bytes());
     let lines = before.split(|byte| *byte == b'\n');

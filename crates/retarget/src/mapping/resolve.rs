@@ -1,4 +1,4 @@
-//! A mapping's names on a rig and a clip.
+//! Resolves a mapping's names on a rig and a clip.
 
 use glam::DVec3;
 use sinew_mocap::Skeleton;
@@ -11,19 +11,19 @@ use crate::rig::{Group, RigMatch, RigPoint};
 use crate::solve::Settings;
 
 impl Mapping {
-    /// The match of the rig that the mapping describes.
+    /// Returns the match of the rig that the mapping describes.
     ///
     /// # Errors
-    /// [`MappingError`] with landmark, name and what the rig has.
+    /// [`MappingError`] with landmark, name and the names of the rig.
     pub fn rig_match(&self, mechanism: &Mechanism) -> Result<RigMatch, MappingError> {
         let forward = self.performance.forward.map(DVec3::from_array);
         Ok(RigMatch::of_groups(mechanism, self.groups(mechanism)?, forward)?)
     }
 
-    /// Looks all names up, of the rig and of the clip.
+    /// Checks that all names exist, on the rig and in the clip.
     ///
     /// # Errors
-    /// [`MappingError`] with all that neither has.
+    /// [`MappingError`] with all unknown names.
     pub fn check(&self, mechanism: &Mechanism, skeleton: &Skeleton) -> Result<(), MappingError> {
         all([
             self.performer_joints(skeleton).map(drop),
@@ -57,10 +57,10 @@ impl Mapping {
         }))
     }
 
-    /// The joints of the clip that the mapping names.
+    /// Returns the joints of the clip that the mapping names.
     ///
     /// # Errors
-    /// [`MappingError`] with landmark, name and what the clip has.
+    /// [`MappingError`] with landmark, name and the names of the clip.
     pub fn performer_joints(&self, skeleton: &Skeleton) -> Result<PerformerJoints, MappingError> {
         let of_clip = self.landmarks.iter().filter_map(|entry| {
             let item = format!("landmark {}.clip", entry.landmark.name());
@@ -74,7 +74,7 @@ impl Mapping {
         Ok(PerformerJoints::of(skeleton, joints))
     }
 
-    /// How the clip is taken over.
+    /// Returns the settings of the performance for the solver.
     pub fn settings(&self) -> Settings {
         let performance = &self.performance;
         Settings {
@@ -89,7 +89,7 @@ impl Mapping {
     }
 }
 
-/// Body that a joint of the rig moves.
+/// Returns the index of the body that a joint of the rig moves.
 pub(super) fn joint(mechanism: &Mechanism, item: &str, name: &str) -> Result<usize, MappingError> {
     let names = || mechanism.bodies.iter().skip(1).map(|link| link.joint_name.as_str());
     let place = names().position(|joint| joint == name).map(|place| place + 1);
@@ -121,7 +121,7 @@ fn shown(name: &str) -> String {
     format!("`{name}`")
 }
 
-/// The names that would be right, those that are few enough to read.
+/// Lists the valid names, up to a readable number.
 fn listed<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> String {
     const MOST: usize = 40;
     let names: Vec<&str> = names.collect();

@@ -1,4 +1,4 @@
-//! The text of a mapping.
+//! Writes the text of a mapping.
 
 use std::fmt::Write as _;
 
@@ -10,8 +10,8 @@ const HEADER: &str = "\
 ";
 
 impl Mapping {
-    /// The mapping as TOML. How sure each landmark is, and why, stands beside it as a comment. [`Mapping::read`] makes
-    /// the same mapping of it, without the comments.
+    /// Returns the mapping as TOML. Comments contain confidence and reason of each landmark. [`Mapping::read`]
+    /// returns the same mapping, without these.
     pub fn text(&self) -> String {
         let mut text = String::from(HEADER);
         // Writing to a string cannot fail.

@@ -6,63 +6,64 @@ use sinew_mocap::JointSample;
 use super::model::Performer;
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Half a turn about up, in the axes of a part.
+/// Rotation by 180 deg about up, in the axes of a part.
 const HALF_TURNED: DQuat = DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0);
 
 /// One frame of a performance, in the world: y up, m.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PerformerFrame {
-    /// Where the landmarks are, m.
+    /// Positions of the landmarks, m.
     pub points_m: LandmarkMap<Option<DVec3>>,
-    /// How pelvis, chest, head and feet (by their ankles) stand: from forward, left, up (as x, y, z) to the world.
+    /// Orientations of pelvis, chest, head and feet (under their ankles): rotations from forward, left, up (as x,
+    /// y, z) to the world.
     pub parts: LandmarkMap<Option<DQuat>>,
-    /// Unit axes about which elbows and knees bend, and how certain they are, from 0 to 1.
+    /// Unit axes about which elbows and knees bend, with their certainty from 0 to 1.
     pub bends: LandmarkMap<Option<(DVec3, f64)>>,
 }
 
 impl PerformerFrame {
-    /// The middle between the hips, m; else the pelvis.
+    /// Returns the midpoint between the hips, m; without hips, the pelvis.
     pub fn hips_m(&self) -> Option<DVec3> {
         self.middle_m(Landmark::Hip).or(self.points_m[Landmark::Pelvis])
     }
 
-    /// The middle between two landmarks, m.
+    /// Returns the midpoint between a landmark's left and right place, m.
     fn middle_m(&self, landmark: fn(Side) -> Landmark) -> Option<DVec3> {
         let [left, right] = Side::ALL.map(|side| self.points_m[landmark(side)]);
         Some((left? + right?) / 2.0)
     }
 
-    /// Unit direction from one landmark to another.
+    /// Returns the unit direction from one landmark to another.
     pub fn direction(&self, from: Landmark, to: Landmark) -> Option<DVec3> {
         (self.points_m[to]? - self.points_m[from]?).try_normalize()
     }
 
-    /// Whether all numbers are finite.
+    /// Returns whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.points_m.iter().all(|(_, point)| point.is_none_or(DVec3::is_finite))
             && self.parts.iter().all(|(_, part)| part.is_none_or(DQuat::is_finite))
             && self.bends.iter().all(|(_, bend)| bend.is_none_or(|(axis, _)| axis.is_finite()))
     }
 
-    /// The same in a mirror that stands along x = 0: left becomes right.
+    /// Returns the frame mirrored at the plane x = 0: left becomes right.
     #[must_use]
     pub fn mirrored(&self) -> Self {
         let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
         let partner = |landmark: Landmark| landmark.mirrored().unwrap_or(landmark);
         Self {
             points_m: LandmarkMap::of(|k| self.points_m[partner(k)].map(flip)),
-            // Forward and up are mirrored; left points to the other side again.
+            // Forward and up are mirrored; left must be reversed, to point to the left again.
             parts: LandmarkMap::of(|k| {
                 self.parts[partner(k)].map(|q| DQuat::from_xyzw(q.x, -q.y, -q.z, q.w) * HALF_TURNED)
             }),
-            // What turns, turns the other way round in a mirror.
+            // A mirror reverses the sense of rotations.
             bends: LandmarkMap::of(|k| {
                 self.bends[partner(k)].map(|(axis, sure)| (-flip(axis), sure))
             }),
         }
     }
 
-    /// The same seen from another frame of reference: turned, then moved.
+    /// Returns the frame rotated, then translated.
     #[must_use]
     pub fn moved(&self, rotation: DQuat, by_m: DVec3) -> Self {
         Self {
@@ -74,8 +75,9 @@ impl PerformerFrame {
 }
 
 impl Performer {
-    /// What a frame of the clip's skeleton comes to. `local`: of each joint on its parent; `world`: room for as many.
-    /// Samples that are not there leave their landmarks out. O(joints), without allocation once `world` has room.
+    /// Converts a frame of the clip's skeleton. `local` contains the pose of each joint relative to its parent;
+    /// `world` is a buffer for as many poses. Landmarks without samples are left out. O(joints), without allocation
+    /// once `world` has room.
     pub fn frame(&self, local: &[JointSample], world: &mut Vec<JointSample>) -> PerformerFrame {
         world.clear();
         for (sample, parent) in local.iter().zip(&self.parents) {
@@ -109,7 +111,8 @@ impl Performer {
     }
 }
 
-/// The frame of the trunk: left along the shoulders, up from the hips to them, as far as that is across.
+/// Returns the orientation of the trunk: left along the shoulders, and up from the hips to the shoulders, made
+/// perpendicular to left.
 pub(super) fn trunk(point: impl Fn(Landmark) -> Option<DVec3>) -> Option<DQuat> {
     let [left_m, right_m] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));
     let [left_hip_m, right_hip_m] = Side::ALL.map(|side| point(Landmark::Hip(side)));

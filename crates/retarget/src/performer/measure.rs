@@ -1,4 +1,4 @@
-//! A performer's measures, from a whole clip.
+//! Measures a performer, from a whole clip.
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_mocap::{Clip, JointSample, forward_kinematics};
@@ -7,9 +7,9 @@ use super::frame::trunk;
 use super::model::{Bend, Part, Performer, PerformerJoints};
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Cosine up to which a direction counts as upright.
+/// Minimum cosine of a direction that counts as upright.
 const UPRIGHT: f64 = 0.87;
-/// Toes stand on the floor in this part of their heights.
+/// Quantile of the toes' heights at which the floor is assumed.
 const FLOOR: f64 = 0.02;
 
 pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
@@ -28,7 +28,7 @@ pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
         Some(Bending::of([upper?, middle?, lower?]))
     });
     let mut toes_m = Vec::new();
-    // One frame after the other: those of a long clip would take as much room as the clip.
+    // One frame at a time: the poses of a long clip would need as much memory as the clip.
     for frame in 0..clip.frames.len() {
         let world = clip.world_poses(frame);
         bends.values_mut().flatten().for_each(|bend| bend.add(&world));
@@ -60,8 +60,8 @@ pub(super) fn measure(clip: &Clip, joints: &PerformerJoints) -> Performer {
     }
 }
 
-/// A pose in which the performer stands upright: that of all rotations at zero if it does, else the frame in which
-/// trunk and legs are the nearest to it.
+/// Returns a pose in which the performer stands upright: the pose of zero rotations if it is upright, otherwise the
+/// frame in which trunk and legs are closest to upright.
 fn upright_pose(clip: &Clip, joints: &PerformerJoints) -> Vec<JointSample> {
     let still = clip
         .skeleton
@@ -78,7 +78,7 @@ fn upright_pose(clip: &Clip, joints: &PerformerJoints) -> Vec<JointSample> {
     nearest.map_or(zero, |(frame, _)| clip.world_poses(frame))
 }
 
-/// Least cosine between up and the trunk, the head and the legs; 1 if there is none of them.
+/// Returns the smallest cosine between up and the trunk, the head and the legs; 1 if the skeleton has none of them.
 fn uprightness(world: &[JointSample], joints: &PerformerJoints) -> f64 {
     let point = |landmark: Landmark| joints.joints[landmark].map(|joint| world[joint].position_m);
     let middle = |landmark: fn(Side) -> Landmark| {
@@ -95,7 +95,7 @@ fn uprightness(world: &[JointSample], joints: &PerformerJoints) -> f64 {
     cosines.fold(1.0, f64::min)
 }
 
-/// Pelvis, chest, head and feet in an upright pose.
+/// Measures pelvis, chest, head and feet in an upright pose.
 fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Option<Part>> {
     let point = |landmark: Landmark| joints.joints[landmark].map(|joint| upright[joint].position_m);
     let across = |landmark: fn(Side) -> Landmark| {
@@ -109,7 +109,7 @@ fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Optio
             Landmark::Pelvis => (hips.or(shoulders)?, DVec3::Y),
             Landmark::Chest | Landmark::Head => (shoulders.or(hips)?, DVec3::Y),
             Landmark::Ankle(side) => {
-                // A foot stands across its shank; where the toe points is forward.
+                // A foot is perpendicular to its shank, and the toe points forward.
                 let up = (point(Landmark::Knee(side))? - point(landmark)?).try_normalize()?;
                 let toe =
                     point(Landmark::Toe(side)).map(|toe| toe - point(landmark).unwrap_or(toe));
@@ -127,7 +127,7 @@ fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Optio
     })
 }
 
-/// The trunk of an upright pose, and which way it looks then.
+/// Returns the rotation between the trunk's axes and its facing direction in an upright pose.
 fn upright_trunk(joints: &PerformerJoints, upright: &[JointSample]) -> Option<DQuat> {
     let point = |place: Landmark| Some(upright[joints.joints[place]?].position_m);
     let [left, right] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));
@@ -136,7 +136,7 @@ fn upright_trunk(joints: &PerformerJoints, upright: &[JointSample]) -> Option<DQ
     Some((trunk(point)?.conjugate() * DQuat::from_mat3(&stands)).normalize())
 }
 
-/// The mean axis about which a limb bends, in the frame of its upper joint, in the making; what bends more counts more.
+/// Accumulates the mean axis about which a limb bends, in the frame of its upper joint, weighted by the bend.
 #[derive(Debug)]
 struct Bending {
     /// Upper, middle and lower joint.
@@ -166,7 +166,7 @@ impl Bending {
     }
 }
 
-/// The value below which a part of all values lie; 0 of none.
+/// Returns the value below which a share of all values is; 0 without values.
 fn quantile(mut values: Vec<f64>, part: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     #[expect(

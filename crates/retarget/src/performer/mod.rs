@@ -1,4 +1,5 @@
-//! What of a performer means the same on any rig: directions of limbs, ways in which they bend, how parts stand.
+//! Properties of a performer that any rig can follow: directions of limbs, their bending axes, and orientations of
+//! parts.
 
 mod frame;
 mod measure;
@@ -11,28 +12,28 @@ use crate::Landmark;
 pub use frame::PerformerFrame;
 pub use model::{Performer, PerformerJoints};
 
-/// Why a clip has no performer that a rig can follow.
+/// The reason why a clip has no performer that a rig can follow.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PerformerError {
-    /// An index without a joint.
+    /// An index is beyond the clip's joints.
     #[error(
         "{landmark}: expected a joint of the clip, found index {joint}, and the clip has {joints} joints"
     )]
     NoJoint {
         /// Name of the landmark.
         landmark: &'static str,
-        /// The index.
+        /// Index that was found.
         joint: usize,
-        /// Joints of the clip.
+        /// Number of joints of the clip.
         joints: usize,
     },
-    /// No frames.
+    /// The clip has no frames.
     #[error("the clip has no frames: expected at least one")]
     Empty,
-    /// A number that is none.
+    /// A number is NaN or infinite.
     #[error("frame {frame}, joint `{joint}`: expected finite numbers, found others")]
     NotFinite {
-        /// The frame.
+        /// Index of the frame.
         frame: usize,
         /// Name of the joint.
         joint: String,
@@ -43,13 +44,13 @@ impl Performer {
     /// Measures a performer over a clip. O(frames · joints).
     ///
     /// # Errors
-    /// [`PerformerError`] if a joint is not there, or a number is none.
+    /// [`PerformerError`] if a joint is missing, or a number is not finite.
     pub fn of(clip: &Clip, joints: &PerformerJoints) -> Result<Self, PerformerError> {
         check(clip, joints)?;
         Ok(measure::measure(clip, joints))
     }
 
-    /// Number of joints of the skeleton.
+    /// Returns the number of joints of the skeleton.
     pub fn joint_count(&self) -> usize {
         self.parents.len()
     }
@@ -76,7 +77,7 @@ fn check(clip: &Clip, joints: &PerformerJoints) -> Result<(), PerformerError> {
     Ok(())
 }
 
-/// The two landmarks at the ends of a limb's segment.
+/// Returns the landmark at the upper end of the segment that ends at `landmark`; `None` if no segment ends there.
 pub(crate) const fn segment_above(landmark: Landmark) -> Option<Landmark> {
     Some(match landmark {
         Landmark::Elbow(side) => Landmark::Shoulder(side),

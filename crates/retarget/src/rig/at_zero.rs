@@ -1,25 +1,25 @@
-//! A rig with every joint at zero: where its bodies and axes are in the world.
+//! A rig with every joint at zero: poses of its bodies and axes in the world.
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Pose};
 
-/// A line of the world about which a joint turns.
+/// A line in the world about which a joint turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axis {
-    /// Unit.
+    /// Unit direction.
     pub(super) direction: DVec3,
-    /// A point of it: the joint's own, m.
+    /// A point of the line: the position of the joint, m.
     pub(super) anchor_m: DVec3,
 }
 
 impl Axis {
-    /// The nearest of its points to another, m.
+    /// Returns the point of the line that is nearest to another point, m.
     pub(super) fn nearest_to(&self, point_m: DVec3) -> DVec3 {
         self.anchor_m + self.direction * self.direction.dot(point_m - self.anchor_m)
     }
 
-    /// m.
+    /// Returns the distance from a point, m.
     pub(super) fn distance_to(&self, point_m: DVec3) -> f64 {
         (point_m - self.nearest_to(point_m)).length()
     }
@@ -51,7 +51,7 @@ impl<'m> AtZero<'m> {
         self.mechanism.bodies[body].parent
     }
 
-    /// The lines that a joint turns about; none of a slide.
+    /// Returns the lines that a joint turns about; empty for a slide.
     pub(super) fn axes(&self, body: usize) -> Vec<Axis> {
         let pose = &self.poses[body];
         let world =
@@ -64,24 +64,25 @@ impl<'m> AtZero<'m> {
         }
     }
 
-    /// From a body to the base, itself first.
+    /// Returns the bodies from a body to the base, both included.
     pub(super) fn way_to_base(&self, body: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(Some(body), |body| self.parent(*body))
     }
 
-    /// The body that carries both.
+    /// Returns the last body that the paths of both bodies to the base have in common.
     pub(super) fn common_body(&self, one: usize, other: usize) -> usize {
         let of_one: Vec<usize> = self.way_to_base(one).collect();
         self.way_to_base(other).find(|body| of_one.contains(body)).unwrap_or(0)
     }
 
-    /// Whether one body hangs on another, or is it.
+    /// Returns whether `body` is `ancestor`, or a descendant of it.
     pub(super) fn moves_with(&self, body: usize, ancestor: usize) -> bool {
         self.way_to_base(body).any(|above| above == ancestor)
     }
 }
 
-/// The point where lines nearly meet: least squares, drawn weakly to `towards_m` where they leave it open.
+/// Returns the point nearest to all lines by least squares; where they leave it open, it is drawn weakly towards
+/// `towards_m`.
 pub(super) fn meeting_point(axes: &[Axis], towards_m: DVec3, weight: f64) -> DVec3 {
     let mut matrix = glam::DMat3::from_diagonal(DVec3::splat(weight));
     let mut right = towards_m * weight;

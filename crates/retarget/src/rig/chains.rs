@@ -1,4 +1,4 @@
-//! Which joints belong to which limb, by the words of their names and where they hang.
+//! Assigns joints to limbs, by the words of their names and their place in the tree.
 
 use sinew_rig::Mechanism;
 
@@ -9,14 +9,15 @@ use crate::Side;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chain {
     pub(super) part: Part,
-    /// `None`: the head, or an arm whose names tell no side.
+    /// Side of the limb; `None` for the head, or an arm whose names contain no side.
     pub(super) side: Option<Side>,
     pub(super) joints: Vec<usize>,
-    /// Whether words told the part.
+    /// Whether words determined the part.
     pub(super) is_named: bool,
 }
 
-/// What each joint is by its own words, those of its body, and what it hangs on. The base is nothing.
+/// Returns the words of each joint: its own, those of its body, and those inherited from its parent. The base has
+/// none.
 pub(super) fn words_of(mechanism: &Mechanism) -> Vec<Words> {
     let mut all: Vec<Words> = Vec::new();
     for link in &mechanism.bodies {
@@ -26,7 +27,7 @@ pub(super) fn words_of(mechanism: &Mechanism) -> Vec<Words> {
         };
         let (joint, body, above) = (text::of(&link.joint_name), text::of(&link.name), all[parent]);
         let part = match (joint.part.or(body.part), above.part) {
-            // What hangs on a finger is one.
+            // A joint beyond a finger belongs to the finger.
             (_, Some(Part::Other)) => Some(Part::Other),
             (None, above) => above,
             (own, _) => own,
@@ -37,7 +38,7 @@ pub(super) fn words_of(mechanism: &Mechanism) -> Vec<Words> {
     all
 }
 
-/// All limbs, and the head.
+/// Returns all limbs, and the head.
 pub(super) fn chains(mechanism: &Mechanism) -> Vec<Chain> {
     let words = words_of(mechanism);
     let mut chains = Vec::new();
@@ -61,15 +62,15 @@ pub(super) fn chains(mechanism: &Mechanism) -> Vec<Chain> {
     chains
 }
 
-/// An arm whose names tell no side; `or_any`: or any chain at all, if no name says anything.
+/// Returns an arm whose names contain no side. With `or_any`, accepts any chain if no name contains a known word.
 fn only_arm(mechanism: &Mechanism, words: &[Words], or_any: bool) -> Option<Chain> {
-    // Fewer joints make no arm with an elbow.
+    // An arm with an elbow needs at least three joints.
     const LEAST: usize = 3;
     let named = |joint: usize| words[joint] == Words { side: None, part: Some(Part::Arm) };
     let mut joints = longest(mechanism, named);
     let is_named = !joints.is_empty();
     if is_named {
-        // What carries it and says nothing is a part of it: the pan of a shoulder.
+        // A parent joint without known words belongs to the arm: the pan joint of a shoulder.
         while let Some(parent) = joints.first().and_then(|joint| mechanism.bodies[*joint].parent)
             && mechanism.bodies[parent].parent.is_some()
             && words[parent].part.is_none()
@@ -79,7 +80,7 @@ fn only_arm(mechanism: &Mechanism, words: &[Words], or_any: bool) -> Option<Chai
     } else if or_any && words.iter().all(|words| matches!(words.part, None | Some(Part::Other))) {
         let unnamed = (1..words.len()).filter(|joint| words[*joint].part.is_none()).count();
         joints = longest(mechanism, |joint| words[joint].part.is_none());
-        // A hand or a platform has several.
+        // A hand or a platform has several chains.
         if joints.len() != unnamed {
             return None;
         }
@@ -87,7 +88,7 @@ fn only_arm(mechanism: &Mechanism, words: &[Words], or_any: bool) -> Option<Chai
     (joints.len() >= LEAST).then_some(Chain { part: Part::Arm, side: None, joints, is_named })
 }
 
-/// The longest way outwards over joints that are asked for; of equal ones the first.
+/// Returns the longest path outwards over the wanted joints; of equal paths the first.
 fn longest(mechanism: &Mechanism, is_asked: impl Fn(usize) -> bool) -> Vec<usize> {
     let mut ways: Vec<Vec<usize>> = vec![Vec::new(); mechanism.bodies.len()];
     let mut longest = Vec::new();

@@ -1,4 +1,4 @@
-//! What follows from the groups by geometry: bodies, directions, points and hinges.
+//! Derives bodies, directions, points and hinges from the groups, by geometry.
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
@@ -10,14 +10,14 @@ use super::matched::{Group, Hinge, RigDirections, RigMatch, RigPoint};
 use super::{hinge, points, text};
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Draws a ball's centre, or a hinge's point, to where it should lie when the axes leave that open.
+/// Weight by which a ball's centre or a hinge's point is drawn to its expected place, if the axes leave it open.
 const TOWARDS: f64 = 1e-3;
-/// Where the axes of a ball miss each other by more than this part of the limb's segment, the last two tell where it
-/// is: they carry the segment, and the first moves them about like a shoulder blade.
+/// Maximum distance between a ball's axes, as a share of the limb's segment. If it is exceeded, the last two axes
+/// determine the centre: they move the segment, and the first axis only shifts them, like a shoulder blade.
 const APART: f64 = 0.15;
-/// Cosine from which on an axis runs along a limb.
+/// Minimum cosine between an axis and a limb for the axis to run along the limb.
 const ALONG: f64 = 0.7;
-/// A twist's own point is a wrist if it is this part of the upper arm away from the elbow.
+/// Minimum distance of a twist joint from the elbow to be the wrist, as a share of the upper arm.
 const AWAY: f64 = 0.3;
 
 pub(super) fn derive(
@@ -99,7 +99,7 @@ fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), RigMatchError> {
     Ok(())
 }
 
-/// The body that carries a limb on both sides, or the only one.
+/// Returns the body that carries a limb on both sides, or the only such limb.
 pub(super) fn carrier(
     rig: &AtZero<'_>,
     groups: &[Group],
@@ -115,7 +115,7 @@ pub(super) fn carrier(
     }
 }
 
-/// Points of landmarks in the making: in the world at zero, and the body that each is fixed to.
+/// Points of landmarks found so far: in the world at zero, and the body that each is fixed to.
 struct Places<'r> {
     rig: &'r AtZero<'r>,
     groups: &'r [Group],
@@ -133,14 +133,14 @@ impl Places<'_> {
         self.world_m[landmark] = Some(world_m);
     }
 
-    /// The point that a person has given.
+    /// Uses the point that the user has given, and returns whether there is one.
     fn given(&mut self, landmark: Landmark) -> bool {
         let Some(point) = self.group(landmark).and_then(|group| group.point) else { return false };
         self.set(landmark, point.body, self.rig.poses[point.body].point(point.position_m));
         true
     }
 
-    /// Where the axes of a shoulder or a hip nearly meet.
+    /// Sets the point where the axes of a shoulder or a hip nearly meet.
     fn balls(&mut self, landmark: Landmark) {
         if self.given(landmark) {
             return;
@@ -155,7 +155,7 @@ impl Places<'_> {
         self.set(landmark, last, point_m);
     }
 
-    /// From a ball to the first joint beyond it, m.
+    /// Returns the distance from a ball to the first joint beyond it, m.
     fn segment_m(&self, ball: Landmark, point_m: DVec3) -> f64 {
         let beyond = match ball {
             Landmark::Shoulder(side) => Landmark::Elbow(side),
@@ -171,7 +171,7 @@ impl Places<'_> {
         Some((axes(self.rig, &group.joints)?, *group.joints.last()?))
     }
 
-    /// Of a hinge the point of its axis that is nearest to the landmark above.
+    /// Sets the point of a hinge: the point of its axis that is nearest to the landmark above.
     fn below(&mut self, landmark: Landmark, above: Landmark) {
         if self.given(landmark) {
             return;
@@ -179,7 +179,7 @@ impl Places<'_> {
         let Some((mut axes, last)) = self.axes_of(landmark) else { return };
         let above_m = self.world_m[above].unwrap_or_else(|| middle_m(&axes));
         if matches!(landmark, Landmark::Elbow(_) | Landmark::Knee(_)) {
-            // The hinge alone: what twists the limb beyond it may pass beside.
+            // Only the hinge: axes beyond it, which twist the limb, may pass at a distance.
             axes.truncate(1);
         }
         let point_m = match axes[..] {
@@ -193,7 +193,7 @@ impl Places<'_> {
         self.set(landmark, last, point_m);
     }
 
-    /// Hands and toes without a joint.
+    /// Sets the points of hands and toes without a joint.
     fn ends(&mut self, side: Side, directions: &RigDirections) {
         let (elbow, wrist) = (Landmark::Elbow(side), Landmark::Wrist(side));
         if self.world_m[wrist].is_none()
@@ -220,7 +220,7 @@ impl Places<'_> {
             self.set(toe, foot, toe_m);
         } else if let Some(shank) = self.group(knee).and_then(|group| group.joints.last().copied())
         {
-            // A leg that ends in a shank stands on its end.
+            // A leg that ends in a shank stands on the end of the shank.
             self.set(ankle, shank, points::end_m(self.rig, shank, &text::ANKLE));
         }
     }
@@ -238,13 +238,13 @@ impl Places<'_> {
             .or_else(|| across(Landmark::Hip))
             .or_else(|| across(Landmark::Shoulder))
             .or_else(|| self.reaching_forward().and_then(flat).map(|forward| up.cross(forward)))
-            // x is forward in URDF and MJCF (REP 103).
+            // x points forward in URDF and MJCF (REP 103).
             .or_else(|| flat(self.rig.poses[0].rotation * DVec3::X).map(|x| up.cross(x)))
             .unwrap_or(DVec3::NEG_Z);
         RigDirections { forward: left.cross(up), left, up }
     }
 
-    /// Of one arm: where it reaches, if it does not stand or hang.
+    /// Returns the direction in which a single arm reaches, unless it points up or down.
     fn reaching_forward(&self) -> Option<DVec3> {
         let arm = Side::ALL.into_iter().find_map(|side| self.group(Landmark::Shoulder(side)))?;
         let first = *arm.joints.first()?;

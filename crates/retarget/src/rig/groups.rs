@@ -1,17 +1,18 @@
-//! Joints of a limb whose axes nearly meet: one ball, or one hinge with the twist of the limb beyond it.
+//! Groups joints of a limb whose axes nearly meet: a ball, or a hinge with the twist of the limb beyond it.
 
 use glam::DVec3;
 
 use super::at_zero::{AtZero, Axis, meeting_point};
 
-/// Axes meet if none passes the common point farther away than this part of the chain's length,
+/// Maximum distance of an axis from the common point, as a share of the chain's length. Axes within it, or within
+/// `OF_RIG`, meet.
 const OF_CHAIN: f64 = 0.12;
-/// or this part of the rig's size.
+/// Maximum distance of an axis from the common point, as a share of the rig's size.
 const OF_RIG: f64 = 0.035;
-/// Draws the common point to the middle of the joints where the axes leave it open.
+/// Weight by which the common point is drawn to the middle of the joints where the axes leave it open.
 const TO_THE_MIDDLE: f64 = 1e-4;
 
-/// Deals out the joints of a chain, from the trunk outwards, to groups in order.
+/// Divides the joints of a chain, from the trunk outwards, into groups.
 pub(super) fn groups(rig: &AtZero<'_>, chain: &[usize], chain_m: f64) -> Vec<Vec<usize>> {
     let most_m = (OF_CHAIN * chain_m).max(OF_RIG * rig.size_m);
     let mut groups: Vec<Vec<usize>> = Vec::new();
@@ -30,8 +31,9 @@ pub(super) fn groups(rig: &AtZero<'_>, chain: &[usize], chain_m: f64) -> Vec<Vec
     groups
 }
 
-/// Whether a joint turns about a line beside that of the one before it, as ankle and knee do: with nothing between them
-/// the two are parallel in every pose. They have no common point; that in the middle is only half as far away.
+/// Returns whether a joint turns about a line parallel to that of its predecessor, at a distance, as ankle and knee
+/// do. With no joint between them, the two are parallel in every pose. They have no common point, and a point in
+/// the middle would be only half as far from each.
 fn is_beside(rig: &AtZero<'_>, group: &[usize], joint: usize, most_m: f64) -> bool {
     const PARALLEL: f64 = 0.95;
     let last = group.last().and_then(|last| rig.axes(*last).last().copied());
@@ -41,14 +43,15 @@ fn is_beside(rig: &AtZero<'_>, group: &[usize], joint: usize, most_m: f64) -> bo
     })
 }
 
-/// Largest distance of the axes of some joints from the point where they nearly meet, m; `None` if one slides.
+/// Returns the largest distance of the joints' axes from the point where they nearly meet, m; `None` if a joint
+/// slides.
 pub(super) fn spread_m(rig: &AtZero<'_>, joints: &[usize]) -> Option<f64> {
     let axes = axes(rig, joints)?;
     let center_m = meeting_point(&axes, middle_m(&axes), TO_THE_MIDDLE);
     Some(axes.iter().map(|axis| axis.distance_to(center_m)).fold(0.0, f64::max))
 }
 
-/// All axes of some joints; `None` if one slides.
+/// Returns all axes of the joints; `None` if a joint slides.
 pub(super) fn axes(rig: &AtZero<'_>, joints: &[usize]) -> Option<Vec<Axis>> {
     let mut all = Vec::new();
     for joint in joints {
@@ -61,7 +64,7 @@ pub(super) fn axes(rig: &AtZero<'_>, joints: &[usize]) -> Option<Vec<Axis>> {
     Some(all)
 }
 
-/// Mean of the joints' own points, m.
+/// Returns the mean of the joints' positions, m.
 pub(super) fn middle_m(axes: &[Axis]) -> DVec3 {
     axes.iter().map(|axis| axis.anchor_m).sum::<DVec3>() / axes.len().max(1) as f64
 }

@@ -1,4 +1,4 @@
-//! Elbows and knees: where the limb is straight, and which way it bends.
+//! Finds the hinges of elbows and knees: the angle at which the limb is straight, and the bending direction.
 
 use glam::DVec3;
 
@@ -6,12 +6,14 @@ use super::at_zero::AtZero;
 use super::matched::{Hinge, RigDirections};
 use crate::Landmark;
 
-/// The ways in which a hinge goes count as equal within this part.
+/// Relative difference up to which the ranges on both sides of straight count as equal.
 const EQUAL: f64 = 0.15;
-/// Cosine of the angle up to which an axis runs across a limb, and that up to which a limb hangs.
+/// Maximum cosine between a hinge axis and the limb that it bends, and minimum cosine between a hanging limb and
+/// down.
 const ACROSS: f64 = 0.7;
 
-/// The hinge of a group of joints between two points of a limb, world at zero; `None` if no axis runs across the limb.
+/// Returns the hinge of a group of joints between two segments of a limb, in the world at zero; `None` if no axis
+/// is across the limb.
 pub(super) fn hinge(
     rig: &AtZero<'_>,
     landmark: Landmark,
@@ -29,7 +31,7 @@ pub(super) fn hinge(
     };
     let (joint, axis) = joints.iter().find_map(across)?;
     let body = rig.parent(joint)?;
-    // The turn about the axis that takes the lower part into line with the upper one.
+    // Rotation about the axis that aligns the lower segment with the upper one.
     let flat = |v: DVec3| v - axis * axis.dot(v);
     let (from, to) = (flat(lower), flat(upper));
     let straight_rad = libm::atan2(axis.dot(from.cross(to)), from.dot(to));
@@ -45,16 +47,16 @@ pub(super) fn hinge(
     })
 }
 
-/// It bends to where the range is longer.
+/// Returns the sign of the angle that bends the limb: towards the longer side of the range, if they differ.
 fn by_range(rig: &AtZero<'_>, joint: usize, straight_rad: f64) -> Option<f64> {
     let [least, most] = *rig.mechanism.bodies[joint].ranges.first()?;
     let (up, down) = ((most - straight_rad).max(0.0), (straight_rad - least).max(0.0));
-    // Beyond half a turn no limb bends: such a range is a placeholder.
+    // No limb bends by more than 180 deg: such a range is a placeholder.
     let [up, down] = [up, down].map(|way| way.min(std::f64::consts::PI));
     ((up - down).abs() > EQUAL * up.max(down)).then(|| (up - down).signum())
 }
 
-/// Knees bend backwards; elbows of hanging arms bend forwards.
+/// Returns the sign of the angle that bends the limb: knees bend backwards, elbows of hanging arms forwards.
 fn by_anatomy(
     landmark: Landmark,
     axis: DVec3,
@@ -64,7 +66,7 @@ fn by_anatomy(
     if upper.dot(directions.up) > -ACROSS {
         return None;
     }
-    // Where the lower part goes at first when the limb bends by a positive angle.
+    // Initial direction of the lower segment when the limb bends by a positive angle.
     let forward = axis.cross(upper).dot(directions.forward);
     let wanted = if matches!(landmark, Landmark::Knee(_)) { -1.0 } else { 1.0 };
     (forward.abs() > ACROSS).then_some(wanted * forward.signum())

@@ -1,22 +1,22 @@
-//! A rig with its joints dealt out to landmarks.
+//! A rig whose joints are assigned to landmarks.
 
 use glam::{DQuat, DVec3};
 
 use crate::{Landmark, LandmarkMap};
 
-/// The joints that make one landmark.
+/// The joints that form one landmark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Group {
-    /// The place.
+    /// The landmark.
     pub landmark: Landmark,
-    /// Bodies that the joints move, from the trunk outwards. Of [`Landmark::Chest`]: the joints between pelvis and
-    /// chest.
+    /// Indices of the bodies that the joints move, from the trunk outwards. For [`Landmark::Chest`], the joints
+    /// between pelvis and chest.
     pub joints: Vec<usize>,
-    /// The landmark's point, if it is not to be found from the axes.
+    /// Point of the landmark, if it does not follow from the axes.
     pub point: Option<RigPoint>,
-    /// From 0 to 1.
+    /// Confidence, from 0 to 1.
     pub confidence: f64,
-    /// Why it is so high, and not higher.
+    /// Reason for the confidence.
     pub reason: String,
 }
 
@@ -25,72 +25,72 @@ pub struct Group {
 pub struct RigPoint {
     /// Index of the body.
     pub body: usize,
-    /// Body frame, m.
+    /// Position in the body frame, m.
     pub position_m: DVec3,
 }
 
 /// A joint without a counterpart.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnmatchedJoint {
-    /// Body that the joint moves.
+    /// Index of the body that the joint moves.
     pub joint: usize,
-    /// Why.
+    /// Reason why it has no counterpart.
     pub reason: String,
 }
 
-/// The hinge of an elbow or a knee, as its limb's upper body carries it.
+/// The hinge of an elbow or a knee, relative to the limb's upper body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hinge {
-    /// The upper arm or the thigh.
+    /// Index of the upper arm or the thigh.
     pub body: usize,
-    /// Body that the hinge moves.
+    /// Index of the body that the hinge moves.
     pub joint: usize,
-    /// Unit axis in the frame of `body`; a positive turn about it bends the limb. If `is_sure` is not set, the sign is
-    /// unknown.
+    /// Unit axis in the frame of `body`; a positive rotation about it bends the limb. Without `is_sure`, the sign
+    /// is unknown.
     pub axis: DVec3,
     /// Angle of the joint at which the limb is straightest, rad.
     pub straight_rad: f64,
-    /// Whether the way in which it bends is known.
+    /// Whether the bending direction is known.
     pub is_sure: bool,
 }
 
-/// Directions of a rig in the world, every joint at zero.
+/// Directions of a rig in the world, with every joint at zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigDirections {
-    /// Unit; forward = left × up.
+    /// Forward, unit vector: left × up.
     pub forward: DVec3,
-    /// Unit.
+    /// Left, unit vector.
     pub left: DVec3,
-    /// Unit.
+    /// Up, unit vector.
     pub up: DVec3,
 }
 
 impl RigDirections {
-    /// The rotation that takes x, y, z to forward, left, up.
+    /// Returns the rotation from x, y, z to forward, left, up.
     pub fn rotation(&self) -> DQuat {
         DQuat::from_mat3(&glam::DMat3::from_cols(self.forward, self.left, self.up)).normalize()
     }
 }
 
-/// A rig, its joints dealt out to landmarks, and what follows from that by geometry.
+/// A rig with its joints assigned to landmarks, and the geometry that follows from this.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigMatch {
-    /// The joints of each landmark that the rig has.
+    /// Joints of each landmark that the rig has.
     pub groups: Vec<Group>,
     /// Joints without a counterpart.
     pub left_out: Vec<UnmatchedJoint>,
-    /// At zero.
+    /// Directions of the rig, with every joint at zero.
     pub directions: RigDirections,
-    /// The body that carries the hips.
+    /// Index of the body that carries the hips.
     pub pelvis: Option<usize>,
-    /// The body that carries the shoulders.
+    /// Index of the body that carries the shoulders.
     pub chest: Option<usize>,
-    /// The last body of the head's joints.
+    /// Index of the last body of the head's joints.
     pub head: Option<usize>,
     /// Points of limbs, on the last body of their group.
     pub points: LandmarkMap<Option<RigPoint>>,
-    /// Of elbows and knees.
+    /// Hinges of elbows and knees.
     pub hinges: LandmarkMap<Option<Hinge>>,
-    /// Where each body's frame is at zero, as a rotation to the world.
+    /// Rotation of each body's frame to the world, with every joint at zero.
     pub rotations_at_zero: Vec<DQuat>,
 }

@@ -1,4 +1,4 @@
-//! Whether the two sides of a rig are each other's mirror image.
+//! Checks whether the two sides of a rig are mirror images.
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
@@ -10,24 +10,25 @@ use super::matched::RigMatch;
 /// A joint that is not the mirror image of its partner on the other side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MirrorFault {
-    /// Body that the joint moves.
+    /// Index of the body that the joint moves.
     pub joint: usize,
-    /// The same of the partner.
+    /// Index of the body that the partner moves.
     pub partner: usize,
-    /// What is wrong, in words.
+    /// Description of the fault.
     pub text: String,
-    /// Whether it would be right with the axis of `joint` turned round.
+    /// Whether reversing the axis of `joint` would correct it.
     pub is_axis_turned: bool,
 }
 
-/// Axes within this angle of each other's image are mirrored: the cosine of 10 degrees.
+/// Minimum cosine between an axis and its partner's mirror image: that of 10 deg.
 const NEAR: f64 = 0.985;
-/// Ends of ranges count as equal within this, rad: 7 degrees.
+/// Maximum difference of range ends that count as equal, rad: 7 deg.
 const EQUAL_RAD: f64 = 0.122;
 
-/// Joints whose axis and range are not the mirror image of their partner's. Matched limbs alone are looked at.
+/// Returns the joints whose axis and range are not the mirror image of their partner's. Only matched limbs are
+/// checked.
 ///
-/// Of a pair that does not match, the joint is named whose hinge bends the wrong way, if that is known.
+/// In a pair that does not match, the reported joint is the one whose hinge bends the wrong way, if that is known.
 pub fn mirror_faults(mechanism: &Mechanism, rig: &RigMatch) -> Vec<MirrorFault> {
     let at_zero = AtZero::of(mechanism);
     let mut faults = Vec::new();
@@ -47,7 +48,7 @@ pub fn mirror_faults(mechanism: &Mechanism, rig: &RigMatch) -> Vec<MirrorFault> 
     faults
 }
 
-/// The rig with the axes turned round that the mirror check finds turned; ranges stay as they are.
+/// Returns the rig with all axes reversed that the mirror check reports as reversed; ranges are unchanged.
 #[must_use]
 pub fn with_axes_turned(mechanism: &Mechanism, faults: &[MirrorFault]) -> Mechanism {
     let mut mechanism = mechanism.clone();
@@ -68,14 +69,17 @@ fn fault(
 ) -> Option<MirrorFault> {
     let ([one], [other]) = (&at_zero.axes(left)[..], &at_zero.axes(right)[..]) else { return None };
     let lateral = rig.directions.left;
-    // A turn about `a` seen in a mirror is one about `-(I - 2 l lᵀ) a`.
+    // The mirror image of a rotation about `a` is a rotation about `-(I - 2 l lᵀ) a`.
     let image = |a: DVec3| -(a - lateral * (2.0 * lateral.dot(a)));
     let cosine = image(one.direction).dot(other.direction);
     let names = [left, right].map(|body| mechanism.bodies[body].joint_name.as_str());
     let [of_left, of_right] =
         [left, right].map(|body| mechanism.bodies[body].ranges.first().copied());
     if cosine.abs() < NEAR {
-        let text = format!("the axes of {} and {} are no mirror images", names[0], names[1]);
+        let text = format!(
+            "the axes of {} and {} are not mirror images of each other",
+            names[0], names[1]
+        );
         return Some(MirrorFault { joint: left, partner: right, text, is_axis_turned: false });
     }
     let ([least, most], [other_least, other_most]) = (of_left?, of_right?);
@@ -86,7 +90,7 @@ fn fault(
     if is_right {
         return None;
     }
-    // Knees bend backwards: the one that does not is the wrong one.
+    // Knees bend backwards: a knee that does not is the wrong one.
     let bends_wrong = |joint: usize| {
         crate::Side::ALL.into_iter().any(|side| {
             rig.hinges[crate::Landmark::Knee(side)].is_some_and(|hinge| {

@@ -1,6 +1,6 @@
-//! Which joints of a rig are which place of a body.
+//! Assigns joints of a rig to places of a body.
 //!
-//! Names say side and limb; geometry says which joints are one ball or hinge: those whose axes nearly meet.
+//! Names give side and limb; geometry finds the joints that form one ball or hinge: those whose axes nearly meet.
 
 mod at_zero;
 mod chains;
@@ -28,7 +28,7 @@ impl RigMatch {
     /// Matches a rig by words and geometry. O(n²).
     ///
     /// # Errors
-    /// [`RigMatchError`] if it has no limb and no head that a performer has.
+    /// [`RigMatchError`] if it has neither a limb nor a head that match a performer.
     pub fn of(mechanism: &Mechanism) -> Result<Self, RigMatchError> {
         let (groups, left_out) = propose::propose(mechanism);
         if groups.is_empty() {
@@ -39,10 +39,11 @@ impl RigMatch {
         Ok(Self { left_out, ..Self::of_groups(mechanism, groups, None)? })
     }
 
-    /// What follows from groups that are known. `forward`: of the rig in the world at zero, if it is known.
+    /// Derives the match from known groups. `forward` is the rig's forward direction in the world at zero, if
+    /// known.
     ///
     /// # Errors
-    /// [`RigMatchError`] if a group's joint is none of the rig's, or slides.
+    /// [`RigMatchError`] if a group's joint does not exist in the rig, or slides.
     pub fn of_groups(
         mechanism: &Mechanism,
         groups: Vec<Group>,
@@ -51,13 +52,13 @@ impl RigMatch {
         derive::derive(mechanism, groups, forward)
     }
 
-    /// The joints of a landmark; none if the rig has none.
+    /// Returns the joints of a landmark; empty if the rig does not have the landmark.
     pub fn joints(&self, landmark: Landmark) -> &[usize] {
         self.group(landmark).map_or(&[], |group| &group.joints)
     }
 
-    /// Unit direction of the limb that ends at a landmark, its bodies at these poses in the world; `None` if the rig
-    /// has no such limb.
+    /// Returns the unit direction of the limb that ends at a landmark, for these world poses of the bodies; `None`
+    /// if the rig has no such limb.
     pub fn limb_direction(&self, poses: &[Pose], landmark: Landmark) -> Option<DVec3> {
         let point_m = |place: Landmark| {
             let point = self.points[place]?;
@@ -67,12 +68,12 @@ impl RigMatch {
         (point_m(landmark)? - point_m(above)?).try_normalize()
     }
 
-    /// The group of a landmark.
+    /// Returns the group of a landmark.
     pub fn group(&self, landmark: Landmark) -> Option<&Group> {
         self.groups.iter().find(|group| group.landmark == landmark)
     }
 
-    /// The last body of a landmark's group: the thigh of a hip, the foot of an ankle.
+    /// Returns the last body of a landmark's group: for a hip the thigh, for an ankle the foot.
     pub fn body(&self, landmark: Landmark) -> Option<usize> {
         match landmark {
             Landmark::Pelvis => self.pelvis,

@@ -1,19 +1,19 @@
-//! Points of limbs that no axis gives: hands and toes.
+//! Finds points of limbs that no axis gives: hands and toes.
 
 use glam::{DMat3, DVec3};
 
 use super::at_zero::AtZero;
 use super::text;
 
-/// How far the matter of a body, or what is welded to it, goes from its joint, m.
+/// Returns how far a body, or a part welded to it, extends from its joint, m.
 pub(super) fn reach_m(rig: &AtZero<'_>, body: usize) -> f64 {
     let link = &rig.mechanism.bodies[body];
     let welded = link.merged.iter().map(|part| part.position_m.length());
     welded.fold(2.0 * link.center_of_mass_m.length(), f64::max)
 }
 
-/// The end of a limb on its last body, world at zero, m: a welded frame that has one of some names, else the farthest
-/// one, else twice the way to the mass centre.
+/// Returns the end of a limb on its last body, in the world at zero, m: a welded frame with one of these names,
+/// otherwise the farthest welded frame, otherwise twice the vector to the centre of mass.
 pub(super) fn end_m(rig: &AtZero<'_>, body: usize, names: &[&str]) -> DVec3 {
     let link = &rig.mechanism.bodies[body];
     let named = link.merged.iter().rfind(|part| text::has(&part.name, names));
@@ -22,19 +22,19 @@ pub(super) fn end_m(rig: &AtZero<'_>, body: usize, names: &[&str]) -> DVec3 {
     };
     let doubled = 2.0 * link.center_of_mass_m;
     let local = match named.or_else(farthest).map(|part| part.position_m) {
-        // A frame at the joint itself is no end.
+        // A frame close to the joint is not an end.
         Some(welded) if welded.length() >= 0.5 * doubled.length() => welded,
         _ => doubled,
     };
     rig.poses[body].point(local)
 }
 
-/// The front edge of a foot's sole, over which a foot without a toe joint rolls: world at zero, m.
+/// Returns the front edge of a foot's sole, over which a foot without a toe joint rolls, in the world at zero, m.
 ///
-/// Forward it is the front of the box that has the body's inertia, or a welded frame that is named as a toe if that
-/// lies farther. Its height is that of such a frame; else half way down from the mass centre to the bottom of the box,
-/// since what holds the ankle makes the box too high (known soles: G1 at -35 mm, found -28; `ToddlerBot` at -39, found
-/// -36).
+/// In the forward direction, it is the front of the box that has the body's inertia, or a welded frame with the
+/// name of a toe if that is farther. Its height is that of the frame; otherwise halfway from the centre of mass to
+/// the bottom of the box, because the parts that hold the ankle make the box too high (known soles: G1 at -35 mm,
+/// found -28; `ToddlerBot` at -39, found -36).
 pub(super) fn toe_m(rig: &AtZero<'_>, foot: usize, forward: DVec3, up: DVec3) -> DVec3 {
     let link = &rig.mechanism.bodies[foot];
     let pose = &rig.poses[foot];
@@ -42,7 +42,7 @@ pub(super) fn toe_m(rig: &AtZero<'_>, foot: usize, forward: DVec3, up: DVec3) ->
     let inertia = turn * link.inertia_kg_m2 * turn.transpose();
     let about = |axis: DVec3| axis.dot(inertia * axis);
     let side = forward.cross(up);
-    // Of a box: I_side = m (forward² + up²) / 12, and so on.
+    // A box has I_side = m (forward² + up²) / 12; the other axes are analogous.
     let edge = |along: DVec3, others: [DVec3; 2]| {
         let twelfth = about(others[0]) + about(others[1]) - about(along);
         (6.0 * twelfth.max(0.0) / link.mass_kg.max(f64::MIN_POSITIVE)).sqrt()

@@ -1,4 +1,4 @@
-//! A proposal of which joints are which landmark, and how sure it is.
+//! Proposes a landmark for each joint, with a confidence.
 
 use sinew_rig::Mechanism;
 
@@ -9,7 +9,7 @@ use super::matched::{Group, UnmatchedJoint};
 use super::text::{self, Part};
 use crate::{Landmark, Side};
 
-/// Each thing that speaks against a match takes this part of the confidence in it.
+/// Reduction of the confidence by each doubt.
 const DOUBT: f64 = 0.25;
 
 pub(super) fn propose(mechanism: &Mechanism) -> (Vec<Group>, Vec<UnmatchedJoint>) {
@@ -25,7 +25,7 @@ pub(super) fn propose(mechanism: &Mechanism) -> (Vec<Group>, Vec<UnmatchedJoint>
     (all, left_out)
 }
 
-/// Landmarks of a limb from the trunk outwards, with the words that name them.
+/// Returns the landmarks of a limb from the trunk outwards, with the words that name them.
 fn landmarks(part: Part, side: Side) -> Vec<(Landmark, &'static [&'static str])> {
     match part {
         Part::Leg => vec![
@@ -60,7 +60,7 @@ fn of_chain(rig: &AtZero<'_>, chain: &Chain) -> Vec<Group> {
         .map(|pair| rig.poses[pair[0]].position_m.distance(rig.poses[pair[1]].position_m));
     let chain_m = steps.sum::<f64>() + end_m;
     let found = groups::groups(rig, &chain.joints, chain_m);
-    // An arm whose names tell no side is taken for the right one: most people show with it.
+    // An arm whose names contain no side is taken for the right one, because most people demonstrate with that arm.
     let side = chain.side.unwrap_or(Side::Right);
     let landmarks = landmarks(chain.part, side);
     landmarks
@@ -69,10 +69,10 @@ fn of_chain(rig: &AtZero<'_>, chain: &Chain) -> Vec<Group> {
         .map(|((landmark, words), joints)| {
             let mut doubts = Vec::new();
             if chain.side.is_none() {
-                doubts.push("no name tells a side: right is a guess".to_owned());
+                doubts.push("no name shows a side: right is a guess".to_owned());
             }
             if !chain.is_named {
-                doubts.push("no name tells a limb: the only chain is taken for an arm".to_owned());
+                doubts.push("no name shows a limb: the only chain is taken for an arm".to_owned());
             }
             let says = |joint: &usize| text::has(&rig.mechanism.bodies[*joint].joint_name, words);
             if !joints.iter().any(says) {
@@ -100,7 +100,7 @@ impl Group {
     }
 }
 
-/// A group whose partner on the other side has other joints, or is not there.
+/// Doubts groups whose partner on the other side is missing or has another number of joints.
 fn doubt_partners(groups: &mut [Group]) {
     let counts: Vec<(Landmark, usize)> =
         groups.iter().map(|group| (group.landmark, group.joints.len())).collect();
@@ -118,7 +118,7 @@ fn doubt_partners(groups: &mut [Group]) {
     }
 }
 
-/// The joints between the body that carries the hips and the one that carries the shoulders.
+/// Returns the joints between the body that carries the hips and the one that carries the shoulders.
 fn waist(rig: &AtZero<'_>, groups: &[Group]) -> Option<Group> {
     let carrier = super::derive::carrier;
     let pelvis = carrier(rig, groups, Landmark::Hip)?;
@@ -150,7 +150,7 @@ fn left_out(mechanism: &Mechanism, groups: &[Group]) -> Vec<UnmatchedJoint> {
             let reason = match words[joint].part {
                 Some(Part::Other) => "by its name no joint of a performer: it stays at home",
                 Some(_) => "beside the chain of its limb: it stays at home",
-                None => "its name tells no part of a body: it stays at home",
+                None => "its name is not that of a part of a body: it stays at home",
             };
             UnmatchedJoint { joint, reason: reason.to_owned() }
         })

@@ -1,4 +1,4 @@
-//! What the words in a joint's name say: the side and the part of the body.
+//! Reads side and part of the body from the words in a joint's name.
 
 use crate::Side;
 
@@ -9,11 +9,11 @@ pub(super) enum Part {
     Leg,
     Head,
     Trunk,
-    /// What no performer has: fingers, grippers, antennas, rods without a drive.
+    /// Parts that no performer has: fingers, grippers, antennas, rods without a drive.
     Other,
 }
 
-/// What a name says.
+/// Side and part that a name contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Words {
     pub(super) side: Option<Side>,
@@ -36,7 +36,7 @@ const OTHER: [&str; 24] = [
     "clavicle", "tool",
 ];
 
-/// The words of a name in small letters: split at case, marks and digits.
+/// Splits a name into words in lower case: at changes of case, punctuation and digits.
 pub(super) fn tokens(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut words = Vec::new();
@@ -45,7 +45,7 @@ pub(super) fn tokens(name: &str) -> Vec<String> {
         let before = k.checked_sub(1).map(|k| letters[k]);
         let begins = letter.is_uppercase()
             && (before.is_some_and(char::is_lowercase)
-                // The last capital of a row begins a word: `LElbow`.
+                // The last capital of a sequence begins a word: `LElbow`.
                 || before.is_some_and(char::is_uppercase)
                     && letters.get(k + 1).is_some_and(|next| next.is_lowercase()));
         if begins || !letter.is_alphabetic() {
@@ -60,7 +60,7 @@ pub(super) fn tokens(name: &str) -> Vec<String> {
     words
 }
 
-/// Whether a name has one of some words.
+/// Returns whether a name contains one of these words.
 pub(super) fn has(name: &str, words: &[&str]) -> bool {
     tokens(name).iter().any(|token| {
         words.contains(&token.as_str())
@@ -68,7 +68,7 @@ pub(super) fn has(name: &str, words: &[&str]) -> bool {
     })
 }
 
-/// What a name says.
+/// Returns the side and part that a name contains.
 pub(super) fn of(name: &str) -> Words {
     let tokens = tokens(name);
     let mut words = Words::default();
@@ -80,7 +80,7 @@ pub(super) fn of(name: &str) -> Words {
         };
         words.side = words.side.or(side);
         let part = part_of(word);
-        // A finger of the left hand is a finger.
+        // A finger of the left hand counts as a finger.
         if part == Some(Part::Other) || words.part.is_none() {
             words.part = part.or(words.part);
         }
@@ -105,7 +105,7 @@ fn part_of(word: &str) -> Option<Part> {
     }
 }
 
-/// `lankle`: a first letter before a word that is known, in a word that is not.
+/// Splits a side's letter from a known word: `lankle`. Only if the whole is not a known word.
 fn side_before_word(token: &str) -> Option<(Side, &str)> {
     if part_of(token).is_some() {
         return None;

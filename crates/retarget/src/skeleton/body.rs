@@ -1,39 +1,39 @@
-//! A skeleton with all that its matching looks at: names, tree, lengths, poses.
+//! A skeleton with the data that its matching uses: names, tree, lengths, poses.
 
 use glam::DVec3;
 use sinew_mocap::{JointSample, Skeleton, forward_kinematics};
 
 use super::name::{Kind, Name, read_all};
 
-/// So many frames of a clip are looked at, evenly spread.
+/// Maximum number of frames of a clip that are evaluated, evenly spread.
 const FRAMES_MAX: usize = 48;
-/// A bone shorter than this part of the skeleton has no direction: it only carries a joint.
+/// Minimum length of a bone with a direction, as a share of the skeleton. A shorter bone only carries a joint.
 const ZERO: f64 = 2e-3;
-/// A clip in which some joint bends so much shows which do not.
+/// Minimum bend of some joint in a clip, rad, from which joints without a bend are significant.
 const MOVES_RAD: f64 = 0.4;
-/// Bones of one line: rest poses have kinks of a few degrees.
+/// Maximum angle between bones of one line, rad: rest poses have kinks of a few degrees.
 const STRAIGHT_RAD: f64 = 0.2;
 
-/// A skeleton, its names read, its bones measured.
+/// A skeleton with analysed names and measured bones.
 pub(super) struct Body<'a> {
     pub skeleton: &'a Skeleton,
     pub names: Vec<Name>,
     pub children: Vec<Vec<usize>>,
-    /// Length of the bone from the parent, in the skeleton's unit. Poses do not change it.
+    /// Length of the bone from the parent, in the skeleton's unit. It does not depend on the pose.
     pub lengths: Vec<f64>,
-    /// Joints at which the bones before and after stay in one line, in a clip in which others bend: they only twist.
+    /// Whether the bones before and after a joint remain in one line while others bend: such a joint only twists.
     pub stays_straight: Vec<bool>,
-    /// Length of the longest way down from each joint, end sites included.
+    /// Length of the longest path outwards from each joint, including end sites.
     pub below: Vec<f64>,
-    /// Which joints are only the end of a bone.
+    /// Whether a joint is only the end of a bone.
     pub is_end: Vec<bool>,
-    /// Positions of all joints: in the rest pose, then in frames of the clip.
+    /// Positions of all joints: first in the rest pose, then in frames of the clip.
     pub poses: Vec<Pose>,
 }
 
 /// Positions of all joints at one time.
 pub(super) struct Pose {
-    /// The frame; `None` is the rest pose.
+    /// Index of the frame; `None` for the rest pose.
     pub frame: Option<usize>,
     pub joints: Vec<JointSample>,
 }
@@ -59,7 +59,7 @@ impl<'a> Body<'a> {
         let moving = (1..count).any(turns);
         for joint in (0..count).rev() {
             let name = &names[joint];
-            // Nothing hangs on it, and it never turns: most writers give the end of a bone such a joint.
+            // A joint without children that never turns: most writers add such a joint at the end of a bone.
             let idle = name.is_silent() && below[joint] == 0.0 && moving && !turns(joint);
             is_end[joint] = (name.kind == Kind::End || idle)
                 && children[joint].iter().all(|child: &usize| is_end[*child]);
@@ -101,28 +101,28 @@ impl<'a> Body<'a> {
         &self.skeleton.joints[joint].name
     }
 
-    /// A joint, its parent, and so on to the root.
+    /// Returns a joint, its parent, and so on to the root.
     pub(super) fn upwards(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(joint), |joint| self.parent(*joint))
     }
 
-    /// Whether `joint` is `ancestor` or hangs on it.
+    /// Returns whether `joint` is `ancestor`, or a descendant of it.
     pub(super) fn hangs_on(&self, joint: usize, ancestor: usize) -> bool {
-        // Parents come before children.
+        // Parents precede their children.
         self.upwards(joint).take_while(|other| *other >= ancestor).last() == Some(ancestor)
     }
 
-    /// The lowest joint that both hang on.
+    /// Returns the last common ancestor of two joints.
     pub(super) fn common_ancestor(&self, mut a: usize, mut b: usize) -> usize {
         while a != b {
-            // The later of the two is no ancestor of the other.
+            // The one with the larger index is not an ancestor of the other.
             let later = if a > b { &mut a } else { &mut b };
             *later = self.parent(*later).unwrap_or(0);
         }
         a
     }
 
-    /// The joints below `ancestor` down to `joint`, which hangs on it; `ancestor` is left out.
+    /// Returns the joints from `ancestor` (not included) to `joint`, which is a descendant of it.
     pub(super) fn way(&self, ancestor: usize, joint: usize) -> Vec<usize> {
         let mut way: Vec<usize> =
             self.upwards(joint).take_while(|other| *other != ancestor).collect();
@@ -130,7 +130,7 @@ impl<'a> Body<'a> {
         way
     }
 
-    /// Sum of the bones from `ancestor` down to `joint`.
+    /// Returns the sum of bone lengths from `ancestor` to `joint`.
     pub(super) fn length(&self, ancestor: usize, joint: usize) -> f64 {
         self.upwards(joint)
             .take_while(|other| *other != ancestor)
@@ -138,12 +138,12 @@ impl<'a> Body<'a> {
             .sum()
     }
 
-    /// Whether the joint sits on its parent.
+    /// Returns whether the joint is at the position of its parent.
     pub(super) fn is_at_parent(&self, joint: usize) -> bool {
         self.is_zero(self.lengths[joint])
     }
 
-    /// Length to the joint's first end site; 0 without one.
+    /// Returns the length to the joint's first end site; 0 without an end site.
     pub(super) fn site(&self, joint: usize) -> f64 {
         site_length(self.skeleton, joint)
     }
@@ -152,7 +152,7 @@ impl<'a> Body<'a> {
         length <= ZERO * self.below[0]
     }
 
-    /// The least and the largest angle between the bones before and after a joint in the clip, in radians.
+    /// Returns the smallest and the largest angle in the clip between the bones before and after a joint, rad.
     fn angles(&self, joint: usize) -> Option<(f64, f64)> {
         let parent = self.parent(joint)?;
         let child = *self.children[joint]
@@ -180,12 +180,12 @@ impl Pose {
     }
 }
 
-/// Angle between two directions, in radians; the same bits on every machine.
+/// Returns the angle between two directions, rad; its bits are equal on every machine.
 pub(super) fn angle(a: DVec3, b: DVec3) -> f64 {
     libm::atan2(a.cross(b).length(), a.dot(b))
 }
 
-/// Length to the first end site of a joint.
+/// Returns the length to the first end site of a joint.
 fn site_length(skeleton: &Skeleton, joint: usize) -> f64 {
     skeleton.joints[joint].end_sites_m.first().map_or(0.0, |end| end.length())
 }
@@ -194,17 +194,17 @@ fn turns(first: JointSample, other: JointSample) -> bool {
     first.rotation.dot(other.rotation).abs() < 1.0 - 1e-9
 }
 
-/// Every how many of so many frames one is looked at.
+/// Returns the step between evaluated frames, for a clip with `count` frames.
 pub(super) fn step(count: usize) -> usize {
     count.div_ceil(FRAMES_MAX).max(1)
 }
 
-/// Which of so many frames are looked at.
+/// Returns the indices of the evaluated frames.
 fn picked(count: usize) -> Vec<usize> {
     (0..count).step_by(step(count)).collect()
 }
 
-/// Bone lengths: of the clip where it moves joints itself, else at rest.
+/// Returns bone lengths: those in the clip if it has frames, otherwise those at rest.
 fn lengths(skeleton: &Skeleton, frames: &[Vec<JointSample>], picked: &[usize]) -> Vec<f64> {
     let of = |(joint, described): (usize, &sinew_mocap::SkeletonJoint)| {
         if described.parent.is_none() {

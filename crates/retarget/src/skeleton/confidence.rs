@@ -1,4 +1,4 @@
-//! How sure each landmark is, and why it is no surer.
+//! Confidence of each landmark, with the reason why it is not higher.
 
 use std::collections::BTreeMap;
 
@@ -11,17 +11,17 @@ use super::pair::Pair;
 use super::trunk::{Trunk, toe};
 use crate::{Landmark, Side};
 
-/// Nothing of an animal is surer than this.
+/// Maximum confidence of an animal's landmarks.
 const QUADRUPED_MAX: f64 = 0.4;
-/// A human's trunk is this much in line with the legs, as a cosine, in some pose of every clip.
+/// Minimum cosine between a human's trunk and legs, which is reached in some pose of every clip.
 const UPRIGHT: f64 = 0.7;
-/// Evidence above this needs no word.
+/// Evidence above this value needs no explanation.
 const AGREES: f64 = 0.9;
 
-/// One kind of evidence: what it weighs, how far it speaks for the joint (0 to 1), and what to say if it does not.
+/// One kind of evidence: its weight, its support for the joint (0 to 1), and the text if the support is low.
 type Evidence = (f64, f64, String);
 
-/// Weighs the evidence.
+/// Weighs the evidence for each landmark.
 pub(super) struct Judge<'a> {
     body: &'a Body<'a>,
     legs: &'a Result<Pair, String>,
@@ -42,7 +42,7 @@ impl<'a> Judge<'a> {
         let stands = stance.directions.is_some_and(|at| at.upright > UPRIGHT);
         let speaks = |joint: &usize| {
             let name = &body.names[*joint];
-            // Costumes have tails and wings too: on a body that stands.
+            // Costumes have tails and wings too, on a body that stands.
             name.quadruped || name.kind == Kind::Animal && !stands
         };
         let quadruped = match (0..body.count()).find(speaks) {
@@ -55,7 +55,7 @@ impl<'a> Judge<'a> {
         Self { body, legs, arms, trunk, stance, quadruped }
     }
 
-    /// What was found, and why the rest was not.
+    /// Returns the landmarks that were found, and for each other landmark the reason.
     pub(super) fn landmarks(&self) -> (BTreeMap<Landmark, Found>, BTreeMap<Landmark, String>) {
         let (mut found, mut missing) = (BTreeMap::new(), BTreeMap::new());
         for landmark in Landmark::ALL {
@@ -67,13 +67,13 @@ impl<'a> Judge<'a> {
         (found, missing)
     }
 
-    /// What is to be said of the whole.
+    /// Returns findings about the skeleton as a whole.
     pub(super) fn findings(&self) -> Vec<String> {
         let mut findings: Vec<String> = self.quadruped.iter().cloned().collect();
         if self.sides_contradict() {
             findings.push(
-                "left and right of the names lie on the wrong sides, as toes and knees tell: a mirrored file, or a \
-                 left-handed one"
+                "left and right in the names are on the wrong sides, by the toes and knees: the file is mirrored, or \
+                 left-handed"
                     .to_owned(),
             );
         }
@@ -118,11 +118,11 @@ impl<'a> Judge<'a> {
             Ok(_) => (
                 0.5,
                 0.7,
-                format!("the {carried} hang on another joint, but the names say this one"),
+                format!(
+                    "the {carried} are attached to another joint, but the names indicate this one"
+                ),
             ),
-            Err(_) => {
-                (0.5, 0.4, format!("its name says it; no {carried} were found that it carries"))
-            }
+            Err(_) => (0.5, 0.4, format!("only its name shows it; no {carried} were found on it")),
         };
         let both = self.trunk.pelvis == self.trunk.chest;
         let alone =
@@ -140,11 +140,13 @@ impl<'a> Judge<'a> {
     fn head_joint(&self, joint: Option<usize>, part: Part) -> Result<Found, String> {
         let joint = joint.ok_or_else(|| match (part, self.trunk.head) {
             (Part::Neck, Some(head)) => {
-                format!("no joint lies between the chest and the head `{}`", self.body.name(head))
+                format!(
+                    "there is no joint between the chest and the head `{}`",
+                    self.body.name(head)
+                )
             }
-            _ => {
-                "no joint goes on from the chest between the arms, and none is called so".to_owned()
-            }
+            _ => "no joint continues from the chest between the arms, and none has this name"
+                .to_owned(),
         })?;
         let neck_is_head = part == Part::Head && self.body.names[joint].best() == Some(Part::Neck);
         let name = if neck_is_head {
@@ -157,7 +159,8 @@ impl<'a> Judge<'a> {
             self.by_name(joint, part)
         };
         let above = self.trunk.chest.is_some_and(|chest| self.body.hangs_on(joint, chest));
-        let tree = (0.4, if above { 1.0 } else { 0.3 }, "it does not hang on the chest".to_owned());
+        let tree =
+            (0.4, if above { 1.0 } else { 0.3 }, "it is not attached to the chest".to_owned());
         Ok(self.weigh(joint, &[name, tree]))
     }
 
@@ -185,8 +188,9 @@ impl<'a> Judge<'a> {
         let pair = self.legs.as_ref().map_err(Clone::clone)?;
         let limb = pair.limb(side).ok_or("only the other side has this limb")?;
         let ankle = limb.joints[2];
-        let joint = toe(self.body, ankle)
-            .ok_or_else(|| format!("no joint lies beyond the ankle `{}`", self.body.name(ankle)))?;
+        let joint = toe(self.body, ankle).ok_or_else(|| {
+            format!("there is no joint beyond the ankle `{}`", self.body.name(ankle))
+        })?;
         let partner = pair.limb(side.other()).and_then(|limb| toe(self.body, limb.joints[2]));
         let mirror = (
             0.2,
@@ -215,7 +219,7 @@ impl<'a> Judge<'a> {
                 format!("the name `{spelled}` says {}, the tree {}", other.words(), part.words()),
             )
         } else if let Some(other) = name.best() {
-            // It counts for more than silence.
+            // A contradicting name weighs more than a missing one.
             (
                 0.8,
                 0.0,
@@ -236,7 +240,9 @@ impl<'a> Judge<'a> {
             (None, Some(_)) => {
                 (0.15, 0.7, format!("no name says {word}: so by where toes and knees point"))
             }
-            (None, None) => (0.3, 0.0, "neither names nor feet tell left from right".to_owned()),
+            (None, None) => {
+                (0.3, 0.0, "neither names nor feet distinguish left from right".to_owned())
+            }
         }
     }
 
@@ -245,7 +251,7 @@ impl<'a> Judge<'a> {
         sided && self.stance.faces.is_some_and(|faces| faces < -0.3)
     }
 
-    /// The mean of the evidence, with the words of the weakest.
+    /// Returns the weighted mean of the evidence, with the text of the weakest.
     fn weigh(&self, joint: usize, evidence: &[Evidence]) -> Found {
         let sum: f64 = evidence.iter().map(|(weight, value, _)| weight * value).sum();
         let weight: f64 = evidence.iter().map(|(weight, ..)| weight).sum();
@@ -269,7 +275,7 @@ fn by_tree(limb: &Limb) -> Evidence {
     (
         0.15,
         1.0 - limb.skipped.min(1.0),
-        "joints that no name explains lie within the limb".to_owned(),
+        "joints without a known name are within the limb".to_owned(),
     )
 }
 
@@ -285,7 +291,7 @@ fn by_mirror(pair: &Pair) -> Evidence {
 fn by_lengths(limb: &Limb, kind: LimbKind) -> Evidence {
     let ratio = limb.lengths[1] / limb.lengths[0];
     let off = libm::log(ratio / kind.lower_by_upper()).abs();
-    // A third more or less is within what people and drawn figures have.
+    // A deviation of a third occurs in people and drawn figures.
     let value = (1.3 - off).clamp(0.0, 1.0);
     (
         0.1,

@@ -1,4 +1,4 @@
-//! Where up, forward and left are, and whether a body stands as humans do.
+//! Finds up, forward and left, and whether a body stands like a human.
 
 use glam::DVec3;
 
@@ -6,40 +6,42 @@ use super::body::{Body, Pose};
 use super::pair::Pair;
 use super::trunk::toe;
 
-/// Directions of a performer that stands, in the world of the file.
+/// Directions of a standing performer, in the world of the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Directions {
-    /// From the feet to the head, unit.
+    /// From the feet to the head, unit vector.
     pub up: DVec3,
-    /// Where chest and toes point, unit, at a right angle to `up`.
+    /// Direction of chest and toes, unit vector, perpendicular to `up`.
     pub forward: DVec3,
-    /// Towards the left hand side, unit: `up` x `forward`.
+    /// Towards the left side, unit vector: `up` x `forward`.
     pub left: DVec3,
-    /// The frame in which the body is most upright, where these hold; `None` is the rest pose (all rotations zero).
+    /// Index of the most upright frame, in which these directions are measured; `None` for the rest pose (all
+    /// rotations zero).
     pub frame: Option<usize>,
-    /// How upright it is there: cosine of the angle between trunk and legs, 1 is straight.
+    /// Cosine of the angle between trunk and legs in that frame; 1 is straight.
     pub upright: f64,
 }
 
 /// The axis of the file that points up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UpAxis {
-    /// The axis, with its sign: `DVec3::Y`, `DVec3::Z`.
+    /// The axis with its sign: `DVec3::Y`, `DVec3::Z`.
     pub axis: DVec3,
-    /// How near the body's own up is to it in the mean, 1 is always along it.
+    /// Mean alignment of the body's own up with the axis; 1 is always along it.
     pub agreement: f64,
-    /// Why, in plain words.
+    /// Reason in plain words.
     pub reason: String,
 }
 
-/// What the poses tell.
+/// Results from the poses.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Stance {
     pub directions: Option<Directions>,
     pub up: Option<UpAxis>,
-    /// Whether toes and knees point forward with these sides: above 0 yes, below 0 no; `None` if nothing tells.
+    /// Whether toes and knees point forward with these sides: positive if they do, negative if not; `None` if
+    /// unknown.
     pub faces: Option<f64>,
-    /// Trunk level, arms along the legs.
+    /// Whether the trunk is level, with arms along the legs.
     pub on_all_fours: bool,
 }
 
@@ -53,7 +55,7 @@ struct Axes {
     arms: Option<DVec3>,
     /// From right to left.
     left: DVec3,
-    /// Whether each leg points where both do.
+    /// Whether both legs have similar directions.
     legs_together: bool,
 }
 
@@ -93,7 +95,8 @@ impl Axes {
         }
     }
 
-    /// Cosine of the angle between trunk and legs; without one of them nothing speaks against the pose.
+    /// Returns the cosine of the angle between trunk and legs. If one of them is missing, nothing contradicts an
+    /// upright pose.
     fn upright(&self) -> f64 {
         match (self.trunk, self.legs) {
             (Some(trunk), Some(legs)) if self.legs_together => trunk.dot(legs),
@@ -106,7 +109,7 @@ impl Axes {
         (self.trunk.unwrap_or_default() + self.legs.unwrap_or_default()).normalize_or_zero()
     }
 
-    /// Up, forward, left, if the pose has them.
+    /// Returns up, forward and left, if the pose defines them.
     fn frame(&self) -> Option<[DVec3; 3]> {
         let up = self.up();
         let left = (self.left - self.left.dot(up) * up).try_normalize()?;
@@ -126,13 +129,13 @@ impl Stance {
         }
         let poses: Vec<(&Pose, Axes)> =
             body.poses.iter().map(|pose| (pose, Axes::of(pose, legs, arms, head))).collect();
-        // The zero pose of many files is no pose of a body: it counts where it is upright.
+        // The zero pose of many files is not a real pose of a body: it counts only if it is upright.
         let counts = |(pose, axes): &&(&Pose, Axes)| {
             axes.upright() > if pose.frame.is_some() { 0.3 } else { 0.7 }
         };
         let bodily: Vec<_> = poses.iter().filter(counts).collect();
         let best = bodily.iter().fold(None::<&&(&Pose, Axes)>, |best, other| match best {
-            // The rest pose comes first and stays if it is as good as any: it has no noise.
+            // The rest pose is first, and is kept if it is about as upright as any other, because it has no noise.
             Some(best) if other.1.upright() < best.1.upright() + 0.02 => Some(best),
             _ => Some(other),
         });
@@ -157,7 +160,7 @@ impl Stance {
     }
 }
 
-/// How far toes and bent knees point to where forward is with these sides; and how much this weighs.
+/// Returns how well toes and bent knees agree with forward for these sides, and the weight of this.
 fn faces(body: &Body, pose: &Pose, axes: &Axes, legs: &Pair) -> Option<(f64, f64)> {
     let [up, forward, _] = axes.frame()?;
     let (mut sum, mut weight) = (0.0, 0.0);
@@ -186,7 +189,7 @@ fn faces(body: &Body, pose: &Pose, axes: &Axes, legs: &Pair) -> Option<(f64, f64
     (weight > 0.0).then_some((sum, weight))
 }
 
-/// Trunk level, legs and arms at right angles to it and along each other.
+/// Returns whether the trunk is level, and legs and arms are perpendicular to it and parallel to each other.
 fn on_all_fours(axes: &Axes) -> bool {
     let (Some(trunk), Some(legs), Some(arms)) = (axes.trunk, axes.legs, axes.arms) else {
         return false;
@@ -194,7 +197,7 @@ fn on_all_fours(axes: &Axes) -> bool {
     axes.legs_together && trunk.dot(legs).abs() < 0.6 && arms.dot(legs) > 0.6
 }
 
-/// The axis that the body's up is nearest to, in the mean over the clip, else at rest.
+/// Returns the axis nearest to the body's up, averaged over the clip, or in the rest pose without frames.
 fn up_axis(poses: &[(&Pose, Axes)]) -> Option<UpAxis> {
     let ups = |moving: bool| -> Vec<DVec3> {
         let of = poses

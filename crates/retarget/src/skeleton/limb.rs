@@ -1,15 +1,15 @@
-//! Three joints of a limb: candidates, and how well names and lengths speak for them.
+//! Candidates for the three joints of a limb, scored by names and lengths.
 
 use super::body::Body;
 use super::name::{Kind, Name, Part};
 use crate::Side;
 
-/// So many joints may lie between two of a limb.
+/// Maximum number of joints between two joints of a limb.
 const BETWEEN_MAX: usize = 5;
-/// So many candidates are kept for each limb and side.
+/// Number of candidates that are kept for each limb and side.
 const KEPT: usize = 24;
 
-/// An arm or a leg.
+/// Kind of a limb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LimbKind {
     Leg,
@@ -17,7 +17,7 @@ pub(super) enum LimbKind {
 }
 
 impl LimbKind {
-    /// What its three joints are.
+    /// Returns the parts that its three joints are.
     pub(super) fn parts(self) -> [Part; 3] {
         match self {
             Self::Leg => [Part::Hip, Part::Knee, Part::Ankle],
@@ -25,8 +25,8 @@ impl LimbKind {
         }
     }
 
-    /// Length of the lower bone by that of the upper (Drillis and Contini, in D. A. Winter, Biomechanics and Motor
-    /// Control of Human Movement, figure 4.1).
+    /// Returns the length of the lower bone relative to the upper (Drillis and Contini, in D. A. Winter,
+    /// Biomechanics and Motor Control of Human Movement, figure 4.1).
     pub(super) fn lower_by_upper(self) -> f64 {
         match self {
             Self::Leg => 0.246 / 0.245,
@@ -34,7 +34,7 @@ impl LimbKind {
         }
     }
 
-    /// Length of both bones by that of a leg's.
+    /// Returns the length of both bones relative to those of a leg.
     fn by_leg(self) -> f64 {
         match self {
             Self::Leg => 1.0,
@@ -43,24 +43,24 @@ impl LimbKind {
     }
 }
 
-/// A candidate: a joint at each end and one between.
+/// A candidate for a limb: a joint at each end and one between them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Limb {
     /// Hip or shoulder; knee or elbow; ankle or wrist.
     pub joints: [usize; 3],
-    /// Length of the upper and of the lower bone.
+    /// Lengths of the upper and the lower bone.
     pub lengths: [f64; 2],
-    /// The side that its names tell.
+    /// Side that its names contain.
     pub side: Option<Side>,
-    /// How far the names speak for it: 3 is most, below 0 is against it.
+    /// Support by the names: at most 3, negative if they contradict.
     pub by_name: f64,
-    /// What it costs that other joints lie between its own.
+    /// Cost of other joints between its own.
     pub skipped: f64,
-    /// All evidence.
+    /// Sum of all evidence.
     pub score: f64,
 }
 
-/// The best candidates for a limb, those of each named side apart.
+/// Returns the best candidates for a limb, separately for each named side.
 pub(super) fn candidates(body: &Body, kind: LimbKind) -> Vec<Limb> {
     let mut limbs = Vec::new();
     for end in 0..body.count() {
@@ -82,7 +82,7 @@ pub(super) fn candidates(body: &Body, kind: LimbKind) -> Vec<Limb> {
         let by_longest = (limb.lengths[0] + limb.lengths[1]) / longest;
         limb.score -= 0.3 * libm::log(by_longest / kind.by_leg()).abs().min(3.0);
     }
-    // Of equals the one nearer to the root, which is the joint that carries the others.
+    // Among equal candidates, the one nearer to the root is preferred, because it carries the others.
     limbs.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.joints.cmp(&b.joints)));
     let mut kept = [0; 3];
     limbs.retain(|limb| {
@@ -93,7 +93,7 @@ pub(super) fn candidates(body: &Body, kind: LimbKind) -> Vec<Limb> {
     limbs
 }
 
-/// The candidate of these joints, if no name speaks against all of it.
+/// Returns the candidate of these joints, unless the names contradict it.
 fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
     let [upper, middle, end] = joints;
     let parts = kind.parts();
@@ -112,7 +112,7 @@ fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
         }
     }
     let lengths = [body.length(upper, middle), body.length(middle, end)];
-    // Several joints at one place, as NAO's balls, are no limb.
+    // Several joints at one position, such as NAO's ball joints, are not a limb.
     if lengths.iter().any(|length| body.is_zero(*length)) {
         return None;
     }
@@ -128,7 +128,7 @@ fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
     Some(Limb { joints, lengths, side, by_name, skipped, score })
 }
 
-/// How far the name of `joint` speaks for `part`: 1 for, 0 nothing, -1 against.
+/// Returns the support of the name of `joint` for `part`: 1 for it, 0 unknown, -1 against it.
 pub(super) fn says(body: &Body, joint: usize, part: Part) -> f64 {
     let name = &body.names[joint];
     let likely = name.says(part);
@@ -143,7 +143,7 @@ pub(super) fn says(body: &Body, joint: usize, part: Part) -> f64 {
     }
 }
 
-/// What it costs to pass over the joints between two of a limb: nothing where they only turn the bone.
+/// Returns the cost of skipping the joints between two joints of a limb: zero for joints that only rotate the bone.
 fn cost_of_skipped(body: &Body, from: usize, to: usize, part: Part) -> f64 {
     let of = |joint: usize| {
         let name = &body.names[joint];
@@ -156,12 +156,13 @@ fn cost_of_skipped(body: &Body, from: usize, to: usize, part: Part) -> f64 {
     way[..way.len() - 1].iter().map(|joint| of(*joint)).sum()
 }
 
-/// Whether the name surely means `part`. Of two joints called shoulder, the first is the clavicle.
+/// Returns whether the name certainly means `part`. If two joints are called shoulder, the first is the clavicle.
 fn is_same(name: &Name, part: Part) -> bool {
     name.says(part) > 0.0 && name.says(Part::Clavicle) <= 0.0
 }
 
-/// Of joints that names call alike, such as `upperarm01` and `upperarm02`, the first is meant.
+/// Returns the cost of a joint whose parent has an equally good name: of `upperarm01` and `upperarm02`, the first
+/// is intended.
 fn cost_of_second(body: &Body, joint: usize, part: Part) -> f64 {
     let likely = body.names[joint].says(part);
     let before = body.parent(joint).map_or(0.0, |parent| {

@@ -1,9 +1,9 @@
-//! Which joint of a recorded skeleton is which landmark of a body.
+//! Matches joints of a recorded skeleton with landmarks of a body.
 //!
-//! Names speak first: cut into words, side and part of the body. Then the tree overrules: an elbow lies between
-//! shoulder and wrist, the pelvis is what carries both hips. Lengths and directions of the bones decide where names say
-//! nothing.
-//! Each landmark comes with how sure it is and the weakest of its evidence.
+//! First, names are split into words, which give side and part of the body. The tree overrules names: an elbow is
+//! between shoulder and wrist, and the pelvis carries both hips. If names are unknown, lengths and directions of
+//! the bones decide.
+//! Each landmark has a confidence and the weakest of its evidence.
 
 mod body;
 mod confidence;
@@ -35,26 +35,27 @@ pub use unit::{BODY_HEIGHT_M, Unit};
 
 use crate::{Landmark, Side};
 
-/// Which joints of a skeleton are the landmarks of a human body.
+/// The joints of a skeleton that are landmarks of a human body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkeletonMatch {
     found: BTreeMap<Landmark, Found>,
     missing: BTreeMap<Landmark, String>,
-    /// Where up, forward and left are; `None` where no pose tells.
+    /// Directions of up, forward and left; `None` if no pose defines them.
     pub directions: Option<Directions>,
-    /// The axis of the file that points up; `None` where no pose tells.
+    /// Axis of the file that points up; `None` if no pose defines it.
     pub up: Option<UpAxis>,
-    /// The unit of length; `None` without arms and legs.
+    /// Unit of length; `None` without arms and legs.
     pub unit: Option<Unit>,
-    /// What a person should know of the whole: a quadruped, sides that contradict the toes.
+    /// Findings about the skeleton as a whole: a quadruped, or sides that contradict the toes.
     pub findings: Vec<String>,
 }
 
 impl SkeletonMatch {
-    /// Matches `skeleton`. `frames` are poses of its joints (`frames[f][j]`), which help where names say little: the
-    /// rest pose of many files is no pose of a body. They may be none.
+    /// Matches `skeleton`. `frames` contains poses of its joints (`frames[f][j]`), which help if names are unknown,
+    /// because the rest pose of many files is not a real pose of a body. It may be empty.
     ///
-    /// Lengths may be in any unit. Time grows with the joints, not with the frames, of which at most 48 are looked at.
+    /// Lengths may be in any unit. The time grows with the number of joints, not of frames, of which at most 48 are
+    /// evaluated.
     pub fn new(skeleton: &Skeleton, frames: &[Vec<JointSample>]) -> Self {
         if skeleton.joints.is_empty() {
             return Self::none("the skeleton has no joints");
@@ -82,11 +83,11 @@ impl SkeletonMatch {
         Self::new(&clip.skeleton, &clip.frames)
     }
 
-    /// Matches the skeleton of a recording by those of its frames that have no gap, see [`new`](Self::new).
+    /// Matches the skeleton of a recording from its frames without gaps, see [`new`](Self::new).
     pub fn of_recording(recording: &Recording) -> Self {
         let is_whole = |frame: &usize| recording.frames[*frame].iter().all(Option::is_some);
         let whole = (0..recording.frames.len()).filter(is_whole);
-        // Copies of what is looked at alone: a recording may be long.
+        // Copies only the evaluated frames, because a recording may be long.
         let looked_at: Vec<usize> = whole.clone().step_by(body::step(whole.count())).collect();
         let samples = |frame: &usize| recording.frames[*frame].iter().flatten().copied().collect();
         let frames: Vec<Vec<JointSample>> = looked_at.iter().map(samples).collect();
@@ -110,38 +111,39 @@ impl SkeletonMatch {
         }
     }
 
-    /// What is known of `landmark`; `None` if the skeleton has none.
+    /// Returns the match of `landmark`; `None` if the skeleton does not have it.
     pub fn get(&self, landmark: Landmark) -> Option<&Found> {
         self.found.get(&landmark)
     }
 
-    /// The joint of `landmark`.
+    /// Returns the joint of `landmark`.
     pub fn joint(&self, landmark: Landmark) -> Option<usize> {
         self.get(landmark).map(|found| found.joint)
     }
 
-    /// Height of the body in the skeleton's unit; 0 where nothing tells it.
+    /// Returns the height of the body, in the skeleton's unit; 0 if unknown.
     fn height(&self) -> f64 {
         self.unit.as_ref().map_or(0.0, |unit| unit.height)
     }
 
-    /// All that were found, from the trunk outwards.
+    /// Returns all landmarks that were found, from the trunk outwards.
     pub fn found(&self) -> impl Iterator<Item = (Landmark, &Found)> {
         self.found.iter().map(|(landmark, found)| (*landmark, found))
     }
 
-    /// Those that were not, each with the reason.
+    /// Returns all landmarks that were not found, each with the reason.
     pub fn missing(&self) -> impl Iterator<Item = (Landmark, &str)> {
         self.missing.iter().map(|(landmark, reason)| (*landmark, reason.as_str()))
     }
 
-    /// The one that is least sure.
+    /// Returns the landmark with the lowest confidence.
     pub fn lowest(&self) -> Option<(Landmark, &Found)> {
         self.found().min_by(|a, b| a.1.confidence.total_cmp(&b.1.confidence))
     }
 }
 
-/// Sides that no name tells are those with which toes and knees point forward. Whether any was turned round.
+/// Exchanges the sides if no name gives them and toes and knees point backwards. Returns whether the sides were
+/// exchanged.
 fn swap_by_geometry(
     legs: &mut Result<Pair, String>,
     arms: &mut Result<Pair, String>,

@@ -1,4 +1,4 @@
-//! What a joint's name says of its place in a body.
+//! Side, part and kind of a joint, derived from its name.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use super::text::words;
 use super::vocabulary::Word;
 use crate::Side;
 
-/// A part of a body, as names tell it: more than landmarks.
+/// A part of a body that names can mean; there are more parts than landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     Pelvis,
@@ -25,7 +25,8 @@ pub(super) enum Part {
 }
 
 impl Part {
-    /// Parts of the trunk whose names makers exchange: a spine from pelvis to head, a neck that carries the arms.
+    /// Returns whether makers exchange the names of these parts of the trunk: a pelvis or head called spine, a
+    /// chest called neck.
     pub(super) fn is_near(self, named: Self) -> bool {
         matches!(
             (self, named),
@@ -33,7 +34,7 @@ impl Part {
         )
     }
 
-    /// In plain words.
+    /// Returns the part in plain words.
     pub(super) fn words(self) -> &'static str {
         match self {
             Self::Pelvis => "a pelvis",
@@ -53,62 +54,62 @@ impl Part {
     }
 }
 
-/// What kind of joint a name speaks of.
+/// Kind of joint that a name means.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// One of a body, or a name that says nothing.
+    /// A joint of the body, or an unknown name.
     Body,
-    /// A finger.
+    /// A joint of a finger.
     Finger,
-    /// Eye, jaw, hair.
+    /// A part of the face: eye, jaw, hair.
     Face,
-    /// It turns a bone about its own axis.
+    /// A joint that rotates a bone about its own axis.
     Twist,
-    /// The end of a bone, no joint.
+    /// The end of a bone, not a joint.
     End,
     /// A handle, a prop, clothes.
     Helper,
-    /// What only animals have.
+    /// A part that only animals have.
     Animal,
 }
 
-/// What a name says.
+/// Meaning of a name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Name {
-    /// The side it names.
+    /// Side in the name.
     pub side: Option<Side>,
-    /// The kind of joint.
+    /// Kind of joint.
     pub kind: Kind,
-    /// The parts that it may mean, each with how likely it is, 0 to 1.
+    /// Parts that it may mean, each with a probability, 0 to 1.
     pub parts: Vec<(Part, f64)>,
-    /// It speaks of front or hind legs.
+    /// Whether it contains front or hind legs.
     pub quadruped: bool,
-    /// What it says beside its side: mirror partners have the same.
+    /// Words other than the side: they are equal for mirror partners.
     pub rest: Vec<Word>,
 }
 
 impl Name {
-    /// How likely the name means `part`, 0 to 1.
+    /// Returns the probability that the name means `part`, 0 to 1.
     pub(super) fn says(&self, part: Part) -> f64 {
         self.parts.iter().find(|(other, _)| *other == part).map_or(0.0, |(_, likely)| *likely)
     }
 
-    /// The part it most likely means.
+    /// Returns the most probable part.
     pub(super) fn best(&self) -> Option<Part> {
         self.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(part, _)| *part)
     }
 
-    /// Whether it says nothing of a body.
+    /// Returns whether the name contains no part of a body.
     pub(super) fn is_silent(&self) -> bool {
         self.parts.is_empty() && self.kind == Kind::Body
     }
 }
 
-/// What the names of a skeleton say.
+/// Reads the names of a skeleton.
 pub(super) fn read_all(names: &[&str]) -> Vec<Name> {
     let mut all: Vec<Vec<Word>> = names.iter().map(|name| words(name)).collect();
     drop_prefix(&mut all);
-    // Rigs are exported with `ctrl` or `leaf` in every name: then it says nothing.
+    // Some exporters add `ctrl` or `leaf` to every name: then the word has no meaning.
     let is_everywhere = |word: Word| {
         let count = all.iter().filter(|words| words.contains(&word)).count();
         matches!(word, Word::Helper | Word::End | Word::Twist | Word::Torso)
@@ -118,7 +119,8 @@ pub(super) fn read_all(names: &[&str]) -> Vec<Name> {
         .into_iter()
         .filter(|word| is_everywhere(*word))
         .collect();
-    // A spine has one base: as in `CC_Base_Spine01` and `CC_Base_Spine02` it names the file.
+    // A spine has one base. If several names contain it, as `CC_Base_Spine01` and `CC_Base_Spine02`, it is the name
+    // of the file.
     let is_base = |words: &&Vec<Word>| words.contains(&Word::Spine) && words.contains(&Word::Base);
     if all.iter().filter(is_base).count() > 1 {
         everywhere.push(Word::Base);
@@ -130,7 +132,7 @@ pub(super) fn read_all(names: &[&str]) -> Vec<Name> {
         .map(|(name, words)| {
             let says = |word: &Word| !everywhere.contains(word);
             let mut read = read(&words.iter().copied().filter(says).collect::<Vec<_>>());
-            // MakeHuman's `__UpLeg_L` leads to `UpLeg_L`.
+            // MakeHuman's `__UpLeg_L` is a helper before `UpLeg_L`.
             let bare = name.trim_start_matches('_');
             if bare != *name && spelled.contains(bare) {
                 (read.kind, read.parts) = (Kind::Helper, Vec::new());
@@ -140,7 +142,7 @@ pub(super) fn read_all(names: &[&str]) -> Vec<Name> {
         .collect()
 }
 
-/// Drops the word that nearly all names begin with, as `CC_Base_L_Thigh`: it names the file.
+/// Drops the word at the beginning of nearly all names, as in `CC_Base_L_Thigh`: it is the name of the file.
 fn drop_prefix(all: &mut [Vec<Word>]) {
     let Some(prefix) = all
         .iter()
@@ -160,7 +162,7 @@ fn drop_prefix(all: &mut [Vec<Word>]) {
     }
 }
 
-/// What `words` say.
+/// Derives the meaning of `words`.
 fn read(words: &[Word]) -> Name {
     let has = |word| words.contains(&word);
     let side = words.iter().rev().find_map(|word| match word {
@@ -174,7 +176,7 @@ fn read(words: &[Word]) -> Name {
     let leg = has(Word::Leg) || has(Word::Thigh);
     let quadruped = leg && [Word::Front, Word::Hind, Word::Fore, Word::Spine].into_iter().any(has);
     let kind = kind(&has, side);
-    // A finger or an eye is no hand and no head, whatever else its name holds.
+    // A finger or an eye is not a hand or a head, even if its name contains these words.
     let parts = match kind {
         Kind::Body | Kind::Twist | Kind::End => parts(&has, side),
         Kind::Finger | Kind::Face | Kind::Helper | Kind::Animal => Vec::new(),
@@ -217,11 +219,12 @@ fn kind(has: &impl Fn(Word) -> bool, side: Option<Side>) -> Kind {
     }
 }
 
-/// Words, whether the joint is on a side, parts.
+/// Words, whether the joint is on a side, and parts.
 type Meaning = (&'static [Word], Option<bool>, &'static [(Part, f64)]);
 
-/// What words mean together, the first row that fits: the words, whether the joint is on a side (where it matters), and
-/// the parts that they may mean. Weights say how often makers of files mean them, relative to each other.
+/// Meanings of word combinations; the first row that fits is used. A row contains the words, whether the joint is
+/// on a side (if it matters), and the parts that they may mean, with relative weights: how often makers of files use
+/// the words in this meaning.
 const MEANINGS: &[Meaning] = {
     use Part::{
         Ankle, Chest, Clavicle, Elbow, Head, Hip, Knee, Neck, Pelvis, Shoulder, Spine, Toe, Wrist,
@@ -232,7 +235,7 @@ const MEANINGS: &[Meaning] = {
         (&[Word::Ankle], None, &[(Ankle, 1.0)]),
         (&[Word::Foot, Word::Middle], None, &[(Toe, 0.7)]),
         (&[Word::Foot, Word::Finger], None, &[(Toe, 0.7)]),
-        // A foot begins at the ankle, but where a file has an ankle too it is the ball of the foot.
+        // A foot begins at the ankle, but in a file with an ankle it is the ball of the foot.
         (&[Word::Foot], None, &[(Ankle, 0.8), (Toe, 0.4)]),
         (&[Word::Knee], None, &[(Knee, 1.0)]),
         (&[Word::Shank], None, &[(Knee, 1.0)]),
@@ -252,7 +255,7 @@ const MEANINGS: &[Meaning] = {
         (&[Word::Arm, Word::Fore], None, &[(Elbow, 1.0)]),
         (&[Word::Arm], None, &[(Shoulder, 0.9), (Elbow, 0.3)]),
         (&[Word::Clavicle], None, &[(Clavicle, 1.0)]),
-        // It may be the ball or the clavicle; Kinect's centre of the shoulders is the chest.
+        // It may be the ball joint or the clavicle; Kinect's centre of the shoulders is the chest.
         (&[Word::Shoulder], Some(true), &[(Shoulder, 0.6), (Clavicle, 0.6)]),
         (&[Word::Shoulder], None, &[(Chest, 0.8)]),
         (&[Word::Hand], None, &[(Wrist, 0.8)]),
@@ -269,7 +272,7 @@ const MEANINGS: &[Meaning] = {
     ]
 };
 
-/// The parts that the words may mean.
+/// Returns the parts that the words may mean.
 fn parts(has: &impl Fn(Word) -> bool, side: Option<Side>) -> Vec<(Part, f64)> {
     let fits = |(words, sided, _): &&Meaning| {
         words.iter().all(|word| has(*word)) && sided.is_none_or(|sided| sided == side.is_some())

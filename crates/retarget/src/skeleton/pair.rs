@@ -1,4 +1,4 @@
-//! Two limbs that mirror each other; the legs and the arms of a body.
+//! Pairs of mirrored limbs: the legs and the arms of a body.
 
 use glam::DVec3;
 
@@ -6,35 +6,35 @@ use super::body::{Body, Pose};
 use super::limb::{Limb, LimbKind, candidates};
 use crate::Side;
 
-/// Names that say this much (of 3) of a limb are believed without help of the tree.
+/// Support by names (at most 3) from which a limb is accepted without evidence from the tree.
 const NAMED: f64 = 1.5;
-/// So many pairs of legs are tried with so many of arms.
+/// Number of pairs of legs that are combined with as many pairs of arms.
 const TRIED: usize = 40;
 
-/// Two limbs, or one where the other is not there.
+/// Two limbs, or only one if the other is missing.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Pair {
-    /// Left and right, by their names where these tell it; else in the file's order.
+    /// Left and right limb, by their names if these contain sides; otherwise in the file's order.
     pub limbs: [Option<Limb>; 2],
-    /// Whether the names tell the sides.
+    /// Whether the names contain the sides.
     pub sided: bool,
-    /// How far the two differ in lengths: 0 is a perfect mirror, 1 no mirror at all.
+    /// Difference of the limbs' lengths: 0 is a perfect mirror image, 1 is not a mirror image at all.
     pub asymmetry: f64,
     score: f64,
 }
 
 impl Pair {
-    /// The limb of a side.
+    /// Returns the limb of a side.
     pub(super) fn limb(&self, side: Side) -> Option<&Limb> {
         self.limbs[side as usize].as_ref()
     }
 
-    /// The limbs that are there.
+    /// Returns the limbs that exist.
     pub(super) fn both(&self) -> impl Iterator<Item = &Limb> {
         self.limbs.iter().flatten()
     }
 
-    /// Mean length of both bones of a limb.
+    /// Returns the mean length of both bones of a limb.
     pub(super) fn length(&self) -> f64 {
         let (sum, count) = self.both().fold((0.0, 0.0), |(sum, count), limb| {
             (sum + limb.lengths[0] + limb.lengths[1], count + 1.0)
@@ -42,7 +42,7 @@ impl Pair {
         sum / f64::max(count, 1.0)
     }
 
-    /// The joint that carries both uppermost joints; of one limb its parent.
+    /// Returns the joint that carries both first joints; for a single limb, its parent.
     pub(super) fn carrier(&self, body: &Body) -> Option<usize> {
         match &self.limbs {
             [Some(left), Some(right)] => {
@@ -58,7 +58,7 @@ impl Pair {
     }
 }
 
-/// Legs and arms; `None` where there are none, with the reason.
+/// Finds legs and arms, or the reason why there are none.
 pub(super) fn legs_and_arms(body: &Body) -> [Result<Pair, String>; 2] {
     let legs = pairs(body, LimbKind::Leg);
     let arms = pairs(body, LimbKind::Arm);
@@ -95,8 +95,8 @@ pub(super) fn legs_and_arms(body: &Body) -> [Result<Pair, String>; 2] {
     [named(&legs, LimbKind::Leg), named(&arms, LimbKind::Arm)]
 }
 
-/// Gives limbs whose sides no name tells the order of the others: the left arm is above the left leg. A file may list
-/// one pair from the left and the other from the right.
+/// Makes the sides of limbs without named sides consistent with those of the other pair: the left arm is above the
+/// left leg. A file may list one pair from the left and the other from the right.
 pub(super) fn agree_on_sides(body: &Body, legs: &mut Pair, arms: &mut Pair) {
     let aside = |pair: &Pair, pose: &Pose| match &pair.limbs {
         [Some(left), Some(right)] => pose.at(left.joints[0]) - pose.at(right.joints[0]),
@@ -112,7 +112,7 @@ pub(super) fn agree_on_sides(body: &Body, legs: &mut Pair, arms: &mut Pair) {
     }
 }
 
-/// Two limbs of a kind, the best first.
+/// Returns all pairs of limbs of a kind, the best first.
 fn pairs(body: &Body, kind: LimbKind) -> Vec<Pair> {
     let limbs = candidates(body, kind);
     let mut pairs = Vec::new();
@@ -125,7 +125,7 @@ fn pairs(body: &Body, kind: LimbKind) -> Vec<Pair> {
     pairs
 }
 
-/// The pair of two limbs, if they are apart and not of one side.
+/// Returns the pair of two limbs, if they are separate and not of the same side.
 fn pair(body: &Body, one: &Limb, other: &Limb) -> Option<Pair> {
     let swapped = match (one.side, other.side) {
         (Some(one), Some(other)) if one == other => return None,
@@ -164,7 +164,7 @@ fn pair(body: &Body, one: &Limb, other: &Limb) -> Option<Pair> {
     Some(Pair { limbs, sided: one.side.is_some() || other.side.is_some(), asymmetry, score })
 }
 
-/// One limb that has no partner, where its names leave no doubt.
+/// Returns a single limb without partner, if its names are certain.
 fn single(body: &Body, kind: LimbKind) -> Option<Pair> {
     let limb = candidates(body, kind).into_iter().find(|limb| limb.by_name >= 2.0)?;
     let score = limb.score;
@@ -183,14 +183,14 @@ fn are_apart(body: &Body, legs: &Pair, arms: &Pair) -> bool {
     })
 }
 
-/// What it costs to take these legs with these arms.
+/// Returns the cost of combining these legs with these arms.
 fn cost_together(body: &Body, legs: &Pair, arms: &Pair) -> f64 {
     let longer_arms = if arms.length() > 1.1 * legs.length() { 0.3 } else { 0.0 };
     let one_carrier = if legs.carrier(body) == arms.carrier(body) { 0.3 } else { 0.0 };
     longer_arms + one_carrier
 }
 
-/// Why these are no human's legs and arms, if the names do not say that they are.
+/// Returns why these are not a human's legs and arms, unless the names are certain.
 fn not_believed(body: &Body, legs: &Pair, arms: &Pair) -> Option<String> {
     if legs.is_named() && arms.is_named() {
         return None;
@@ -212,7 +212,7 @@ fn not_believed(body: &Body, legs: &Pair, arms: &Pair) -> Option<String> {
             "the limbs most like legs are {long:.2} times as long as the skeleton reaches: too short for legs"
         ))
     } else if legs.carrier(body) == arms.carrier(body) {
-        Some("all limbs hang on one joint: no trunk between arms and legs".to_owned())
+        Some("all limbs are attached to one joint: no trunk between arms and legs".to_owned())
     } else {
         None
     }

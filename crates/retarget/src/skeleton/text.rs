@@ -1,11 +1,11 @@
-//! The words in a joint's name.
+//! Splits a joint's name into known words.
 
 use super::vocabulary::{JAPANESE, VOCABULARY, Word};
 
-/// The known words of `name`, in order; what is not known, and what says nothing, is left out.
+/// Returns the known words of `name`, in order; unknown words and words without meaning are left out.
 pub(super) fn words(name: &str) -> Vec<Word> {
-    // What stands before the last of these names the file or the character; Poser puts a number behind it, to which
-    // exporters add `_jnt`.
+    // The text before the last of these characters is the name of the file or the character. Poser appends a
+    // number, to which exporters add `_jnt`.
     let name = name.rsplit([':', '|']).find(|part| names_a_joint(part)).unwrap_or(name);
     if is_vertebra(name) {
         return vec![Word::Spine];
@@ -21,7 +21,7 @@ pub(super) fn words(name: &str) -> Vec<Word> {
     known.filter(|word| *word != Word::Noise).collect()
 }
 
-/// Whether part of a name says more than that it is a joint.
+/// Returns whether part of a name contains more than words without meaning, such as joint.
 fn names_a_joint(part: &str) -> bool {
     let is_noise = |token: &String| {
         in_words(token, false).is_some_and(|words| words.iter().all(|word| *word == Word::Noise))
@@ -29,7 +29,7 @@ fn names_a_joint(part: &str) -> bool {
     !tokens(part).iter().all(is_noise)
 }
 
-/// `L5`, `T12`, `jL5S1`: vertebrae, not a left side.
+/// Returns whether a name is of vertebrae, not of a left side: `L5`, `T12`, `jL5S1`.
 fn is_vertebra(name: &str) -> bool {
     let name = name.strip_prefix('j').unwrap_or(name);
     let mut digits = 0;
@@ -43,7 +43,7 @@ fn is_vertebra(name: &str) -> bool {
     digits == 0 && !name.is_empty()
 }
 
-/// Parts of a name in lower case, cut at signs, digits and changes of case: `LHipJoint` is `l`, `hip`, `joint`.
+/// Splits a name at punctuation, digits and changes of case, in lower case: `LHipJoint` is `l`, `hip`, `joint`.
 fn tokens(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
     let mut tokens = Vec::new();
@@ -67,12 +67,13 @@ fn tokens(name: &str) -> Vec<String> {
     tokens
 }
 
-/// A token as words, where known words cover all of it: `lhipjoint` is left, hip, joint. The fewest words win.
+/// Splits a token into known words that cover all of it: `lhipjoint` is left, hip, joint. The split with the fewest
+/// words is used.
 fn in_words(token: &str, side_is_known: bool) -> Option<Vec<Word>> {
     if !token.is_ascii() {
         return None;
     }
-    // The best cover of the token's first letters, by their count.
+    // For each number of first letters, their best cover by words.
     let mut covers: Vec<Option<Vec<Word>>> = vec![None; token.len() + 1];
     covers[0] = Some(Vec::new());
     for from in 0..token.len() {
@@ -96,7 +97,8 @@ fn in_words(token: &str, side_is_known: bool) -> Option<Vec<Word>> {
     covers.pop().flatten()
 }
 
-/// One letter that stands for a word: a side at the beginning or the end; `u` and `f` of `LUArm`, `LFArm`.
+/// Returns the word that a single letter means: a side at the beginning or the end; `u` and `f` as in `LUArm`,
+/// `LFArm`.
 fn letter(rest: &str, from: usize, token: &str, side_is_known: bool) -> Option<(Word, usize)> {
     let at_edge = from == 0 || rest.len() == 1;
     let word = match rest.as_bytes().first()? {

@@ -1,10 +1,10 @@
-//! Pelvis, chest, neck and head, between and beyond the limbs.
+//! Finds pelvis, chest, neck and head, between and beyond the limbs.
 
 use super::body::Body;
 use super::name::{Kind, Part};
 use super::pair::Pair;
 
-/// The joints of the trunk.
+/// Joints of the trunk.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Trunk {
     pub pelvis: Option<usize>,
@@ -14,12 +14,13 @@ pub(super) struct Trunk {
 }
 
 impl Trunk {
-    /// The trunk between `legs` and `arms`.
+    /// Finds the trunk between `legs` and `arms`.
     pub(super) fn find(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>) -> Self {
         let pelvis =
             legs.and_then(|legs| legs.carrier(body)).map(|carrier| above_spine(body, carrier));
         let carrier = arms.and_then(|arms| arms.carrier(body));
-        // 3ds Max hangs the clavicles on the neck. The chest is what the neck stands on, unless that is the pelvis.
+        // In 3ds Max, clavicles are children of the neck. The chest is then the neck's parent, unless that is the
+        // pelvis.
         let neck_carries = carrier.filter(|carrier| {
             body.names[*carrier].best() == Some(Part::Neck) && body.parent(*carrier) != pelvis
         });
@@ -38,14 +39,15 @@ impl Trunk {
     }
 }
 
-/// What carries the hips: `carrier`, or its parent where 3ds Max hangs the thighs on the spine.
+/// Returns the joint that carries the hips: `carrier`, or its parent if the thighs are children of the spine (3ds
+/// Max).
 fn above_spine(body: &Body, carrier: usize) -> usize {
     let is_spine = body.names[carrier].best() == Some(Part::Spine);
     let parent = body.parent(carrier).filter(|parent| body.names[*parent].says(Part::Pelvis) > 0.8);
     parent.filter(|_| is_spine).unwrap_or(carrier)
 }
 
-/// The head: by its name, else at the end of what goes on from the chest between the arms.
+/// Finds the head: by its name, otherwise at the end of the chain that leads from the chest between the arms.
 fn head(body: &Body, chest: Option<usize>, uppers: &[usize]) -> Option<usize> {
     let in_limb = |joint: usize| uppers.iter().any(|upper| body.hangs_on(joint, *upper));
     let carries_limb = |joint: usize| uppers.iter().any(|upper| body.hangs_on(*upper, joint));
@@ -75,14 +77,14 @@ fn head(body: &Body, chest: Option<usize>, uppers: &[usize]) -> Option<usize> {
         |joint: usize| body.children[joint].iter().copied().filter(goes_on).collect::<Vec<_>>();
     let length = |joint: &usize| body.lengths[*joint] + body.below[*joint];
     let mut head = on(chest).into_iter().max_by(|a, b| length(a).total_cmp(&length(b)))?;
-    // A head carries a face, or nothing.
+    // A head carries a face, or nothing; a single child is therefore the head.
     while let [only] = on(head)[..] {
         head = only;
     }
     Some(head)
 }
 
-/// The chest of a body without arms: the last joint called so, or of the spine, on the way to the head.
+/// Finds the chest of a body without arms: the last joint on the path to the head that is called chest or spine.
 fn chest_below(body: &Body, head: usize) -> Option<usize> {
     body.upwards(head).skip(1).find(|joint| {
         let name = &body.names[*joint];
@@ -94,7 +96,7 @@ fn pelvis_by_name(body: &Body) -> Option<usize> {
     (0..body.count()).find(|joint| body.names[*joint].says(Part::Pelvis) > 0.8)
 }
 
-/// The ball of the foot, below the ankle: by its name, else the bone that goes on.
+/// Finds the ball of the foot beyond the ankle: by its name, otherwise as the bone that continues.
 pub(super) fn toe(body: &Body, ankle: usize) -> Option<usize> {
     let below: Vec<usize> = (ankle + 1..body.count())
         .filter(|joint| body.hangs_on(*joint, ankle) && !body.is_end[*joint])
@@ -105,7 +107,7 @@ pub(super) fn toe(body: &Body, ankle: usize) -> Option<usize> {
     let says = |joint: &usize| body.names[*joint].says(Part::Toe);
     let best = below.iter().max_by(|a, b| says(a).total_cmp(&says(b)));
     if let Some(best) = best.map(says).filter(|best| *best > 0.0) {
-        // Of five toes the longest; of its joints the first.
+        // Among five toes the longest is used, and among its joints the first.
         let is_best = |joint: usize| joint != ankle && says(&joint) >= best;
         let is_first = |joint: &&usize| {
             is_best(**joint) && body.parent(**joint).is_none_or(|parent| !is_best(parent))

@@ -1,10 +1,11 @@
-//! The unit of a skeleton's lengths, by its height.
+//! Finds the unit of a skeleton's lengths, from its height.
 
 use super::body::Body;
 use super::pair::Pair;
 use super::trunk::Trunk;
 
-/// Units that files are in, each with its length in metres. No two of them make one skeleton's height usual.
+/// Units that occur in files, with their length in metres. For any height, at most one of them gives a usual
+/// height.
 const UNITS: [(f64, &str); 7] = [
     (1.0, "metres"),
     (0.3048, "feet"),
@@ -12,28 +13,30 @@ const UNITS: [(f64, &str); 7] = [
     (0.01, "centimetres"),
     (0.001, "millimetres"),
     (0.0254, "inches"),
-    // CMU: inches after division by 0.45.
+    // CMU files: inches divided by 0.45.
     (0.0254 / 0.45, "inches / 0.45, as CMU's files have"),
 ];
-/// From a child of seven to a tall man: neighbours among the units differ by more than 2.1 / 1.2.
+/// Usual heights, from a child of seven years to a tall man; neighbouring units differ by more than 2.1 / 1.2.
 const USUAL_M: std::ops::RangeInclusive<f64> = 1.2..=2.1;
-/// From a newborn child to the tallest people (2.72 m was the tallest known). Here several units may fit.
+/// Possible heights, from a newborn child to the tallest people (the tallest known was 2.72 m). Several units may
+/// fit.
 pub const BODY_HEIGHT_M: std::ops::RangeInclusive<f64> = 0.5..=2.5;
-/// Parts of the stature (Drillis and Contini, in D. A. Winter, Biomechanics and Motor Control of Human Movement,
-/// figure 4.1): thigh and shank, sole to ankle, base of the skull to the vertex.
+/// Proportions of the stature (Drillis and Contini, in D. A. Winter, Biomechanics and Motor Control of Human
+/// Movement, figure 4.1): thigh and shank, sole to ankle, base of the skull to the top of the head.
 pub(super) const LEG: f64 = 0.491;
 const ANKLE: f64 = 0.039;
 pub(super) const SKULL: f64 = 0.130;
 const ARM: f64 = 0.332;
 
-/// What unit of length a skeleton is in.
+/// Unit of length of a skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// Length of one unit in metres; `None` where no unit makes the height believable.
+    /// Length of one unit in metres; `None` if no unit gives a plausible height.
     pub metres_per_unit: Option<f64>,
-    /// Height of the standing body, in the skeleton's unit: from the lengths of its bones, so poses do not matter.
+    /// Height of the standing body, in the skeleton's unit. It is derived from bone lengths, therefore poses do not
+    /// matter.
     pub height: f64,
-    /// Why, in plain words.
+    /// Reason in plain words.
     pub reason: String,
 }
 
@@ -50,8 +53,8 @@ impl Unit {
     }
 }
 
-/// The unit that makes a body of so many units as tall as people usually are, else the only one that makes it as tall
-/// as people can be; and why, with what else it can be.
+/// Returns the unit that gives a usual height, otherwise the only unit that gives a possible height, with the
+/// reason and the other possible units.
 fn of_height(height: f64) -> (Option<f64>, String) {
     let fits = |range: &std::ops::RangeInclusive<f64>| -> Vec<&(f64, &str)> {
         UNITS.iter().filter(|(metres, _)| range.contains(&(metres * height))).collect()
@@ -60,7 +63,7 @@ fn of_height(height: f64) -> (Option<f64>, String) {
         format!("in {name} the body is {:.2} m tall", metres * height)
     };
     if let [unit] = fits(&USUAL_M)[..] {
-        // A doll's height in another unit: who has one must be able to see the mistake.
+        // In another unit it could be a doll: the message mentions this, so that a user can see a wrong choice.
         let others = fits(&BODY_HEIGHT_M).into_iter().filter(|other| *other != unit);
         let reason = others.fold(told(unit), |reason, (metres, name)| {
             format!("{reason}, less usual: {:.2} m in {name}", metres * height)
@@ -85,8 +88,8 @@ fn of_height(height: f64) -> (Option<f64>, String) {
     }
 }
 
-/// Height of the standing body, in the skeleton's unit. One limb alone is no person's: robots' arms have names of
-/// bones, too.
+/// Returns the height of the standing body, in the skeleton's unit. A single limb is not sufficient: joints of
+/// robot arms have names of bones too.
 fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) -> Option<f64> {
     let two = |pair: &&Pair| pair.both().count() == 2;
     let (legs, arms) = (legs.filter(two), arms.filter(two));
@@ -103,13 +106,13 @@ fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) 
     }
 }
 
-/// From the head's joint to its end, if the file tells it.
+/// Returns the length from the head's joint to its end, if it is in the file.
 fn head_length(body: &Body, head: usize) -> Option<f64> {
     let ends = body.children[head]
         .iter()
         .filter(|child| body.is_end[**child])
         .map(|child| body.lengths[*child]);
-    // Some writers put a stub of a millimetre there.
+    // Some writers add a stub of one millimetre there.
     let long = ends.chain([body.site(head)]).fold(0.0, f64::max);
     (long > 0.02 * body.below[0]).then_some(long)
 }

@@ -1,6 +1,6 @@
-//! The words of joints' names, and how files spell them.
+//! Words in joints' names, with their spellings.
 
-/// A word of anatomy, or of what hangs beside it, and how files spell it.
+/// A word of anatomy or of accessories, with its spellings in files.
 pub(super) const VOCABULARY: &[(Word, &[&str])] = &[
     (Word::Left, &["left", "lft", "lt", "links", "gauche", "izquierda"]),
     (Word::Right, &["right", "rgt", "rt", "rechts", "droite", "derecha"]),
@@ -185,7 +185,7 @@ pub(super) const VOCABULARY: &[(Word, &[&str])] = &[
     ),
 ];
 
-/// What Japanese (MMD) and Chinese names say, longest first.
+/// Translations of Japanese (MMD) and Chinese names, the longest first.
 pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("全ての親", " root "),
     ("センター", " root "),
@@ -238,7 +238,7 @@ pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("ＩＫ", " ik "),
 ];
 
-/// What a word means here.
+/// A known word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Word {
     Left,

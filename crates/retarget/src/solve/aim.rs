@@ -1,4 +1,4 @@
-//! From a frame of a performance to the targets of a rig's terms.
+//! Converts a frame of a performance to targets of the rig's terms.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -9,22 +9,22 @@ use crate::performer::{PerformerFrame, segment_above};
 use crate::rig::{RigMatch, RigPoint};
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Weights per rad²: posture.
+/// Weights of posture terms, per rad².
 const PELVIS: f64 = 1.0;
 const CHEST: f64 = 0.5;
 const HEAD: f64 = 0.2;
 const FOOT: f64 = 0.1;
 const SEGMENT: f64 = 0.5;
 const TWIST: f64 = 0.05;
-/// Of a limb that has too few joints: what comes first, and what comes after.
+/// Weights of a limb with too few joints: of its first and of its second priority.
 const FIRST: f64 = 1.0;
 const AFTER: f64 = 0.1;
-/// A performer's limb that bends about less certain axes has no twist.
+/// Minimum certainty of a limb's bending axis. Below it, the limb gets no twist target.
 const CERTAIN: f64 = 0.5;
-/// A ball of fewer joints cannot twist its limb beside pointing it.
+/// Minimum number of joints of a ball that can twist its limb in addition to pointing it.
 const BALL: usize = 3;
 
-/// What of the performer each term takes its target from.
+/// The property of the performer that a term takes its target from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Source {
     Segment(Landmark),
@@ -34,31 +34,32 @@ enum Source {
     },
     Part(Landmark),
     Bend(Landmark),
-    /// Set by who plans root and feet.
+    /// Set by the planner of root and feet.
     Planned,
 }
 
-/// Where targets come from, and what they are weighed with.
+/// Sources of the targets, with their weights.
 #[derive(Debug, Clone)]
 pub(super) struct Aims {
     sources: Vec<(Source, f64)>,
-    /// The middle between the hips, on the pelvis.
+    /// Midpoint between the hips, on the pelvis.
     pub(super) hips: Option<RigPoint>,
-    /// Place of the term of the hips, and of the toes.
+    /// Indices of the terms of the hips and of the toes.
     pub(super) hips_term: Option<usize>,
     pub(super) toe_terms: [Option<usize>; 2],
     pub(super) toes: [Option<RigPoint>; 2],
-    /// Length of the legs, m.
+    /// Length of the rig's legs, m.
     pub(super) leg_m: Option<f64>,
     /// Length of the longest limb, m.
     pub(super) reach_m: f64,
-    /// The part of the performer in whose frame all is seen, and how the rig's base stands: of rigs whose base is
-    /// fixed.
+    /// For a rig with a fixed base: the part of the performer that corresponds to the base, and the orientation of
+    /// the base.
     seen_from: Option<(Landmark, DQuat)>,
     is_mirrored: bool,
-    /// In the axes of a part.
+    /// Tilt of the performance, in the axes of a part.
     tilt: DQuat,
-    /// The body that a start turns upright, with forward, left, up in its frame.
+    /// Body that is oriented like the performer at the start, with forward, left, up in its frame, and its
+    /// landmark.
     pub(super) stands: Option<(usize, DQuat, Landmark)>,
 }
 
@@ -140,7 +141,7 @@ impl Aims {
             && settings.travels
             && let (Some(hips), true) = (aims.hips, aims.leg_m.is_some())
         {
-            // The base goes where the hips go: the height is left to the feet that stand.
+            // The base follows the hips. Height is decided by the standing feet.
             let kind = Kind::Position { point: hips, parts: [1.0, 1.0] };
             aims.hips_term = Some(list.add(kind, Source::Planned, 0.0));
             for (k, toe) in aims.toes.into_iter().enumerate() {
@@ -153,7 +154,7 @@ impl Aims {
         (aims, list.all)
     }
 
-    /// Targets of posture. Those of root and feet are left as they are.
+    /// Sets the targets of posture. Those of root and feet are unchanged.
     pub(super) fn aim(&self, frame: &PerformerFrame, targets: &mut [Target]) {
         let frame = &self.seen(frame);
         for ((source, weight), target) in self.sources.iter().zip(targets) {
@@ -187,13 +188,14 @@ impl Aims {
         }
     }
 
-    /// How a part is to stand: forward, left, up in the world.
+    /// Returns the target orientation of a part: forward, left, up in the world.
     pub(super) fn part_target(&self, part: Landmark, targets: &[Target]) -> Option<DQuat> {
         let place = self.sources.iter().position(|(source, _)| *source == Source::Part(part))?;
         Some(targets[place].rotation).filter(|_| targets[place].weight > 0.0)
     }
 
-    /// The performance as the rig sees it: mirrored if asked for, and of a rig whose base is fixed from that base.
+    /// Returns the performance as the rig uses it: mirrored if requested, and for a rig with a fixed base, relative
+    /// to that base.
     pub(super) fn seen(&self, frame: &PerformerFrame) -> PerformerFrame {
         let frame = if self.is_mirrored { frame.mirrored() } else { *frame };
         let Some((part, base)) = self.seen_from else { return frame };
@@ -203,7 +205,7 @@ impl Aims {
         frame.moved(turn, DVec3::ZERO)
     }
 
-    /// Angle between each limb's direction and its target, rad, by the landmark at its end.
+    /// Returns the angle between each limb's direction and its target, rad, for the landmark at its end.
     pub(super) fn limb_errors_rad(
         &self,
         state: &State,
@@ -223,7 +225,7 @@ impl Aims {
         errors
     }
 
-    /// The direction of each limb that is asked for, in the rig's world, by the landmark at its end.
+    /// Returns the target direction of each limb in the rig's world, for the landmark at its end.
     pub(super) fn limb_targets(&self, targets: &[Target]) -> LandmarkMap<Option<DVec3>> {
         let mut limbs = LandmarkMap::default();
         for ((source, _), target) in self.sources.iter().zip(targets) {
@@ -237,7 +239,7 @@ impl Aims {
     }
 }
 
-/// Terms in the making.
+/// Collects terms with their sources.
 struct List<'m> {
     model: &'m Model,
     all: Vec<Term>,
@@ -277,7 +279,8 @@ impl List<'_> {
     }
 }
 
-/// The end of a limb. That of an arm is fixed to the forearm: the hand's own joints are not there to point the forearm.
+/// Returns the end of a limb. That of an arm is fixed to the forearm, because the hand's own joints must not be
+/// used to point the forearm.
 fn end_point(rig: &RigMatch, state: &State, end: Landmark) -> Option<RigPoint> {
     let point = rig.points[end]?;
     let first = rig.joints(end).first().copied();
@@ -293,7 +296,7 @@ fn end_point(rig: &RigMatch, state: &State, end: Landmark) -> Option<RigPoint> {
     Some(RigPoint { body: forearm, position_m: pose.to_local(state.point_m(&point)) })
 }
 
-/// The middle between the hips, on the pelvis.
+/// Returns the midpoint between the hips, on the pelvis.
 fn middle(rig: &RigMatch, state: &State) -> Option<RigPoint> {
     let [left, right] = Side::ALL.map(|side| rig.points[Landmark::Hip(side)]);
     let body = rig.pelvis?;
@@ -302,7 +305,7 @@ fn middle(rig: &RigMatch, state: &State) -> Option<RigPoint> {
     Some(RigPoint { body, position_m })
 }
 
-/// Mean length of the legs from hip over knee to ankle, m.
+/// Returns the mean length of the legs from hip over knee to ankle, m.
 fn leg_m(rig: &RigMatch, state: &State) -> Option<f64> {
     let of_side = |side| {
         let point = |landmark: Landmark| Some(state.point_m(&rig.points[landmark]?));

@@ -1,4 +1,4 @@
-//! A whole clip at once: contacts and paths look ahead.
+//! Solves a whole clip at once: contacts and paths use later frames too.
 
 use glam::DVec3;
 use sinew_mocap::Clip;
@@ -15,30 +15,30 @@ use crate::performer::Performer;
 use crate::rig::RigMatch;
 use crate::{Landmark, Side};
 
-/// Sweeps a frame: for posture alone, and with root and feet.
+/// Sweeps per frame: for posture alone, and with root and feet.
 const POSTURE_SWEEPS: usize = 1;
 const SWEEPS: usize = 2;
-/// Sweeps of the first frame.
+/// Number of sweeps of the first frame.
 const FIRST_SWEEPS: usize = 30;
-/// Weight of the hips' place, and of a toe's when it is in the air and when it stands: over the square of the legs'
+/// Weights of the hips' position and of a toe's position (in the air, and standing), divided by the squared leg
 /// length.
 const HIPS: f64 = 0.3;
 const TOE: [f64; 2] = [4.0, 60.0];
 
-/// A clip on a rig.
+/// A clip converted to a rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Baked {
-    /// From frame to frame, s.
+    /// Time from frame to frame, s.
     pub frame_time_s: f64,
-    /// By frame: joint coordinates, as [`Mechanism::coordinate_ranges`] orders them.
+    /// Joint coordinates of each frame, in the order of [`Mechanism::coordinate_ranges`].
     pub q: Vec<Vec<f64>>,
-    /// By frame: the limbs that are asked for.
+    /// Limbs of each frame that have a target.
     pub limbs: Vec<Vec<BakedLimb>>,
-    /// By frame: joints at an end of their range, or at their largest speed.
+    /// Joints of each frame at an end of their range, or at their maximum speed.
     pub held: Vec<Vec<ActiveBound>>,
 }
 
-/// Puts a clip on a rig. `performer`: measured over this clip. About 0.1 ms a frame of 30 joints.
+/// Converts a clip to a rig. `performer` was measured on this clip. Takes about 0.1 ms per frame for 30 joints.
 ///
 /// The base travels if the mechanism's base is free (`mount.base = "driven"`).
 pub fn bake(
@@ -79,17 +79,18 @@ pub fn bake(
     baked
 }
 
-/// Where hips and toes go.
+/// Paths of hips and toes.
 struct Plan {
     hips_m: Vec<DVec3>,
     toes_m: Vec<Vec<DVec3>>,
     contacts: Vec<Vec<f64>>,
-    /// Over the square of the legs' length, 1/m².
+    /// Inverse of the squared leg length, 1/m².
     per_m2: f64,
 }
 
 impl Solver {
-    /// A pass by posture alone, and the paths of hips and toes that follow from it; `None` if the rig does not travel.
+    /// Performs a pass with posture alone, and plans the paths of hips and toes from it; `None` if the rig does not
+    /// travel.
     fn plan(
         &mut self,
         performance: &Performance<'_>,
@@ -141,7 +142,7 @@ impl Solver {
         Some(Plan { hips_m, toes_m, contacts, per_m2: (leg_m * leg_m).recip() })
     }
 
-    /// Aims hips and toes at a frame of the plan.
+    /// Sets the targets of hips and toes for a frame of the plan.
     fn follow(&mut self, plan: &Plan, index: usize) {
         if let Some(term) = self.aims.hips_term {
             let (vector, weight) = (plan.hips_m[index], HIPS * plan.per_m2);
@@ -157,7 +158,7 @@ impl Solver {
     }
 }
 
-/// One more of a list that has all or is none.
+/// Appends to a list that becomes `None` as soon as one value is missing.
 fn push<T>(list: &mut Option<Vec<T>>, value: Option<T>) {
     match (list.as_mut(), value) {
         (Some(list), Some(value)) => list.push(value),

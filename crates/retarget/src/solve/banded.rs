@@ -1,9 +1,10 @@
-//! Least squares over the frames of a clip, whose matrix has a band of two places beside its diagonal.
+//! Least squares over the frames of a clip, whose matrix has two places on each side of its diagonal.
 
-/// A symmetric matrix with a band of two, and a right side: sums of squares of values, first and second differences.
+/// A symmetric matrix with two places below its diagonal, and a right side: for sums of squares of values, first
+/// and second differences.
 #[derive(Debug, Clone)]
 pub(super) struct Banded {
-    /// Diagonal, and the first and second places below it.
+    /// Diagonal, then the first and the second place below it.
     bands: [Vec<f64>; 3],
     right: Vec<f64>,
 }
@@ -29,12 +30,12 @@ impl Banded {
         }
     }
 
-    /// The least squares, by the factors L D Lᵀ. O(n).
+    /// Returns the least-squares solution, by the factors L D Lᵀ. O(n).
     pub(super) fn solve(self) -> Vec<f64> {
         let Self { bands: [mut d, mut one, mut two], right: mut x } = self;
         let n = x.len();
         for i in 0..n {
-            // Row i: below the diagonal at i-1 and i-2.
+            // In row i, the places below the diagonal are in columns i-1 and i-2.
             if i >= 2 {
                 let l = two[i] / d[i - 2];
                 one[i] -= l * one[i - 1] * d[i - 2];
@@ -69,7 +70,8 @@ mod tests {
 
     #[test]
     fn the_solution_fulfils_the_normal_equations() {
-        // Sums of squares with random-like factors: the gradient at the solution is rounding of sums of 40 terms.
+        // Sums of squares with pseudo-random factors: the gradient at the solution is only rounding of sums of 40
+        // terms.
         let n = 12;
         let mut banded = Banded::new(n);
         let mut dense = vec![vec![0.0; n]; n];

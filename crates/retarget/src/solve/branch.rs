@@ -1,22 +1,23 @@
-//! The branch of poses in which a whole clip is solved best.
+//! Finds the branch of poses in which a whole clip is solved best.
 //!
-//! From the first frame alone a limb may be sent to where it gets stuck at the end of a range later on. Where the limbs
-//! come out far from the performer, the clip is also followed from later frames, forward and back.
+//! A choice from the first frame alone may bring a limb to a place where it is later stuck at the end of a range.
+//! If the limbs are far from the performer, the clip is also followed from later frames, forwards and backwards.
 
 use super::performance::Performance;
 use super::solver::Solver;
 
-/// Frames are tried at this distance, s.
+/// Time between tried frames, s.
 const EVERY_S: f64 = 1.0 / 15.0;
-/// Mean error of limbs from which on other branches are looked for, rad.
+/// Mean error of limbs from which other branches are tried, rad.
 const FAR_RAD: f64 = 0.1;
-/// Parts of the clip at which other branches begin.
+/// Positions in the clip at which other branches begin, as shares of its length.
 const BEGINNINGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Another branch must leave less than this part.
+/// Maximum error of another branch relative to the first, for it to be used.
 const BETTER: f64 = 0.8;
 
 impl Solver {
-    /// Finds the pose of the first frame by posture alone, looking at the whole clip. There is at least one frame.
+    /// Finds the pose of the first frame by posture alone, considering the whole clip, which has at least one
+    /// frame.
     pub(super) fn find_branch(&mut self, performance: &Performance<'_>) -> Vec<f64> {
         #[expect(
             clippy::cast_possible_truncation,
@@ -61,7 +62,8 @@ impl Solver {
         self.find_first();
     }
 
-    /// One step a frame; the sum over frames of the limbs' mean error, rad, as far as it is below `most`.
+    /// Follows the frames with one step each. Returns the sum of the limbs' mean errors, rad; stops as soon as the
+    /// sum is at least `most`.
     fn follow_along<'f>(
         &mut self,
         performance: &Performance<'_>,
@@ -84,7 +86,7 @@ impl Solver {
         sum
     }
 
-    /// The pose of a first frame, whose targets are set, from one that is near it. Speed is free.
+    /// Finds the pose of a first frame, whose targets are set, starting at a nearby pose. Speed is unlimited.
     pub(super) fn settle(&mut self, q: &[f64], sweeps: usize) {
         self.state.q.copy_from_slice(q);
         self.model.place(&mut self.state);

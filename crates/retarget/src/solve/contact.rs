@@ -1,20 +1,20 @@
-//! When a foot of the performer stands.
+//! Detects when a foot of the performer stands.
 
 use glam::DVec3;
 
-/// A toe that moves slower than this stands, and one that moves faster than that does not, m/s.
+/// Toe speeds up to which a toe certainly stands, and from which it certainly does not, m/s.
 const STILL_M_S: [f64; 2] = [0.25, 0.5];
-/// The same of its height above the floor, m.
+/// Heights above the floor up to which a toe certainly stands, and from which it certainly does not, m.
 const LOW_M: [f64; 2] = [0.05, 0.09];
-/// Half the time over which the speed is taken, s.
+/// Half the time over which the speed is measured, s.
 pub(super) const HALF_S: f64 = 1.0 / 30.0;
 
-/// From 0 to 1: whether a toe of this speed and height stands.
+/// Returns whether a toe with this speed and height stands, from 0 to 1.
 pub(super) fn stands(speed_m_s: f64, height_m: f64) -> f64 {
     fade(speed_m_s, STILL_M_S) * fade(height_m, LOW_M)
 }
 
-/// Whether the toe stands, by frame: from 0 to 1. Its speed is that over both sides of a frame.
+/// Returns whether the toe stands in each frame, from 0 to 1. Its speed is measured over both sides of a frame.
 pub(super) fn contacts(toe_m: &[DVec3], frame_s: f64, floor_m: f64) -> Vec<f64> {
     #[expect(
         clippy::cast_possible_truncation,
@@ -32,7 +32,7 @@ pub(super) fn contacts(toe_m: &[DVec3], frame_s: f64, floor_m: f64) -> Vec<f64> 
     (0..toe_m.len()).map(at).collect()
 }
 
-/// From 1 at the first end to 0 at the other, smoothly.
+/// Returns a smooth transition from 1 at the first end to 0 at the second.
 fn fade(value: f64, [from, to]: [f64; 2]) -> f64 {
     let t = ((value - from) / (to - from)).clamp(0.0, 1.0);
     1.0 - t * t * (3.0 - 2.0 * t)

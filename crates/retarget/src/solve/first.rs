@@ -1,22 +1,24 @@
-//! The first frame: from home and from random poses near it, since a wrong branch would stay for the whole clip.
+//! Solves the first frame from home and from random poses near it, because a wrong branch would remain for the
+//! whole clip.
 
 use super::solver::Solver;
 
-/// Random starts beside home, and how far from it they lie, rad.
+/// Number of random starts in addition to home, and their maximum distance from home, rad.
 const STARTS: usize = 15;
 const SPREAD_RAD: f64 = 1.6;
-/// Sweeps of each start.
+/// Maximum number of sweeps of each start.
 const SWEEPS: usize = 40;
-/// What a radian away from home counts when starts are compared.
+/// Weight of a squared radian from home when starts are compared.
 const FROM_HOME: f64 = 0.01;
-/// Another start wins only if it is below this part of the best, and lower by this.
+/// Another start is chosen only if its cost is below this share of the best, and lower by `BETTER_BY`.
 const BETTER_PART: f64 = 0.6;
 const BETTER_BY: f64 = 0.05;
-/// A start whose steps are smaller, rad or m, moves by some ten of them more: what does not win there never does.
+/// Step, rad or m, below which a start is settled: it moves by only about ten further steps of this size, therefore
+/// a start that is not better by then never is.
 const SETTLED: f64 = 1e-3;
 
 impl Solver {
-    /// Finds the pose of a first frame, whose targets are set. Speed is free.
+    /// Finds the pose of a first frame, whose targets are set. Speed is unlimited.
     pub(super) fn find_first(&mut self) {
         let mut random = Random(1);
         let mut best: Option<(f64, Vec<f64>)> = None;
@@ -43,7 +45,7 @@ impl Solver {
             if wins(cost) {
                 best = Some((cost, self.state.q.clone()));
             }
-            // No cost is negative: nothing could win any more.
+            // Costs are not negative, therefore no other start can be better.
             if best.as_ref().is_some_and(|(least, _)| *least <= BETTER_BY) {
                 break;
             }
@@ -60,7 +62,7 @@ impl Solver {
         errors + FROM_HOME * from_home
     }
 
-    /// Turns a free base as the performer stands.
+    /// Orients a free base like the performer.
     fn stand(&mut self) {
         let Some((body, upright, part)) = self.aims.stands else { return };
         if let Some(wanted) = self.aims.part_target(part, &self.targets) {
@@ -68,7 +70,7 @@ impl Solver {
         }
     }
 
-    /// Moves every joint of one coordinate somewhere near home, within its range.
+    /// Moves every joint of one coordinate randomly near home, within its range.
     fn scatter(&mut self, random: &mut Random) {
         for dof in &self.unknown {
             let Some(coordinate) = self.model.coordinates[*dof] else { continue };
@@ -83,11 +85,11 @@ impl Solver {
     }
 }
 
-/// `SplitMix64` (Steele, Lea & Flood 2014): the same starts everywhere.
+/// The generator `SplitMix64` (Steele, Lea & Flood 2014), so that starts are equal everywhere.
 struct Random(u64);
 
 impl Random {
-    /// In [0, 1).
+    /// Returns a number in [0, 1).
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;

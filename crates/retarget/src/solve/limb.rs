@@ -2,13 +2,13 @@
 
 use crate::Landmark;
 
-/// A limb in a frame, in f32: a clip has many.
+/// A limb in a frame, in f32 because a clip has many.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakedLimb {
-    /// The landmark at its end.
+    /// Landmark at its end.
     pub landmark: Landmark,
-    /// The performer's direction of it, unit, in the rig's world.
+    /// Direction of the performer's limb, unit vector in the rig's world.
     pub target: [f32; 3],
-    /// Angle between that and the rig's, rad.
+    /// Angle between the target and the rig's limb, rad.
     pub error_rad: f32,
 }

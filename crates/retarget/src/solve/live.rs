@@ -1,4 +1,4 @@
-//! Frame by frame, as a performance comes.
+//! Converts a performance frame by frame, as it arrives.
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
@@ -11,16 +11,16 @@ use crate::performer::{Performer, PerformerFrame};
 use crate::rig::RigMatch;
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Weight of the hips' place, and of a standing toe's, over the square of the legs' length.
+/// Weights of the hips' position and of a standing toe's position, divided by the squared leg length.
 const HIPS: f64 = 0.3;
 const TOE: f64 = 60.0;
-/// Times in which the hips come back to the performer's path: horizontally and in height, s.
+/// Time constants with which the hips return to the performer's path, horizontally and in height, s.
 const HIPS_S: [f64; 2] = [1.6, 0.3];
-/// Time in which a toe's speed is smoothed, s, and in which a contact comes and goes.
+/// Time constants of the low-pass of a toe's speed, and of the beginning and end of a contact, s.
 const SPEED_S: f64 = 0.03;
 const RAMP_S: f64 = 0.05;
 
-/// Puts a performance on a rig as it comes: one sweep a frame, without allocation.
+/// Converts a performance to a rig as it arrives: one sweep per frame, without allocation.
 #[derive(Debug, Clone)]
 pub struct Live {
     solver: Solver,
@@ -30,7 +30,7 @@ pub struct Live {
     last: Option<Last>,
 }
 
-/// What is known of the frame before.
+/// State of the previous frame.
 #[derive(Debug, Clone, Copy)]
 struct Last {
     hips_m: DVec3,
@@ -45,13 +45,13 @@ struct Foot {
     pin_m: Option<DVec3>,
 }
 
-/// A frame with a number that is none.
+/// A frame with a NaN or infinite number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected a frame of finite numbers and a time above 0, found others: the pose stays")]
 pub struct NotFinite;
 
 impl Live {
-    /// For one rig and one performer.
+    /// Creates a converter for one rig and one performer.
     pub fn new(
         mechanism: &Mechanism,
         rig: &RigMatch,
@@ -70,11 +70,12 @@ impl Live {
         }
     }
 
-    /// One frame later. The first frame takes 16 starts of 40 sweeps, each later one a single sweep. The pose: joint
-    /// coordinates, as [`Mechanism::coordinate_ranges`] orders them.
+    /// Processes a frame, and returns the pose as joint coordinates in the order of
+    /// [`Mechanism::coordinate_ranges`]. The first frame takes 16 starts of at most 40 sweeps; each later frame
+    /// takes a single sweep.
     ///
     /// # Errors
-    /// [`NotFinite`] if a number is none; the pose stays.
+    /// [`NotFinite`] if a number is NaN or infinite; the pose is unchanged.
     pub fn step(&mut self, frame: &PerformerFrame, frame_s: f64) -> Result<&[f64], NotFinite> {
         if !(frame.is_finite() && frame_s > 0.0 && frame_s.is_finite()) {
             return Err(NotFinite);
@@ -90,17 +91,18 @@ impl Live {
         Ok(self.solver.q())
     }
 
-    /// Angle between each limb's direction and the performer's, rad, by the landmark at the limb's end.
+    /// Returns the angle between each limb's direction and the performer's, rad, for the landmark at the limb's
+    /// end.
     pub fn limb_errors_rad(&self) -> LandmarkMap<Option<f64>> {
         self.solver.limb_errors_rad()
     }
 
-    /// Joints at an end of their range, or at their largest speed.
+    /// Returns the joints at an end of their range, or at their maximum speed.
     pub fn held(&self) -> impl Iterator<Item = ActiveBound> + '_ {
         self.solver.held()
     }
 
-    /// Targets of hips and toes.
+    /// Sets the targets of hips and toes.
     fn plan(&mut self, frame: &PerformerFrame, frame_s: f64) {
         let solver = &mut self.solver;
         let (Some(term), Some(hips), Some(scale)) =
@@ -114,7 +116,7 @@ impl Live {
         let wanted_m = (of_performer_m - DVec3::Y * self.floor_m) * scale;
         let hips_m = solver.state.point_m(&hips);
         let mut last = self.last.unwrap_or_else(|| {
-            // The lower toe stands on the floor.
+            // At the start, the lower toe stands on the floor.
             let toes = solver.aims.toes.iter().flatten();
             let lowest = toes.map(|toe| solver.state.point_m(toe).y).fold(f64::INFINITY, f64::min);
             let height = if lowest.is_finite() { hips_m.y - lowest } else { wanted_m.y };
@@ -144,10 +146,10 @@ impl Live {
 }
 
 impl Foot {
-    /// `toe_m`: of the performer; `here_m`: of the rig.
+    /// Updates a foot. `toe_m` is the performer's toe; `here_m` is the rig's.
     fn update(&mut self, toe_m: DVec3, here_m: DVec3, floor_m: f64, frame_s: f64) {
         let last = self.toe_m.replace(toe_m);
-        // One frame alone has no speed, and tells no contact.
+        // A single frame gives no speed, and therefore no contact.
         let Some(new_m_s) = last.map(|last| last.distance(toe_m) / frame_s) else { return };
         let speed_m_s = self.speed_m_s.map_or(new_m_s, |speed_m_s| {
             speed_m_s + (new_m_s - speed_m_s) * (frame_s / SPEED_S).min(1.0)
@@ -165,7 +167,7 @@ impl Foot {
 }
 
 impl Solver {
-    /// Moves a free base by a way of the world.
+    /// Moves a free base by a vector in the world.
     fn move_base(&mut self, by_m: DVec3) {
         let base = self.model.base_dofs();
         self.step.fill(0.0);

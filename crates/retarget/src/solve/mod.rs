@@ -1,8 +1,8 @@
-//! The rig's own pose nearest to a performance, frame by frame, within ranges and speeds.
+//! Finds the rig's poses that are nearest to a performance, frame by frame, within ranges and speeds.
 //!
-//! Directions of limbs, their twist, and how pelvis, chest, head and feet stand are compared, never rest poses; points
-//! only of the root and of feet. Each sweep is a Gauss-Newton step in joint coordinates whose bounds are kept inside
-//! the step (an active set), not cut afterwards.
+//! Directions and twists of limbs are compared, and orientations of pelvis, chest, head and feet; rest poses are
+//! never compared, and positions only for root and feet. Each sweep is a Gauss-Newton step in joint coordinates,
+//! whose bounds are respected within the step (an active set), not applied afterwards.
 
 mod aim;
 mod bake;

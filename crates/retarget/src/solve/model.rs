@@ -1,4 +1,4 @@
-//! A rig's kinematics as the solver needs them: axes and anchors of every dof in the world.
+//! Kinematics of a rig for the solver: axes and anchors of every dof in the world.
 
 use std::ops::Range;
 
@@ -13,44 +13,44 @@ struct Link {
     position_m: DVec3,
     rotation: DQuat,
     joint: JointModel,
-    /// Its coordinates in `q`.
+    /// Range of the joint's coordinates in `q`.
     q: Range<usize>,
-    /// Its dofs.
+    /// Range of the joint's dofs.
     v: Range<usize>,
 }
 
-/// What of a rig never changes.
+/// Constant data of a rig.
 #[derive(Debug, Clone)]
 pub(super) struct Model {
     links: Vec<Link>,
     pub(super) home: Vec<f64>,
-    /// By dof: least and most, and the largest speed; infinite where there is no limit.
+    /// Minimum and maximum position, and maximum speed, of each dof; infinite without limit.
     pub(super) ranges: Vec<[f64; 2]>,
     pub(super) speeds: Vec<f64>,
-    /// By dof: its coordinate, if it has one of its own.
+    /// Coordinate of each dof, if the dof has one of its own.
     pub(super) coordinates: Vec<Option<usize>>,
-    /// By dof: whether it slides.
+    /// Whether each dof slides.
     pub(super) slides: Vec<bool>,
-    /// By ball joint that has a range: its link and the largest angle, rad.
+    /// Links of ball joints with a range, and their maximum angle, rad.
     cones: Vec<(usize, f64)>,
-    /// Joints that follow others: coordinate, factor, coordinate of the other, offset.
+    /// Joints that follow others: coordinate, factor, coordinate of the other joint, offset.
     ties: Vec<(usize, f64, usize, f64)>,
 }
 
-/// Where a rig is.
+/// Pose of a rig, with its axes.
 #[derive(Debug, Clone)]
 pub(super) struct State {
     pub(super) q: Vec<f64>,
-    /// By body, in the world.
+    /// Rotation and position of each body, in the world.
     pub(super) rotations: Vec<DQuat>,
     pub(super) positions_m: Vec<DVec3>,
-    /// By dof, in the world.
+    /// Axis and anchor of each dof, in the world.
     pub(super) axes: Vec<DVec3>,
     pub(super) anchors_m: Vec<DVec3>,
 }
 
 impl Model {
-    /// `speed`: the largest of turning joints that name none, rad/s.
+    /// Creates the model. `speed` is the maximum speed of turning joints without a speed limit, rad/s.
     pub(super) fn of(mechanism: &Mechanism, speed: f64) -> Self {
         let mut model = Self {
             links: Vec::new(),
@@ -123,7 +123,7 @@ impl Model {
         state
     }
 
-    /// Dofs that move a body, from the base outwards.
+    /// Returns the dofs that move a body, from the base outwards.
     pub(super) fn supports(&self, body: usize) -> Vec<usize> {
         let way = std::iter::successors(Some(body), |body| self.links[*body].parent);
         let mut dofs: Vec<usize> = way.flat_map(|body| self.links[body].v.clone()).collect();
@@ -131,17 +131,17 @@ impl Model {
         dofs
     }
 
-    /// Whether a coordinate follows another one.
+    /// Returns whether a coordinate follows another coordinate.
     pub(super) fn is_tied(&self, dof: usize) -> bool {
         self.coordinates[dof].is_some_and(|q| self.ties.iter().any(|(own, ..)| *own == q))
     }
 
-    /// Dofs of the base.
+    /// Returns the dofs of the base.
     pub(super) fn base_dofs(&self) -> Range<usize> {
         self.links[0].v.clone()
     }
 
-    /// Moves all bodies to where `q` says. O(n).
+    /// Places all bodies according to `q`. O(n).
     pub(super) fn place(&self, state: &mut State) {
         let State { q, rotations, positions_m, axes, anchors_m } = state;
         for (own, factor, other, offset) in &self.ties {
@@ -158,7 +158,8 @@ impl Model {
             let q = &q[link.q.clone()];
             let moved = link.joint.motion(q);
             positions_m[body] = position_m + rotation * moved.position_m;
-            // Rounding would grow along the chain, and from frame to frame of a free base.
+            // Without normalization, rounding errors would grow along the chain, and from frame to frame of a free
+            // base.
             rotations[body] = (rotation * moved.rotation).normalize();
             let axes = &mut axes[link.v.clone()];
             match link.joint {
@@ -180,7 +181,7 @@ impl Model {
         }
     }
 
-    /// Moves along the dofs by `step`, and places the bodies there.
+    /// Moves the dofs by `step`, and places the bodies.
     pub(super) fn advance(&self, state: &mut State, step: &[f64]) {
         for link in &self.links {
             let (q, step) = (&mut state.q[link.q.clone()], &step[link.v.clone()]);
@@ -192,7 +193,7 @@ impl Model {
                     }
                 }
                 JointModel::Spherical | JointModel::Free => {
-                    // Steps are about world axes; `q` turns in the axes of the joint.
+                    // Steps are about world axes; `q` rotates in the axes of the joint.
                     let frame = link
                         .parent
                         .map_or(link.rotation, |parent| state.rotations[parent] * link.rotation);
@@ -217,7 +218,7 @@ impl Model {
         self.place(state);
     }
 
-    /// How far the dofs are from `from`, into `away`. `state` is placed.
+    /// Computes the differences of the dofs from `from` into `away`. `state` must be placed.
     pub(super) fn away(&self, state: &State, from: &[f64], away: &mut [f64]) {
         for link in &self.links {
             let (q, from) = (&state.q[link.q.clone()], &from[link.q.clone()]);
@@ -245,8 +246,8 @@ impl Model {
         }
     }
 
-    /// Turns a free base so that a body stands as asked, and moves it so that a point of the world is met: what a
-    /// start needs. Nothing of a base that is fixed.
+    /// Rotates a free base so that a body has the wanted orientation, which a start needs. A fixed base is
+    /// unchanged.
     pub(super) fn turn_base(&self, state: &mut State, body: usize, wanted: DQuat) {
         let base = &self.links[0];
         if !matches!(base.joint, JointModel::Free) {
@@ -260,7 +261,7 @@ impl Model {
 }
 
 impl State {
-    /// A point of a body, in the world, m.
+    /// Returns a point of a body in the world, m.
     pub(super) fn point_m(&self, point: &crate::rig::RigPoint) -> DVec3 {
         self.positions_m[point.body] + self.rotations[point.body] * point.position_m
     }

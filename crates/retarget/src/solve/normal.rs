@@ -1,31 +1,33 @@
-//! The normal equations of one step, and their least solution between bounds.
+//! The normal equations of one step, and their solution within bounds.
 
 use glam::DVec3;
 
-/// `H x = -g` over the unknown dofs, and bounds on `x`. All memory is taken by the constructor.
+/// The equations `H x = -g` over the unknown dofs, with bounds on `x`. The constructor allocates all memory.
 #[derive(Debug, Clone)]
 pub(super) struct Normal {
     count: usize,
-    /// By dof: its place among the unknowns.
+    /// Index of each dof among the unknowns.
     places: Vec<Option<usize>>,
-    /// Lower triangle by rows of `count`.
+    /// Lower triangle, in rows of length `count`.
     h: Vec<f64>,
     g: Vec<f64>,
-    /// Columns of the term that is added: place, and how it moves.
+    /// Columns of the term that is added next: index of the unknown, and its derivative.
     columns: Vec<(usize, DVec3)>,
     pub(super) least: Vec<f64>,
     pub(super) most: Vec<f64>,
-    /// At a bound: -1, 1; free: 0.
+    /// State of each unknown: -1 at the lower bound, 1 at the upper bound, 0 free.
     bound: Vec<i8>,
     x: Vec<f64>,
     free: Vec<usize>,
     factor: Vec<f64>,
-    /// By row of the factor: its zeros at the beginning, in whole fours. Limbs that share no joint have many.
+    /// Number of zeros at the beginning of each row of the factor, rounded down to a multiple of four. Limbs that
+    /// share no joint have many.
     zeros: Vec<usize>,
     solution: Vec<f64>,
 }
 
-/// Most changes of the set of bounds in one step: beyond it the step is within bounds, but may not be the least one.
+/// Maximum number of changes of the active set in one step. Beyond it, the step is within bounds but may not be
+/// optimal.
 const CHANGES: usize = 12;
 
 impl Normal {
@@ -57,14 +59,14 @@ impl Normal {
         self.g.fill(0.0);
     }
 
-    /// How a dof moves what is added next.
+    /// Sets the derivative of the next term with respect to a dof.
     pub(super) fn column(&mut self, dof: usize, moved: DVec3) {
         if let Some(place) = self.places[dof] {
             self.columns.push((place, moved));
         }
     }
 
-    /// Adds `error` with its columns, whose places grow; `weights` by component.
+    /// Adds `error` with its columns, whose indices rise; `weights` are those of the components.
     pub(super) fn add(&mut self, error: DVec3, weights: DVec3) {
         let weighted_error = error * weights;
         for (k, (place, moved)) in self.columns.iter().enumerate() {
@@ -78,15 +80,15 @@ impl Normal {
         self.columns.clear();
     }
 
-    /// Adds `weight · (x + away)²` of one unknown.
+    /// Adds `weight · (x + away)²` for one unknown.
     pub(super) fn add_single(&mut self, place: usize, away: f64, weight: f64) {
         self.h[place * self.count + place] += weight;
         self.g[place] += weight * away;
     }
 
-    /// The least step within the bounds, by an active set: unknowns that would leave their bounds are held there and
-    /// the rest is solved anew; one that would come back is let go. It begins with those that the last step held: few
-    /// change from step to step. O(unknowns³) for each change.
+    /// Returns the optimal step within the bounds, by an active set: unknowns that would leave their bounds are
+    /// held there and the others are solved again; an unknown that would return is released. It begins with the set
+    /// of the last step, because few change from step to step. O(unknowns³) for each change.
     pub(super) fn solve(&mut self) -> &[f64] {
         for place in 0..self.count {
             let [least, most] = [self.least[place], self.most[place]];
@@ -115,7 +117,7 @@ impl Normal {
             if left {
                 continue;
             }
-            // All within bounds: is one held that pulls inwards? The strongest is let go.
+            // All are within bounds. If unknowns are held although their gradient points inwards, the strongest is released.
             let mut strongest: Option<(usize, f64)> = None;
             for place in (0..self.count).filter(|place| self.bound[*place] != 0) {
                 let pull = -f64::from(self.bound[place]) * self.gradient(place);
@@ -124,7 +126,7 @@ impl Normal {
                 }
             }
             match strongest {
-                // The last change must leave all within bounds.
+                // The last change must leave all unknowns within bounds.
                 Some((place, _)) if change + 2 < CHANGES => self.bound[place] = 0,
                 _ => break,
             }
@@ -132,7 +134,7 @@ impl Normal {
         &self.x
     }
 
-    /// Whether the last step held an unknown at its lower (-1) or upper bound (1).
+    /// Returns whether the last step held an unknown at its lower (-1) or upper bound (1).
     pub(super) fn held(&self, place: usize) -> i8 {
         self.bound[place]
     }
@@ -184,11 +186,11 @@ impl Normal {
             let zeros = self.zeros[i];
             for j in zeros..i {
                 let other = &above[j * stride..][..=j];
-                // What begins with zeros has them in its factor too.
+                // A row that begins with zeros has the same zeros in its factor.
                 let from = zeros.max(self.zeros[j]).min(j);
                 row[j] = (row[j] - dot(&row[from..j], &other[from..j])) / other[j];
             }
-            // Regularisation keeps this above zero; rounding alone cannot take it away.
+            // Regularization keeps this above zero; rounding alone cannot remove it.
             row[i] = (row[i] - dot(&row[zeros..i], &row[zeros..i])).max(1e-12).sqrt();
             let known = dot(&row[zeros..i], &self.solution[zeros..i]);
             self.solution[i] = (self.solution[i] - known) / row[i];
@@ -204,7 +206,8 @@ impl Normal {
     }
 }
 
-/// Four sums side by side: the machine adds them at once, and the order is the same everywhere.
+/// Returns the dot product by four sums side by side, which a processor computes at once in an order that is equal
+/// everywhere.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a_chunks, b_chunks) = (a.chunks_exact(4), b.chunks_exact(4));

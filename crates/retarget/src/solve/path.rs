@@ -1,33 +1,35 @@
-//! Where hips and feet go over a whole clip, so that feet that stand do not slide: least squares over all frames.
+//! Plans the paths of hips and toes over a whole clip, so that standing feet do not slide: least squares over all
+//! frames.
 //!
-//! Posture alone says where the toes are from the hips. First the hips' path is found that is near the performer's and
-//! keeps standing toes where they are; then each toe's path that is near what the two make of it, and stands still.
-//! Weights change smoothly from frame to frame, and so do the paths: there is no edge where a foot would jump.
+//! Posture alone gives the toes' positions relative to the hips. First the hips' path is found that is near the
+//! performer's and keeps standing toes in place; then, for each toe, the path that is near the sum of hips and
+//! posture, and at rest while it stands. Weights change smoothly from frame to frame, and therefore paths do too: a
+//! foot never jumps.
 
 use glam::DVec3;
 
 use super::banded::Banded;
 
-/// Times in which the hips come back to the performer's path: horizontally and in height, s.
+/// Time constants with which the hips return to the performer's path, horizontally and in height, s.
 const HIPS_S: [f64; 2] = [1.6, 0.3];
-/// Keeping a standing toe counts as much more than following the performer's velocity.
+/// Weight of keeping a standing toe in place, relative to following the performer's velocity.
 const STANDS: f64 = 50.0;
-/// Height of a standing toe: time in which it comes to the floor, s.
+/// Time constant with which a standing toe moves the hips to its floor height, s.
 const FLOOR_S: f64 = 0.1;
-/// Of a toe's path: time in which it comes back to what posture says, s, and in which it comes to rest when it stands.
+/// Time constants of a toe's path: of its return to the posture's position, and of its stop when it stands, s.
 const TOE_S: f64 = 0.08;
 const REST_S: f64 = 0.004;
-/// Time in which a standing toe comes to the floor's height, s.
+/// Time constant with which a standing toe moves to the floor's height, s.
 const DOWN_S: f64 = 0.02;
 
-/// What is known of the frames of a clip.
+/// Data of the frames of a clip.
 pub(super) struct Frames<'a> {
     pub(super) frame_s: f64,
-    /// The performer's hips at the rig's scale above the floor, m.
+    /// Positions of the performer's hips, scaled to the rig, above the floor, m.
     pub(super) wanted_m: &'a [DVec3],
-    /// By foot: the toe from the hips by posture alone, m.
+    /// For each foot, the toe relative to the hips by posture alone, m.
     pub(super) toes_m: &'a [Vec<DVec3>],
-    /// By foot: whether it stands, from 0 to 1.
+    /// For each foot, whether it stands, from 0 to 1.
     pub(super) contacts: &'a [Vec<f64>],
 }
 
@@ -36,12 +38,12 @@ impl Frames<'_> {
         self.wanted_m.len()
     }
 
-    /// Whether a foot stands from a frame to the next.
+    /// Returns whether a foot stands from a frame to the next, from 0 to 1.
     fn stands(&self, foot: usize, frame: usize) -> f64 {
         self.contacts[foot][frame].min(self.contacts[foot][frame + 1])
     }
 
-    /// The hips' path, m.
+    /// Returns the hips' path, m.
     pub(super) fn hips_m(&self) -> Vec<DVec3> {
         let raised_m = self.raised_m();
         let axis = |axis: usize| {
@@ -75,7 +77,8 @@ impl Frames<'_> {
         x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect()
     }
 
-    /// How much higher the rig's hips are than the performer's at its scale when its feet stand: feet are not as thick.
+    /// Returns how much higher the rig's hips are than the scaled performer's when its feet stand, because feet
+    /// differ in thickness, m.
     fn raised_m(&self) -> f64 {
         let (mut sum, mut weights, mut highest) = (0.0, 0.0, f64::NEG_INFINITY);
         for (toe, contacts) in self.toes_m.iter().zip(self.contacts) {
@@ -86,11 +89,11 @@ impl Frames<'_> {
                 highest = highest.max(raised_m);
             }
         }
-        // A performer who never stands is put on the floor by the lowest toe.
+        // A performer who never stands is placed with the lowest toe on the floor.
         if weights > 0.0 { sum / weights } else { highest.max(-1e3) }
     }
 
-    /// The path of a foot's toe, m.
+    /// Returns the path of a foot's toe, m.
     pub(super) fn toe_m(&self, foot: usize, hips_m: &[DVec3]) -> Vec<DVec3> {
         let contacts = &self.contacts[foot];
         let by_posture =

@@ -1,22 +1,22 @@
-//! A clip and its performer, frame by frame.
+//! A clip with its performer, frame by frame.
 
 use sinew_mocap::{Clip, JointSample};
 
 use crate::performer::{Performer, PerformerFrame};
 
-/// A clip as what it is of its performer. Frames are made when they are asked for: they are larger than the clip's.
+/// A clip that is converted to performer frames on demand, because these are larger than the clip's frames.
 pub(super) struct Performance<'a> {
     pub(super) performer: &'a Performer,
     pub(super) clip: &'a Clip,
 }
 
 impl Performance<'_> {
-    /// All frames in turn.
+    /// Returns all frames in turn.
     pub(super) fn frames(&self) -> impl Iterator<Item = PerformerFrame> {
         self.frames_of(0..self.clip.frames.len())
     }
 
-    /// Some of the frames.
+    /// Returns the frames with these indices.
     pub(super) fn frames_of(
         &self,
         indices: impl Iterator<Item = usize>,

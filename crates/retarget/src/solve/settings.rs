@@ -1,41 +1,41 @@
-//! What a person may choose.
+//! Settings of the solver.
 
-/// What comes first in a limb that has too few joints for both of its parts.
+/// Priority in a limb that has too few joints for both of its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Limb {
-    /// Both parts alike.
+    /// Both parts have equal weight.
     #[default]
     Both,
-    /// The way from shoulder to hand, or from hip to foot.
+    /// The direction from shoulder to hand, or from hip to foot.
     End,
-    /// The upper arm, or the thigh.
+    /// The direction of the upper arm, or of the thigh.
     Upper,
 }
 
-/// How a performance is taken over.
+/// Settings by which a rig follows a performance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Largest speed of turning joints that name none, rad/s.
+    /// Maximum speed of turning joints without a speed limit, rad/s.
     pub speed_rad_s: f64,
-    /// How far the rig travels for a metre of the performer; `None`: by the length of the legs.
+    /// Distance that the rig travels per metre of the performer; `None`: the ratio of leg lengths.
     pub scale: Option<f64>,
-    /// Left and right changed.
+    /// Whether left and right are exchanged.
     pub is_mirrored: bool,
-    /// Of a rig whose base is fixed: how far the performance is tilted, rad; a quarter turn lifts what hangs to
-    /// forward. See [`super::best_tilt`].
+    /// For a rig with a fixed base: angle by which the performance is tilted, rad; 90 deg turns a hanging limb to
+    /// point forward. See [`super::best_tilt`].
     pub tilt_rad: f64,
-    /// Arms.
+    /// Priority in arms with too few joints.
     pub arms: Limb,
-    /// Legs.
+    /// Priority in legs with too few joints.
     pub legs: Limb,
-    /// Whether the rig's free base travels and its feet stand; else it turns on the spot.
+    /// Whether the rig's free base travels and its feet stand; otherwise it turns on the spot.
     pub travels: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            // Costs nothing that can be measured in walks and fights.
+            // In walks and fights, this limit has no measurable effect.
             speed_rad_s: 12.0,
             scale: None,
             is_mirrored: false,

@@ -1,4 +1,4 @@
-//! One step of the solver, with bounds kept inside it.
+//! One step of the solver, which respects bounds within the step.
 
 use sinew_rig::Mechanism;
 
@@ -12,41 +12,42 @@ use crate::LandmarkMap;
 use crate::performer::PerformerFrame;
 use crate::rig::RigMatch;
 
-/// Pull of a joint to where it was a frame of 1/30 s ago, and home, per rad²: they decide what nothing else decides.
+/// Weight that pulls a joint to its position of 1/30 s ago, per rad². Together with `HOME`, it decides where no
+/// term does.
 const STILL: f64 = 0.01;
 
 const STILL_FRAME_S: f64 = 1.0 / 30.0;
 
 const HOME: f64 = 0.001;
 
-/// The same of a free base.
+/// Factor on these weights for a free base.
 const BASE: f64 = 1e-6;
 
-/// A sweep turns no joint by more, rad: the model of a step is good for that far.
+/// Maximum rotation of a joint by a sweep, rad: the linear model of a step is valid up to it.
 const STEP: f64 = 0.5;
 
-/// At an end of a range within this, rad or m.
+/// Distance from an end of a range that counts as at the end, rad or m.
 const NEAR: f64 = 1e-9;
 
-/// A joint that a frame's pose holds at a bound.
+/// A joint at a bound in a frame's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ActiveBound {
-    /// Index of the dof, as [`Mechanism::dof_names`] lists them.
+    /// Index of the dof, in the order of [`Mechanism::dof_names`].
     pub dof: usize,
-    /// Which bound.
+    /// Kind of the bound.
     pub bound: Bound,
 }
 
-/// What holds a joint.
+/// Kind of a bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
-    /// The end of its range.
+    /// An end of the joint's range.
     Range,
-    /// Its largest speed.
+    /// The joint's maximum speed.
     Speed,
 }
 
-/// Solves for one rig. All memory is taken by the constructor.
+/// A solver for one rig. The constructor allocates all memory.
 #[derive(Debug, Clone)]
 pub(crate) struct Solver {
     pub(super) model: Model,
@@ -54,14 +55,14 @@ pub(crate) struct Solver {
     pub(super) aims: Aims,
     pub(super) terms: Vec<Term>,
     pub(super) targets: Vec<Target>,
-    /// Dofs that some term asks for.
+    /// Dofs that some term depends on.
     pub(super) unknown: Vec<usize>,
     pub(super) normal: Normal,
     pub(super) step: Vec<f64>,
     pub(super) away: Vec<f64>,
     pub(super) home_away: Vec<f64>,
     pub(super) previous: Vec<f64>,
-    /// Pulls home and to the last frame count this much less for slides, 1/m².
+    /// Factor on the pulls home and to the last frame for slides, 1/m².
     pub(super) per_m2: f64,
 }
 
@@ -91,18 +92,18 @@ impl Solver {
         }
     }
 
-    /// Aims at a frame. Root and feet: see [`Aims`].
+    /// Sets the targets for a frame. For root and feet see [`Aims`].
     pub(super) fn aim(&mut self, frame: &PerformerFrame) {
         self.aims.aim(frame, &mut self.targets);
     }
 
-    /// One frame later: the pose so far is the last one.
+    /// Begins a new frame: the present pose becomes the previous one.
     pub(super) fn begin(&mut self) {
         self.previous.copy_from_slice(&self.state.q);
     }
 
-    /// One step towards the targets; how far the joint that it moved most went, rad or m. `frame_s`: time since the
-    /// last pose; `None` if there was none, and speed is free.
+    /// Performs one step towards the targets. Returns the largest motion of a joint, rad or m. `frame_s` is the
+    /// time since the last pose; with `None` there was no pose, and speed is unlimited.
     pub(super) fn sweep(&mut self, frame_s: Option<f64>) -> f64 {
         self.normal.clear();
         for (term, target) in self.terms.iter().zip(&self.targets) {
@@ -119,7 +120,7 @@ impl Solver {
                 self.normal.add_single(place, away, BASE * scale);
                 continue;
             }
-            // Without a last pose the pull only keeps the step small.
+            // Without a last pose, the pull only keeps the step small.
             let away_still = if frame_s.is_some() { away } else { 0.0 };
             self.normal.add_single(place, away_still, still * scale);
             self.normal.add_single(place, self.home_away[dof], HOME * scale);
@@ -137,21 +138,21 @@ impl Solver {
         largest
     }
 
-    /// How far a step may go.
+    /// Returns the bounds of a step of a dof.
     pub(super) fn bounds(&self, dof: usize, away: f64, frame_s: Option<f64>) -> [f64; 2] {
         let furthest = if self.model.slides[dof] { f64::INFINITY } else { STEP };
         let q = self.model.coordinates[dof].map(|coordinate| self.state.q[coordinate]);
         let [low, high] = self.model.ranges[dof];
         let (to_low, to_high) = q.map_or((-furthest, furthest), |q| (low - q, high - q));
         let most_s = frame_s.map_or(f64::INFINITY, |frame_s| self.model.speeds[dof] * frame_s);
-        // The range comes first where both cannot be kept.
+        // The range has priority over the speed.
         let inside = |x: f64| x.clamp(to_low, to_high);
         let least = inside((-most_s - away).max(-furthest));
         let most = inside((most_s - away).min(furthest));
         [least, most.max(least)]
     }
 
-    /// Squared errors, weighted, and how far the joints are from home.
+    /// Returns the weighted squared errors, and the squared distance of the joints from home.
     pub(super) fn cost(&mut self) -> [f64; 2] {
         let errors = self.terms.iter().zip(&self.targets);
         let errors = errors.map(|(term, target)| term.cost(&self.state, target)).sum();
@@ -161,7 +162,7 @@ impl Solver {
         [errors, home.map(|dof| self.home_away[*dof] * self.home_away[*dof]).sum()]
     }
 
-    /// The limbs that are asked for.
+    /// Returns the limbs that have a target.
     pub(super) fn limbs(&self) -> Vec<BakedLimb> {
         let errors_rad = self.limb_errors_rad();
         let targets = self.aims.limb_targets(&self.targets);
@@ -173,12 +174,12 @@ impl Solver {
         targets.iter().filter_map(limb).collect()
     }
 
-    /// Angle between each limb's direction and its target, rad.
+    /// Returns the angle between each limb's direction and its target, rad.
     pub(crate) fn limb_errors_rad(&self) -> LandmarkMap<Option<f64>> {
         self.aims.limb_errors_rad(&self.state, &self.terms, &self.targets)
     }
 
-    /// Joints that the last sweep held at a bound.
+    /// Returns the joints that the last sweep held at a bound.
     pub(crate) fn held(&self) -> impl Iterator<Item = ActiveBound> + '_ {
         let at = |(place, dof): (usize, &usize)| {
             if self.normal.held(place) == 0 {
@@ -193,7 +194,7 @@ impl Solver {
         self.unknown.iter().enumerate().filter_map(move |(place, dof)| at((place, dof)))
     }
 
-    /// Joint coordinates.
+    /// Returns the joint coordinates.
     pub(crate) fn q(&self) -> &[f64] {
         &self.state.q
     }

@@ -1,4 +1,4 @@
-//! What the solver compares: directions, orientations, twists and points, each with what moves it.
+//! Terms of the solver: directions, orientations, twists and positions, each with the dofs that move it.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -6,27 +6,27 @@ use super::model::{Model, State};
 use super::normal::Normal;
 use crate::rig::RigPoint;
 
-/// Something of a rig that has a target.
+/// A property of a rig that has a target.
 #[derive(Debug, Clone)]
 pub(super) enum Kind {
     /// Direction from one point to another.
     Direction { from: RigPoint, to: RigPoint },
-    /// How a body stands: forward, left, up in its frame.
+    /// Orientation of a body; `upright` is forward, left, up in its frame.
     Orientation { body: usize, upright: DQuat },
-    /// The turn of a body about a limb, by the axis of the hinge that it carries.
+    /// Rotation of a body about a limb, measured by the axis of the hinge on that body.
     Twist { body: usize, axis: DVec3, from: RigPoint, to: RigPoint },
-    /// Where a point is; `[horizontal, vertical]` parts of the weight.
+    /// Position of a point; `parts` are the factors on the weight, `[horizontal, vertical]`.
     Position { point: RigPoint, parts: [f64; 2] },
 }
 
-/// What a term aims at in a frame.
+/// Target of a term in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
-    /// Of a direction, a twist, or a position.
+    /// Target of a direction, a twist, or a position.
     pub(super) vector: DVec3,
-    /// Of an orientation.
+    /// Target of an orientation.
     pub(super) rotation: DQuat,
-    /// Nothing to aim at where it is zero.
+    /// Weight; zero without a target.
     pub(super) weight: f64,
 }
 
@@ -35,17 +35,17 @@ impl Target {
         Self { vector: DVec3::ZERO, rotation: DQuat::IDENTITY, weight: 0.0 };
 }
 
-/// How a dof moves what a term looks at.
+/// Effect of a dof on a term.
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
-    /// Whether it moves the point from which a direction goes, and the one to which.
+    /// Whether the dof moves the point where a direction begins, and the point where it ends.
     from: bool,
     to: bool,
     slides: bool,
 }
 
-/// A kind with the dofs that move it.
+/// A property with the dofs that affect it.
 #[derive(Debug, Clone)]
 pub(super) struct Term {
     pub(super) kind: Kind,
@@ -63,7 +63,7 @@ impl Term {
         let mut dofs: Vec<usize> = from.iter().chain(&to).copied().collect();
         dofs.sort_unstable();
         dofs.dedup();
-        // What a slide leaves as it is.
+        // Dofs that slide and have no effect on the term are left out.
         let is_kept = |mover: &Mover| match kind {
             Kind::Direction { .. } => mover.from && mover.to,
             Kind::Orientation { .. } | Kind::Twist { .. } => true,
@@ -86,7 +86,7 @@ impl Term {
         self.movers.iter().map(|mover| mover.dof)
     }
 
-    /// Squared error times its weight.
+    /// Returns the squared error times its weight.
     pub(super) fn cost(&self, state: &State, target: &Target) -> f64 {
         if target.weight <= 0.0 {
             return 0.0;
@@ -131,7 +131,7 @@ impl Term {
                     let moved = if mover.slides {
                         if mover.to { axis } else { -axis }
                     } else {
-                        // Of both points the same turn: only the way between them matters.
+                        // If both points rotate together, only the vector between them matters.
                         match (mover.from, mover.to) {
                             (true, true) => axis.cross(way),
                             (false, _) => axis.cross(to_m - anchor),
@@ -179,7 +179,7 @@ fn by_axis([horizontal, vertical]: [f64; 2]) -> DVec3 {
     DVec3::new(horizontal, vertical, horizontal)
 }
 
-/// The turn from one rotation to another as a vector of the world, the shorter way round, rad.
+/// Returns the shorter rotation from one orientation to another as a rotation vector in the world, rad.
 fn turn_between(from: DQuat, to: DQuat) -> DVec3 {
     let turn = to * from.conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -190,10 +190,11 @@ fn turn_between(from: DQuat, to: DQuat) -> DVec3 {
     turn.xyz() * (2.0 * libm::atan2(sine, turn.w) / sine)
 }
 
-/// Nearly along the limb the angle of a twist means nothing: least sine.
+/// Minimum sine between the hinge's axis and the limb. If they are nearly parallel, the twist angle has no meaning.
 const LEAST: f64 = 0.1;
 
-/// Direction of a limb, and the angle about it from `wanted` to the hinge's axis; `None` where one lies along it.
+/// Returns the direction of a limb, and the angle about it from `wanted` to the hinge's axis; `None` if either is
+/// nearly parallel to the limb.
 fn twist(
     state: &State,
     body: usize,
@@ -212,7 +213,7 @@ fn twist(
     Some((u, libm::atan2(u.dot(want.cross(have)), want.dot(have))))
 }
 
-/// The rotation of a rotation matrix whose columns are forward, left and up, in a body's frame.
+/// Returns the rotation whose matrix has the columns forward, left and up, in a body's frame.
 pub(super) fn upright(rotation_at_zero: DQuat, directions: DMat3) -> DQuat {
     (rotation_at_zero.conjugate() * DQuat::from_mat3(&directions)).normalize()
 }

@@ -1,7 +1,7 @@
-//! How a rig that stands where it stands looks at the performer: upright, or tilted.
+//! Chooses the tilt of the performance for a rig with a fixed base.
 //!
-//! A human arm hangs; an arm that is bolted to a table stands or reaches forward, and cannot point down. Seen tilted,
-//! the performer's arm rests where the rig's can.
+//! A human arm hangs; an arm that is bolted to a table stands or reaches forward, and cannot point down. With a
+//! tilt, the performer's resting arm corresponds to a pose that the rig's arm can reach.
 
 use sinew_mocap::Clip;
 use sinew_rig::Mechanism;
@@ -11,17 +11,16 @@ use super::solver::Solver;
 use crate::performer::Performer;
 use crate::rig::RigMatch;
 
-/// What is tried, degrees: 90 lifts what hangs to forward.
+/// Tilts that are tried, deg: 90 turns a hanging arm to point forward.
 const TILTS_DEG: [f64; 5] = [0.0, 45.0, 90.0, 135.0, 180.0];
-/// Frames that are tried, and sweeps of each.
+/// Number of evaluated frames, and sweeps of each.
 const FRAMES: usize = 60;
 const SWEEPS: usize = 8;
-/// A larger tilt must be better than this part of what a smaller one leaves.
+/// Maximum error of a larger tilt relative to a smaller one, for it to be chosen.
 const BETTER: f64 = 0.7;
 
-/// The tilt at which the limbs of a rig with a fixed base point best, rad; 0 if the base is free or
-/// there is a pelvis. For
-/// [`Settings::tilt_rad`]. About 10 ms.
+/// Returns the tilt at which the limbs of a rig with a fixed base point best, rad, for [`Settings::tilt_rad`]; 0
+/// for a free base or a rig with a pelvis. Takes about 10 ms.
 pub fn best_tilt(
     mechanism: &Mechanism,
     rig: &RigMatch,
@@ -29,7 +28,7 @@ pub fn best_tilt(
     performer: &Performer,
     settings: &Settings,
 ) -> f64 {
-    // What has a pelvis stands as the performer does.
+    // A rig with a pelvis has the orientation of the performer.
     if rig.pelvis.is_some() {
         return 0.0;
     }

@@ -1,4 +1,4 @@
-//! Clips on skeletons and rigs of any kind.
+//! Tests of clips on skeletons and rigs of any kind.
 
 mod mappings_page;
 mod on_rigs;

@@ -1,5 +1,5 @@
-//! What `sinew clip map` proposes for the recorded files beside the maps that ship: the page `docs/mappings.md`.
-//! `INSTA_UPDATE=always` with this test accepts a change.
+//! Compares the proposals of `sinew clip map` for recorded files with the included maps, on the page
+//! `docs/mappings.md`. `INSTA_UPDATE=always` with this test accepts a change.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -26,7 +26,7 @@ const FOLDERS: [&str; 12] = [
     "foreign/amc/zump",
 ];
 
-/// The bodies in the order of the figure.
+/// Bodies in the order of the figure.
 const BODIES: [&str; 18] = [
     "pelvis",
     "abdomen",
@@ -71,16 +71,16 @@ struct Shipped {
     map: SkeletonMap,
 }
 
-/// A file whose skeleton is known.
+/// A file whose skeleton has an included map.
 struct Compared {
     file: String,
-    /// Of each body: what the map says, and what is proposed where that is another thing.
+    /// For each body: the entry of the map, and the proposal if it differs.
     bodies: Vec<(String, Option<String>)>,
-    /// Whether all bodies begin at the right joints and turn with them, wherever they end.
+    /// Whether all bodies begin at the correct joints and rotate with them; their ends may differ.
     has_joints: bool,
 }
 
-/// What is proposed for a file, or why nothing is.
+/// The proposal for a file, or the reason why there is none.
 type Proposal = Result<(FigureMapping, SkeletonMatch), String>;
 
 fn data() -> PathBuf {
@@ -107,7 +107,7 @@ fn sorted(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// The map whose signature asks for most of those that the skeleton bears.
+/// Returns the map with the most specific signature among those that match the skeleton.
 fn known<'a>(maps: &'a [Shipped], recording: &Recording) -> Option<&'a Shipped> {
     let asks = |shipped: &&Shipped| {
         let signature = &shipped.map.signature;
@@ -124,7 +124,7 @@ fn proposal(recording: &Recording) -> Proposal {
     mapping.map(|mapping| (mapping, matched)).map_err(|error| error.to_string())
 }
 
-/// A part in few words, without what stands before all names.
+/// Describes a part in a few words, without the common prefix of the names.
 fn words(part: &BodyJoints, prefix: &str) -> String {
     let bare = |name: &str| name.strip_prefix(prefix).unwrap_or(name).to_owned();
     let (origin, rotation) = (bare(&part.origin), bare(&part.rotation));
@@ -142,7 +142,7 @@ fn has_joints(ours: &BodyJoints, right: &BodyJoints, prefix: &str) -> bool {
     same(&ours.origin, &right.origin) && same(&ours.rotation, &right.rotation)
 }
 
-/// An end that the file does not tell is someone's estimate: any is as good.
+/// Returns whether two parts are equal. Ends that are not in the file are estimates, and their lengths may differ.
 fn is_same(ours: &BodyJoints, right: &BodyJoints, prefix: &str) -> bool {
     let same = |a: &str, b: &str| a == format!("{prefix}{b}");
     let ends = match (&ours.end, &right.end) {

@@ -1,5 +1,5 @@
-//! `docs/retargeting.md` against the scores that `cargo xtask retargeting` has written, and these against what they
-//! must be.
+//! Compares `docs/retargeting.md` with the scores that `cargo xtask retargeting` has written, and these with their
+//! bounds.
 
 use std::collections::BTreeMap;
 
@@ -9,8 +9,8 @@ const PAGE: &str = include_str!("../../../../docs/retargeting.md");
 const ROBOTS: [&str; 3] = ["G1", "Hi", "ToddlerBot"];
 const CLIPS: [&str; 3] = ["07_01", "02_01", "02_05"];
 
-/// Rows of the page's tables: a quantity, its name in the scores, and its decimals; none of a pair, whose mean has two
-/// and whose largest has one. So the script rounds, and nothing is rounded twice.
+/// Rows of the page's tables: a quantity, its name in the scores, and its decimals. `None` is for a pair of mean
+/// (two decimals) and maximum (one). The script rounds in this way, therefore no value is rounded twice.
 const ROWS: [(&str, &str, Option<usize>); 8] = [
     ("limbs, deg", "limb_dir_deg_world", None),
     ("hand, cm", "hand_pos_cm", None),
@@ -22,7 +22,7 @@ const ROWS: [(&str, &str, Option<usize>); 8] = [
     ("largest jerk, rad/s³", "max_jerk_rad_s3", Some(0)),
 ];
 
-/// Robot, clip and whose motion it is; numbers by their names.
+/// Numbers by name, for each robot, clip and author of the motion.
 type Scores = BTreeMap<[String; 3], BTreeMap<String, f64>>;
 
 fn scores() -> Scores {
@@ -69,7 +69,7 @@ fn the_tables_are_the_scores() {
     }
 }
 
-/// Quantities that shall be small, cell by cell, where ours is larger than GMR's.
+/// Lists all quantities, which should be small, in which our result is larger than GMR's.
 #[test]
 fn where_it_is_not_better_is_told() {
     let scores = scores();
@@ -82,7 +82,7 @@ fn where_it_is_not_better_is_told() {
             told += 1;
         }
     }
-    // And nothing else is.
+    // The page lists no other rows.
     let is_told = |line: &&str| {
         let of_clip = |robot: &&str| CLIPS.map(|clip| format!("| {robot} | {clip} | "));
         ROBOTS.iter().flat_map(of_clip).any(|start| line.starts_with(&start))
@@ -90,7 +90,8 @@ fn where_it_is_not_better_is_told() {
     assert_eq!(PAGE.lines().filter(is_told).count(), told);
 }
 
-/// What better than GMR means: the bounds of the reference that the robots, GMR's results and the script come with.
+/// Tests the bounds that define "better than GMR": those of the reference that contains the robots, GMR's results and the
+/// script.
 #[test]
 fn bounds_are_kept_in_every_cell() {
     let scores = scores();
@@ -104,7 +105,7 @@ fn bounds_are_kept_in_every_cell() {
             ("foot_pos_cm mean", 3.0),
             ("foot_slide_cm_s mean", 1.0),
             ("worst_over_limit_deg", 0.0),
-            // No joint of these robots names its speed: the mapping's own.
+            // The joints of these robots have no speed limit: the mapping's default applies.
             ("max_speed_rad_s", 12.0),
             ("other_start_deg", 1.0),
         ] {

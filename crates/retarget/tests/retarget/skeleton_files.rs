@@ -1,4 +1,4 @@
-//! Landmarks of recorded files of many makers, with their names and without.
+//! Landmarks of recorded files of many makers, with and without their names.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,11 +7,11 @@ use sinew_mocap::{Clip, bvh, format, gaps};
 use sinew_retarget::skeleton::SkeletonMatch;
 use sinew_retarget::{Landmark, Side};
 
-/// Left and right in a maker's names.
+/// Words for left and right in a maker's names.
 type Sides = (&'static str, &'static str);
 
-/// A file; the middle and the left side of its skeleton, as its tree shows them when one looks at it; up; and sides.
-/// The order of joints: pelvis, chest, neck, head, shoulder, elbow, wrist, hip, knee, ankle, toe; `-`: there is none.
+/// A file; the joints of the middle and the left side, found by looking at its tree; up; and sides. The order is
+/// pelvis, chest, neck, head, shoulder, elbow, wrist, hip, knee, ankle, toe; `-` if there is no joint.
 type Expected = (&'static str, &'static str, char, Sides);
 
 const FOREIGN: [Expected; 13] = [
@@ -77,7 +77,7 @@ const FOREIGN: [Expected; 13] = [
 ];
 
 const LEFT: Sides = ("Left", "Right");
-/// The names of `MotionBuilder`, with so many joints of the spine above the first.
+/// Names of `MotionBuilder`, with this number of spine joints after the first.
 const HIK_2: &str =
     "Hips Spine1 Neck Head LeftArm LeftForeArm LeftHand LeftUpLeg LeftLeg LeftFoot LeftToeBase";
 const HIK_3: &str =
@@ -129,7 +129,7 @@ fn clip(file: &Path) -> Clip {
         .0
 }
 
-/// One file has a row more than it says.
+/// Reads a file that has one row more than it declares.
 fn without_last_row(file: &Path) -> sinew_mocap::Recording {
     let text = std::fs::read_to_string(file).expect("text");
     let (text, _) = text.trim_end().rsplit_once('\n').expect("rows");
@@ -157,7 +157,7 @@ fn files_of_many_makers() {
         assert_eq!(axis, if *up == 'y' { glam::DVec3::Y } else { glam::DVec3::Z }, "{file}");
         assert_eq!(matched.findings, Vec::<String>::new(), "{file}");
     }
-    // 45 units tall: a child in inches, and nobody in centimetres or metres.
+    // 45 units tall: a child in inches, and impossible in centimetres or metres.
     let unit = SkeletonMatch::of_clip(&clip(&data().join("foreign/bvh/ad_fair1_dab.bvh")))
         .unit
         .expect("legs");
@@ -172,7 +172,7 @@ fn no_body_where_there_is_none() {
     assert!(matched.missing().all(|(_, reason)| !reason.is_empty()) && matched.unit.is_none());
 }
 
-/// Every file of CMU and Bandai, by the skeleton that its index names.
+/// Every file of CMU and Bandai, with the skeleton that its index names.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn every_file_of_the_data() {
@@ -219,7 +219,7 @@ fn every_file_of_the_data() {
     assert!(count >= 816, "{count} files");
 }
 
-/// The same with names that say nothing.
+/// Tests all files again, with names that have no meaning.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn without_names_the_tree_and_the_motion_tell() {

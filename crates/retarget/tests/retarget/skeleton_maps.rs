@@ -1,4 +1,4 @@
-//! Proposed maps on the figure beside the hand-written ones of host-sim, body by body, on recorded files.
+//! Compares proposed maps onto the figure with the hand-written maps of host-sim, body by body, on recorded files.
 
 use std::path::PathBuf;
 
@@ -6,10 +6,10 @@ use sinew_mocap::skeleton_map::End;
 use sinew_mocap::{Clip, SkeletonMap, format, gaps};
 use sinew_retarget::skeleton::{FigureMapping, MapHead, SkeletonMatch, figure_mapping};
 
-/// A file of each hand-written map whose skeleton files have.
+/// A recorded file for each hand-written map.
 const FILES: [(&str, &str); 11] = [
     ("asfamc", "cmu/fight/135_06.bvh"),
-    // The same file with the names of the ASF.
+    // The first file again, with the names of the ASF.
     ("cmu_asf", "cmu/fight/135_06.bvh"),
     ("cgspeed_mb_asf", "cmu/broad-12hz/16_01.bvh"),
     ("bandai", "bandai/fight/dataset-1_slash_normal_001.bvh"),
@@ -22,17 +22,17 @@ const FILES: [(&str, &str); 11] = [
     ("m21", "cmu/fight/14_01.bvh"),
 ];
 
-/// Differences that are right on both sides: map, body, why.
+/// Differences in which both sides are correct: map, body, reason.
 const BOTH_RIGHT: [(&str, &str, &str); 3] = [
-    // The file's end site is the middle of a ball, 0.04 m beyond the wrist. The proposal takes a human's hand.
+    // The file's end site is the middle of a ball, 0.04 m beyond the wrist. The proposal assumes a human's hand.
     ("deepmimic", "hand_l", "the hand is a ball"),
     ("deepmimic", "hand_r", "the hand is a ball"),
-    // The file ends at the head's joint. Its hand-written map takes the head's length from the CMU skeletons that this
-    // one was made from, which no file tells; the proposal takes a human's.
+    // The file ends at the head's joint. Its hand-written map has the head's length of the CMU skeletons from which
+    // the file was made, which is not in the file; the proposal assumes a human's.
     ("m21", "head", "the end is a guess"),
 ];
 
-/// CMU's names in the ASF, and in the BVH that were made of them.
+/// CMU's names in the BVH files, and in the ASF from which they were made.
 const ASF_NAMES: [(&str, &str); 31] = [
     ("Hips", "root"),
     ("LHipJoint", "lhipjoint"),
@@ -135,7 +135,8 @@ fn differences(name: &str, hand_written: &SkeletonMap, proposed: &SkeletonMap) -
     wrong
 }
 
-/// An end that the file does not tell is someone's estimate.
+/// Returns whether two ends agree. Ends that are not in the file are estimates, and their lengths may differ by 25
+/// %.
 fn same_end(ours: &End, right: &End) -> bool {
     match (ours, right) {
         (End::Beyond { beyond: a, ratio: x }, End::Beyond { beyond: b, ratio: y }) => {

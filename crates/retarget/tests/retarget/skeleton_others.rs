@@ -1,4 +1,4 @@
-//! Skeletons that are no whole human: what is there, what is missing and why; never a confident wrong answer.
+//! Skeletons that are not complete humans: found parts, missing parts with reasons, and no confident wrong answers.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -6,10 +6,11 @@ use sinew_mocap::{Skeleton, SkeletonJoint};
 use sinew_retarget::skeleton::{FigureMappingError, MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::{Landmark, Side};
 
-/// A joint, its parent, where it is.
+/// Name of a joint, name of its parent, and its position.
 type Row = (&'static str, &'static str, [f64; 3]);
 
-/// Rows of `*name` become one joint of each side: `LeftName`, `RightName`, mirrored along x.
+/// Creates a skeleton. A row with `*name` becomes a joint on each side, `LeftName` and `RightName`, mirrored along
+/// x.
 fn skeleton(rows: &[Row]) -> Skeleton {
     let mut joints: Vec<SkeletonJoint> = Vec::new();
     let mut places: Vec<DVec3> = Vec::new();
@@ -204,7 +205,7 @@ fn nothing_is_found_in_nothing() {
     assert!(matched.missing().count() >= 17);
 }
 
-/// What a reader lets through at most: two chains and a star.
+/// The maximum that a reader accepts: two chains and a star.
 #[test]
 fn large_trees_take_no_time() {
     let tree = |parent: fn(usize) -> usize| {
@@ -220,11 +221,11 @@ fn large_trees_take_no_time() {
     for skeleton in [tree(|joint| joint.saturating_sub(2)), tree(|_| 0), tree(|joint| joint - 1)] {
         SkeletonMatch::new(&skeleton, &[]);
     }
-    // 0.2 s on the machine that this was written on.
+    // It took 0.2 s on the machine of its author.
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 
-/// The fox of Khronos' samples: human names, and offsets that say nothing without its poses.
+/// The fox of Khronos' samples: human names, and offsets that mean nothing without its poses.
 #[test]
 fn a_fox_without_poses_is_no_human() {
     let mut fox = skeleton(&[
@@ -253,7 +254,7 @@ fn a_fox_without_poses_is_no_human() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Any tree with any names: an answer for each landmark, sureness within its bounds.
+    /// Any tree with any names gets an answer for each landmark, with a confidence within its bounds.
     #[test]
     fn any_tree_gets_an_answer(
         rows in prop::collection::vec(
@@ -294,7 +295,7 @@ proptest! {
     }
 }
 
-/// A robot's arm has names of bones, and is no person: nothing tells its unit.
+/// A robot's arm has names of bones but is not a person: its unit remains unknown.
 #[test]
 fn a_lone_arm_tells_no_height() {
     let arm = skeleton(&[
@@ -305,7 +306,7 @@ fn a_lone_arm_tells_no_height() {
         ("gripper", "wrist", [0.2, 0.18, 0.0]),
     ]);
     assert_eq!(SkeletonMatch::new(&arm, &[]).unit, None);
-    // Two on one trunk are an upper body's.
+    // Two arms on one trunk belong to an upper body.
     let two = skeleton(&[
         ("chest", "", [0.0, 0.0, 0.0]),
         ("*Shoulder", "chest", [0.2, 0.2, 0.0]),

@@ -1,4 +1,4 @@
-//! What joints get from the servos that move them.
+//! Defaults of a joint's inertia, friction, effort and speed, from the servos that move the joint.
 
 use super::Actuation;
 use super::joined_drive::JoinedDrive;
@@ -7,23 +7,23 @@ use crate::drive::{DriveInputError, DrivePose};
 use crate::number::single;
 use crate::servo::Servo;
 
-/// The effort that a joint gets from the servos of its drive, at the home pose. A joint of several dofs has one
-/// number for all: the mean of inertia and frictions, the least of the limits.
+/// Default values of a joint, from the servos of its drive, at the home pose. A joint of several dofs has one value
+/// for all of them: the mean of inertia and frictions, the least of the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDefaults {
-    /// The inertia that rotors add to each dof: kg m², or kg of a slide.
+    /// Inertia that rotors add to each dof, kg m² (kg for a slide).
     pub rotor_inertia: f64,
-    /// Coulomb friction: N m, or N of a slide.
+    /// Coulomb friction, N m (N for a slide).
     pub friction: f64,
-    /// Viscous friction: N m s, or N s/m of a slide.
+    /// Viscous friction, N m s (N s/m for a slide).
     pub damping: f64,
-    /// The largest effort of one dof alone, N m or N.
+    /// Maximum effort when only one dof acts, N m (N for a slide).
     pub effort: f64,
-    /// The largest speed of one dof alone, rad/s or m/s.
+    /// Maximum speed when only one dof moves, rad/s (m/s for a slide).
     pub speed: f64,
 }
 
-/// Values of one dof, and those of servos at their shafts.
+/// Values of one dof, or of one servo at its shaft.
 #[derive(Debug, Clone, Copy)]
 struct DofDefaults {
     inertia: f32,
@@ -34,11 +34,12 @@ struct DofDefaults {
 }
 
 impl Actuation {
-    /// What each joint of a description gets from the servos that move it, at its home pose; `None` if none do.
+    /// Returns the default values of each joint of a description, at its home pose; `None` for a joint without
+    /// servos.
     pub fn joint_defaults(&self, rig: &Description) -> Vec<Option<JointDefaults>> {
         let mut defaults = vec![None; rig.joints.len()];
         for drive in &self.drives {
-            // A home pose is of numbers, one for each dof: `Description::check`.
+            // `Description::check` ensures that a home pose has one finite number for each dof.
             let Ok(of_dofs) = self.of_dofs(rig, drive) else { continue };
             let mut rest = &of_dofs[..];
             for joint in &drive.joints {
@@ -93,7 +94,7 @@ impl Actuation {
     }
 }
 
-/// How fast each dof goes alone; mimic joints, which cannot, with their servos.
+/// Returns the maximum speed of each dof when it moves alone. Mimic joints cannot, so they move with their servos.
 fn speeds(pose: &DrivePose<'_>, of_servos: &[f32]) -> Result<Vec<f32>, DriveInputError> {
     let (dofs, servos) = (pose.joints().len(), of_servos.len());
     if dofs <= servos {
@@ -111,7 +112,7 @@ fn speeds(pose: &DrivePose<'_>, of_servos: &[f32]) -> Result<Vec<f32>, DriveInpu
     Ok(speeds)
 }
 
-/// How many times what is asked of each servo its limits allow.
+/// Returns the factor by which `asked` may grow until the first servo reaches its limit.
 fn least_share(limits: &[f32], asked: &[f32]) -> f32 {
     let shares = limits.iter().zip(asked).filter(|(_, asked)| asked.abs() > 0.0);
     shares.map(|(limit, asked)| limit / asked.abs()).fold(f32::INFINITY, f32::min)
@@ -124,7 +125,7 @@ fn unit(count: usize, of: usize) -> Vec<f32> {
 fn home(rig: &Description, joint: usize) -> Vec<f32> {
     let joint = &rig.joints[joint];
     match joint.kind {
-        // At rest: the home of a ball joint is its zero pose.
+        // The home of a ball joint is its zero pose.
         JointType::Spherical => vec![0.0; 3],
         _ => joint.home().into_iter().map(single).collect(),
     }

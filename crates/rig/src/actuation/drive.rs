@@ -1,4 +1,4 @@
-//! A drive of a description, checked by its numbers.
+//! Converts a drive of a description into the form of the board, and checks its numbers.
 
 use super::joined_drive::JoinedDrive;
 use crate::description::{Description, DescriptionError, DriveKind, JointType, Path, Step};
@@ -6,7 +6,7 @@ use crate::drive::{Curve, Drive, DriveError, FourBar, Links, Matrix};
 use crate::number::single;
 use crate::servo::Servo;
 
-/// The drive at an index.
+/// Returns the drive at an index of the description.
 pub(super) fn of(
     rig: &Description,
     servos: &[Servo],
@@ -61,7 +61,7 @@ fn key(kind: &DriveKind) -> &'static str {
     }
 }
 
-/// A drive as a board has it. `range_rad`: of its servo's shaft.
+/// Creates the drive as a board stores it. `range_rad` is the range of its servo's shaft.
 fn drive(kind: &DriveKind, ball: bool, range_rad: [f32; 2]) -> Result<Drive, DriveError> {
     match kind {
         DriveKind::Matrix { rows, offset } => {

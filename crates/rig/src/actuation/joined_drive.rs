@@ -1,12 +1,12 @@
-//! A drive of a rig, and what it joins.
+//! A drive with the joints and servos that it connects.
 
-/// A drive, and what it joins.
+/// A drive with the joints and servos that it connects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JoinedDrive {
-    /// The drive.
+    /// The drive, in the form of the board.
     pub drive: crate::drive::Drive,
-    /// Its joints, as indices into the description's.
+    /// Joints of the drive, as indices into the description's joints.
     pub joints: Vec<usize>,
-    /// Its servos, as indices into the description's.
+    /// Servos of the drive, as indices into the description's servos.
     pub servos: Vec<usize>,
 }

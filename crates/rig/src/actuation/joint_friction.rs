@@ -1,4 +1,4 @@
-//! What joints rub beside their servos, as servos have to overcome it.
+//! Friction of joints, in addition to that of their servos, converted to the servos' shafts.
 
 use super::Actuation;
 use super::joined_drive::JoinedDrive;
@@ -9,28 +9,28 @@ use crate::number::single;
 /// Friction at a servo's own shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointFriction {
-    /// Coulomb, N m.
+    /// Coulomb friction, N m.
     pub coulomb_nm: f32,
-    /// Viscous, N m s.
+    /// Viscous friction, N m s.
     pub viscous_nm_s: f32,
 }
 
 impl Actuation {
-    /// By servo: the friction that the description gives its joint beside that of the servos, at the home pose; servos
-    /// that share a joint share it. Of drives that move several dofs it is none: which of their servos has to
-    /// overcome it is a matter of how all of them move. O(servos).
+    /// Returns, for each servo, the friction that the description gives its joint in addition to the servos' own,
+    /// at the home pose. Servos that share a joint share its friction. For drives that move several dofs the
+    /// friction is zero: the share of each servo would depend on how all dofs move. O(servos).
     pub fn joint_friction(&self, rig: &Description) -> Vec<JointFriction> {
         let mut all = vec![JointFriction::default(); self.servos.len()];
         for of in &self.drives {
             let [joint] = of.joints[..] else { continue };
             let [home] = rig.joints[joint].home()[..] else { continue };
-            // A home pose is finite, and so is the unit: `Description::check`.
+            // `Description::check` ensures that home pose and unit are finite.
             let _ = self.share(rig, of, single(home), &mut all);
         }
         all
     }
 
-    /// Gives the friction of a joint of one dof to its servos, by virtual work.
+    /// Distributes the friction of a joint of one dof to its servos, by virtual work.
     fn share(
         &self,
         rig: &Description,
@@ -59,7 +59,7 @@ impl Actuation {
 mod tests {
     use crate::new::arm;
 
-    /// By virtual work: what the servos give at any speed is what the joint takes.
+    /// Virtual work: at any speed, the servos supply the power that the joint's friction takes.
     #[test]
     fn servos_overcome_what_their_joint_rubs() {
         let mut rig = arm(3).unwrap();
@@ -72,7 +72,7 @@ mod tests {
             (rig.servos[place].gear, rig.servos[place].direction) = (gear, direction);
             let frictions = rig.actuation().unwrap().joint_friction(&rig);
             let joint_rad_s = 0.7;
-            // The servo turns by its gear for a turn of the joint.
+            // The servo turns `gear` times for each turn of the joint.
             let own_rad_s = gear * joint_rad_s;
             let [own, others] = [place, 1 - place.min(1)].map(|at| frictions[at]);
             let lost_w =

@@ -1,4 +1,5 @@
-//! What moves a described rig: its drives and servos, checked, as a board has them; and what joints get from them.
+//! Drives and servos of a described rig, checked and in the form of the board, and the values that joints get from
+//! them.
 
 mod defaults;
 mod drive;
@@ -15,18 +16,19 @@ pub use joint_friction::JointFriction;
 /// The drives and servos of a [`Description`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Actuation {
-    /// In the order of the description.
+    /// Drives, in the order of the description.
     pub drives: Vec<JoinedDrive>,
-    /// In the order of the description.
+    /// Servos, in the order of the description.
     pub servos: Vec<crate::servo::Servo>,
 }
 
 impl Description {
-    /// The drives and servos as a board has them, with what their kinds say where the file says nothing.
+    /// Returns the drives and servos in the form of the board. Values that the file leaves out are those of the
+    /// servo's kind.
     ///
     /// # Errors
-    /// [`DescriptionError`] if a servo's kind is not known, a number does not suit, or a drive is singular or larger
-    /// than a board's.
+    /// [`DescriptionError`] if a servo's kind is unknown, a number is invalid, or a drive is singular or exceeds
+    /// the capacity of a board's drives.
     pub fn actuation(&self) -> Result<Actuation, DescriptionError> {
         let servos = (0..self.servos.len())
             .map(|index| servo::of(self, index))

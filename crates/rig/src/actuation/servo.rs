@@ -1,11 +1,11 @@
-//! A servo of a description, with what its kind says where the file says nothing.
+//! A servo of a description; values that the file leaves out are those of its kind.
 
 use crate::description::{Description, DescriptionError, Path, ServoModel, Step};
 use crate::nearest::nearest;
 use crate::number::single;
 use crate::servo::{Servo, ServoSettings};
 
-/// The servo at an index.
+/// Returns the servo at an index of the description.
 pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionError> {
     let described = &rig.servos[index];
     let refused = |key, expected: String, found: String| DescriptionError {
@@ -17,7 +17,7 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
     let model = rig.servo_model(&described.model).ok_or_else(|| {
         refused("model", known_models(rig, &described.model), format!("{:?}", described.model))
     })?;
-    // Own positions count from the middle of the range.
+    // A servo's own position is zero in the middle of its range.
     let half = 0.5 * model.range_rad.value;
     let range = described.range_rad.first().copied().unwrap_or([-half, half]);
     Servo::new(ServoSettings {
@@ -40,7 +40,7 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
 }
 
 impl Description {
-    /// A kind of servo by its name: the rig's own, else a built-in one.
+    /// Returns a kind of servo by name: the rig's own if there is one, otherwise a built-in kind.
     pub fn servo_model(&self, name: &str) -> Option<ServoModel> {
         let own = self.servo_models.iter().find(|model| model.name == name);
         own.cloned().or_else(|| ServoModel::built_in(name))

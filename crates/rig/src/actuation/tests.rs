@@ -38,7 +38,7 @@ fn defaults(rig: &Description) -> Vec<JointDefaults> {
     all.into_iter().map(|joint| joint.expect("it has a drive")).collect()
 }
 
-/// To a few roundings of f32.
+/// Asserts equality up to a few roundings of f32.
 #[track_caller]
 fn assert_near(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-5 * expected.abs(), "{found} for {expected}");
@@ -53,7 +53,7 @@ fn one_servo_gives_its_joint_what_its_kind_says() {
     assert_near(own.damping, 0.0037);
     assert_near(own.effort, 0.52);
     assert_near(own.speed, 10.786);
-    // A gear of 3 turns of the servo for one of the joint, and limits of its own.
+    // A gear of 3 turns of the servo for 1 turn of the joint, and limits of its own.
     rig.servos[0].gear = 3.0;
     rig.servos[0].torque_nm = Some(0.2);
     let [geared] = defaults(&rig)[..] else { panic!("one joint") };
@@ -84,7 +84,7 @@ fn one_servo_that_moves_two_joints_is_counted_once() {
     assert_near(turn.speed, 10.786);
     assert_near(slide.speed, 0.10786);
     assert_near(slide.effort, 52.0);
-    // Energy and losses at one speed of the servo are the servo's own.
+    // At a given speed of the servo, energy and losses of both joints together are those of the servo.
     let both =
         |of: fn(&JointDefaults) -> f64, power: i32| of(&turn) + of(&slide) * 0.01_f64.powi(power);
     assert_near(both(|joint| joint.rotor_inertia, 2), 0.00181);
@@ -117,7 +117,7 @@ fn what_cannot_be_is_refused_by_name() {
     let singular = rig(joints(&kinds), matrix(&[&[1.0, 1.0], &[1.0, 1.0]]), 2);
     let found = message(&singular);
     assert!(found.starts_with("drive[0].matrix of drive \"j0, j1\": expected a drive"), "{found}");
-    // A servo of a whole turn would fold any linkage over.
+    // A servo that turns a whole turn would move any linkage through a toggle.
     let four_bar = DriveKind::FourBar {
         ground_m: 0.05,
         crank_m: 0.02,
@@ -132,7 +132,7 @@ fn what_cannot_be_is_refused_by_name() {
     assert!(found.contains("drive[0].four_bar") && found.contains("width"), "{found}");
     linkage.servos[0].range_rad = vec![[-0.6, 0.6]];
     assert!(linkage.actuation().is_ok());
-    // The drive's zero is where the servo's offset says: the range moves over a toggle at 21.8 deg of the crank.
+    // The servo's offset sets the drive's zero: now the range passes a toggle at 21.8 deg of the crank.
     linkage.servos[0].offset_rad = Some(1.0);
     assert!(message(&linkage).contains("one line"), "{}", message(&linkage));
 }

@@ -1,4 +1,4 @@
-//! From a description to what a board has.
+//! Converts a description to the compact rig of a board.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,22 +13,22 @@ use crate::mechanism::{self, Link, Mechanism};
 use crate::number::single;
 use crate::servo::{Servo, ServoSettings};
 
-/// Why a description does not go on a board.
+/// The reason why a description cannot be converted for a board.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BakeError {
-    /// It cannot be a rig.
+    /// The description is invalid.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// A board of this capacity cannot have it.
+    /// The rig does not fit a board of this capacity.
     #[error(transparent)]
     Board(#[from] BoardRigError),
 }
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
-    /// The rig of a description, whose [`Mechanism`] the caller has made.
+    /// Converts a description, whose [`Mechanism`] the caller has made.
     ///
     /// # Errors
-    /// [`BakeError`] if the description's servos or drives cannot be, or the board does not hold the rig.
+    /// [`BakeError`] if the description's servos or drives are invalid, or the rig exceeds the board's capacity.
     pub fn bake(rig: &Description, mechanism: &Mechanism) -> Result<Self, BakeError> {
         let (what, found) = ("bodies", mechanism.bodies.len());
         if found > BODIES {
@@ -50,7 +50,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
     }
 }
 
-/// All items, if there is room.
+/// Collects all items, or fails if there are more than `N`.
 fn filled<T, const N: usize>(
     what: &'static str,
     items: std::vec::Vec<T>,
@@ -63,14 +63,14 @@ fn filled<T, const N: usize>(
     Ok(all)
 }
 
-/// The dofs of each joint, by its name.
+/// Range of dof indices of each joint, by the joint's name.
 type Places<'m> = HashMap<&'m str, Range<u16>>;
 
 fn places(mechanism: &Mechanism) -> Places<'_> {
     let mut next = 0_u16;
     let mut places = HashMap::new();
     for link in &mechanism.bodies {
-        // Beyond 2^16 there is no board; `filled` says so.
+        // No board has 2^16 dofs; `filled` refuses such a rig.
         let count = u16::try_from(link.joint.kind().dof_count()).unwrap_or(u16::MAX);
         let end = next.saturating_add(count);
         places.insert(link.joint_name.as_str(), next..end);
@@ -100,7 +100,7 @@ fn dofs(link: &Link) -> std::vec::Vec<BoardDof> {
             let range = link.ranges.get(axis).copied().unwrap_or(unlimited).map(single);
             BoardDof {
                 range,
-                // A home at an end of its range may be beyond it by a rounding of f32.
+                // Rounding to f32 may move a home at an end of its range beyond that end.
                 home: if is_ball { home } else { home.max(range[0]).min(range[1]) },
                 speed: single(link.speed),
                 acceleration: single(link.acceleration),
@@ -110,7 +110,7 @@ fn dofs(link: &Link) -> std::vec::Vec<BoardDof> {
         .collect()
 }
 
-/// Of a unit quaternion x y z w.
+/// Converts a unit quaternion x y z w to a rotation vector, rad.
 fn rotation_vector(rotation: &[f64]) -> [f32; 3] {
     match rotation {
         [x, y, z, w] => {
@@ -121,7 +121,7 @@ fn rotation_vector(rotation: &[f64]) -> [f32; 3] {
     }
 }
 
-/// `None` if one of its joints is fixed, which `Description::check` refuses.
+/// Converts a linked limit; `None` if one of its joints is fixed, which `Description::check` refuses.
 fn limit_of(places: &Places<'_>, limit: &description::LinkedLimit) -> Option<LinkedLimit> {
     let dof = |joint: &str| places.get(joint).map(|place| place.start);
     let least = limit.least_rad.or(limit.least_m).unwrap_or(f64::NEG_INFINITY);
@@ -150,7 +150,7 @@ fn drives(
                 joints.filter_map(|joint| places.get(joint.name.as_str())).flat_map(Range::clone);
             BoardDrive {
                 drive: of.drive.clone(),
-                // What is beyond has no place in any drive, and is refused for its count.
+                // More items than this fit no drive, and the check of the count refuses them.
                 dofs: dofs.take(DRIVE_CAPACITY).collect(),
                 servos: of.servos.iter().map(index).take(DRIVE_CAPACITY).collect(),
             }
@@ -158,7 +158,8 @@ fn drives(
         .collect()
 }
 
-/// Buses are numbered as they first appear. A board feeds friction forward by servo: that of their joints is theirs.
+/// Converts the servos. Buses are numbered in the order of their first use. A board feeds friction forward by
+/// servo, therefore each servo includes its share of the joint's friction.
 fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo> {
     let mut buses: std::vec::Vec<&str> = std::vec::Vec::new();
     for servo in &rig.servos {
@@ -179,7 +180,8 @@ fn servos(rig: &Description, actuation: &Actuation) -> std::vec::Vec<BoardServo>
         .collect()
 }
 
-/// A servo with friction beside its own. What is more than a servo can have is not fed forward.
+/// Adds the joint's friction to that of a servo. If the sum is invalid for a servo, the joint's friction is not fed
+/// forward.
 fn with_friction(servo: &Servo, joint: JointFriction) -> Servo {
     let own = *servo.settings();
     let more = ServoSettings {

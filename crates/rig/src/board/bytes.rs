@@ -1,4 +1,4 @@
-//! Bytes one after the other, in and out.
+//! Reading and writing of consecutive bytes, little-endian.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
 use sinew_core::glam::{Quat, Vec3};
@@ -8,7 +8,8 @@ use super::BoardRigError;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 const CRC_LEN: usize = 4;
 
-/// Reads what a [`Writer`] has written. Behind the last byte it reads zeros, which [`Self::check_length`] refuses.
+/// Reads the bytes of a [`Writer`]. After the last byte it reads zeros; [`Self::check_length`] then reports the
+/// error.
 pub(super) struct Reader<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -50,7 +51,7 @@ impl<'a> Reader<'a> {
         Quat::from_array(self.numbers())
     }
 
-    /// Refuses bytes that were damaged, before any of them counts.
+    /// Checks the CRC, so that damaged bytes are refused before any of them is used.
     pub(super) fn check_crc(&self) -> Result<(), BoardRigError> {
         let found = self.bytes.len();
         let short = BoardRigError::Length { expected: CRC_LEN, found };
@@ -59,20 +60,20 @@ impl<'a> Reader<'a> {
         if stored == computed { Ok(()) } else { Err(BoardRigError::Checksum { stored, computed }) }
     }
 
-    /// Refuses what has fewer bytes than were asked for.
+    /// Fails if more bytes were read than there are.
     pub(super) fn check_length(&self) -> Result<(), BoardRigError> {
         let (expected, found) = (self.at, self.bytes.len());
         if expected <= found { Ok(()) } else { Err(BoardRigError::Length { expected, found }) }
     }
 
-    /// Refuses bytes behind the last one that was asked for, but for the CRC.
+    /// Fails if bytes other than the CRC follow the last byte that was read.
     pub(super) fn check_end(&self) -> Result<(), BoardRigError> {
         let (expected, found) = (self.at.saturating_add(CRC_LEN), self.bytes.len());
         if expected == found { Ok(()) } else { Err(BoardRigError::Length { expected, found }) }
     }
 }
 
-/// Writes as far as there is room, and counts beyond.
+/// Writes bytes while there is room, and counts them even without room.
 pub(super) struct Writer<'a> {
     bytes: &'a mut [u8],
     at: usize,
@@ -95,7 +96,7 @@ impl<'a> Writer<'a> {
         self.put(&number.to_le_bytes());
     }
 
-    /// A count, which the capacities of boards keep below 2^16.
+    /// Writes a count. The capacities of boards keep it below 2^16.
     pub(super) fn count(&mut self, count: usize) {
         self.u16(u16::try_from(count).unwrap_or(u16::MAX));
     }
@@ -110,7 +111,7 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Puts the CRC behind all, and says how many bytes there are.
+    /// Appends the CRC, and returns the number of bytes.
     pub(super) fn finish(mut self) -> Result<usize, BoardRigError> {
         let crc = self.bytes.get(..self.at).map_or(0, |content| CHECKSUM.checksum(content));
         self.put(&crc.to_le_bytes());

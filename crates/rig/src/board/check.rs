@@ -1,4 +1,4 @@
-//! That the parts of a rig fit each other.
+//! Checks that the parts of a rig fit each other.
 
 use heapless::Vec;
 use sinew_core::{JointKind, math};
@@ -7,7 +7,7 @@ use super::{BoardDrive, BoardRig, BoardRigError};
 use crate::drive::Drive;
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
-    /// That its parts fit each other.
+    /// Checks that the parts of the rig fit each other.
     pub(super) fn check(&self) -> Result<(), BoardRigError> {
         if self.tree.is_empty() {
             return Err(BoardRigError::Count { what: "bodies", expected: 1, found: 0 });
@@ -40,7 +40,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
                 ("acceleration of dof", dof.acceleration),
                 ("effort of dof", dof.effort),
             ] {
-                // NaN is not within.
+                // NaN is not in the range either.
                 if !(0.0..).contains(&found) {
                     return Err(BoardRigError::Number { what, index, found });
                 }
@@ -49,7 +49,8 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
         Ok(())
     }
 
-    /// Homes within ranges: of axes each, of a ball joint its angle from the zero pose.
+    /// Checks that homes are within their ranges: each coordinate of a joint with axes, and the angle of a ball
+    /// joint from its zero pose.
     fn check_balls(&self) -> Result<(), BoardRigError> {
         let mut first = 0_usize;
         for body in self.tree.bodies() {
@@ -60,7 +61,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
                 let squares: f32 = own().map(|dof| dof.home * dof.home).sum();
                 let (angle, most) =
                     (math::sqrt(squares), own().next().map_or(0.0, |dof| dof.range[1]));
-                // Three squares of f32 may be above the bound by rounding.
+                // Rounding of the three squares in f32 may lift the angle above the bound.
                 if !(..=most * (1.0 + 4.0 * f32::EPSILON)).contains(&angle) {
                     return Err(BoardRigError::Number { what, index: first, found: angle });
                 }
@@ -119,7 +120,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
         Ok(())
     }
 
-    /// Whether a drive moves whole joints: one ball joint, or joints with axes.
+    /// Returns whether a drive moves whole joints: one ball joint, or joints with axes.
     fn fits(&self, drive: &BoardDrive) -> bool {
         let is_ball = matches!(&drive.drive, Drive::Matrix(matrix) if matrix.is_ball());
         let mut rest = &drive.dofs[..];
@@ -154,7 +155,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
     }
 }
 
-/// Takes parts for a drive, which no other drive may have.
+/// Marks dofs or servos as taken by a drive; fails if another drive has taken them.
 fn take<const N: usize>(
     index: usize,
     part: &'static str,
@@ -167,7 +168,7 @@ fn take<const N: usize>(
         if found >= count {
             return Err(BoardRigError::Index { what: "drive", index, part, found });
         }
-        // More than there are cannot be taken: then one was taken twice.
+        // The list has room for all parts; if it is full, some part was taken twice.
         if taken.contains(number) || taken.push(*number).is_err() {
             return Err(BoardRigError::Shared { what: part, index: found });
         }
@@ -180,6 +181,6 @@ fn check_range(
     index: usize,
     [least, most]: [f32; 2],
 ) -> Result<(), BoardRigError> {
-    // Written so that NaN is refused.
+    // The comparison also refuses NaN.
     if least <= most { Ok(()) } else { Err(BoardRigError::Number { what, index, found: least }) }
 }

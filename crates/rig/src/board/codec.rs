@@ -1,4 +1,4 @@
-//! A rig to bytes and back, see the format in [`super`].
+//! Encodes a rig to bytes and decodes it; [`super`] describes the format.
 
 use core::mem::MaybeUninit;
 
@@ -17,15 +17,15 @@ use crate::servo::{Servo, ServoSettings, SignalLoss};
 const MAGIC: [u8; 4] = *b"SNWR";
 const VERSION: u16 = 1;
 
-/// Addresses from here on are channels.
+/// First number that encodes a channel; smaller numbers are bus ids.
 const CHANNELS: u16 = 256;
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
-    /// Writes the rig, and says how many bytes it takes. [`Self::decode`] reads it on boards of any capacity that is
+    /// Writes the rig, and returns the number of bytes. [`Self::decode`] reads them on any board whose capacity is
     /// large enough.
     ///
     /// # Errors
-    /// [`BoardRigError::Length`] if there is not room; nothing useful is in `out` then.
+    /// [`BoardRigError::Length`] if `out` is too short; its content is then useless.
     pub fn encode(&self, out: &mut [u8]) -> Result<usize, BoardRigError> {
         let mut to = Writer::new(out);
         to.put(&MAGIC);
@@ -62,21 +62,21 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
         to.finish()
     }
 
-    /// Reads a rig. O(size): every number is checked here, once.
+    /// Reads a rig, and checks every number once. O(size).
     ///
     /// # Errors
-    /// [`BoardRigError`] names what is wrong, and what of the rig this capacity does not hold.
+    /// [`BoardRigError`] names the value that is wrong, or the part that exceeds this capacity.
     pub fn decode(bytes: &[u8]) -> Result<Self, BoardRigError> {
         let mut rig = Self::empty();
         rig.fill(bytes)?;
         Ok(rig)
     }
 
-    /// The same where it is to lie: a rig that is moved there takes its size of stack for each move.
+    /// Reads a rig in place. The value is large, and each move would cost its size in stack.
     ///
     /// # Errors
-    /// As [`Self::decode`].
-    // Not within its caller: the compiler then knows that nobody else has the slot, and makes the rig there.
+    /// Those of [`Self::decode`].
+    // Never inlined: the compiler then knows that nothing else uses the slot, and builds the rig there.
     #[inline(never)]
     pub fn decode_in<'s>(
         slot: &'s mut MaybeUninit<Self>,
@@ -87,7 +87,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
         Ok(rig)
     }
 
-    // Not within its caller: then it is made in its place.
+    // Never inlined: the value is then built in its final place.
     #[inline(never)]
     fn empty() -> Self {
         Self {
@@ -99,19 +99,19 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
         }
     }
 
-    /// Reads an empty one.
+    /// Reads the bytes into an empty rig, and checks it.
     #[inline(never)]
     fn fill(&mut self, bytes: &[u8]) -> Result<(), BoardRigError> {
         let mut from = Reader::new(bytes);
         let parts = self.read(&mut from);
-        // What is too short says so, whatever its zeros seem to be.
+        // A rig that is too short reports its length, not an error in the zeros that were read after its end.
         from.check_length()?;
         parts?;
         from.check_end()?;
         self.check()
     }
 
-    /// Its parts, each for itself.
+    /// Reads the parts, and checks each of them alone.
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), BoardRigError> {
         let magic = from.magic();
         if magic != MAGIC {
@@ -153,7 +153,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
     }
 }
 
-/// As many items as were counted, for which there is room, into a list that is empty.
+/// Reads `count` items into an empty list; fails if there is no room for all.
 fn items_in<T, const N: usize>(
     all: &mut Vec<T, N>,
     count: usize,
@@ -280,13 +280,13 @@ fn read_drive(from: &mut Reader<'_>, index: usize) -> Result<BoardDrive, BoardRi
             }
             let numbers: Vec<f32, MATRIX_CAPACITY> = items(found, |_| Ok(from.f32()))?;
             let offset: Vec<f32, DRIVE_CAPACITY> = items(dofs.len(), |_| Ok(from.f32()))?;
-            // At least one a row, or the chunks have no size; `new` refuses a matrix without rows.
+            // A chunk has at least one number, otherwise it has no size; `new` refuses a matrix without rows.
             let mut rows = Vec::<&[f32], DRIVE_CAPACITY>::new();
             for row in numbers.chunks_exact(servos.len().max(1)) {
-                // There is room: dofs were counted.
+                // There is room, because the dofs were counted.
                 let _ = rows.push(row);
             }
-            // No pointer to a function: the audit could not follow it.
+            // A branch instead of a function pointer, which the stack audit could not follow.
             let matrix = if kind == 1 {
                 Matrix::of_ball(&rows, &offset)
             } else {

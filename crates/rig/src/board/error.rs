@@ -1,4 +1,4 @@
-//! Why bytes are no rig, or a rig does not go on a board.
+//! The reason why bytes are not a valid rig, or a rig does not fit a board.
 
 use core::fmt;
 
@@ -7,109 +7,110 @@ use sinew_core::TreeError;
 use crate::drive::DriveError;
 use crate::servo::ServoError;
 
-/// Why bytes are no rig, or a rig does not go on a board.
+/// The reason why bytes are not a valid rig, or a rig does not fit a board.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum BoardRigError {
     /// The rig has more of something than the board holds.
     Capacity {
-        /// Of what.
+        /// Kind of part, such as `"bodies"`.
         what: &'static str,
-        /// How many it has.
+        /// Number of parts that the rig has.
         found: usize,
-        /// How many the board holds.
+        /// Number of parts that the board has room for.
         holds: usize,
     },
     /// The bytes do not begin with `SNWR`.
     Magic {
-        /// How they begin.
+        /// First four bytes that were found.
         found: [u8; 4],
     },
-    /// The rig is of another version than 1.
+    /// The rig has a format version other than 1.
     Version {
-        /// Its version.
+        /// Version that was found.
         found: u16,
     },
-    /// There are fewer or more bytes than the rig takes.
+    /// The number of bytes is not that of the rig.
     Length {
-        /// Bytes there should be.
+        /// Expected number of bytes.
         expected: usize,
-        /// Bytes there are.
+        /// Number of bytes that were found.
         found: usize,
     },
     /// The bytes were damaged.
     Checksum {
-        /// The CRC they carry.
+        /// CRC that is stored with the rig.
         stored: u32,
-        /// The CRC of their content.
+        /// CRC computed from the content.
         computed: u32,
     },
-    /// There is no such kind of something.
+    /// The number of a kind is unknown.
     Kind {
-        /// Of what: `"joint of body"`, `"drive"`, ...
+        /// Part whose kind it is: `"joint of body"`, `"drive"`, ...
         what: &'static str,
-        /// Which one.
+        /// Index of that part.
         index: usize,
-        /// The number of the kind.
+        /// Number of the kind that was found.
         found: u16,
-        /// The largest number that there is.
+        /// Largest known number of a kind.
         most: u16,
     },
-    /// Something is counted wrongly.
+    /// A count is wrong.
     Count {
-        /// What.
+        /// Parts that are counted.
         what: &'static str,
-        /// How many there should be.
+        /// Expected count.
         expected: usize,
-        /// How many there are.
+        /// Count that was found.
         found: usize,
     },
-    /// Something names a part that there is not.
+    /// A part refers to another part that does not exist.
     Index {
-        /// What names it: `"drive"`, `"limit"`.
+        /// Kind of the part that refers to it: `"drive"`, `"limit"`.
         what: &'static str,
-        /// Which one.
+        /// Index of the part that refers to it.
         index: usize,
-        /// The part: `"dof"`, `"servo"`.
+        /// Kind of the missing part: `"dof"`, `"servo"`.
         part: &'static str,
-        /// The index of the part.
+        /// Index of the missing part.
         found: usize,
     },
-    /// Two of a kind share what one alone may have.
+    /// Two parts use a dof, servo or address that only one may use.
     Shared {
-        /// The kind of item: `"dof"`, `"servo"`, `"address of servo"`.
+        /// Kind of the shared item: `"dof"`, `"servo"`, `"address of servo"`.
         what: &'static str,
-        /// Index of the second one that has it.
+        /// Index of that item, or of the limit or servo that uses it a second time.
         index: usize,
     },
-    /// A number is NaN, or cannot be.
+    /// A number is NaN or out of its range.
     Number {
-        /// The kind of number: `"range of dof"`, ...
+        /// Kind of number: `"range of dof"`, ...
         what: &'static str,
-        /// Which one.
+        /// Index of the part that the number belongs to.
         index: usize,
-        /// The number.
+        /// Number that was found.
         found: f32,
     },
-    /// A drive does not fit its joints: their dofs are not whole, or it moves a ball joint as if it had axes.
+    /// A drive does not fit its joints: it moves only some dofs of a joint, or treats a ball joint as one with
+    /// axes.
     Joints {
-        /// The drive.
+        /// Index of the drive.
         drive: usize,
     },
-    /// The bodies cannot be.
+    /// The tree of bodies is invalid.
     Tree(TreeError),
-    /// A drive cannot be.
+    /// A drive is invalid.
     Drive {
-        /// Which one.
+        /// Index of the drive.
         index: usize,
-        /// Why.
+        /// Reason why the drive is invalid.
         error: DriveError,
     },
-    /// A servo cannot be.
+    /// A servo is invalid.
     Servo {
-        /// Which one.
+        /// Index of the servo.
         index: usize,
-        /// Why.
+        /// Reason why the servo is invalid.
         error: ServoError,
     },
 }
@@ -140,13 +141,13 @@ impl fmt::Display for BoardRigError {
                 write!(f, "there are {found} {what}; there must be {expected}")
             }
             Self::Index { what, index, part, found } => {
-                write!(f, "{what} {index} names {part} {found}, which there is not")
+                write!(f, "{what} {index} refers to {part} {found}, which does not exist")
             }
             Self::Shared { what, index } => {
                 write!(f, "{what} {index} is taken already; each may be used once")
             }
             Self::Number { what, index, found } => {
-                write!(f, "{what} {index} is {found}, which cannot be")
+                write!(f, "{what} {index} is {found}, which is invalid")
             }
             Self::Joints { drive } => write!(
                 f,

@@ -1,7 +1,7 @@
-//! A rig as a board has it: of fixed capacity, without names, checked as a whole.
+//! A rig in the form that a board stores: fixed capacity, no names, checked as a whole.
 //!
 //! # Format, version 1
-//! All numbers little-endian; `f32` as IEEE 754. Infinity stands for no limit.
+//! All numbers are little-endian; `f32` is IEEE 754. Infinity means no limit.
 //!
 //! - 4 bytes: magic `SNWR`
 //! - `u16`: version, 1
@@ -20,7 +20,7 @@
 //!   (0 limp, 1 hold, 2 home), zero `u16`
 //! - `u32`: CRC-32 (ISO-HDLC) of all bytes before it
 //!
-//! Where and how the base stands is the placement of body 0: gravity is along -y of the world.
+//! Position and orientation of the base are the placement of body 0; gravity points along -y of the world.
 
 #![warn(
     clippy::unwrap_used,
@@ -58,83 +58,83 @@ pub struct BoardRig<const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     servos: Vec<BoardServo, SERVOS>,
 }
 
-/// One degree of freedom: rad, or m of a slide.
+/// One dof, in rad, or m for a slide.
 ///
-/// Of a ball joint, the first one's range is `[0, most]`, of the angle from the zero pose; the others have none. Its
-/// three homes are the rotation vector.
+/// For a ball joint, the range of the first dof is `[0, most]` and limits the angle from the zero pose; the other
+/// two have no range. The three homes together are the rotation vector.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoardDof {
-    /// Least and most position; infinite for no limit.
+    /// Minimum and maximum position; infinite without limit.
     pub range: [f32; 2],
     /// Position in the home pose.
     pub home: f32,
-    /// The largest speed, rad/s or m/s; infinite for no limit.
+    /// Maximum speed, rad/s or m/s; infinite without limit.
     pub speed: f32,
-    /// The largest acceleration, rad/s² or m/s²; infinite for no limit.
+    /// Maximum acceleration, rad/s² or m/s²; infinite without limit.
     pub acceleration: f32,
-    /// The largest effort, N m or N; infinite for no limit.
+    /// Maximum effort, N m or N; infinite without limit.
     pub effort: f32,
 }
 
-/// `least <= factor · q[dof] + other_factor · q[other] <= most`.
+/// A limit on a sum of two dofs: `least <= factor · q[dof] + other_factor · q[other] <= most`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkedLimit {
-    /// Index of a dof.
+    /// Index of the first dof.
     pub dof: u16,
-    /// Index of another one.
+    /// Index of the second dof.
     pub other: u16,
-    /// Factor of the first.
+    /// Factor of the first dof.
     pub factor: f32,
-    /// Factor of the second.
+    /// Factor of the second dof.
     pub other_factor: f32,
-    /// Least and most sum; infinite for no limit.
+    /// Minimum and maximum sum; infinite without limit.
     pub range: [f32; 2],
 }
 
-/// A drive, and what it joins.
+/// A drive with the dofs and servos that it connects.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoardDrive {
-    /// The drive.
+    /// Relation between dofs and servos.
     pub drive: Drive,
-    /// Indices of its dofs, in its order.
+    /// Indices of the dofs, in the order of the drive.
     pub dofs: Vec<u16, DRIVE_CAPACITY>,
-    /// Indices of its servos, in its order.
+    /// Indices of the servos, in the order of the drive.
     pub servos: Vec<u16, DRIVE_CAPACITY>,
 }
 
-/// A servo, and where it hangs.
+/// A servo and its place on a bus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoardServo {
-    /// Number of the bus: which one that is, the board says.
+    /// Number of the bus; the board maps it to a bus line.
     pub bus: u16,
-    /// Where on the bus.
+    /// Address on the bus.
     pub address: Address,
-    /// Its limits and numbers.
+    /// Limits and constants of the servo.
     pub servo: Servo,
 }
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
-    /// Its bodies.
+    /// Returns the tree of bodies.
     pub fn tree(&self) -> &Tree<BODIES> {
         &self.tree
     }
 
-    /// Its degrees of freedom, in the order of the tree's.
+    /// Returns the dofs, in the order of the tree.
     pub fn dofs(&self) -> &[BoardDof] {
         &self.dofs
     }
 
-    /// Limits that join two dofs.
+    /// Returns the limits that join two dofs.
     pub fn limits(&self) -> &[LinkedLimit] {
         &self.limits
     }
 
-    /// Its drives.
+    /// Returns the drives.
     pub fn drives(&self) -> &[BoardDrive] {
         &self.drives
     }
 
-    /// Its servos.
+    /// Returns the servos.
     pub fn servos(&self) -> &[BoardServo] {
         &self.servos
     }

@@ -1,20 +1,20 @@
-//! Bodies.
+//! Rigid bodies and their inertia.
 
 /// A rigid body. Its frame is the frame of the joint that moves it, after the joint's own motion.
 ///
-/// Without mass it is kinematic: it follows, and takes no torque. Give an inertia, or the size of a box of the same
-/// mass, or neither for a point at the centre of mass.
+/// A body without mass is kinematic: it follows, and needs no torque. The inertia is given by a matrix or by the
+/// size of a box of the same mass; without both, the mass is a point at the centre of mass.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Body {
-    /// What people call it; unique among bodies.
+    /// Name of the body; unique among bodies.
     pub name: String,
-    /// Mass in kg; zero for a frame that carries nothing.
+    /// Mass, kg; zero for a frame without mass.
     pub mass_kg: f64,
     /// Centre of mass in the body frame, m.
     pub center_of_mass_m: [f64; 3],
-    /// Inertia about the centre of mass, body axes.
+    /// Inertia about the centre of mass, in body axes, kg m².
     pub inertia_kg_m2: Option<InertiaMatrix>,
-    /// Edges, along the body axes, of a solid box about the centre of mass that has this body's inertia, m.
+    /// Edge lengths of a solid box about the centre of mass that has this body's inertia, along the body axes, m.
     pub box_m: Option<[f64; 3]>,
 }
 
@@ -31,7 +31,7 @@ pub struct InertiaMatrix {
 }
 
 impl InertiaMatrix {
-    /// All elements times a factor: the same body in another unit.
+    /// Returns all elements times a factor, for example to change the unit.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         let Self { xx, xy, xz, yy, yz, zz } = self;

@@ -1,17 +1,17 @@
-//! Why a description cannot be a rig, and where that stands.
+//! The reason why a description is invalid, and the place of the invalid value.
 
 use std::fmt;
 
-/// Where a value stands in a rig's file: `joint[2].axis`.
+/// Path of a value in a rig's file, such as `joint[2].axis`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Path(pub Vec<Step>);
 
 /// One step of a [`Path`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// A key of a table, as in the file.
+    /// Key of a table, as in the file.
     Key(&'static str),
-    /// A place in an array, from 0.
+    /// Index in an array, from 0.
     Index(usize),
 }
 
@@ -28,16 +28,16 @@ impl fmt::Display for Path {
     }
 }
 
-/// Why a description cannot be a rig.
+/// The reason why a description is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{path} of {item}: expected {expected}, found {found}")]
 pub struct DescriptionError {
-    /// Where the value stands.
+    /// Path of the value.
     pub path: Path,
-    /// The part that it belongs to, by name: `joint "elbow"`.
+    /// Part that the value belongs to, by name: `joint "elbow"`.
     pub item: String,
-    /// What would be right.
+    /// Description of a valid value.
     pub expected: String,
-    /// What is there.
+    /// Value that was found.
     pub found: String,
 }

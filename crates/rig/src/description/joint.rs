@@ -1,25 +1,26 @@
 //! Joints, and limits that join two of them.
 
-/// What a joint leaves free.
+/// Kind of motion that a joint permits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum JointType {
-    /// Nothing. Such joints are merged when the tree is made, see [`super::Description::mechanism`].
+    /// No motion. [`super::Description::mechanism`] merges the bodies of such joints.
     Fixed,
-    /// A turn about `axis`.
+    /// Rotation about `axis`.
     #[default]
     Revolute,
-    /// A slide along `axis`.
+    /// Translation along `axis`.
     Prismatic,
-    /// A turn about `axis`, fixed in the joint frame, then about `second_axis`, fixed in the body.
+    /// Rotation about `axis`, which is fixed in the joint frame, then about `second_axis`, which is fixed in the
+    /// body.
     Universal,
-    /// Any turn.
+    /// Rotation about any axis.
     Spherical,
-    /// Any motion.
+    /// Any rotation and translation.
     Free,
 }
 
 impl JointType {
-    /// How many numbers make its speed.
+    /// Returns the number of dofs: 0 to 6.
     pub fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -31,50 +32,50 @@ impl JointType {
     }
 }
 
-/// A joint: how a body moves on its parent.
+/// A joint, which connects a body to its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// What people call it; unique among joints.
+    /// Name of the joint; unique among joints.
     pub name: String,
-    /// What it leaves free. Default: revolute.
+    /// Kind of motion. Default: revolute.
     pub kind: JointType,
-    /// The body that it hangs on.
+    /// Name of the parent body.
     pub parent: String,
-    /// The body that it moves.
+    /// Name of the body that the joint moves.
     pub child: String,
-    /// Where the joint is in the parent's frame, m.
+    /// Position of the joint in the parent's frame, m.
     pub position_m: [f64; 3],
     /// Rotation of the joint frame in the parent's frame, unit quaternion x y z w.
     pub rotation_xyzw: [f64; 4],
-    /// Unit axis in the joint frame; of revolute, prismatic and universal joints.
+    /// Unit axis in the joint frame; for revolute, prismatic and universal joints.
     pub axis: Option<[f64; 3]>,
-    /// Unit axis in the body frame, perpendicular to `axis`; of universal joints.
+    /// Unit axis in the body frame, perpendicular to `axis`; for universal joints.
     pub second_axis: Option<[f64; 3]>,
-    /// Least and most angle of each axis: one pair for a revolute joint, two for a universal one; for a spherical one a
-    /// pair `[0, most]` for the angle away from its zero pose. Empty: no limit.
+    /// Minimum and maximum angle of each axis: one pair for a revolute joint, two for a universal joint. A
+    /// spherical joint has one pair `[0, most]`, which limits the angle from its zero pose. Empty without limit.
     pub range_rad: Vec<[f64; 2]>,
-    /// Least and most way of a prismatic joint, m.
+    /// Minimum and maximum position of a prismatic joint, m.
     pub range_m: Option<[f64; 2]>,
-    /// Position in the home pose, of a revolute joint. Default: zero, or the end of the range that is nearest to it.
+    /// Home position of a revolute joint. Default: zero, or the end of the range that is nearest to zero.
     pub home_rad: Option<f64>,
-    /// The same of a prismatic joint, m.
+    /// Home position of a prismatic joint, m. Default as for `home_rad`.
     pub home_m: Option<f64>,
-    /// The largest speed that is asked for: of a turn.
+    /// Maximum commanded speed of a joint that turns.
     pub speed_rad_s: Option<f64>,
-    /// The same of a slide, m/s.
+    /// Maximum commanded speed of a joint that slides, m/s.
     pub speed_m_s: Option<f64>,
-    /// The largest acceleration that is asked for: of a turn.
+    /// Maximum commanded acceleration of a joint that turns.
     pub acceleration_rad_s2: Option<f64>,
-    /// The same of a slide, m/s².
+    /// Maximum commanded acceleration of a joint that slides, m/s².
     pub acceleration_m_s2: Option<f64>,
-    /// The largest torque (N m) or force (N) that the joint is given.
+    /// Maximum commanded torque (N m) or force (N).
     pub effort: Option<f64>,
-    /// The inertia that the drive's rotor adds to each dof, as its gear shows it: kg m², or kg of a slide.
-    /// Default: that of the servos which move the joint.
+    /// Inertia that the drive's rotor adds to each dof, seen through its gear: kg m², or kg for a slide. Default:
+    /// that of the servos that move the joint.
     pub rotor_inertia: Option<f64>,
-    /// Coulomb friction beside that of the servos: N m, or N of a slide.
+    /// Coulomb friction in addition to that of the servos: N m, or N for a slide.
     pub friction: f64,
-    /// Viscous friction beside that of the servos: N m s, or N s/m of a slide.
+    /// Viscous friction in addition to that of the servos: N m s, or N s/m for a slide.
     pub damping: f64,
 }
 
@@ -106,8 +107,8 @@ impl Default for Joint {
 }
 
 impl Joint {
-    /// Its coordinates in the home pose, as `q` of `sinew-core` has them. Turns and slides that say nothing are at
-    /// zero, or at the end of the range that is nearest to it.
+    /// Returns the home pose as coordinates `q` of `sinew-core`. The default of a turn or a slide is zero, or the
+    /// end of the range that is nearest to zero.
     pub fn home(&self) -> Vec<f64> {
         let nearest_to_zero = |range: Option<[f64; 2]>| {
             range.map_or(0.0, |[least, most]| 0.0_f64.max(least).min(most))
@@ -132,24 +133,24 @@ impl Joint {
 
 /// A limit on the sum of two joints' positions: `least <= factor · q[joint] + other_factor · q[other] <= most`.
 ///
-/// For two lids that must not meet: `1 · upper - 1 · lower >= 0`.
+/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedLimit {
-    /// A joint of one dof.
+    /// Name of the first joint, of one dof.
     pub joint: String,
-    /// Another one.
+    /// Name of the second joint, of one dof.
     pub other: String,
-    /// Factor of the first. Default: 1.
+    /// Factor of the first joint. Default: 1.
     pub factor: f64,
-    /// Factor of the second. Default: -1.
+    /// Factor of the second joint. Default: -1.
     pub other_factor: f64,
-    /// Least sum, of two joints that turn.
+    /// Minimum sum of two joints that turn.
     pub least_rad: Option<f64>,
-    /// Most.
+    /// Maximum sum of two joints that turn.
     pub most_rad: Option<f64>,
-    /// Least sum of two joints that slide, m.
+    /// Minimum sum of two joints that slide, m.
     pub least_m: Option<f64>,
-    /// Most.
+    /// Maximum sum of two joints that slide, m.
     pub most_m: Option<f64>,
 }
 

@@ -1,10 +1,10 @@
-//! Masses that are one rigid body.
+//! Masses that are combined to one rigid body.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use super::{Body, InertiaMatrix};
 
-/// Mass, its centre and its inertia about that centre, in the axes of some frame.
+/// Mass, its centre, and its inertia about that centre, in the axes of some frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Mass {
     pub(crate) kg: f64,
@@ -13,12 +13,12 @@ pub(crate) struct Mass {
 }
 
 impl Mass {
-    /// Of a body, in its own frame.
+    /// Returns the mass of a body, in the frame of that body.
     pub(crate) fn of(body: &Body) -> Self {
         let inertia_kg_m2 = match (&body.inertia_kg_m2, body.box_m) {
             (Some(inertia), _) => matrix(inertia),
             (None, Some(size_m)) => {
-                // Of a solid box about x: m (y² + z²) / 12, and so on.
+                // A solid box has m (y² + z²) / 12 about x; y and z follow by rotation of the letters.
                 let [x, y, z] = size_m.map(|edge| edge * edge * body.mass_kg / 12.0);
                 DMat3::from_diagonal(DVec3::new(y + z, z + x, x + y))
             }
@@ -27,7 +27,7 @@ impl Mass {
         Self { kg: body.mass_kg, center_m: body.center_of_mass_m.into(), inertia_kg_m2 }
     }
 
-    /// The same mass as seen from a frame in which its own frame stands so.
+    /// Transforms the mass to a frame in which its own frame has this rotation and position.
     pub(crate) fn seen_from(self, rotation: DQuat, position_m: DVec3) -> Self {
         let r = DMat3::from_quat(rotation);
         Self {
@@ -37,7 +37,7 @@ impl Mass {
         }
     }
 
-    /// Both as one, by the parallel axis theorem.
+    /// Adds two masses by the parallel axis theorem.
     pub(crate) fn plus(self, other: Self) -> Self {
         let kg = self.kg + other.kg;
         if other.kg <= 0.0 {

@@ -1,4 +1,4 @@
-//! From names to indices: regular numbering, and bodies on fixed joints merged.
+//! Converts a description to a mechanism: numbers the bodies, and merges those on fixed joints.
 
 use glam::{DQuat, DVec3};
 
@@ -8,16 +8,17 @@ use crate::actuation::JointDefaults;
 use crate::mechanism::{JointModel, Link, LinkedRange, Mechanism, MergedBody, Pose};
 
 impl Description {
-    /// The bodies and joints by index: depth first in the order of the joints, body 0 the base, and every body on a
-    /// fixed joint merged into the one that carries it.
+    /// Returns the bodies and joints by index. They are numbered depth first in the order of the joints; body 0 is
+    /// the base; every body on a fixed joint is merged into its parent.
     ///
     /// # Errors
-    /// As [`Self::check`].
+    /// Those of [`Self::check`].
     pub fn mechanism(&self) -> Result<Mechanism, DescriptionError> {
         let shape = self.checked()?;
         let of_servos = self.actuation()?.joint_defaults(self);
         let mut links = vec![self.base_link(&self.bodies[shape.base])];
-        // Bodies whose joints are to be followed, the next one last; each with its link, and its frame in that.
+        // Bodies whose joints are not yet visited, the next one last; each with its link, and its frame in that
+        // link.
         let mut to_follow = vec![(shape.base, 0, Pose::IDENTITY)];
         // Joints in the order of the file, the next one last.
         let mut to_visit: Vec<(usize, usize, Pose)> = Vec::new();
@@ -54,7 +55,7 @@ impl Description {
     }
 }
 
-/// A body on a joint. What the joint does not say is that of the servos which move it.
+/// Creates the link of a body on a joint. Values that the joint leaves out are those of its servos.
 fn moved_link(
     joint: &Joint,
     servos: Option<JointDefaults>,
@@ -86,7 +87,7 @@ fn moved_link(
     }
 }
 
-/// A body alone on a joint that leaves nothing free and has no limits.
+/// Creates the link of a single body on a fixed joint without limits.
 fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Link {
     let mass = Mass::of(body);
     Link {
@@ -100,7 +101,7 @@ fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Li
     }
 }
 
-/// `None` if one of its joints is none that moves, which `check` refuses.
+/// Converts a linked limit; `None` if one of its joints does not move, which `check` refuses.
 fn linked_range(limit: &LinkedLimit, links: &[Link]) -> Option<LinkedRange> {
     let body = |joint: &str| links.iter().skip(1).position(|link| link.joint_name == joint);
     Some(LinkedRange {
@@ -115,12 +116,12 @@ fn linked_range(limit: &LinkedLimit, links: &[Link]) -> Option<LinkedRange> {
     })
 }
 
-/// `check` has seen a length near 1.
+/// Normalizes a quaternion. `check` has ensured a length near 1.
 fn unit(rotation_xyzw: [f64; 4]) -> DQuat {
     DQuat::from_array(rotation_xyzw).normalize()
 }
 
-/// Adds a body that is bolted to a link, its frame being so in the link's.
+/// Adds a body that is bolted to a link; `frame` is the body's frame in the link's frame.
 fn merge(link: &mut Link, body: &Body, frame: Pose) {
     let Pose { rotation, position_m } = frame;
     let so_far = Mass {
@@ -136,7 +137,7 @@ fn merge(link: &mut Link, body: &Body, frame: Pose) {
 }
 
 fn dof(joint: &Joint) -> JointModel {
-    // `check` has seen that the axes are there, not zero, and at right angles.
+    // `check` has ensured that the axes exist, are not zero, and are perpendicular.
     let unit = |axis: Option<[f64; 3]>| DVec3::from(axis.unwrap_or_default()).normalize_or_zero();
     match joint.kind {
         JointType::Fixed => JointModel::Fixed,
@@ -204,7 +205,7 @@ mod tests {
     #[expect(clippy::float_cmp, reason = "small whole numbers")]
     fn a_body_on_a_fixed_joint_is_part_of_the_one_that_carries_it() {
         // Points of 1 kg at the origin and of 3 kg at x = 2: centre at 1.5, and 1 · 1.5² + 3 · 0.5² = 3 about y and
-        // z. The second one's frame is turned a quarter about z, so its own x is the first one's y.
+        // z. The frame of the second body is rotated by 90 deg about z, so its own x is the first body's y.
         let mut weld = joint("weld", JointType::Fixed, "arm", "tool");
         weld.position_m = [2.0, 0.0, 0.0];
         weld.rotation_xyzw = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
@@ -212,14 +213,14 @@ mod tests {
         finger.position_m = [1.0, 0.0, 0.0];
         let mut bodies =
             vec![body("base", 5.0), body("arm", 1.0), body("tool", 3.0), body("tip", 1.0)];
-        // A rod along the tool's x: nothing about x, 0.3 about y and z. In the arm it lies along y.
+        // A rod along the tool's x: zero about x, 0.3 about y and z. In the arm's frame the rod is along y.
         bodies[2].inertia_kg_m2 =
             Some(crate::description::InertiaMatrix { yy: 0.3, zz: 0.3, ..Default::default() });
         let joints = vec![joint("hinge", JointType::Revolute, "base", "arm"), weld, finger];
         let mechanism = rig(bodies, joints).mechanism().unwrap();
         let [base, arm, tip] = &mechanism.bodies[..] else { panic!("{mechanism:?}") };
         assert_eq!((base.mass_kg, base.merged.len()), (5.0, 0));
-        // Rounding of f64 in a rotation by a quarter turn.
+        // Tolerance for f64 rounding in a rotation by 90 deg.
         let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-15;
         assert_eq!(arm.mass_kg, 4.0);
         assert!(near(arm.center_of_mass_m, DVec3::new(1.5, 0.0, 0.0)), "{arm:?}");

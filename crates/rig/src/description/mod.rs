@@ -1,8 +1,8 @@
-//! A rig as a person writes it: named parts in SI units. Angles are in radians here, and in degrees in `rig.toml`,
-//! see [`crate::toml_file`].
+//! A rig in the form that a person writes: named parts in SI units. Angles are in radians here, and in degrees in
+//! `rig.toml`, see [`crate::toml_file`].
 //!
-//! [`Description::check`] refuses what cannot be, by the path of the value; [`Description::mechanism`] makes of it
-//! bodies and joints by index.
+//! [`Description::check`] refuses invalid values and reports their path; [`Description::mechanism`] converts the
+//! description to bodies and joints by index.
 
 mod body;
 mod check;
@@ -30,22 +30,22 @@ pub use crate::servo::{Address, SignalLoss};
 /// A whole rig.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Description {
-    /// What people call it.
+    /// Name of the rig.
     pub name: String,
-    /// Where and how the base stands.
+    /// Position and orientation of the base.
     pub mount: Mount,
-    /// What feeds the servos, if it is known.
+    /// Power supply of the servos, if known.
     pub supply: Option<Supply>,
-    /// The bodies in any order; one of them, the base, is no joint's child.
+    /// Bodies in any order; exactly one of them, the base, is not the child of a joint.
     pub bodies: Vec<Body>,
-    /// The joints in any order, one for every body but the base.
+    /// Joints in any order, one for every body except the base.
     pub joints: Vec<Joint>,
     /// Limits that join two joints, such as those of an upper and a lower lid.
     pub limits: Vec<LinkedLimit>,
-    /// How servos move the joints.
+    /// Drives, by which servos move the joints.
     pub drives: Vec<Drive>,
-    /// The servos.
+    /// Servos of the rig.
     pub servos: Vec<Servo>,
-    /// Kinds of servo beside the built-in ones, see [`ServoModel::built_in`].
+    /// Kinds of servo in addition to the built-in kinds, see [`ServoModel::built_in`].
     pub servo_models: Vec<ServoModel>,
 }

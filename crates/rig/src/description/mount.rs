@@ -1,12 +1,12 @@
-//! Where the base stands, and what feeds the servos.
+//! Position of the base, and the power supply of the servos.
 
-/// How the base stands in the world: y up, gravity 9.81 m/s² along -y.
+/// Pose of the base in the world. In the world, y points up and gravity is 9.81 m/s² along -y.
 ///
-/// A file that has z up is turned here, once: `rotation_xyzw = [-0.7071.., 0, 0, 0.7071..]`. A rig that sticks out of a
-/// wall, or hangs upside down, says so here as well.
+/// A file with z up is rotated here, once: `rotation_xyzw = [-0.7071.., 0, 0, 0.7071..]`. A rig on a wall, or one
+/// that is mounted upside down, is rotated here too.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mount {
-    /// Whether the base is bolted to the world, or moves freely and is driven there.
+    /// Whether the base is bolted to the world, or moved by a drive.
     pub base: Base,
     /// Position of the base in the world, m.
     pub position_m: [f64; 3],
@@ -14,13 +14,13 @@ pub struct Mount {
     pub rotation_xyzw: [f64; 4],
 }
 
-/// How the base is held.
+/// Support of the base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Base {
     /// Bolted to the world, or to a stand.
     #[default]
     Fixed,
-    /// On a drive of six dofs.
+    /// Moved by a drive of six dofs.
     Driven,
 }
 
@@ -31,18 +31,18 @@ impl Default for Mount {
 }
 
 impl Mount {
-    /// A base whose own z axis points up.
+    /// Returns a mount for a base whose own z axis points up.
     pub fn z_up() -> Self {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         Self { rotation_xyzw: [-half, 0.0, 0.0, half], ..Self::default() }
     }
 }
 
-/// What feeds the servos.
+/// Power supply of the servos.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Supply {
-    /// V.
+    /// Voltage, V.
     pub voltage_v: f64,
-    /// The most that it gives for long, A.
+    /// Maximum continuous current, A.
     pub current_a: f64,
 }

@@ -1,38 +1,38 @@
-//! Servos, and what their kinds can do.
+//! Servos, and the data of their kinds.
 
 use serde::{Deserialize, Serialize};
 
 use crate::servo::{Address, SignalLoss};
 
-/// One servo.
+/// A servo of the rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Servo {
-    /// What people call it; unique among servos.
+    /// Name of the servo; unique among servos.
     pub name: String,
-    /// A kind of servo, see [`ServoModel::built_in`].
+    /// Name of its kind, see [`ServoModel::built_in`].
     pub model: String,
-    /// The bus that it hangs on.
+    /// Name of the bus that it is connected to.
     pub bus: String,
-    /// Where on the bus.
+    /// Address on the bus.
     pub address: Address,
-    /// 1 if its positive turn is the drive's, -1 if it is mirrored.
+    /// 1 if positive turns of servo and drive agree, -1 if they are opposite.
     pub direction: i8,
-    /// Its own position where the drive has zero.
+    /// Servo's own position when the drive is at zero.
     pub offset_rad: Option<f64>,
-    /// Turns of the servo for a turn of the output that the drive sees. Default: 1.
+    /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
-    /// How far it may go, by its own position: one pair. Empty: as its kind.
+    /// Permitted range of its own position: one pair. Empty: the range of its kind.
     pub range_rad: Vec<[f64; 2]>,
-    /// The most torque that it is asked for, N m. Default: as its kind.
+    /// Maximum commanded torque, N m. Default: that of its kind.
     pub torque_nm: Option<f64>,
-    /// The largest speed that it is asked for.
+    /// Maximum commanded speed.
     pub speed_rad_s: Option<f64>,
-    /// The largest acceleration that it is asked for.
+    /// Maximum commanded acceleration.
     pub acceleration_rad_s2: Option<f64>,
-    /// Value of its register of the P gain of position, in its own numbers. Default: by
+    /// Value of the register of the position P gain, in the unit of the register. Default: derived from
     /// [`Stiffness`](crate::stiffness::Stiffness).
     pub p_gain: Option<u16>,
-    /// What it does when commands stop.
+    /// Action of the servo when commands stop.
     pub on_signal_loss: SignalLoss,
 }
 
@@ -56,13 +56,13 @@ impl Default for Servo {
     }
 }
 
-/// What a kind of servo can do, at its output shaft.
+/// Data of a kind of servo, at its output shaft.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoModel {
-    /// What its maker calls it.
+    /// Name that the maker uses.
     pub name: String,
-    /// Voltage that the values are for, V.
+    /// Voltage at which the values are valid, V.
     pub voltage_v: SourcedValue,
     /// Torque per current, N m/A.
     pub torque_constant_nm_a: SourcedValue,
@@ -70,27 +70,27 @@ pub struct ServoModel {
     pub stall_torque_nm: SourcedValue,
     /// Current at standstill, A.
     pub stall_current_a: SourcedValue,
-    /// Torque that it holds for long without overheating, N m.
+    /// Torque that it holds continuously without overheating, N m.
     pub continuous_torque_nm: SourcedValue,
     /// Speed without load, rad/s.
     pub no_load_speed_rad_s: SourcedValue,
-    /// Torque per position error of its own controller, N m/rad; zero if it has none.
+    /// Torque per position error of its own controller, N m/rad; zero without such a controller.
     pub position_gain_nm_rad: SourcedValue,
-    /// Inertia of the rotor as the gear shows it, kg m².
+    /// Inertia of the rotor, seen through the gear, kg m².
     pub rotor_inertia_kg_m2: SourcedValue,
     /// Coulomb friction, N m.
     pub friction_nm: SourcedValue,
     /// Viscous friction, N m s.
     pub damping_nm_s: SourcedValue,
-    /// Least step of its position, rad.
+    /// Smallest step of its position, rad.
     pub resolution_rad: SourcedValue,
-    /// Play of the gear, from end to end, rad.
+    /// Play of the gear from end to end, rad.
     pub backlash_rad: SourcedValue,
-    /// How far it turns, from end to end, rad.
+    /// Range of the output from end to end, rad.
     pub range_rad: SourcedValue,
-    /// Warming of the motor per power lost in it, K/W.
+    /// Temperature rise of the motor per power lost in it, K/W.
     pub thermal_resistance_k_w: SourcedValue,
-    /// Time constant of that, s.
+    /// Time constant of the temperature rise, s.
     pub thermal_time_s: SourcedValue,
     /// Temperature at which it shuts down, °C.
     pub shutdown_c: SourcedValue,
@@ -98,27 +98,27 @@ pub struct ServoModel {
     pub gear_stiffness_nm_rad: Option<SourcedValue>,
     /// Damping of the gear between rotor and output, N m s; see [`Self::gear_damping`].
     pub gear_damping_nm_s: Option<SourcedValue>,
-    /// Part of the Coulomb friction that is at the output, 0 to 1; see [`Self::output_friction_share`].
+    /// Share of the Coulomb friction that acts at the output, 0 to 1; see [`Self::output_friction_share`].
     pub output_friction_share: Option<SourcedValue>,
 }
 
-/// How far a gear winds up at stall torque, rad.
+/// Default twist of a gear at stall torque, rad.
 const WINDUP_RAD: f64 = 0.0175;
-/// Damping of a gear, as a part of the critical one.
+/// Default damping of a gear, as a share of the critical damping.
 const DAMPING_RATIO: f64 = 0.3;
-/// Part of the friction that is at the output.
+/// Default share of the Coulomb friction that acts at the output.
 const OUTPUT_SHARE: f64 = 0.3;
 
 impl ServoModel {
-    /// Returns the stiffness of the gear between rotor and output, N m/rad. Without a value of its own the gear winds
-    /// up by 0.0175 rad, 1 deg, at stall torque.
+    /// Returns the stiffness of the gear between rotor and output, N m/rad. Default: a twist of 0.0175 rad (1 deg)
+    /// at stall torque.
     pub fn gear_stiffness(&self) -> f64 {
         let given = self.gear_stiffness_nm_rad.as_ref();
         given.map_or(self.stall_torque_nm.value / WINDUP_RAD, |given| given.value)
     }
 
-    /// Returns the damping of the gear between rotor and output, N m s. Without a value of its own it is 0.3 of the
-    /// critical damping between the rotor and a load of the rotor's inertia J: `2 * 0.3 * sqrt(stiffness * J / 2)`.
+    /// Returns the damping of the gear between rotor and output, N m s. Default: 0.3 of the critical damping
+    /// between the rotor and a load of the rotor's inertia J: `2 * 0.3 * sqrt(stiffness * J / 2)`.
     pub fn gear_damping(&self) -> f64 {
         self.gear_damping_nm_s.as_ref().map_or_else(
             || {
@@ -129,33 +129,33 @@ impl ServoModel {
         )
     }
 
-    /// Returns what the winding damps the rotor by where the servo is driven by voltage, N m s: torque constant times
-    /// back-EMF, which is the same number, over the resistance.
+    /// Returns the damping of the rotor by the winding when the servo is driven by voltage, N m s: torque constant
+    /// times back-EMF constant (the same number) over the resistance.
     pub fn winding_damping(&self) -> f64 {
         let resistance_ohm = self.voltage_v.value / self.stall_current_a.value;
         self.torque_constant_nm_a.value * self.torque_constant_nm_a.value / resistance_ohm
     }
 
-    /// Returns the part of the Coulomb friction that is at the output shaft, after the gear; the rest is at the rotor.
-    /// Without a value of its own it is 0.3.
+    /// Returns the share of the Coulomb friction that acts at the output shaft, after the gear; the rest acts at
+    /// the rotor. Default: 0.3.
     pub fn output_friction_share(&self) -> f64 {
         self.output_friction_share.as_ref().map_or(OUTPUT_SHARE, |given| given.value)
     }
 
-    /// Returns how far the output turns from the middle of the gear's play to an end of it, rad.
+    /// Returns the angle from the middle of the gear's play to an end of the play, at the output, rad.
     pub fn half_play_rad(&self) -> f64 {
         0.5 * self.backlash_rad.value
     }
 
-    /// Returns what follows of the motor from the maker's figures, if they go together: at no-load speed the supply
-    /// gives back-EMF and what friction takes, and at stall friction that grows with the load takes what is missing.
-    /// `stiction_nm` is the friction at rest, without load.
+    /// Derives the motor's constants from the maker's figures; `None` if the figures contradict each other. At
+    /// no-load speed, back-EMF and friction use the whole supply voltage; at stall, the missing torque is friction
+    /// that grows with the load. `stiction_nm` is the friction at rest, without load.
     pub fn motor(&self, stiction_nm: f64) -> Option<MotorFigures> {
         let [volts, amps] = [self.voltage_v.value, self.stall_current_a.value];
         let [stall_nm, speed] = [self.stall_torque_nm.value, self.no_load_speed_rad_s.value];
         let resistance_ohm = volts / amps;
-        // k w + R f / k = V, where friction f is overcome by the motor alone: f / (1 - load friction). The motor's
-        // share is found with it, in a few rounds.
+        // k w + R f / k = V, where the motor alone overcomes the friction f: f / (1 - load friction). The load
+        // friction is found with it, by iteration.
         let drag_nm = self.friction_nm.value + self.damping_nm_s.value * speed;
         let (mut constant, mut load) = (volts / speed, 0.0);
         for _ in 0..ROUNDS {
@@ -179,7 +179,7 @@ impl ServoModel {
         needed.into_iter().chain(given).collect()
     }
 
-    /// Returns the values that a kind may leave out, each with its key.
+    /// Returns the optional values, each with its key.
     pub(crate) fn optional_values_mut(&mut self) -> [(&'static str, &mut Option<SourcedValue>); 3] {
         [
             ("gear_stiffness_nm_rad", &mut self.gear_stiffness_nm_rad),
@@ -188,7 +188,7 @@ impl ServoModel {
         ]
     }
 
-    /// Returns the values that every kind has, each with its key.
+    /// Returns the required values, each with its key.
     pub(crate) fn values_mut(&mut self) -> [(&'static str, &mut SourcedValue); 16] {
         [
             ("voltage_v", &mut self.voltage_v),
@@ -211,30 +211,30 @@ impl ServoModel {
     }
 }
 
-/// Figures of a motor that follow from its maker's.
+/// Constants of a motor, derived from its maker's figures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotorFigures {
-    /// Torque per current before friction, N m/A; also its back-EMF, V s/rad.
+    /// Torque per current before friction, N m/A; also the back-EMF constant, V s/rad.
     pub torque_constant_nm_a: f64,
-    /// Friction per torque that goes into the gear at either end.
+    /// Friction per torque that enters the gear, from either end.
     pub load_friction: f64,
 }
 
-/// Each makes the error smaller by the load friction's share of the drag, which is below a half.
+/// Number of iterations. Each reduces the error by the load friction's share of the drag, which is below 0.5.
 const ROUNDS: usize = 60;
 
-/// A value, and where it is from.
+/// A value and its source.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SourcedValue {
-    /// In the unit of the field's name.
+    /// Value in the unit of the field's name.
     pub value: f64,
-    /// Who measured or states it; "guess: ..." if nobody does.
+    /// Source that measured or states the value; "guess: ..." without a source.
     pub source: String,
 }
 
 impl SourcedValue {
-    /// Whether nobody has measured or stated it.
+    /// Returns whether the value has no source.
     pub fn is_guess(&self) -> bool {
         self.source.starts_with("guess")
     }

@@ -1,10 +1,10 @@
-//! The unit of a value is the end of its key.
+//! Units of values, derived from the ending of their key.
 
 use super::error::Step;
 
-/// Ends of keys, the longer first, and how people write the unit.
+/// Endings of keys, the longer first, and how the unit is displayed.
 const UNITS: [(&str, &str); 20] = [
-    // Pairs of both.
+    // Pairs of both units.
     ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
     ("_deg_s2", "deg/s²"),
@@ -27,12 +27,12 @@ const UNITS: [(&str, &str); 20] = [
     ("_c", "°C"),
 ];
 
-/// The unit of a key's values, if its name ends with one.
+/// Returns the unit of a key's values, if its ending is known.
 fn unit(key: &str) -> Option<&'static str> {
     UNITS.iter().find(|(end, _)| key.ends_with(end)).map(|(_, unit)| *unit)
 }
 
-/// The unit of a place: of the innermost key that has one; empty if none has.
+/// Returns the unit of a path: that of the innermost key with a unit, otherwise empty.
 pub(super) fn unit_at(path: &[Step]) -> &'static str {
     let of_step = |step: &Step| match step {
         Step::Key(key) => unit(key),
@@ -41,7 +41,7 @@ pub(super) fn unit_at(path: &[Step]) -> &'static str {
     path.iter().rev().find_map(of_step).unwrap_or("")
 }
 
-/// Whether a key's values are degrees in the file, and radians in memory.
+/// Returns whether a key's values are degrees in the file and radians in memory.
 pub(crate) fn is_angle(key: &str) -> bool {
     unit(key).is_some_and(|unit| unit.starts_with("deg"))
 }

@@ -1,4 +1,4 @@
-//! One servo and one joint by a monotone curve through points.
+//! A drive of one servo and one joint, by a monotone curve through points.
 
 use heapless::Vec;
 
@@ -7,24 +7,25 @@ use super::numbers::{LARGEST, LEAST_MOTION, Numbers, bounded, collect};
 use super::pose::{DrivePose, Tangent};
 use crate::limited::LimitReason;
 
-/// The most points of a curve.
+/// Maximum number of points of a curve.
 pub const CURVE_CAPACITY: usize = 16;
 
-/// Least distance of two points, rad of the servo: less than a step of an encoder of 4096.
+/// Minimum distance of two points, rad of the servo: less than one step of an encoder with 4096 steps.
 const LEAST_GAP: f32 = 1e-3;
 
-/// The least slope that is accepted, as a share of the mean slope.
+/// Minimum accepted slope, as a share of the mean slope.
 const LEAST_SHARE: f32 = 0.01;
 
-/// Steps of the inverse. Newton's method needs five or so; the flattest curves that are accepted take ten, which a test
-/// tries.
+/// Maximum steps of the inverse. Newton's method needs about five, and ten for the flattest accepted curves; a test
+/// checks this.
 const STEPS: usize = 12;
 
-/// A monotone curve `q(s)` through points, with a continuous derivative that is nowhere near zero: jaws, lids,
+/// A monotone curve `q(s)` through points, whose derivative is continuous and nowhere near zero. For jaws, lids and
 /// push-rods.
 ///
-/// Cubics between the points, with slopes after Fritsch and Butland (1984), which keep the curve monotone. At its ends
-/// the slope is that of a parabola through three points, between 1/4 and 3 times that of the last two.
+/// Cubics between the points, with the slopes of Fritsch and Butland (1984), which keep the curve monotone. At an
+/// end, the slope is that of a parabola through three points, limited to 1/4 to 3 times the slope between the last
+/// two.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     knots: Vec<Knot, CURVE_CAPACITY>,
@@ -38,12 +39,13 @@ struct Knot {
 }
 
 impl Curve {
-    /// A curve through points `[s, q]`, `s` in rad and rising, `q` in rad or m and all rising or all falling.
+    /// Creates a curve through points `[s, q]`: `s` in rad and rising, `q` in rad or m and all rising or all
+    /// falling.
     ///
     /// # Errors
-    /// [`DriveError`] if there are fewer than 2 points or more than [`CURVE_CAPACITY`], a number is none, servo
-    /// positions do not rise by at least 0.001 rad, joint positions turn back, or the curve is flat somewhere: below
-    /// 1/100 of its mean slope.
+    /// [`DriveError`] if there are fewer than 2 or more than [`CURVE_CAPACITY`] points, a number is not finite,
+    /// servo positions do not rise by at least 0.001 rad, joint positions change direction, or the slope is
+    /// anywhere below 1/100 of the mean slope.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
         let (what, found) = ("points", points.len());
         let [first, .., last] = points else {
@@ -66,7 +68,7 @@ impl Curve {
             if (q1 - q0) * (last[1] - first[1]) <= 0.0 {
                 return Err(DriveError::NotMonotone { point });
             }
-            // There is room: points are counted.
+            // There is room, because the points were counted.
             let _ = secants.push(Secant { width: s1 - s0, slope: (q1 - q0) / (s1 - s0) });
         }
         let mean = (last[1] - first[1]) / (last[0] - first[0]);
@@ -84,14 +86,14 @@ impl Curve {
             .map(|piece| piece.least_slope(mean.signum()))
             .fold(f32::INFINITY, f32::min)
             / mean.abs();
-        // NaN is not within.
+        // NaN is not in the range either.
         if !(LEAST_SHARE..).contains(&share) {
             return Err(DriveError::Flat { share, least: LEAST_SHARE });
         }
         Ok(curve)
     }
 
-    /// The points `[s, q]` that it goes through.
+    /// Returns the points `[s, q]` of the curve.
     pub fn points(&self) -> impl ExactSizeIterator<Item = [f32; 2]> {
         self.knots.iter().map(|knot| [knot.servo, knot.joint])
     }
@@ -113,7 +115,7 @@ impl Curve {
     }
 
     pub(super) fn at_joint(&self, q: f32) -> DrivePose<'_> {
-        // Turned round, a falling curve rises.
+        // Comparisons are reversed for a falling curve.
         let rising = self.pieces().next().is_none_or(|piece| piece.to.joint > piece.from.joint);
         let is_below = |a: f32, b: f32| if rising { a < b } else { a > b };
         self.pose(
@@ -124,8 +126,8 @@ impl Curve {
         )
     }
 
-    /// The pose of a wanted position: in the first piece that reaches it, at the share of its width that `share_of`
-    /// finds; else at the end that is nearest.
+    /// Finds the pose of a wanted position, in the first piece that reaches it; `share_of` finds the share of the
+    /// piece's width. Beyond the curve, returns its nearest end.
     fn pose(
         &self,
         wanted: f32,
@@ -142,7 +144,7 @@ impl Curve {
                 pose_of(servo, piece.joint(share), piece.slope(share), None)
             }
             (_, None, Some(last)) => at(last, Some(LimitReason::Range)),
-            // A curve has two points at least.
+            // A curve has at least two points, therefore this is not reached.
             (_, None, None) => pose_of(wanted, wanted, 1.0, Some(LimitReason::Range)),
         }
     }
@@ -159,12 +161,12 @@ struct Secant {
     slope: f32,
 }
 
-/// Slope of the curve at a point.
+/// Returns the slope of the curve at a point.
 fn slope_at(secants: &[Secant], point: usize) -> f32 {
     let at = |index: usize| secants.get(index).copied();
     let before = point.checked_sub(1).and_then(at);
     match (before, at(point)) {
-        // The harmonic mean, weighted for the widths.
+        // The harmonic mean, weighted by the widths.
         (Some(a), Some(b)) => {
             let (wa, wb) = (2.0 * b.width + a.width, b.width + 2.0 * a.width);
             (wa + wb) / (wa / a.slope + wb / b.slope)
@@ -175,11 +177,11 @@ fn slope_at(secants: &[Secant], point: usize) -> f32 {
     }
 }
 
-/// Slope at an end, of the secant there and the one behind it.
+/// Returns the slope at an end, from the secant there and the next one.
 fn end_slope(end: Secant, behind: Option<Secant>) -> f32 {
     let Some(behind) = behind else { return end.slope };
     let weight = end.width / (end.width + behind.width);
-    // As a share of the end's own: in its direction, whatever that is.
+    // A share of the end's own slope keeps its direction.
     let share = 1.0 + weight * (1.0 - behind.slope / end.slope);
     end.slope * share.clamp(0.25, 3.0)
 }
@@ -195,7 +197,8 @@ impl Piece {
         self.to.servo - self.from.servo
     }
 
-    /// Coefficients `a, b, c` of `y = t (a + t (b + t c))`: share of the height at share `t` of the width.
+    /// Returns the coefficients `a, b, c` of `y = t (a + t (b + t c))`: share of the height at share `t` of the
+    /// width.
     fn cubic(&self) -> [f32; 3] {
         let secant = (self.to.joint - self.from.joint) / self.width();
         let (from, to) = (self.from.slope / secant, self.to.slope / secant);
@@ -214,11 +217,11 @@ impl Piece {
         (a + share * (2.0 * b + share * (3.0 * c))) * (height / self.width())
     }
 
-    /// The least slope, in the direction of `sign`.
+    /// Returns the minimum slope, in the direction of `sign`.
     fn least_slope(&self, sign: f32) -> f32 {
         let [_, b, c] = self.cubic();
         let lowest = -b / (3.0 * c);
-        // NaN of a straight line is not within.
+        // NaN, from a straight line, fails both comparisons.
         let lowest = if lowest > 0.0 && lowest < 1.0 { lowest } else { 0.0 };
         [0.0, lowest, 1.0]
             .into_iter()
@@ -226,7 +229,8 @@ impl Piece {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// The share of the width where the joint is at `q`: Newton's method between bounds that close in.
+    /// Returns the share of the width at which the joint is at `q`, by Newton's method between bounds that
+    /// converge.
     fn inverse(&self, q: f32) -> f32 {
         let [a, b, c] = self.cubic();
         let wanted = (q - self.from.joint) / (self.to.joint - self.from.joint);
@@ -250,7 +254,7 @@ impl Piece {
 mod tests {
     use super::*;
 
-    /// A piece of unit width and height, with slopes in units of its secant.
+    /// Creates a piece of unit width and height, with slopes in units of its secant.
     fn piece(from: f32, to: f32) -> Piece {
         Piece {
             from: Knot { servo: 0.0, joint: 0.0, slope: from },
@@ -276,7 +280,7 @@ mod tests {
             }
         }
         assert!(tried > 3000, "{tried}");
-        // A few roundings of a sum of three terms of at most 3.
+        // Tolerance for a few roundings of a sum of three terms of at most 3.
         assert!(worst < 1e-6, "{worst}");
     }
 }

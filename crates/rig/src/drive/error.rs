@@ -1,121 +1,122 @@
-//! Why a drive cannot be, and what it cannot be asked.
+//! Reasons why a drive is invalid, or refuses its input.
 
 use core::fmt;
 
-/// Why a drive was refused.
+/// The reason why a drive is invalid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// More of something than a drive holds.
+    /// The number of items exceeds the capacity of a drive.
     TooMany {
-        /// The kind of item: `"dofs"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
+        /// Kind of item: `"dofs"`, `"servos"`, `"numbers"` of a matrix, or `"points"` of a curve.
         what: &'static str,
-        /// How many there are.
+        /// Number of items that were found.
         found: usize,
-        /// How many it holds.
+        /// Capacity of a drive.
         most: usize,
     },
-    /// Fewer of something than a drive needs.
+    /// A drive needs more items.
     TooFew {
-        /// Of what.
+        /// Kind of item.
         what: &'static str,
-        /// How many there are.
+        /// Number of items that were found.
         found: usize,
-        /// How many it needs.
+        /// Minimum number of items.
         least: usize,
     },
-    /// A row of the matrix, or the offsets, are not of the right length.
+    /// A row of the matrix, or the list of offsets, has the wrong length.
     Length {
-        /// `"row"` or `"offset"`.
+        /// List of the wrong length: `"row"` or `"offset"`.
         what: &'static str,
-        /// Which row.
+        /// Index of the row.
         index: usize,
-        /// How many numbers it has.
+        /// Length that was found.
         found: usize,
-        /// How many it should have.
+        /// Expected length.
         expected: usize,
     },
-    /// A number is NaN, infinite or beyond what it may be.
+    /// A number is NaN, infinite or out of its range.
     Number {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// Its place, of a list.
+        /// Index in its list.
         index: usize,
-        /// The number.
+        /// Number that was found.
         found: f32,
-        /// The least that it may be.
+        /// Minimum accepted value.
         least: f32,
-        /// The most that it may be.
+        /// Maximum accepted value.
         most: f32,
     },
-    /// A row of the matrix has no number of at least 1e-6 in size: no servo moves that dof.
+    /// No servo moves a dof: all numbers of its row are below 1e-6 in absolute value.
     Unmoved {
-        /// The dof.
+        /// Index of the dof.
         dof: usize,
-        /// The largest number of its row, in size.
+        /// Largest absolute value in its row.
         largest: f32,
     },
-    /// A column of the matrix has no number of at least 1e-6 in size: that servo moves nothing.
+    /// A servo moves nothing: all numbers of its column are below 1e-6 in absolute value.
     Idle {
-        /// The servo.
+        /// Index of the servo.
         servo: usize,
-        /// The largest number of its column, in size.
+        /// Largest absolute value in its column.
         largest: f32,
     },
-    /// The matrix is singular, or near it: in some direction the servos hardly move the joints.
+    /// The matrix is nearly singular: in some direction the servos hardly move the joints.
     Singular {
-        /// Its condition number, each row scaled to length 1; infinite if it is singular.
+        /// Condition number, with each row scaled to length 1; infinite for a singular matrix.
         condition: f32,
-        /// The largest that is accepted.
+        /// Maximum accepted condition number.
         most: f32,
     },
-    /// The abscissas of a curve do not rise.
+    /// The servo positions of a curve do not rise.
     NotRising {
-        /// The first point that is not beyond the one before.
+        /// Index of the first point that is not beyond its predecessor.
         point: usize,
     },
-    /// A curve turns back.
+    /// The joint positions of a curve change direction.
     NotMonotone {
-        /// The point where it does.
+        /// Index of the point where they change direction.
         point: usize,
     },
-    /// A curve has a place where the servo hardly moves the joint.
+    /// A curve is too flat: somewhere the servo hardly moves the joint.
     Flat {
-        /// Least slope, as a share of the curve's mean slope.
+        /// Minimum slope, as a share of the curve's mean slope.
         share: f32,
-        /// The least share that is accepted.
+        /// Minimum accepted share.
         least: f32,
     },
-    /// The links of a four-bar do not close everywhere in the servo's range.
+    /// The links of a four-bar cannot be connected at some servo position within the range.
     Open {
-        /// Servo position where they do not, rad.
+        /// Servo position where they cannot be connected, rad.
         servo_rad: f32,
     },
-    /// Rod and lever of a four-bar come too near one line: the servo cannot hold the joint.
+    /// Rod and lever of a four-bar come too close to a line: the servo cannot hold the joint there.
     Transmission {
-        /// Servo position where they are nearest to it, rad.
+        /// Servo position where they are closest to a line, rad.
         servo_rad: f32,
-        /// The angle between them there, rad.
+        /// Angle between them there, rad.
         found_rad: f32,
-        /// The least that is accepted, rad.
+        /// Minimum accepted angle, rad.
         least_rad: f32,
     },
-    /// Crank and rod of a four-bar come too near one line, a toggle: the servo hardly moves the joint, or turns back.
+    /// Crank and rod of a four-bar come too close to a line, a toggle: there the servo hardly moves the joint, or
+    /// the joint reverses.
     Toggle {
-        /// Servo position where they are nearest to it, rad.
+        /// Servo position where they are closest to a line, rad.
         servo_rad: f32,
-        /// The angle between them there, rad.
+        /// Angle between them there, rad.
         found_rad: f32,
-        /// The least that is accepted, rad.
+        /// Minimum accepted angle, rad.
         least_rad: f32,
     },
-    /// The rocker of a four-bar passes half a turn from its zero.
+    /// The rocker of a four-bar turns by more than 180 deg from its zero.
     RockerWraps,
     /// A ball joint needs a matrix of three rows and at least three columns.
     Ball {
-        /// Rows.
+        /// Number of rows.
         dofs: usize,
-        /// Columns.
+        /// Number of columns.
         servos: usize,
     },
 }
@@ -196,26 +197,26 @@ impl fmt::Display for DriveError {
 
 impl core::error::Error for DriveError {}
 
-/// Numbers that a drive does not take.
+/// The reason why a drive refuses its input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DriveInputError {
-    /// Not one number for each dof, or for each servo.
+    /// The count is not one number for each dof, or for each servo.
     Count {
-        /// What the numbers are.
+        /// Name of the numbers.
         what: &'static str,
-        /// How many there should be.
+        /// Expected count.
         expected: usize,
-        /// How many there are.
+        /// Count that was found.
         found: usize,
     },
-    /// A number is NaN, infinite or larger than 1e6 in size.
+    /// A number is NaN, infinite, or above 1e6 in absolute value.
     Number {
-        /// What the numbers are.
+        /// Name of the numbers.
         what: &'static str,
-        /// Its place.
+        /// Index of the number.
         index: usize,
-        /// The number.
+        /// Number that was found.
         found: f32,
     },
 }

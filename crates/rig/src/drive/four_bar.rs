@@ -1,4 +1,4 @@
-//! One servo and one joint by a four-bar linkage, in closed form.
+//! A drive of one servo and one joint by a four-bar linkage, in closed form.
 
 use core::f32::consts::TAU;
 
@@ -11,77 +11,79 @@ use super::numbers::{Numbers, bounded, collect};
 use super::pose::{DrivePose, Tangent};
 use crate::limited::{LimitReason, within};
 
-/// Least angle between crank and rod, and between rod and lever. At 5 degrees a lever takes eleven times the force that
-/// it needs at 90; builders stay above 30.
+/// Minimum angle between crank and rod, and between rod and lever. At 5 deg the force in a lever is eleven times
+/// that at 90 deg; good designs stay above 30 deg.
 const LEAST_ANGLE_RAD: f32 = 5.0 * math::PI / 180.0;
 
-/// Lengths of the links, m: of a push-rod on a watch, and of a crane.
+/// Accepted lengths of links, m: from a push-rod of a watch to that of a crane.
 const LENGTHS_M: [f32; 2] = [1e-4, 10.0];
 
-/// A four-bar linkage: a rod joins the servo's horn (the crank) with a lever on the joint (the rocker).
+/// A four-bar linkage: a rod connects the servo's horn (the crank) to a lever on the joint (the rocker).
 ///
-/// Angles of crank and rocker are counterclockwise from the line that leads from the servo's axis to the joint's.
-/// Nowhere in the servo's range may two links in a row come nearer to one line than 5 degrees: at a toggle of crank and
-/// rod the servo no longer moves the joint, and where rod and lever are in line it cannot hold it.
+/// Angles of crank and rocker are counterclockwise from the ground line, which leads from the servo's axis to the
+/// joint's axis. Within the servo's range, the angle between crank and rod and that between rod and lever must be
+/// at least 5 deg: if crank and rod are in line, the servo no longer moves the joint, and if rod and lever are in
+/// line, it cannot hold the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourBar {
     links: Links,
     range_rad: [f32; 2],
     joint_rad: [f32; 2],
-    /// On which side of the line from the joint's axis to the crank's tip the rod's other end is: 1 or -1.
+    /// Side of the rod's far end, seen along the line from the joint's axis to the crank's tip: 1 or -1.
     side: f32,
-    /// On which side of the line from the servo's axis to the rod's far end the crank's tip is: 1 or -1.
+    /// Side of the crank's tip, seen along the line from the servo's axis to the rod's far end: 1 or -1.
     elbow: f32,
 }
 
-/// The links of a four-bar, and where its zeros are.
+/// Lengths of a four-bar's links, and its angles at zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Links {
-    /// From the servo's axis to the joint's, m.
+    /// Distance from the servo's axis to the joint's axis, m.
     pub ground_m: f32,
-    /// The servo's horn, m.
+    /// Length of the servo's horn, m.
     pub crank_m: f32,
-    /// The rod, m.
+    /// Length of the rod, m.
     pub coupler_m: f32,
-    /// The lever on the joint, m.
+    /// Length of the lever on the joint, m.
     pub rocker_m: f32,
-    /// Angle of the crank where the servo is at zero, rad.
+    /// Angle of the crank when the servo is at zero, rad.
     pub crank_zero_rad: f32,
-    /// Angle of the rocker where the joint is at zero, rad.
+    /// Angle of the rocker when the joint is at zero, rad.
     pub rocker_zero_rad: f32,
-    /// Which of the two ways to close: the open one, in which crank and rocker stand on the same side of the ground
-    /// line where the servo is at zero, or the crossed one.
+    /// Selects one of the two ways to assemble the links. Not crossed: when the servo is at zero, crank and rocker
+    /// are on the same side of the ground line.
     pub crossed: bool,
 }
 
-/// The linkage at one position. Origin at the servo's axis, x towards the joint's.
+/// The linkage at one position. The origin is at the servo's axis, and x points to the joint's axis.
 #[derive(Clone, Copy)]
 struct Closed {
-    /// The crank's tip.
+    /// Position of the crank's tip.
     tip: Vec2,
-    /// From the joint's axis to the rod's far end.
+    /// Vector from the joint's axis to the rod's far end.
     lever: Vec2,
     rod: Vec2,
 }
 
 impl Closed {
-    /// Angle between two links' lines, 0 to π/2.
+    /// Returns the angle between the lines of two links, 0 to π/2.
     fn angle(a: Vec2, b: Vec2) -> f32 {
         math::atan2(a.perp_dot(b).abs(), a.dot(b).abs())
     }
 
-    /// dq/ds, since the rod keeps its length.
+    /// Returns dq/ds, which follows from the constant length of the rod.
     fn slope(&self) -> f32 {
         self.tip.perp_dot(self.rod) / self.lever.perp_dot(self.rod)
     }
 }
 
 impl FourBar {
-    /// A linkage whose servo moves within a range, rad.
+    /// Creates a linkage whose servo moves within a range, rad.
     ///
     /// # Errors
-    /// [`DriveError`] if a number is none or no length, the range is empty or a whole turn, the links do not close
-    /// everywhere in the range, come too near one line there, or the rocker passes half a turn from its zero.
+    /// [`DriveError`] if a number is not finite, a length is out of range, the servo's range is empty or a whole
+    /// turn, the links cannot be connected everywhere in that range or come too close to a line there, or the
+    /// rocker turns by more than 180 deg from its zero.
     pub fn new(links: Links, range_rad: [f32; 2]) -> Result<Self, DriveError> {
         for (what, length) in [
             ("ground_m", links.ground_m),
@@ -97,7 +99,7 @@ impl FourBar {
         {
             bounded("angle", index, angle, [-TAU, TAU])?;
         }
-        // Less than a turn, by a step of an encoder of 4096.
+        // Less than a turn, by about one step of an encoder with 4096 steps.
         bounded("width of the servo's range", 0, most - least, [1e-3, TAU - 1e-3])?;
         let mut all = Self { links, range_rad, joint_rad: [0.0; 2], side: 1.0, elbow: 1.0 };
         let (crank_side, _) = math::sin_cos(links.crank_zero_rad);
@@ -115,22 +117,22 @@ impl FourBar {
         Ok(all)
     }
 
-    /// The links.
+    /// Returns the lengths and zero angles of the links.
     pub fn links(&self) -> Links {
         self.links
     }
 
-    /// The servo's range, rad.
+    /// Returns the servo's range, rad.
     pub fn range_rad(&self) -> [f32; 2] {
         self.range_rad
     }
 
-    /// Both angles that must not vanish have their least values at the ends of the range, where the crank lies on the
-    /// ground line, where crank and rod are in line, and where the rocker lies on the ground line: nowhere else.
+    /// Checks both angles at every position where they can have a minimum: at the ends of the range, where the
+    /// crank is on the ground line, where crank and rod are in line, and where the rocker is on the ground line.
     fn check(&self) -> Result<(), DriveError> {
         let Links { ground_m: g, crank_m: a, coupler_m: b, rocker_m: c, .. } = self.links;
         let [least, most] = self.range_rad;
-        // Angles that are no numbers are of places where the linkage cannot be.
+        // NaN angles belong to positions that the linkage cannot reach.
         let corner = |near: f32, next: f32, far: f32| {
             let cosine = (near * near + next * next - far * far) / (2.0 * near * next);
             math::atan2(math::sqrt((1.0 - cosine) * (1.0 + cosine)), cosine)
@@ -142,7 +144,7 @@ impl FourBar {
         );
         let places = crank_angles
             .map(|crank| nearest_turn(crank - self.links.crank_zero_rad, 0.5 * (least + most)))
-            // NaN is not within.
+            // The comparisons also drop NaN.
             .filter(|servo| *servo >= least && *servo <= most);
         for servo_rad in [least, most].into_iter().chain(places) {
             let closed = self.close(servo_rad).ok_or(DriveError::Open { servo_rad })?;
@@ -159,7 +161,7 @@ impl FourBar {
         Ok(())
     }
 
-    /// The linkage at a servo position; `None` if it does not close.
+    /// Returns the linkage at a servo position; `None` if the links cannot be connected.
     fn close(&self, servo_rad: f32) -> Option<Closed> {
         let links = &self.links;
         let tip = turned(links.crank_m, servo_rad + links.crank_zero_rad);
@@ -186,7 +188,7 @@ impl FourBar {
         let end = lever + Vec2::new(links.ground_m, 0.0);
         let [least, most] = self.range_rad;
         let tip = third_corner(end, links.crank_m, links.coupler_m, -self.elbow);
-        // It closes: the range was checked.
+        // Always some, because the range was checked.
         let servo = tip.map_or(least, |tip| {
             let servo = math::atan2(tip.y, tip.x) - links.crank_zero_rad;
             nearest_turn(servo, 0.5 * (least + most)).max(least).min(most)
@@ -196,7 +198,7 @@ impl FourBar {
 
     fn pose(&self, servo: f32, reason: Option<LimitReason>) -> DrivePose<'_> {
         let one = |number: f32| -> Numbers { collect([number]) };
-        // It closes: the range was checked.
+        // Always some, because the range was checked.
         let (joint, slope) =
             self.close(servo).map_or((0.0, 1.0), |closed| (self.joint_of(&closed), closed.slope()));
         DrivePose { joints: one(joint), servos: one(servo), reason, tangent: Tangent::Slope(slope) }
@@ -208,12 +210,13 @@ fn turned(length: f32, angle: f32) -> Vec2 {
     Vec2::new(length * cosine, length * sine)
 }
 
-/// From one corner of a triangle to the third: at a distance, and `far` from the second, which is at `second`.
-/// `side` is 1 if it is clockwise of the second, -1 if counterclockwise. `None` if there is no such triangle.
+/// Returns the vector from the first corner of a triangle to the third. `second` is the vector to the second
+/// corner; the third is at `distance` from the first and at `far` from the second. `side` is 1 if the third corner
+/// is clockwise of the second, -1 if counterclockwise. `None` if there is no such triangle.
 fn third_corner(second: Vec2, distance: f32, far: f32, side: f32) -> Option<Vec2> {
     let base = math::sqrt(second.dot(second));
     let cosine = (distance * distance + base * base - far * far) / (2.0 * distance * base);
-    // NaN is not within.
+    // NaN is not in the range either.
     if !(-1.0..=1.0).contains(&cosine) {
         return None;
     }

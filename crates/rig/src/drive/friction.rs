@@ -1,13 +1,13 @@
-//! What the friction of a joint takes, fed forward.
+//! Feed-forward of a joint's friction.
 
 use super::error::DriveError;
 use super::numbers::bounded;
 
-/// Below this speed Coulomb friction is fed forward in part only, rad/s or m/s: a joint that is to stand still gets
-/// none, and a target that trembles does not make the drive buzz.
+/// Speed from which Coulomb friction is fed forward in full, rad/s or m/s. Below it the share is proportional to
+/// speed, so that a joint at rest gets no friction effort and a noisy target does not make the drive buzz.
 pub const FULL_SPEED: f32 = 0.01;
 
-/// The friction of one degree of freedom.
+/// Friction of one dof.
 ///
 /// ```
 /// use sinew_rig::drive::Friction;
@@ -25,13 +25,13 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// No friction.
+    /// Zero friction.
     pub const NONE: Self = Self { coulomb: 0.0, viscous: 0.0 };
 
-    /// That of a joint: Coulomb friction in N m or N, viscous friction in N m s/rad or N s/m.
+    /// Creates the friction of a joint: Coulomb friction in N m or N, viscous friction in N m s/rad or N s/m.
     ///
     /// # Errors
-    /// [`DriveError::Number`] if a number is not finite, or negative.
+    /// [`DriveError::Number`] if a number is negative or not finite.
     pub fn new(coulomb: f32, viscous: f32) -> Result<Self, DriveError> {
         let from_zero = |what, found| bounded(what, 0, found, [0.0, f32::MAX]);
         Ok(Self {
@@ -40,12 +40,12 @@ impl Friction {
         })
     }
 
-    /// Whether there is none.
+    /// Returns whether the friction is zero.
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }
 
-    /// The effort that takes the joint through its friction at the speed that it is to have, rad/s or m/s: N m or N.
+    /// Returns the effort that overcomes the friction at a commanded speed (rad/s or m/s), N m or N.
     pub fn effort(&self, speed: f32) -> f32 {
         self.coulomb * (speed / FULL_SPEED).clamp(-1.0, 1.0) + self.viscous * speed
     }

@@ -9,34 +9,34 @@ use super::numbers::{
 };
 use super::pseudo_inverse::pseudo_inverse;
 
-/// The largest condition number that is accepted. What is above moves the joint a hundred times more in one direction
-/// than in another: no transmission is built so. Below, positions keep five of the seven digits of f32, far more than
-/// an encoder of 4096 steps has.
+/// Maximum accepted condition number. Above it, the servos move the joints a hundred times more in one direction
+/// than in another, which no real transmission does. Below it, positions keep five of the seven digits of f32, far
+/// more than an encoder of 4096 steps has.
 const CONDITION_MOST: f32 = 100.0;
 
-/// `q = G s + offset`, a row a dof, a column a servo; of full rank.
+/// A linear drive `q = G s + offset`: one row for each dof, one column for each servo, of full rank.
 ///
-/// One servo on one joint is `[[1]]`, two that face each other on one joint `[[0.5, -0.5]]`, a mimic joint
-/// `[[1], [0.5]]`, a differential pair `[[0.5, 0.5], [0.5, -0.5]]`.
+/// One servo on one joint is `[[1]]`, two that face each other on one joint are `[[0.5, -0.5]]`, a mimic joint is
+/// `[[1], [0.5]]`, a differential pair is `[[0.5, 0.5], [0.5, -0.5]]`.
 ///
-/// The inverse is the pseudo-inverse of the matrix with rows scaled to length 1, so that it does not depend on units.
-/// Its condition number (the largest over the least singular value, of that matrix) must be at most 100.
+/// The inverse is the pseudo-inverse of the matrix whose rows are scaled to length 1, so that it does not depend on
+/// units. The condition number of that matrix (its largest singular value over its smallest) must be at most 100.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Matrix {
     servos: usize,
-    /// Row after row.
+    /// Elements of `G`, row after row.
     rows: Vec<f32, MATRIX_CAPACITY>,
-    /// Rows of the inverse: a row a servo.
+    /// Elements of the inverse, row after row; each row belongs to a servo.
     inverse: Vec<f32, MATRIX_CAPACITY>,
     pub(super) offset: Numbers,
     ball: bool,
 }
 
 impl Matrix {
-    /// A drive of joints with axes. `offset`: one number a row, or none for zeros, rad or m.
+    /// Creates a drive of joints with axes. `offset` has one number for each row (rad or m), or is empty for zeros.
     ///
     /// # Errors
-    /// [`DriveError`] if the matrix is empty, too large, ragged, singular or not of numbers.
+    /// [`DriveError`] if the matrix is empty, too large, singular, not finite, or has rows of different length.
     pub fn new(rows: &[impl AsRef<[f32]>], offset: &[f32]) -> Result<Self, DriveError> {
         let dofs = rows.len();
         let servos = rows.first().map_or(0, |row| row.as_ref().len());
@@ -72,10 +72,10 @@ impl Matrix {
         Ok(matrix)
     }
 
-    /// A drive of a ball joint, whose rotation vector is `G s + offset`: three rows, at least three columns.
+    /// Creates a drive of a ball joint, whose rotation vector is `G s + offset`.
     ///
     /// # Errors
-    /// As [`Self::new`], and [`DriveError::Ball`] if it has not three rows and at least three columns.
+    /// Those of [`Self::new`], and [`DriveError::Ball`] unless there are three rows and at least three columns.
     pub fn of_ball(rows: &[impl AsRef<[f32]>], offset: &[f32]) -> Result<Self, DriveError> {
         let matrix = Self::new(rows, offset)?;
         let (dofs, servos) = (matrix.dofs(), matrix.servos);
@@ -85,28 +85,28 @@ impl Matrix {
         Ok(Self { ball: true, ..matrix })
     }
 
-    /// How many dofs it moves.
+    /// Returns the number of dofs.
     pub fn dofs(&self) -> usize {
         self.offset.len()
     }
 
-    /// How many servos it has.
+    /// Returns the number of servos.
     pub fn servos(&self) -> usize {
         self.servos
     }
 
-    /// Whether it moves a ball joint.
+    /// Returns whether the drive moves a ball joint.
     pub fn is_ball(&self) -> bool {
         self.ball
     }
 
-    /// The rows.
+    /// Returns the rows of `G`, one for each dof.
     pub fn rows(&self) -> impl Iterator<Item = &[f32]> {
-        // Not zero: checked by the constructor.
+        // The constructor has ensured at least one servo.
         self.rows.chunks_exact(self.servos.max(1))
     }
 
-    /// One number a row, rad or m.
+    /// Returns the offset of each row, rad or m.
     pub fn offset(&self) -> &[f32] {
         &self.offset
     }
@@ -133,7 +133,7 @@ impl Matrix {
             self.rows().zip(&lengths).flat_map(|(row, length)| row.iter().map(move |x| x / length)),
         );
         let (inverse, condition) = pseudo_inverse(&scaled, self.dofs(), self.servos);
-        // NaN is not within.
+        // NaN is not in the range either.
         if !(0.0..=CONDITION_MOST).contains(&condition) {
             return Err(DriveError::Singular { condition, most: CONDITION_MOST });
         }
@@ -145,29 +145,29 @@ impl Matrix {
 
     pub(super) fn row_lengths(&self) -> Numbers {
         collect(self.rows().map(|row| {
-            // In units of the largest: no square may vanish.
+            // Divided by the largest number, so that no square underflows.
             let largest = largest(row.iter());
             let squares: f32 = row.iter().map(|x| (x / largest) * (x / largest)).sum();
             largest * math::sqrt(squares)
         }))
     }
 
-    /// `G ṡ`.
+    /// Returns `G ṡ`.
     pub(super) fn joints_of(&self, servos: &[f32]) -> Numbers {
         collect(self.rows().map(|row| dot(row, servos)))
     }
 
-    /// `G⁺ q̇`.
+    /// Returns `G⁺ q̇`.
     pub(super) fn servos_of(&self, joints: &[f32]) -> Numbers {
         collect(self.inverse.chunks_exact(self.dofs().max(1)).map(|row| dot(row, joints)))
     }
 
-    /// `Gᵀ τ`.
+    /// Returns `Gᵀ τ`.
     pub(super) fn torques_of(&self, efforts: &[f32]) -> Numbers {
         transposed_times(&self.rows, self.servos, efforts)
     }
 
-    /// `G⁺ᵀ τ`.
+    /// Returns `G⁺ᵀ τ`.
     pub(super) fn efforts_of(&self, torques: &[f32]) -> Numbers {
         transposed_times(&self.inverse, self.dofs(), torques)
     }

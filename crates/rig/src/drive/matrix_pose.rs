@@ -1,4 +1,4 @@
-//! A linear drive at one position.
+//! The pose of a linear drive.
 
 use super::matrix::Matrix;
 use super::numbers::{Numbers, collect};

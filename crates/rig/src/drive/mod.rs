@@ -1,11 +1,10 @@
-//! Drives: how servos move joints. Positions, velocities and efforts of joints to those of servos, and back.
+//! Drives convert positions, velocities and efforts of joints to those of servos, and back.
 //!
-//! Servo positions here are those of the shafts that a drive sees, rad; [`Servo`](crate::servo::Servo) turns them into
-//! the servo's own. Of a ball joint, `q` is the rotation vector of the body in the joint frame, velocities and efforts
-//! are in body axes, as in `sinew-core`.
+//! Servo positions here are those of the drive's input shafts, rad; [`Servo`](crate::servo::Servo) converts them to
+//! the servo's own positions. For a ball joint, `q` is the rotation vector of the body in the joint frame;
+//! velocities and efforts are in body axes, as in `sinew-core`.
 //!
-//! A [`DrivePose`] is a drive at one position. Its maps of velocities and efforts belong together: the power is the
-//! same on both sides.
+//! A [`DrivePose`] is a drive at one position. Its conversions of velocities and efforts conserve power.
 //!
 //! ```
 //! use sinew_rig::drive::{Drive, Matrix};
@@ -18,13 +17,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # What is refused
-//! A drive that is singular, or nearly so, somewhere in its range. Where a servo hardly moves its joint, small errors
-//! of position become large motions of the servo; where rod and lever are in line, the servo cannot hold the joint.
-//! Real transmissions stay far from both; what is refused is a mistake in the file:
-//! - a [`Matrix`] of a condition number above 100 (see there);
+//! # Refused drives
+//! A drive is refused if it is nearly singular anywhere in its range. If a servo hardly moves its joint, small
+//! position errors cause large motions of the servo; if rod and lever are in line, the servo cannot hold the joint.
+//! Real transmissions stay far from both, therefore such numbers are a mistake in the file:
+//! - a [`Matrix`] with a condition number above 100 (see there);
 //! - a [`Curve`] with a slope below 1/100 of its mean;
-//! - a [`FourBar`] whose links come nearer to one line than 5 degrees.
+//! - a [`FourBar`] whose links come closer to a line than 5 deg.
 
 #![warn(
     clippy::unwrap_used,
@@ -56,10 +55,10 @@ pub use pose::DrivePose;
 
 use numbers::check;
 
-/// How servos move joints.
+/// A relation between the positions of servos and joints.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drive {
-    /// Linear: one to one, mirrored, mimic, differential, three servos of a ball joint.
+    /// Linear: one to one, mirrored, mimic, differential, or three servos of a ball joint.
     Matrix(Matrix),
     /// One servo and one joint, by a monotone curve.
     Curve(Curve),
@@ -86,7 +85,7 @@ impl From<FourBar> for Drive {
 }
 
 impl Drive {
-    /// How many dofs it moves.
+    /// Returns the number of dofs that the drive moves.
     pub fn dofs(&self) -> usize {
         match self {
             Self::Matrix(matrix) => matrix.dofs(),
@@ -94,7 +93,7 @@ impl Drive {
         }
     }
 
-    /// How many servos it has.
+    /// Returns the number of servos.
     pub fn servos(&self) -> usize {
         match self {
             Self::Matrix(matrix) => matrix.servos(),
@@ -102,30 +101,32 @@ impl Drive {
         }
     }
 
-    /// The drive where the joints are at `q`, rad or m. Beyond the ends of a curve or a four-bar it is held at the end,
-    /// and says so.
+    /// Returns the drive at joint positions `q`, rad or m. Beyond the ends of a curve or a four-bar it is held at
+    /// the end, and [`DrivePose::reason`] reports this.
     ///
-    /// With fewer servos than dofs (mimic joints), `q` may be out of what the servos can do: they then go where the
-    /// squared errors, each as a share of its joint's row, are least together.
+    /// With fewer servos than dofs (mimic joints), the servos may be unable to reach `q`. The result then minimizes
+    /// the sum of squared errors, each divided by the length of the dof's row.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn at_joints(&self, q: &[f32]) -> Result<DrivePose<'_>, DriveInputError> {
         check("joint positions", self.dofs(), q)?;
         Ok(match (self, q) {
             (Self::Matrix(matrix), _) => matrix.at_joints(q),
             (Self::Curve(curve), &[q, ..]) => curve.at_joint(q),
             (Self::FourBar(four_bar), &[q, ..]) => four_bar.at_joint(q),
-            // One number was counted above.
+            // Not reached: the count was checked above.
             (Self::Curve(_) | Self::FourBar(_), []) => return Err(none_of("joint positions")),
         })
     }
 
-    /// The drive where the servos' shafts are at `s`, rad. Beyond the ends of a curve or a four-bar it is held at the
-    /// end, and says so.
+    /// Returns the drive at servo shaft positions `s`, rad. Beyond the ends of a curve or a four-bar it is held at
+    /// the end, and [`DrivePose::reason`] reports this.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn at_servos(&self, s: &[f32]) -> Result<DrivePose<'_>, DriveInputError> {
         check("servo positions", self.servos(), s)?;
         Ok(match (self, s) {

@@ -1,22 +1,23 @@
-//! Numbers of dofs and servos, their bounds, and small sums of them.
+//! Lists of numbers for dofs and servos, and checks of them.
 
 use heapless::Vec;
 
 use super::error::{DriveError, DriveInputError};
 
-/// The most dofs of a drive, and the most servos.
+/// Maximum number of dofs, and of servos, of a drive.
 pub const DRIVE_CAPACITY: usize = 6;
 
 /// One number for each dof, or for each servo, of a drive.
 pub type Numbers = Vec<f32, DRIVE_CAPACITY>;
 
-/// The largest number that a drive takes, as in `sinew-core`'s coordinates.
+/// Largest accepted number, equal to that of `sinew-core`'s coordinates.
 pub(super) const LARGEST: f32 = 1e6;
 
-/// What moves a joint less than this, per radian of the servo, does not move it: rad/rad, or m/rad.
+/// Minimum motion of a joint per radian of the servo, rad/rad or m/rad. A servo with less is regarded as not moving
+/// the joint.
 pub(super) const LEAST_MOTION: f32 = 1e-6;
 
-/// Refuses what is not one proper number for each.
+/// Checks the count of numbers, and that each is finite and at most `LARGEST`.
 pub(super) fn check(
     what: &'static str,
     expected: usize,
@@ -25,7 +26,7 @@ pub(super) fn check(
     if numbers.len() != expected {
         return Err(DriveInputError::Count { what, expected, found: numbers.len() });
     }
-    // NaN is not within.
+    // NaN is not in the range either.
     match numbers.iter().position(|number| !(-LARGEST..=LARGEST).contains(number)) {
         None => Ok(()),
         Some(index) => {
@@ -35,7 +36,7 @@ pub(super) fn check(
     }
 }
 
-/// A number of a drive's description, between bounds. NaN is refused.
+/// Checks that a number of a drive's description is between two bounds. Refuses NaN.
 pub(super) fn bounded(
     what: &'static str,
     index: usize,
@@ -49,7 +50,8 @@ pub(super) fn bounded(
     }
 }
 
-/// The numbers that fit, in their order: all, since they were counted. `collect` cannot know that, and would panic.
+/// Collects the numbers that fit. The callers have checked the count, therefore all fit; `Iterator::collect` would
+/// need a panic.
 pub(super) fn collect<const N: usize>(numbers: impl IntoIterator<Item = f32>) -> Vec<f32, N> {
     let mut all = Vec::new();
     for number in numbers {
@@ -64,5 +66,5 @@ pub(super) fn dot(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// The most numbers of a matrix: a drive may be 4 x 4, or 1 x 6, but not 6 x 6.
+/// Maximum number of elements of a matrix: 4 x 4 and 1 x 6 fit, 6 x 6 does not.
 pub const MATRIX_CAPACITY: usize = 16;

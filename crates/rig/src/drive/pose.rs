@@ -1,4 +1,4 @@
-//! A drive at one position: its maps of velocities, efforts and inertias.
+//! A drive at one position, with its conversions of velocities, efforts and inertias.
 
 use super::error::DriveInputError;
 use super::matrix::Matrix;
@@ -6,7 +6,7 @@ use super::numbers::{DRIVE_CAPACITY, Numbers, check, collect};
 use super::rotation_vector::RightJacobian;
 use crate::limited::LimitReason;
 
-/// A drive at one position. Its maps are linear, and the power is the same on both sides.
+/// A drive at one position. Its conversions are linear and conserve power.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrivePose<'d> {
     pub(super) joints: Numbers,
@@ -15,38 +15,39 @@ pub struct DrivePose<'d> {
     pub(super) tangent: Tangent<'d>,
 }
 
-/// How small motions of servos and joints belong together.
+/// Relation between small motions of servos and joints.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Tangent<'d> {
-    /// `q̇ = G ṡ`.
+    /// Linear: `q̇ = G ṡ`.
     Matrix(&'d Matrix),
-    /// `ω = J G ṡ`, with the right Jacobian of the rotation vector.
+    /// Ball joint: `ω = J G ṡ`, with the right Jacobian of the rotation vector.
     Ball(&'d Matrix, RightJacobian),
-    /// `q̇ = slope ṡ`.
+    /// One dof: `q̇ = slope ṡ`.
     Slope(f32),
 }
 
 impl DrivePose<'_> {
-    /// Positions of the joints: rad, m; of a ball joint the rotation vector.
+    /// Returns the positions of the joints, rad or m; for a ball joint the rotation vector.
     pub fn joints(&self) -> &[f32] {
         &self.joints
     }
 
-    /// Positions of the servos' shafts, rad.
+    /// Returns the positions of the servos' shafts, rad.
     pub fn servos(&self) -> &[f32] {
         &self.servos
     }
 
-    /// [`LimitReason::Range`] if the position asked for is beyond an end, and this is the end; of a ball joint, if it
-    /// is beyond half a turn.
+    /// Returns [`LimitReason::Range`] if the requested position is beyond an end of the range and the pose is held
+    /// at that end. For a ball joint the range ends at 180 deg.
     pub fn reason(&self) -> Option<LimitReason> {
         self.reason
     }
 
-    /// Velocities of the servos' shafts, rad/s, at velocities of the joints' dofs.
+    /// Converts velocities of the joints' dofs to velocities of the servos' shafts, rad/s.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn servo_velocities(&self, qd: &[f32]) -> Result<Numbers, DriveInputError> {
         check("joint velocities", self.joints.len(), qd)?;
         Ok(match &self.tangent {
@@ -56,10 +57,11 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Velocities of the joints' dofs at velocities of the servos' shafts, rad/s.
+    /// Converts velocities of the servos' shafts, rad/s, to velocities of the joints' dofs.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn joint_velocities(&self, sd: &[f32]) -> Result<Numbers, DriveInputError> {
         check("servo velocities", self.servos.len(), sd)?;
         Ok(match &self.tangent {
@@ -69,11 +71,12 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Torques of the servos' shafts, N m, that give efforts at the joints' dofs, N m or N: by virtual work. Servos
-    /// that share a joint share its effort so that the squares of their torques are least together.
+    /// Converts efforts at the joints' dofs (N m or N) to torques of the servos' shafts, N m, by virtual work.
+    /// Servos that share a joint share its effort such that the sum of squared torques is minimal.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each dof, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each dof, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn servo_torques(&self, efforts: &[f32]) -> Result<Numbers, DriveInputError> {
         check("joint efforts", self.joints.len(), efforts)?;
         Ok(match &self.tangent {
@@ -85,11 +88,12 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Efforts at the joints' dofs, N m or N, of torques of the servos' shafts, N m. Of mimic joints, whose efforts
-    /// one servo cannot tell apart, those that do the same work.
+    /// Converts torques of the servos' shafts (N m) to efforts at the joints' dofs, N m or N. The result is not
+    /// unique for mimic joints that share a servo; it is then the one that does the same work.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn joint_efforts(&self, torques: &[f32]) -> Result<Numbers, DriveInputError> {
         check("servo torques", self.servos.len(), torques)?;
         Ok(match &self.tangent {
@@ -101,21 +105,23 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Returns the inertia that the servos' rotors, kg m² at their shafts, add to each dof, kg m² or kg.
-    /// Viscous frictions of servos become those of joints in the same way.
+    /// Converts inertias of the servos' rotors at their shafts (kg m²) to the inertia that they add to each dof, kg
+    /// m² or kg. Viscous friction is converted in the same way.
     ///
-    /// It is the diagonal of `G⁺ᵀ J G⁺`: what is left out, the coupling of dofs through unlike servos, has no place
-    /// in a joint's own inertia. Dofs that outnumber their servos (mimic joints) cannot move apart, so that the
-    /// coupling is added to each: then the kinetic energy of one servo is the true one.
+    /// The result is the diagonal of `G⁺ᵀ J G⁺`. It leaves out the coupling of dofs through unequal servos, which a
+    /// joint's own inertia cannot represent. If there are more dofs than servos (mimic joints), the dofs cannot
+    /// move independently; the coupling is then added to each dof, so that the kinetic energy for a motion of one
+    /// servo is correct.
     ///
     /// # Errors
-    /// [`DriveInputError`] if there is not one number for each servo, or one is NaN, infinite or above 1e6 in size.
+    /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in
+    /// absolute value.
     pub fn reflected_to_joints(&self, per_servo: &[f32]) -> Result<Numbers, DriveInputError> {
         check("rotor inertias", self.servos.len(), per_servo)?;
-        // Motion of each servo for a unit motion of each dof, and how far each dof goes with its servos.
+        // Motion of each servo for a unit motion of each dof, and how far each dof follows its servos.
         let mut motions = heapless::Vec::<Numbers, DRIVE_CAPACITY>::new();
         for dof in 0..self.joints.len() {
-            // There is room: dofs are counted.
+            // There is room, because the number of dofs is checked.
             let _ = motions.push(self.servo_velocities(&self.unit(dof))?);
         }
         let mimic = self.joints.len() > self.servos.len();

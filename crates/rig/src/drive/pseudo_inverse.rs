@@ -1,14 +1,15 @@
-//! The pseudo-inverse of a small matrix and its condition number, by its singular values.
+//! Computes the pseudo-inverse of a small matrix and its condition number, from its singular values.
 
 use heapless::Vec;
 use sinew_core::math;
 
 use super::numbers::{DRIVE_CAPACITY, MATRIX_CAPACITY, Numbers, collect, dot};
 
-/// Sweeps over all pairs of columns. Convergence is quadratic: matrices of up to six columns take five or so.
+/// Maximum number of sweeps over all pairs of columns. Convergence is quadratic: matrices of up to six columns need
+/// about five.
 const SWEEPS: usize = 12;
 
-/// A column of `A V`, and the column of `V` that makes it.
+/// A column of `A V`, and the column of `V` that it is computed from.
 struct Column {
     image: Numbers,
     of: Numbers,
@@ -20,17 +21,18 @@ impl Column {
     }
 }
 
-/// The pseudo-inverse (its rows one after the other) of `rows x columns` numbers, row after row, and the condition
-/// number: infinite, and numbers of no use, if a singular value is zero.
+/// Returns the pseudo-inverse (row after row) of a `rows x columns` matrix, also given row after row, and the
+/// condition number. If a singular value is zero, the condition number is infinite and the pseudo-inverse is
+/// useless.
 ///
-/// One-sided Jacobi (Hestenes 1958): columns are turned in pairs until all are perpendicular. Their lengths then are
-/// the singular values.
+/// Uses the one-sided Jacobi method (Hestenes 1958): rotates pairs of columns until all columns are perpendicular.
+/// Their lengths are then the singular values.
 pub(super) fn pseudo_inverse(
     numbers: &[f32],
     rows: usize,
     columns: usize,
 ) -> (Vec<f32, MATRIX_CAPACITY>, f32) {
-    // Of a matrix and its transpose, the one that is not wider than high.
+    // Works on the matrix or its transpose: the one that is not wider than high.
     let wide = columns > rows;
     let mut turned = Vec::<Column, DRIVE_CAPACITY>::new();
     let count = rows.min(columns);
@@ -52,7 +54,7 @@ pub(super) fn pseudo_inverse(
     let squares = || turned.iter().map(Column::squared);
     let (least, most) = (squares().fold(f32::INFINITY, f32::min), squares().fold(0.0, f32::max));
     let condition = math::sqrt(most / least);
-    // Σ v wᵀ / σ², of the transpose transposed.
+    // Element of Σ v wᵀ / σ²; for a wide matrix, of its transpose.
     let element = |of_column: usize, of_row: usize| -> f32 {
         let (inner, outer) = if wide { (of_row, of_column) } else { (of_column, of_row) };
         turned
@@ -72,7 +74,7 @@ pub(super) fn pseudo_inverse(
     (inverse, condition)
 }
 
-/// Makes each pair of columns perpendicular, one pair after the other. Whether any was not.
+/// Makes each pair of columns perpendicular in turn. Returns whether any pair was not.
 fn sweep(columns: &mut [Column]) -> bool {
     let mut any = false;
     for index in 1..columns.len() {

@@ -1,4 +1,4 @@
-//! Velocities and moments in rotation vectors: the right Jacobian of SO(3).
+//! Conversion of velocities and moments to those of rotation vectors, by the right Jacobian of SO(3).
 
 use sinew_core::glam::Vec3;
 use sinew_core::math;
@@ -6,7 +6,7 @@ use sinew_core::math;
 use super::numbers::{Numbers, collect};
 use crate::limited::LimitReason;
 
-/// The right Jacobian `J` at a rotation vector φ of at most half a turn: `ω = J φ̇`, ω in body axes.
+/// The right Jacobian `J` at a rotation vector φ of at most 180 deg: `ω = J φ̇`, with ω in body axes.
 ///
 /// `J = 1 - a [φ]× + b [φ]×²`, `J⁻¹ = 1 + [φ]×/2 + c [φ]×²` (Chirikjian 2011), and `[φ]×` changes its sign in the
 /// transposes.
@@ -23,7 +23,8 @@ impl RightJacobian {
         let vector = vec3(rotation_vector);
         let squared = vector.dot(vector);
         let (b, c) = if squared < 1.0 {
-            // Series: differences of nearly equal numbers below. What is left out is below 2e-10.
+            // A series, because the closed form subtracts nearly equal numbers. The truncation error is below
+            // 2e-10.
             let series = |coefficients: [f32; 5]| {
                 coefficients.into_iter().rev().fold(0.0, |sum, next| next + squared * sum)
             };
@@ -56,22 +57,22 @@ impl RightJacobian {
         Self { vector, a: 0.5 * ratio * ratio, b, c }
     }
 
-    /// `J φ̇`.
+    /// Returns `J φ̇`.
     pub(super) fn velocities_of(&self, rates: &[f32]) -> Numbers {
         self.apply(rates, -self.a, self.b)
     }
 
-    /// `J⁻¹ ω`.
+    /// Returns `J⁻¹ ω`.
     pub(super) fn rates_of(&self, velocities: &[f32]) -> Numbers {
         self.apply(velocities, 0.5, self.c)
     }
 
-    /// `Jᵀ` of a moment in body axes: what does the same work on φ̇.
+    /// Returns `Jᵀ` times a moment in body axes: the moment that does the same work on φ̇.
     pub(super) fn moments_of_rates(&self, of_body: &[f32]) -> Numbers {
         self.apply(of_body, self.a, self.b)
     }
 
-    /// `J⁻ᵀ`: the way back.
+    /// Returns `J⁻ᵀ` times a moment on φ̇: the moment in body axes.
     pub(super) fn moments_of_body(&self, of_rates: &[f32]) -> Numbers {
         self.apply(of_rates, -0.5, self.c)
     }
@@ -84,11 +85,11 @@ impl RightJacobian {
     }
 }
 
-/// A rotation vector of at most half a turn. What is longer is cut: the same pose has a shorter one, the other way
-/// round, and servos would jump to it.
+/// Limits a rotation vector to 180 deg. A longer vector is shortened, because the same pose has a shorter vector in
+/// the opposite direction, and servos would jump to that.
 pub(super) fn within_half_a_turn(rotation_vector: Numbers) -> (Numbers, Option<LimitReason>) {
     let length = math::length(vec3(&rotation_vector));
-    // What a logarithm of half a turn may be too long by rounding.
+    // Tolerance for the rounding of a logarithm of 180 deg.
     if length <= math::PI * (1.0 + 4.0 * f32::EPSILON) {
         return (rotation_vector, None);
     }
@@ -99,7 +100,7 @@ pub(super) fn within_half_a_turn(rotation_vector: Numbers) -> (Numbers, Option<L
 fn vec3(numbers: &[f32]) -> Vec3 {
     match numbers {
         [x, y, z] => Vec3::new(*x, *y, *z),
-        // Three were counted.
+        // Not reached: three numbers were counted.
         _ => Vec3::ZERO,
     }
 }

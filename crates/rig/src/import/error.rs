@@ -1,18 +1,18 @@
-//! Why a file cannot be imported.
+//! Errors of an import.
 
 use std::fmt;
 
-/// What is wrong in a file, and what would be right.
+/// An invalid value in a file, with a description of a valid one.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {item}: expected {expected}, found {found}")]
 pub struct ImportError {
-    /// Where.
+    /// Position of the value in the file.
     pub place: SourcePosition,
-    /// The part that it belongs to, by name: ``joint `elbow`: limit: lower``.
+    /// Part that the value belongs to, by name: ``joint `elbow`: limit: lower``.
     pub item: String,
-    /// What would be right.
+    /// Description of a valid value.
     pub expected: String,
-    /// What is there.
+    /// Value that was found.
     pub found: String,
 }
 

@@ -1,4 +1,4 @@
-//! The rig that an importer makes: how it begins, and how it ends.
+//! The imported rig: its start values, and the final steps that both formats share.
 
 use std::collections::BTreeMap;
 
@@ -11,18 +11,18 @@ use super::xml;
 use crate::Description;
 use crate::description::{JointType, Mount};
 
-/// A rig, and what a person should know of how it came about.
+/// An imported rig, and what its user should know about the import.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Imported {
-    /// The rig. It has no servos and no drives: these formats do not know them.
+    /// The rig. It has no servos and no drives, because the formats do not contain them.
     pub description: Description,
-    /// In the order of the file.
+    /// Notes on the import, in the order of the file.
     pub notes: Vec<Note>,
-    /// What was taken for its unit and for up.
+    /// Unit of length and up direction that were assumed.
     pub world: World,
 }
 
-/// A rig of nothing yet.
+/// Creates a rig without bodies and joints.
 pub(super) fn empty(name: Option<&str>) -> Description {
     Description {
         name: name.filter(|name| !name.trim().is_empty()).unwrap_or("rig").to_owned(),
@@ -37,22 +37,23 @@ pub(super) fn empty(name: Option<&str>) -> Description {
     }
 }
 
-/// Puts the base where the file has it, in a rig that stands.
+/// Places the base at the file's pose, in the world of the rig.
 pub(super) fn place_base(description: &mut Description, position_m: DVec3, rotation: DQuat) {
     let up = DQuat::from_array(description.mount.rotation_xyzw);
-    // By right angles: so that what is on an axis stays on one.
+    // Rounds the axes to multiples of 90 deg, so that a position on an axis stays exactly on an axis.
     let DMat3 { x_axis, y_axis, z_axis } = DMat3::from_quat(up);
     let turn = DMat3::from_cols(x_axis.round(), y_axis.round(), z_axis.round());
-    // Zero is added so that no -0 is written.
+    // Adding zero converts -0 to 0.
     description.mount.position_m = (turn * position_m).to_array().map(|x| x + 0.0);
     description.mount.rotation_xyzw = (up * rotation).normalize().to_array();
 }
 
-/// Bodies that move and weigh nothing, alone and with all that is welded to them.
+/// Adds notes on bodies that move but have no mass, even together with the bodies welded to them.
 pub(super) fn tell_massless(description: &Description, notes: &mut Notes) {
     let mut carried: BTreeMap<&str, f64> =
         description.bodies.iter().map(|body| (body.name.as_str(), body.mass_kg)).collect();
-    // Joints are from the base outwards: inwards, a welded body's mass is complete before it is passed on.
+    // Joints are sorted from the base outwards. In reverse order, a welded body's mass is complete before it is
+    // added to its parent.
     for joint in description.joints.iter().rev().filter(|joint| joint.kind == JointType::Fixed) {
         let mass_kg = carried.get(joint.child.as_str()).copied().unwrap_or_default();
         if let Some(on_parent) = carried.get_mut(joint.parent.as_str()) {
@@ -61,13 +62,14 @@ pub(super) fn tell_massless(description: &Description, notes: &mut Notes) {
     }
     for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
         if carried.get(joint.child.as_str()).is_some_and(|mass_kg| *mass_kg <= 0.0) {
-            let text = "moves and weighs nothing in the file: torques lack what it weighs in truth";
+            let text = "moves, but has no mass in the file: torques do not include its real weight";
             notes.add_of(NoteKind::Doubtful, text, &joint.child);
         }
     }
 }
 
-/// The rig in metres, if it passes the check of all rigs: what a reader does not look at, that does.
+/// Converts lengths to metres, and applies the general check of rigs, which covers everything the readers do not
+/// check.
 pub(super) fn finish(
     root: roxmltree::Node<'_, '_>,
     world: World,

@@ -1,20 +1,20 @@
-//! What a file says that a body weighs: whether that can be, and how a rig has it.
+//! Masses of a file's bodies: checks, and conversion to a rig's body.
 
 use glam::{DMat3, DVec3};
 
 use crate::description::mass::Mass;
 use crate::description::{Body, InertiaMatrix, is_possible};
 
-/// Lighter bodies stand for nothing: exporters give frames a mass that programs do not choke on.
+/// Smallest mass that counts, kg. Exporters give frames a tiny mass, because some programs fail on zero.
 pub(super) const MASS_MIN_KG: f64 = 1e-6;
 
 impl Mass {
-    /// A point at the origin.
+    /// Creates a point mass at the origin.
     pub(super) fn point(kg: f64) -> Self {
         Self { kg, center_m: DVec3::ZERO, inertia_kg_m2: DMat3::ZERO }
     }
 
-    /// Why no body can have this inertia; `None` if one can.
+    /// Returns why no real body can have this inertia; `None` if it is possible.
     pub(super) fn fault(&self) -> Option<&'static str> {
         let inertia = self.matrix()?;
         if self.kg <= 0.0 {
@@ -28,7 +28,7 @@ impl Mass {
         }
     }
 
-    /// A ball with the same sum of principal moments: the rule of MuJoCo's `balanceinertia`.
+    /// Returns a ball with the same sum of principal moments: the rule of MuJoCo's `balanceinertia`.
     pub(super) fn balanced(&self) -> Self {
         let m = self.inertia_kg_m2;
         let mean = ((m.x_axis.x + m.y_axis.y + m.z_axis.z) / 3.0).max(0.0);
@@ -36,16 +36,16 @@ impl Mass {
         Self { inertia_kg_m2: DMat3::from_diagonal(DVec3::splat(mean)), ..*self }
     }
 
-    /// `None` of a point and of a frame without mass.
+    /// Returns the inertia; `None` for a point, or a frame without mass.
     pub(super) fn matrix(&self) -> Option<InertiaMatrix> {
         let is_point = self.inertia_kg_m2.abs_diff_eq(DMat3::ZERO, 0.0);
-        // Zero is added so that no -0 is written.
+        // Adding zero converts -0 to 0.
         let [[xx, xy, xz], [_, yy, yz], [_, _, zz]] =
             self.inertia_kg_m2.to_cols_array_2d().map(|column| column.map(|number| number + 0.0));
         (!is_point).then_some(InertiaMatrix { xx, xy, xz, yy, yz, zz })
     }
 
-    /// A rig's body of this mass.
+    /// Creates a rig's body with this mass.
     pub(super) fn body(&self, name: &str) -> Body {
         Body {
             name: name.to_owned(),

@@ -1,7 +1,7 @@
-//! Robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
+//! Imports robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
 //!
-//! What was changed, filled, left out or is doubtful is told in [`Imported::notes`], in words. What cannot be imported
-//! is refused by line, column and name.
+//! [`Imported::notes`] describes what was changed, filled in, left out or is doubtful. A file that cannot be
+//! imported is refused with line, column and name.
 
 mod error;
 mod imported;
@@ -24,11 +24,11 @@ pub use xml::document;
 
 /// Reads a URDF (the Unified Robot Description Format of ROS).
 ///
-/// Every link is a body, and every joint a joint; welded ones too. A joint that mimics another stays a joint, and a
-/// [`LinkedLimit`](crate::description::LinkedLimit) with equal ends ties it to the other.
+/// Every link becomes a body, and every joint a joint, including fixed joints. A joint that mimics another remains
+/// a joint, and a [`LinkedLimit`](crate::description::LinkedLimit) with equal ends ties it to the other.
 ///
 /// # Errors
-/// [`ImportError`] if the text is no XML or no robot, if its links are no tree, or a value cannot be.
+/// [`ImportError`] if the text is not XML or not a robot, its links are not a tree, or a value is invalid.
 ///
 /// ```
 /// let text = r#"<robot name="nod">
@@ -52,12 +52,13 @@ pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
 
 /// Reads an MJCF (the format of MuJoCo).
 ///
-/// Every body is a body; one with several joints is a chain, with bodies without mass between. The body at the top is
-/// the base. What rotors add (`armature`) is each joint's rotor inertia, the largest forces of its actuators are its
-/// effort, and an equality of two joints ties them as in [`urdf`].
+/// Every body becomes a body; several joints of one body become a chain, connected by bodies without mass. The
+/// outermost body is the base. `armature` becomes the joint's rotor inertia, the maximum force of its actuators
+/// becomes its effort, and an equality of two joints ties them as in [`urdf`].
 ///
 /// # Errors
-/// [`ImportError`] if the text is no XML or no model, has parts in other files, closed loops, or a value cannot be.
+/// [`ImportError`] if the text is not XML or not a model, has parts in other files or closed loops, or a value is
+/// invalid.
 ///
 /// ```
 /// let text = r#"<mujoco model="nod"><worldbody><body name="stand"><body name="head">

@@ -1,29 +1,29 @@
-//! What a person should know of an import.
+//! Notes of an import for its user.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// One thing that is not in the rig as it is in the file.
+/// A difference between the rig and its file, or a doubtful value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Note {
-    /// What kind of thing.
+    /// Kind of the note.
     pub kind: NoteKind,
-    /// What, in words.
+    /// Description in words.
     pub text: String,
-    /// Names of what it is about; empty if it is the file as a whole.
+    /// Names of the parts that the note applies to; empty for the file as a whole.
     pub items: Vec<String>,
 }
 
-/// What was done.
+/// Kind of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoteKind {
-    /// Written in another way.
+    /// Expressed in another way.
     Changed,
-    /// Not in the file, and made up by a rule.
+    /// Missing in the file, and filled in by a rule.
     Filled,
-    /// In the file, and not in the rig.
+    /// Present in the file, but not in the rig.
     LeftOut,
-    /// Taken as it is; look whether it is true.
+    /// Imported unchanged, but may be wrong: check it.
     Doubtful,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// Notes in the making: those of one text become one note with several items.
+/// Collects notes. Notes of equal text become one note with several items.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     notes: Vec<Note>,
@@ -53,12 +53,12 @@ pub(super) struct Notes {
 }
 
 impl Notes {
-    /// Of the file as a whole.
+    /// Adds a note on the file as a whole.
     pub(super) fn add(&mut self, kind: NoteKind, text: impl Into<String>) {
         self.entry(kind, text.into());
     }
 
-    /// Of one part of it.
+    /// Adds a note on one part of the file.
     pub(super) fn add_of(
         &mut self,
         kind: NoteKind,
@@ -81,10 +81,10 @@ impl Notes {
     }
 }
 
-/// Names are written out up to this many.
+/// Maximum number of names in a list.
 const LISTED_MAX: usize = 12;
 
-/// Names as a person reads them: `` `a`, `b` and 7 more ``.
+/// Joins names for a message: `` `a`, `b` and 7 more ``.
 pub(super) fn list<S: AsRef<str>>(names: &[S]) -> String {
     let shown: Vec<String> =
         names.iter().take(LISTED_MAX).map(|name| format!("`{}`", name.as_ref())).collect();

@@ -1,4 +1,4 @@
-//! Inertia of solids, evenly filled.
+//! Inertia of solids of uniform density.
 
 use std::f64::consts::PI;
 
@@ -6,16 +6,16 @@ use glam::{DMat3, DVec3};
 
 use crate::description::mass::Mass;
 
-/// A solid about its centre; cylinders and capsules along z.
+/// A solid about its centre; cylinders and capsules are along z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Solid {
-    /// Edges, m.
+    /// Edge lengths, m.
     Box(DVec3),
     /// Semi-axes, m.
     Ellipsoid(DVec3),
     /// Radius and length, m.
     Cylinder(f64, f64),
-    /// Radius, and length without the two half balls, m.
+    /// Radius, and length without the two hemispheres, m.
     Capsule(f64, f64),
 }
 
@@ -29,14 +29,15 @@ impl Solid {
         }
     }
 
-    /// Of even density.
+    /// Returns mass and inertia of the solid at uniform density.
     pub(super) fn filled(&self, mass_kg: f64) -> Mass {
         let moments = match *self {
             Self::Box(edges) => across(edges * edges) / 12.0,
             Self::Ellipsoid(axes) => across(axes * axes) / 5.0,
             Self::Cylinder(r, length) => of_cylinder(r, length),
             Self::Capsule(r, length) => {
-                // A cylinder, and two half balls, each with its own centre 3/8 r beyond the end.
+                // A cylinder and two hemispheres. The centre of mass of a hemisphere is 3/8 r beyond the cylinder's
+                // end.
                 let ends = 4.0 * r / (4.0 * r + 3.0 * length);
                 let ball = 0.4 * r * r;
                 let sideways = ball + length * (3.0 * r + 2.0 * length) / 8.0;
@@ -48,7 +49,7 @@ impl Solid {
     }
 }
 
-/// About each axis, what lies along the two others.
+/// Returns, for each axis, the sum of the squares along the other two axes.
 fn across(squares: DVec3) -> DVec3 {
     DVec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y)
 }

@@ -1,11 +1,11 @@
-//! Joints that follow others: mimic joints (URDF) and equalities of joints (MJCF).
+//! Joints that follow other joints: mimic joints (URDF) and equalities of joints (MJCF).
 
 use std::collections::BTreeMap;
 
 use super::note::{NoteKind, Notes};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// `q[joint] = multiplier · q[of] + offset`, rad or m.
+/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tie {
     pub(super) joint: String,
@@ -14,8 +14,8 @@ pub(super) struct Tie {
     pub(super) offset: f64,
 }
 
-/// Ties joints by limits with equal ends, and puts them home where they keep these. Of joints that a rig cannot tie it
-/// is told why.
+/// Ties joints by limits with equal ends, and moves their homes to positions that satisfy these limits. Adds a note
+/// on each joint that a rig cannot tie.
 pub(super) fn tie(ties: &[Tie], description: &mut Description, notes: &mut Notes) {
     let places: BTreeMap<String, usize> =
         description.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
@@ -47,7 +47,7 @@ impl std::fmt::Display for Tie {
     }
 }
 
-/// In an order in which who is followed is settled before who follows; circles in the order of the file.
+/// Sorts ties so that a joint is tied before those that follow it; circular ties keep the order of the file.
 fn leaders_first(ties: &[Tie]) -> Vec<&Tie> {
     let of: BTreeMap<&str, usize> =
         ties.iter().enumerate().map(|(at, tie)| (tie.joint.as_str(), at)).collect();
@@ -66,7 +66,7 @@ fn leaders_first(ties: &[Tie]) -> Vec<&Tie> {
     order
 }
 
-/// What a sum of products is off by through rounding, far below anything that moves, rad or m.
+/// Tolerance for rounding of a sum of products, rad or m. Far below any motion that matters.
 const ROUNDING: f64 = 1e-9;
 
 fn limit(

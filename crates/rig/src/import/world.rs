@@ -1,4 +1,4 @@
-//! Which axis of a file points up, and how long its unit is.
+//! Up direction and unit of length of a file.
 
 use glam::{DQuat, DVec3};
 
@@ -6,29 +6,30 @@ use super::note::{NoteKind, Notes};
 use super::options::Options;
 use crate::description::{Description, JointType, Mount};
 
-/// The world of a file, and who says that it is so.
+/// Up direction and unit of a file, with the reasons for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct World {
-    /// The axis that points up, unit.
+    /// Axis that points up, unit vector.
     pub up: DVec3,
-    /// Why this one.
+    /// Reason for this axis.
     pub up_reason: String,
     /// Length of a unit, m.
     pub metres_per_unit: f64,
-    /// Why this long.
+    /// Reason for this unit.
     pub unit_reason: String,
 }
 
-const YOU: &str = "as you say";
+const YOU: &str = "as you specified";
 const FORMAT: &str = "as its format says";
-const GRAVITY: &str = "as its gravity says";
-/// Units that gravity tells, m.
+const GRAVITY: &str = "as its gravity shows";
+/// Units that gravity can reveal, m.
 const UNITS: [f64; 4] = [0.01, 0.001, 0.0254, 0.1];
-/// How far gravity may be from 9.81 m/s²: 9.8 and 9.80665 are.
+/// Relative tolerance of gravity against 9.81 m/s²: 9.8 and 9.80665 are accepted.
 const GRAVITY_TOLERANCE: f64 = 0.002;
 
 impl World {
-    /// By the user's word, else by gravity, if the file says it; else z and the metre, as formats of robots have them.
+    /// Chooses both from the user's options, otherwise from gravity if the file has it; otherwise z and the metre,
+    /// which are the usual choice of robot formats.
     pub(super) fn of(options: &Options, gravity: Option<DVec3>) -> Self {
         let against = gravity.and_then(|gravity| {
             let up = -gravity.try_normalize()?;
@@ -52,7 +53,7 @@ impl World {
         }
     }
 
-    /// Stands a rig.
+    /// Sets the mount so that the rig is upright.
     pub(super) fn stand(&self, description: &mut Description, notes: &mut Notes) {
         let (up, why) = (self.up, &self.up_reason);
         if up == DVec3::Y {
@@ -75,7 +76,7 @@ impl World {
         );
     }
 
-    /// Lengths in metres.
+    /// Converts lengths to metres.
     pub(super) fn measure(&self, description: &mut Description, notes: &mut Notes) {
         let unit = self.metres_per_unit;
         if (unit - 1.0).abs() <= 0.0 {

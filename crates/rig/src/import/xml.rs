@@ -1,14 +1,14 @@
-//! Elements and attributes, read with the place and the name of what is wrong.
+//! Reads elements and attributes. Errors name the position and the part that is wrong.
 
 use glam::DQuat;
 use roxmltree::{Document, Node};
 
 use super::error::{ImportError, SourcePosition};
 
-/// Larger numbers are damage: their squares and products must stay finite, in f32 too.
+/// Larger numbers are regarded as damage: squares and products must stay finite, in f32 too.
 const NUMBER_MAX: f64 = 1e6;
 
-/// The XML document of a text. Refuses what would take a reader of XML minutes, before it tries.
+/// Parses a text as XML. First refuses texts that would keep an XML parser busy for minutes.
 ///
 /// # Errors
 /// [`ImportError`] with line and column.
@@ -31,10 +31,11 @@ pub fn document(text: &str) -> Result<Document<'_>, ImportError> {
     })
 }
 
-/// More prefixes than this in a file, or attributes in an element, no robot has; they take a time of their square.
+/// Maximum number of prefixes in a file, and of attributes in an element. Real robots have fewer; parsing time
+/// grows with the square of these numbers.
 const NAMES_MAX: usize = 256;
 
-/// Refuses what takes an XML reader minutes.
+/// Refuses a text that would keep an XML parser busy for minutes.
 fn refuse_slow(text: &str) -> Result<(), ImportError> {
     let (mut prefixes, mut attributes) = (0, 0);
     for (byte, letter) in text.bytes().enumerate() {
@@ -65,17 +66,17 @@ fn refuse_slow(text: &str) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Whether an attribute's value begins behind this `=`.
+/// Returns whether an attribute's value begins after this `=`.
 fn followed_by_quote(text: &str, equals: usize) -> bool {
     let behind = text.as_bytes().get(equals + 1..).unwrap_or_default();
     behind.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| b"\"'".contains(byte))
 }
 
-/// What to do with a file that is a program for xacro.
+/// Instruction for a user whose file contains xacro macros.
 pub(super) const XACRO: &str =
     "a URDF without macros: run `xacro FILE > robot.urdf` (package ros-xacro) and import that";
 
-/// Refuses an element.
+/// Creates an error for an element.
 pub(super) fn refuse(
     node: Node<'_, '_>,
     expected: impl Into<String>,
@@ -84,7 +85,7 @@ pub(super) fn refuse(
     refuse_at(node, node.range().start, label(node), expected, found)
 }
 
-/// Refuses an attribute, by its name and value.
+/// Creates an error for an attribute, with its name and value.
 pub(super) fn refuse_value(
     node: Node<'_, '_>,
     name: &str,
@@ -111,7 +112,7 @@ fn refuse_at(
     ImportError { place, item, expected: expected.into(), found: found.into() }
 }
 
-/// The nearest name outwards, then the elements inwards: ``joint `elbow`: limit``.
+/// Returns a label for messages: the nearest enclosing name, then the elements inside it: ``joint `elbow`: limit``.
 pub(super) fn label(node: Node<'_, '_>) -> String {
     let mut tags = Vec::new();
     for node in node.ancestors().filter(Node::is_element) {
@@ -126,7 +127,7 @@ pub(super) fn label(node: Node<'_, '_>) -> String {
     tags.join(": ")
 }
 
-/// The elements of a name inside another.
+/// Returns the child elements with a tag.
 pub(super) fn children<'a, 'd>(
     node: Node<'a, 'd>,
     tag: &'static str,
@@ -134,7 +135,7 @@ pub(super) fn children<'a, 'd>(
     node.children().filter(move |child| child.has_tag_name(tag))
 }
 
-/// The element of a name; `None` if there is none.
+/// Returns the child element with a tag, or `None`; fails if there are several.
 pub(super) fn child<'a, 'd>(
     node: Node<'a, 'd>,
     tag: &'static str,
@@ -147,19 +148,19 @@ pub(super) fn child<'a, 'd>(
     }
 }
 
-/// An attribute that must be there and not be empty.
+/// Reads an attribute that must be present and not empty.
 pub(super) fn required<'a>(node: Node<'a, '_>, name: &str) -> Result<&'a str, ImportError> {
     node.attribute(name)
         .filter(|value| !value.trim().is_empty())
         .ok_or_else(|| refuse_value(node, name, format!("an attribute `{name}` with a value")))
 }
 
-/// A number; `None` if there is no such attribute.
+/// Reads a number; `None` without the attribute.
 pub(super) fn number(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, ImportError> {
     Ok(vector::<1>(node, name)?.map(|[number]| number))
 }
 
-/// A number that is not negative; `None` if there is no such attribute.
+/// Reads a number that must not be negative; `None` without the attribute.
 pub(super) fn not_negative(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, ImportError> {
     match number(node, name)? {
         Some(value) if value < 0.0 => Err(refuse_value(node, name, "a number of zero or more")),
@@ -167,7 +168,7 @@ pub(super) fn not_negative(node: Node<'_, '_>, name: &str) -> Result<Option<f64>
     }
 }
 
-/// Exactly `N` numbers between white space; `None` if there is no such attribute.
+/// Reads exactly `N` numbers separated by white space; `None` without the attribute.
 pub(super) fn vector<const N: usize>(
     node: Node<'_, '_>,
     name: &str,
@@ -179,7 +180,7 @@ pub(super) fn vector<const N: usize>(
     }
 }
 
-/// At most `count` numbers between white space; `None` if there is no such attribute.
+/// Reads at most `count` numbers separated by white space; `None` without the attribute.
 pub(super) fn numbers(
     node: Node<'_, '_>,
     name: &str,
@@ -190,7 +191,7 @@ pub(super) fn numbers(
     let numbers: Option<Vec<f64>> =
         text.split_whitespace().map(|word| word.parse().ok().filter(right)).collect();
     match numbers.filter(|numbers| numbers.len() <= count) {
-        // -0 becomes 0: nobody wants to read the other.
+        // Adding zero converts -0 to 0.
         Some(numbers) => Ok(Some(numbers.into_iter().map(|number| number + 0.0).collect())),
         None => Err(refuse_value(node, name, counted(count))),
     }
@@ -201,14 +202,14 @@ fn counted(count: usize) -> String {
     format!("{noun} of at most {NUMBER_MAX:e}")
 }
 
-/// A unit quaternion with w >= 0 and without -0, of two that are the same rotation.
+/// Returns a unit quaternion with w >= 0 and without -0, so that each rotation has only one form.
 pub(super) fn tidy(rotation: DQuat) -> DQuat {
     let unit = rotation.normalize();
     let unit = if unit.w < 0.0 { -unit } else { unit };
     DQuat::from_array(unit.to_array().map(|number| number + 0.0))
 }
 
-/// Long values are cut: messages are read by people.
+/// Shortens a long value for a message.
 pub(super) fn shortened(text: &str) -> String {
     const SHOWN: usize = 60;
     let mut shown: String = text.chars().take(SHOWN).collect();

@@ -1,29 +1,29 @@
-//! What a joint leaves free, and its coordinates, f64.
+//! Kinds of joints in f64, with their coordinates.
 
 use glam::{DQuat, DVec3};
 use sinew_core::JointKind;
 
 use super::Pose;
 
-/// What a joint leaves free, with its axes in f64.
+/// Kind of motion that a joint permits, with its axes in f64.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointModel {
-    /// Nothing.
+    /// No motion.
     Fixed,
-    /// A turn about a unit axis of the joint frame.
+    /// Rotation about a unit axis of the joint frame.
     Revolute(DVec3),
-    /// A slide along a unit axis of the joint frame.
+    /// Translation along a unit axis of the joint frame.
     Prismatic(DVec3),
-    /// A turn about a unit axis of the joint frame, then about one of the body.
+    /// Rotation about a unit axis of the joint frame, then about a unit axis of the body.
     Universal([DVec3; 2]),
-    /// Any turn.
+    /// Rotation about any axis.
     Spherical,
-    /// Any motion.
+    /// Any rotation and translation.
     Free,
 }
 
 impl JointModel {
-    /// The same in f32, as `sinew-core` has it.
+    /// Converts to the kind of `sinew-core`, in f32.
     pub fn kind(self) -> JointKind {
         match self {
             Self::Fixed => JointKind::Fixed,
@@ -38,7 +38,7 @@ impl JointModel {
         }
     }
 
-    /// Coordinates of the pose in which nothing has moved: zeros, and the identity as a quaternion.
+    /// Returns the coordinates of the zero pose: zeros, and the identity as a quaternion.
     pub fn zero(self) -> Vec<f64> {
         let mut q = vec![0.0; self.kind().coordinate_count()];
         if let (Self::Spherical | Self::Free, Some(w)) = (self, q.get_mut(3)) {
@@ -47,7 +47,8 @@ impl JointModel {
         q
     }
 
-    /// Pose of the body in the joint frame at coordinates of `sinew-core`'s order; the identity if they are too few.
+    /// Returns the pose of the body in the joint frame at coordinates in the order of `sinew-core`; the identity if
+    /// there are too few coordinates.
     pub fn motion(self, q: &[f64]) -> Pose {
         let turn = DQuat::from_axis_angle;
         let turned = |rotation| Pose { rotation, ..Pose::IDENTITY };
@@ -67,8 +68,8 @@ impl JointModel {
         }
     }
 
-    /// Angles in rad or way in m along the axes of a joint that has one or two, at the pose that it can take next to
-    /// `in_joint`; zeros for the other kinds. Angles are in [-π, π].
+    /// Returns the position along each axis (rad or m) of a joint with one or two axes, at the joint's pose that is
+    /// nearest to `in_joint`; zeros for the other kinds. Angles are in [-π, π].
     pub fn along(self, in_joint: &Pose) -> [f64; 2] {
         let turn_about = |axis: DVec3, rotation: DQuat| {
             let q = if rotation.w < 0.0 { -rotation } else { rotation };
@@ -87,7 +88,7 @@ impl JointModel {
         }
     }
 
-    /// Axes of the dofs in body axes at given coordinates: of turns, then of slides.
+    /// Returns the axes of the dofs in body axes at given coordinates: first of rotations, then of translations.
     pub fn axes(self, q: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
         match self {
             Self::Fixed => (vec![], vec![]),

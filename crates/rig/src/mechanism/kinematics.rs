@@ -1,14 +1,14 @@
-//! Where the bodies are, for given joint coordinates.
+//! Poses of the bodies for given joint coordinates.
 
 use super::{Link, Mechanism, Pose};
 
 impl Mechanism {
-    /// Number of joint coordinates: `q` has as many.
+    /// Returns the number of joint coordinates, which is the length of `q`.
     pub fn coordinate_count(&self) -> usize {
         self.bodies.iter().map(|link| link.joint.kind().coordinate_count()).sum()
     }
 
-    /// Where in `q` the coordinates of each joint are.
+    /// Returns the range of each joint's coordinates in `q`.
     pub fn coordinate_ranges(&self) -> Vec<std::ops::Range<usize>> {
         let mut end = 0;
         let of_link = |link: &Link| {
@@ -19,8 +19,8 @@ impl Mechanism {
         self.bodies.iter().map(of_link).collect()
     }
 
-    /// Poses of the bodies, each in its parent's frame, that of the base in the world. `q`: as [`Mechanism::home`];
-    /// numbers that are not there count as zero. O(n).
+    /// Returns the pose of each body in its parent's frame; the pose of the base is in the world. `q` is ordered as
+    /// [`Mechanism::home`]; missing numbers count as zero. O(n).
     pub fn joint_poses<'a>(&'a self, q: &'a [f64]) -> impl Iterator<Item = Pose> + 'a {
         self.bodies.iter().zip(self.coordinate_ranges()).map(|(link, range)| {
             let moved = link.joint.motion(q.get(range).unwrap_or_default());
@@ -32,7 +32,8 @@ impl Mechanism {
         })
     }
 
-    /// World poses of the bodies. `q`: as [`Mechanism::home`]; numbers that are not there count as zero. O(n).
+    /// Returns the world poses of the bodies. `q` is ordered as [`Mechanism::home`]; missing numbers count as zero.
+    /// O(n).
     pub fn poses(&self, q: &[f64]) -> Vec<Pose> {
         let mut poses: Vec<Pose> = Vec::with_capacity(self.bodies.len());
         for (link, pose) in self.bodies.iter().zip(self.joint_poses(q)) {
@@ -45,7 +46,7 @@ impl Mechanism {
         poses
     }
 
-    /// Whether joint `joint` moves body `body`: κ of the body has the joint. O(depth).
+    /// Returns whether joint `joint` moves body `body`: the support κ of the body contains the joint. O(depth).
     pub fn supports(&self, joint: usize, body: usize) -> bool {
         let up = |body: &usize| self.bodies.get(*body).and_then(|link| link.parent);
         std::iter::successors(Some(body), up).any(|body| body == joint)

@@ -1,4 +1,4 @@
-//! The bodies and joints of a rig by index: a tree in regular numbering, f64, fixed joints merged.
+//! Bodies and joints of a rig by index: a tree in regular numbering, in f64, with fixed joints merged.
 
 mod inverse_dynamics;
 mod joint_model;
@@ -14,34 +14,34 @@ pub use inverse_dynamics::{InverseDynamics, LANES};
 pub use joint_model::JointModel;
 pub use pose::Pose;
 
-/// The most bodies of a rig, those on fixed joints not counted: what `sinew-core` holds on any machine.
+/// Maximum number of bodies of a rig after merging, equal to the capacity of `sinew-core` on any machine.
 pub const BODY_COUNT_MAX: usize = 128;
 
-/// Acceleration of gravity, m/s², world axes: that of `sinew-core`, f64.
+/// Acceleration of gravity, m/s², in world axes; equal to that of `sinew-core`, in f64.
 pub const GRAVITY_M_S2: DVec3 = DVec3::new(0.0, -9.81, 0.0);
 
-/// A rig's bodies in regular numbering, depth first in the order of the file. Body 0 is the base.
+/// Bodies of a rig in regular numbering, depth first in the order of the file. Body 0 is the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mechanism {
-    /// Parents before children.
+    /// Bodies with their joints; parents before children.
     pub bodies: Vec<Link>,
     /// Limits that join two joints.
     pub linked: Vec<LinkedRange>,
 }
 
-/// A limit that joins two joints of one axis: `factor · q + other_factor · q_other` stays in a range. Equal ends tie
-/// the joint to the other.
+/// A limit that joins two joints of one axis: `factor · q + other_factor · q_other` stays in a range. A range with
+/// equal ends ties one joint to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinkedRange {
-    /// Body of the joint.
+    /// Index of the body that the first joint moves.
     pub body: usize,
-    /// Body of the other joint.
+    /// Index of the body that the second joint moves.
     pub other: usize,
-    /// Factor of the joint, not zero.
+    /// Factor of the first joint, not zero.
     pub factor: f64,
-    /// Factor of the other.
+    /// Factor of the second joint.
     pub other_factor: f64,
-    /// Least and most of the sum, rad or m; infinite where there is no limit.
+    /// Minimum and maximum sum, rad or m; infinite without limit.
     pub range: [f64; 2],
 }
 
@@ -50,59 +50,60 @@ pub struct LinkedRange {
 pub struct Link {
     /// Name of the body.
     pub name: String,
-    /// Name of the joint; of the base the body's.
+    /// Name of the joint; for the base, name of the body.
     pub joint_name: String,
-    /// Index of the parent body; `None` of the base, whose parent is the world.
+    /// Index of the parent body; `None` for the base, whose parent is the world.
     pub parent: Option<usize>,
-    /// The motion that the joint leaves free. The base's is [`JointModel::Fixed`], or [`JointModel::Free`] if it is
+    /// Kind of motion that the joint permits. For the base, [`JointModel::Fixed`], or [`JointModel::Free`] if it is
     /// driven.
     pub joint: JointModel,
     /// Position of the joint in the parent's frame, m.
     pub position_m: DVec3,
-    /// Rotation of the joint frame in the parent's frame, unit.
+    /// Rotation of the joint frame in the parent's frame, unit quaternion.
     pub rotation: DQuat,
     /// Mass, kg.
     pub mass_kg: f64,
     /// Centre of mass in the body frame, m.
     pub center_of_mass_m: DVec3,
-    /// Inertia about the centre of mass, body axes, kg m².
+    /// Inertia about the centre of mass, in body axes, kg m².
     pub inertia_kg_m2: DMat3,
-    /// The bodies on fixed joints that this one carries; their mass is in the numbers above.
+    /// Bodies that are merged into this body; its mass and inertia include them.
     pub merged: Vec<MergedBody>,
-    /// The inertia that rotors add to each dof: kg m², or kg of a slide.
+    /// Inertia that rotors add to each dof, kg m² (kg for a slide).
     pub rotor_inertia: f64,
-    /// Coulomb friction of each dof: N m, or N.
+    /// Coulomb friction of each dof, N m or N.
     pub friction: f64,
-    /// Viscous friction of each dof: N m s, or N s/m.
+    /// Viscous friction of each dof, N m s or N s/m.
     pub damping: f64,
-    /// Least and most position of each axis, rad or m; empty if there is no limit. Of a spherical joint `[0, most]`.
+    /// Minimum and maximum position of each axis, rad or m; empty without limit. For a spherical joint `[0, most]`.
     pub ranges: Vec<[f64; 2]>,
-    /// Position in the home pose, as `q` of `sinew-core` has it.
+    /// Home pose, as coordinates `q` of `sinew-core`.
     pub home: Vec<f64>,
-    /// The largest speed asked for, rad/s or m/s; infinite if there is no limit.
+    /// Maximum commanded speed, rad/s or m/s; infinite without limit.
     pub speed: f64,
-    /// The largest acceleration asked for, rad/s² or m/s²; infinite if there is no limit.
+    /// Maximum commanded acceleration, rad/s² or m/s²; infinite without limit.
     pub acceleration: f64,
-    /// The largest effort, N m or N; infinite if there is no limit.
+    /// Maximum effort, N m or N; infinite without limit.
     pub effort: f64,
 }
 
-/// A body that is part of a [`Link`], since a fixed joint holds it there: a bracket, or the frame of a tool.
+/// A body that is merged into a [`Link`], because a fixed joint holds it there: for example a bracket, or a tool's
+/// frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedBody {
-    /// Its name in the description.
+    /// Name of the body in the description.
     pub name: String,
-    /// Position of its frame in the link's, m.
+    /// Position of its frame in the link's frame, m.
     pub position_m: DVec3,
-    /// Rotation of its frame in the link's, unit.
+    /// Rotation of its frame in the link's frame, unit quaternion.
     pub rotation: DQuat,
 }
 
 impl Mechanism {
-    /// The tree that `sinew-core` takes, f32. O(n · depth).
+    /// Returns the tree for `sinew-core`, in f32. O(n · depth).
     ///
     /// # Errors
-    /// [`TreeError`] if there are more than `N` bodies, or a number does not survive f32.
+    /// [`TreeError`] if there are more than `N` bodies, or a number is invalid in f32.
     pub fn tree<const N: usize>(&self) -> Result<Tree<N>, TreeError> {
         let mut tree = Tree::new();
         for link in &self.bodies {
@@ -120,8 +121,8 @@ impl Mechanism {
         Ok(tree)
     }
 
-    /// Names of the degrees of freedom in the order of `qd` and of efforts: the joint's name if it has one, else
-    /// `NAME.0`, `NAME.1`, ...
+    /// Returns the names of the dofs in the order of `qd` and of efforts: the joint's name if it has one dof,
+    /// otherwise `NAME.0`, `NAME.1`, ...
     pub fn dof_names(&self) -> Vec<String> {
         let of_link = |link: &Link| {
             let count = link.joint.kind().dof_count();
@@ -131,15 +132,15 @@ impl Mechanism {
         self.bodies.iter().flat_map(of_link).collect()
     }
 
-    /// The home pose, as `q` of `sinew-core` has it.
+    /// Returns the home pose as coordinates `q` of `sinew-core`.
     pub fn home(&self) -> Vec<f64> {
         self.bodies.iter().flat_map(|link| link.home.iter().copied()).collect()
     }
 }
 
 impl Link {
-    /// A body without a name and without mass, on a joint in its parent's axes that has no range, limit, friction or
-    /// rotor; its home is where nothing has moved.
+    /// Creates a body without name and mass, on a joint whose axes are parallel to its parent's. The joint has no
+    /// range, limit, friction or rotor, and its home is its zero pose.
     pub fn on(parent: Option<usize>, joint: JointModel, position_m: DVec3) -> Self {
         Self {
             name: String::new(),

@@ -1,21 +1,21 @@
-//! Where a frame is in another, f64.
+//! Pose of a frame in another frame, in f64.
 
 use glam::{DQuat, DVec3};
 
-/// Pose of a frame in another, such as that of a body in the world.
+/// Pose of a frame in another frame, such as that of a body in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Rotation from this frame to the other, unit.
+    /// Rotation from this frame to the other, unit quaternion.
     pub rotation: DQuat,
     /// Origin of this frame in the other, m.
     pub position_m: DVec3,
 }
 
 impl Pose {
-    /// That of a frame in itself.
+    /// Pose of a frame in itself.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position_m: DVec3::ZERO };
 
-    /// Pose of a frame at `position_m` and `rotation` in this one.
+    /// Returns the pose of a frame that has `position_m` and `rotation` in this frame.
     #[inline]
     #[must_use]
     pub fn child(&self, position_m: DVec3, rotation: DQuat) -> Self {
@@ -25,7 +25,7 @@ impl Pose {
         }
     }
 
-    /// Another pose in the same frame as this one, seen from this one.
+    /// Returns another pose, given in the same frame as this pose, relative to this pose.
     #[inline]
     #[must_use]
     pub fn inside(&self, other: &Self) -> Self {
@@ -35,14 +35,14 @@ impl Pose {
         }
     }
 
-    /// A point of this frame, in the other; m.
+    /// Converts a point of this frame to the other frame, m.
     #[inline]
     #[must_use]
     pub fn point(&self, local_m: DVec3) -> DVec3 {
         self.position_m + self.rotation * local_m
     }
 
-    /// A point of the other frame, in this one; m.
+    /// Converts a point of the other frame to this frame, m.
     #[inline]
     #[must_use]
     pub fn to_local(&self, point_m: DVec3) -> DVec3 {

@@ -3,29 +3,29 @@
 use super::turn::Turn;
 use crate::description::{Address, Body, Description, Drive, DriveKind, Servo, Supply};
 
-/// A servo of its size, kg (an XL330 weighs 18 g).
+/// Mass of one servo, kg (an XL330 has 18 g).
 const SERVO_KG: f64 = 0.018;
 
-/// Printed walls round it, kg for each metre: 1.2 mm of plastic at 1250 kg/m³ round a section of [`WIDTH_M`] by
-/// [`DEPTH_M`].
+/// Mass of the printed walls around a servo, per length, kg/m: 1.2 mm of plastic at 1250 kg/m³ around a section of
+/// [`WIDTH_M`] by [`DEPTH_M`].
 const WALLS_KG_M: f64 = 0.18;
 
-/// A servo is 20 mm wide and 26 mm deep; the walls and some air.
+/// Outer section of a link, m: a servo of 20 mm by 26 mm, the walls and some air.
 const WIDTH_M: f64 = 0.026;
 const DEPTH_M: f64 = 0.034;
 
-/// Which arm cannot be made.
+/// The reason why an arm cannot be created.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("an arm has 1 to 40 joints, not {joints}")]
 pub struct ArmError {
-    /// How many were asked for.
+    /// Requested number of joints.
     pub joints: usize,
 }
 
-/// A desk arm of small bus servos on printed links: the first joint turns about the vertical, then two bend, one
-/// turns, two bend, and so on; each link is shorter than the one before.
+/// Creates a desk arm of small bus servos on printed links. The first joint turns about the vertical, then two
+/// joints bend, one turns, two bend, and so on; each link is shorter than the previous one.
 ///
-/// Its servos hold it in any pose for long, up to six joints: beyond that it is a tail.
+/// With up to six joints, its servos can hold any pose continuously. Longer arms are useful only as tails.
 ///
 /// # Errors
 /// [`ArmError`] unless there are 1 to 40 joints.
@@ -87,14 +87,15 @@ pub fn arm(joints: usize) -> Result<Description, ArmError> {
     Ok(rig)
 }
 
-/// Length of the first link, mm: so long that the second joint of an arm of six can hold it level for long, with 8 % to
-/// spare (0.120 of 0.130 N m).
+/// Length of the first link, mm. With this length, the second joint of an arm with six joints can hold it level
+/// continuously, with a margin of 8 % (0.120 of 0.130 N m).
 const FIRST_MM: f64 = 59.0;
 
 /// Length of a servo with its horn, mm.
 const SERVO_MM: f64 = 30.0;
 
-/// Each link is a sixth shorter, down to what a servo needs; in whole millimetres.
+/// Returns the length of a link in whole millimetres: each is a sixth shorter than the previous one, down to the
+/// length of a servo.
 fn link_length_m(index: usize) -> f64 {
     let length_mm = (0..index).fold(FIRST_MM, |length: f64, _| length * 5.0 / 6.0);
     length_mm.max(SERVO_MM).round() / 1000.0

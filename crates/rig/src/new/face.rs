@@ -5,8 +5,8 @@ use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
 };
 
-/// Axes of a face that looks along +z, y up, its left at +x. A positive angle looks up, to the left, or leans to the
-/// left shoulder.
+/// Axes of a face that looks along +z, with y up and its left side at +x. A positive angle turns the look up or to
+/// the left, or tilts the face to its left shoulder.
 const UP: [f64; 3] = [-1.0, 0.0, 0.0];
 const LEFT: [f64; 3] = [0.0, 1.0, 0.0];
 const TILT: [f64; 3] = [0.0, 0.0, -1.0];
@@ -15,13 +15,15 @@ const TILT: [f64; 3] = [0.0, 0.0, -1.0];
 const NECK: [f64; 2] = [120.0, 500.0];
 const JAW: [f64; 2] = [300.0, 3000.0];
 const EYE: [f64; 2] = [400.0, 6000.0];
-/// A blink closes a lid of 45 degrees in a tenth of a second.
+/// A blink closes a lid by 45 deg in 0.1 s.
 const LID: [f64; 2] = [500.0, 12000.0];
 const BROW: [f64; 2] = [200.0, 2000.0];
 
-/// A face on hobby servos: a neck of three, jaw, two eyes of two, four lids, two brows; on one PWM driver.
+/// Creates a face on hobby servos: a neck of three joints, a jaw, two eyes of two joints, four lids and two brows,
+/// on one PWM driver.
 ///
-/// Kinematic: its bodies have no mass, so it is limited in range, speed and acceleration, and takes no torques.
+/// The face is kinematic: its bodies have no mass, therefore range, speed and acceleration are limited, and no
+/// torques are computed.
 pub fn face() -> Description {
     let mut rig = Description {
         name: "face".to_owned(),
@@ -43,7 +45,7 @@ pub fn face() -> Description {
         add(&mut rig, &upper, "head", eye, UP, [-10.0, 40.0, 30.0], LID);
         add(&mut rig, &lower, "head", eye, UP, [-35.0, 10.0, -25.0], LID);
         add(&mut rig, &part("brow"), "head", [x, 0.13, 0.07], TILT, [-20.0, 20.0, 0.0], BROW);
-        // The upper edge stays above the lower one.
+        // The upper edge must stay above the lower one.
         rig.limits.push(LinkedLimit {
             joint: upper,
             other: lower,
@@ -54,7 +56,7 @@ pub fn face() -> Description {
     rig
 }
 
-/// Adds a body on a joint of its name, and the servo on the next channel that moves it.
+/// Adds a body, the joint of its name, and the servo on the next channel.
 fn add(
     rig: &mut Description,
     name: &str,
@@ -86,7 +88,7 @@ fn add(
         name: name.to_owned(),
         model: "MG90S".to_owned(),
         bus: "pwm".to_owned(),
-        // There are 14 channels.
+        // There are 14 servos, therefore the number fits u8.
         address: Address::Channel(u8::try_from(rig.servos.len()).unwrap_or(u8::MAX)),
         on_signal_loss: SignalLoss::Hold,
         ..Servo::default()

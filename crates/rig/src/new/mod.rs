@@ -1,4 +1,4 @@
-//! Rigs to start from.
+//! Rigs as starting points for new ones.
 
 mod arm;
 mod face;
@@ -37,7 +37,7 @@ mod tests {
         assert!(mechanism.bodies.iter().skip(1).all(|link| link.speed.is_finite()
             && link.acceleration.is_finite()
             && link.ranges.len() == 1));
-        // Jaw, two eyes of two, four lids, two brows, a neck of three.
+        // Jaw 1, eyes 4, lids 4, brows 2, neck 3.
         assert_eq!(rig.servos.len(), 14);
         assert_eq!(rig.limits.len(), 2);
         assert_eq!(read(&write(&rig)).unwrap(), rig);

@@ -1,8 +1,8 @@
-//! A joint of these rigs.
+//! A revolute joint of the starting rigs.
 
 use crate::description::Joint;
 
-/// A revolute joint that moves a body of its own name.
+/// A revolute joint with the name of the body that it moves.
 pub(super) struct Turn<'a> {
     pub(super) name: &'a str,
     pub(super) parent: &'a str,
@@ -23,7 +23,7 @@ impl Turn<'_> {
             position_m: self.position_m,
             axis: Some(self.axis),
             range_rad: vec![self.range_deg.map(f64::to_radians)],
-            // Zero is the default.
+            // Zero is the default, and is left out.
             home_rad: (self.home_deg.abs() > 0.0).then_some(self.home_deg.to_radians()),
             speed_rad_s: Some(self.speed_deg_s.to_radians()),
             acceleration_rad_s2: Some(self.acceleration_deg_s2.to_radians()),

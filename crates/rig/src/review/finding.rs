@@ -1,31 +1,32 @@
-//! What is wrong or doubtful of a rig, in words.
+//! Findings of a review: wrong or doubtful values, in words.
 
 use super::results::{DofReview, Finding, LoopReview, Review, Severity, Voltage};
 use crate::description::ServoModel;
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
-/// A torque so many times what would lift the whole rig at its full reach is no limit: a placeholder of the file.
+/// Factor above the torque that lifts the whole rig at its full reach. A larger torque limit is regarded as a
+/// placeholder.
 const PLACEHOLDER: f64 = 10.0;
 
-/// A body lighter than this does not exist: 1 mg.
+/// Smallest plausible mass of a body, kg: 1 mg.
 const LIGHTEST_KG: f64 = 1e-6;
 
-/// kg m² in a g mm², what CAD programs print.
+/// Factor from g mm², the unit of many CAD programs, to kg m².
 pub const KG_M2_PER_G_MM2: f64 = 1e-9;
 
-/// Densities of what rigs are made of, kg/m³: from a hollow body of foam to osmium.
+/// Plausible densities of a rig's parts, kg/m³: from a hollow foam body to osmium.
 const DENSITIES: [f64; 2] = [10.0, 22_590.0];
 
-/// A step at the far end that people see.
+/// Step at the far end that is visible, mm.
 const VISIBLE_MM: f64 = 1.0;
 
-/// Above this share of the voltage that its values are for, a servo is damaged: makers allow up to 1.23 of it.
+/// Factor of the data's voltage above which a servo is damaged; makers permit up to 1.23.
 const HIGHEST_VOLTAGE: f64 = 1.25;
 
-/// Below this share a servo is noticeably weaker and slower.
+/// Factor of the data's voltage below which a servo is noticeably weaker and slower.
 const LOWEST_VOLTAGE: f64 = 0.8;
 
-/// A speed that no servo has without load, rad/s.
+/// Speed that no servo reaches without load, rad/s.
 const FASTEST_RAD_S: f64 = 50.0;
 
 pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
@@ -56,7 +57,7 @@ pub(super) fn findings(mechanism: &Mechanism, review: &Review) -> Vec<Finding> {
     found
 }
 
-/// `lift_nm`: what would lift the whole rig at its full reach.
+/// Finds problems of one dof. `lift_nm` is the torque that lifts the whole rig at its full reach.
 fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
     let mut found = Vec::new();
     let unit = if dof.slides { "N" } else { "N m" };
@@ -135,15 +136,15 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
     found
 }
 
-/// A loop through a soft gear that shakes by itself, or would if the gear were softer and looser.
+/// Finds a loop through an elastic gear that oscillates, or would with a softer gear of more play.
 fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     let control = dof.control.as_ref()?;
     let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
     let bearable_rad_s = bearable_rad_s?;
     let bears = if bearable_rad_s > 0.0 {
-        format!("it bears {} rad/s", shown(bearable_rad_s, 0))
+        format!("it tolerates {} rad/s", shown(bearable_rad_s, 0))
     } else {
-        "it bears none".to_owned()
+        "it tolerates none".to_owned()
     };
     let observer = format!("an observer of {} rad/s", shown(bandwidth_rad_s, 0));
     let help = match (control.light_bears, control.voltage_bears) {
@@ -167,7 +168,8 @@ fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     })
 }
 
-/// Returns a number of a joint's loop with so many decimals; one that they do not show, with its power of ten.
+/// Returns a number of a joint's loop with `decimals` decimals, or in scientific notation if it is too small for
+/// these.
 pub fn shown(number: f64, decimals: usize) -> String {
     let step = libm::pow(0.1, decimals as f64);
     if number > 0.0 && number < step {
@@ -215,11 +217,11 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
     }
 }
 
-/// Whether inertia that is far too large is that of a body that can be, if its number counts g mm²: one that is no
-/// larger than the rig, and as dense as a material if it is a ball. A placeholder seldom is.
+/// Returns whether an inertia that is far too large would be plausible in g mm²: not larger than the rig, and as
+/// dense as a real material if the body is a ball. A placeholder seldom satisfies both.
 fn fits_g_mm2(mass_kg: f64, gyration_m: f64, size_m: f64) -> bool {
     let gyration_m = gyration_m * libm::sqrt(KG_M2_PER_G_MM2);
-    // Of a ball of radius r the square is 3/5 r².
+    // A ball of radius r has a squared radius of gyration of 3/5 r².
     let radius_m = gyration_m / libm::sqrt(0.6);
     let density = mass_kg / (4.0 / 3.0 * core::f64::consts::PI * libm::pow(radius_m, 3.0));
     let [least, most] = DENSITIES;
@@ -235,8 +237,8 @@ fn of_friction(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Str
                 Severity::Warning,
                 format!("joint {}", link.joint_name),
                 format!(
-                    "friction takes {takes:.3} of the {:.3} that its drive gives, at its largest speed of {speed:.2}: it does \
-                     not get there",
+                    "friction takes {takes:.3} of the {:.3} that its drive gives, at its largest speed of {speed:.2}: \
+                     it does not reach that speed",
                     link.effort
                 ),
             );

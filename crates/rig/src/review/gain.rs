@@ -1,13 +1,13 @@
-//! How stiff a joint may be held at a control rate.
+//! Maximum stiffness of a joint's loop at a control rate.
 
-/// Angle `ω dt` up to which a critically damped PD loop of natural frequency ω on a double integrator is stable, with
-/// torques held for a tick, velocities as backward differences, and torques that act `latency_ticks` late.
+/// Returns the largest stable angle `ω dt` of a critically damped PD loop with natural frequency ω on a double
+/// integrator. Torques are held for a tick and act `latency_ticks` late; velocities are backward differences.
 ///
 /// The loop's characteristic polynomial is `2 (z - 1)² z^(L+1) + (z + 1)(w² z + 2 w (z - 1))` with `w = ω dt` (the
 /// double integrator under a zero-order hold); the bound is found by bisection with the test of Schur and Cohn.
 pub fn largest_stable_angle(latency_ticks: usize) -> f64 {
     let (mut stable, mut unstable) = (0.0, 4.0);
-    // Beyond these, f64 has no digits left.
+    // Further bisection exceeds the digits of f64.
     for _ in 0..52 {
         let middle = 0.5 * (stable + unstable);
         if is_stable(&characteristic(middle, latency_ticks)) {
@@ -19,7 +19,7 @@ pub fn largest_stable_angle(latency_ticks: usize) -> f64 {
     stable
 }
 
-/// Coefficients, the constant one first.
+/// Returns the coefficients of the characteristic polynomial, the constant one first.
 fn characteristic(w: f64, latency_ticks: usize) -> Vec<f64> {
     let mut coefficients = vec![0.0; latency_ticks + 4];
     // (z + 1)((w² + 2w) z - 2w)
@@ -35,7 +35,7 @@ fn characteristic(w: f64, latency_ticks: usize) -> Vec<f64> {
     coefficients
 }
 
-/// Whether all roots lie within the unit circle (Schur and Cohn).
+/// Returns whether all roots are inside the unit circle (Schur and Cohn).
 fn is_stable(coefficients: &[f64]) -> bool {
     let mut p = coefficients.to_vec();
     while let (Some(&first), Some(&last)) = (p.first(), p.last()) {
@@ -47,7 +47,8 @@ fn is_stable(coefficients: &[f64]) -> bool {
         }
         let next: Vec<f64> =
             p.iter().zip(p.iter().rev()).map(|(x, mirrored)| last * x - first * mirrored).collect();
-        // The constant one is zero now: divide by z. Scaled, so that long polynomials stay within f64.
+        // The constant coefficient is zero now: divide by z. Scaling keeps long polynomials within the range of
+        // f64.
         let scale = next.last().map_or(1.0, |last| 1.0 / last.abs());
         p = next.into_iter().skip(1).map(|x| x * scale).collect();
     }
@@ -58,7 +59,7 @@ fn is_stable(coefficients: &[f64]) -> bool {
 mod tests {
     use super::*;
 
-    /// The loop itself, tick by tick.
+    /// Simulates the loop tick by tick, and returns whether it decays.
     fn decays(w: f64, latency_ticks: usize) -> bool {
         let (mut x, mut v) = (1.0_f64, 0.0);
         let mut positions = vec![1.0; latency_ticks + 2];

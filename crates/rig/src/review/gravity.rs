@@ -1,4 +1,4 @@
-//! What gravity asks of each joint, in the worst pose.
+//! Effort that gravity demands of each joint, in the worst pose.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -7,26 +7,26 @@ use glam::{DQuat, DVec3};
 
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
-/// Starts of the search: the home pose, and poses spread over the ranges.
+/// Number of starts of the search: the home pose, and poses spread over the ranges.
 const STARTS: u32 = 9;
 
-/// Sweeps over all joints from one start, at most. Each brings every coordinate to its best, the others held.
+/// Maximum number of sweeps over all joints from one start. Each sweep optimizes one coordinate after the other.
 const SWEEPS: usize = 12;
 
-/// Turns of a ball joint that are tried about one axis.
+/// Number of rotations of a ball joint that are tried about one axis.
 const TURNS: u32 = 24;
 
-/// The most that gravity asks of one dof.
+/// Maximum effort that gravity demands of one dof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorstLoad {
-    /// What the drive must give to hold the pose, N m or N; without its sign.
+    /// Effort of the drive that holds the pose, N m or N; absolute value.
     pub effort: f64,
-    /// Joint coordinates of the pose, as [`Mechanism::home`].
+    /// Joint coordinates of the pose, ordered as [`Mechanism::home`].
     pub q: Vec<f64>,
 }
 
-/// Returns the effort that holds dof `axis` of joint `joint` in the pose `q` against gravity: N m, or N of a slide.
-/// O(n).
+/// Returns the effort of dof `axis` of joint `joint` that holds the pose `q` against gravity: N m, or N for a
+/// slide. O(n).
 pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usize) -> f64 {
     let poses = mechanism.poses(q);
     let range = mechanism.coordinate_ranges().into_iter().nth(joint).unwrap_or_default();
@@ -51,11 +51,11 @@ pub fn holding_effort(mechanism: &Mechanism, q: &[f64], joint: usize, axis: usiz
     }
 }
 
-/// The worst pose for one dof, within the ranges of all joints.
+/// Finds the worst pose for one dof, within the ranges of all joints.
 ///
-/// A search: one coordinate after the other is brought to where the effort is largest. That is exact for each, since
-/// the effort is a sine of every angle and linear in every way. From several starts, so the result is at most a little
-/// below the true worst, and never above it. Ranges that join two joints are not kept to.
+/// The search optimizes one coordinate after the other. This is exact for each coordinate, because the effort is a
+/// sine of every angle and linear in every translation. It uses several starts, so that the result is at most
+/// slightly below the true maximum, and never above it. Ranges that join two joints are ignored.
 pub fn worst_load(mechanism: &Mechanism, joint: usize, axis: usize) -> WorstLoad {
     let mut search = Search {
         mechanism,
@@ -96,7 +96,7 @@ impl Search<'_> {
         for _ in 0..SWEEPS {
             let before = self.effort;
             for body in 0..self.mechanism.bodies.len() {
-                // No other joint changes the load of this one.
+                // Other joints do not change the load of this joint.
                 if self.mechanism.supports(body, self.joint)
                     || self.mechanism.supports(self.joint, body)
                 {
@@ -109,7 +109,7 @@ impl Search<'_> {
         }
     }
 
-    /// Brings the coordinates of one joint to where the effort is largest.
+    /// Moves the coordinates of one joint to the maximum effort.
     fn improve(&mut self, body: usize) {
         let mechanism = self.mechanism;
         let (Some(link), Some(range)) =
@@ -136,7 +136,7 @@ impl Search<'_> {
         }
     }
 
-    /// The ends of a range, and where within it the effort, `a + b cos + c sin`, has its extremes.
+    /// Returns the ends of a range, and the extremes within it of the effort `a + b cos + c sin`.
     fn angles(&self, index: usize, [least, most]: [f64; 2]) -> Vec<f64> {
         let at = |angle: f64| {
             let mut q = self.q.clone();
@@ -150,7 +150,7 @@ impl Search<'_> {
         let cosine = (2.0 * zero - plus - minus) / 3.0;
         let sine = (plus - minus) / 3.0_f64.sqrt();
         let peak = libm::atan2(sine, cosine);
-        // Ranges reach over several turns at most.
+        // Ranges extend over a few turns at most.
         let extremes = (-8..=8).map(|half_turns| peak + PI * f64::from(half_turns));
         let within = extremes.filter(|angle| (least..=most).contains(angle));
         within.chain([least, most]).collect()
@@ -189,10 +189,10 @@ impl Search<'_> {
     }
 }
 
-/// A pose within the ranges; ball joints stay at home. Poses of different numbers are spread evenly (the fractions are
-/// those of a Kronecker sequence: no seed, the same everywhere).
+/// Returns a pose within the ranges; ball joints stay at home. Poses with different numbers are spread evenly (a
+/// Kronecker sequence, which needs no seed and is equal everywhere).
 pub(super) fn spread(mechanism: &Mechanism, number: u32) -> Vec<f64> {
-    // The golden ratio's fraction.
+    // Fraction of the golden ratio.
     const STEP: f64 = 0.618_033_988_749_894_9;
     let mut place = 0.0;
     let mut q = Vec::new();

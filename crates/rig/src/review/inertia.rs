@@ -1,4 +1,4 @@
-//! The least and the greatest inertia against each dof.
+//! Minimum and maximum inertia of each dof.
 
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::dynamics::{OuterJoints, reflected_inertia};
@@ -9,11 +9,11 @@ use super::gravity::spread;
 use crate::mechanism::Mechanism;
 use crate::number::single;
 
-/// Poses that are looked at: home, and others spread over the ranges.
+/// Number of evaluated poses: home, and others spread over the ranges.
 const POSES: u32 = 64;
 
-/// The least and the greatest inertia against each dof, all joints beyond held. A sample: the true extremes may be a
-/// little beyond. O(n) a pose.
+/// Returns the minimum and maximum inertia of each dof, with all joints beyond it held. It is a sample: the true
+/// extremes may be slightly beyond. O(n) per pose.
 pub(crate) fn ranges<const N: usize>(
     mechanism: &Mechanism,
     tree: &Tree<N>,

@@ -1,4 +1,4 @@
-//! The loops that are closed through soft gears.
+//! Review of control loops through elastic gears.
 
 use sinew_core::bandwidth::Bandwidth;
 use sinew_core::tracker::Settings;
@@ -7,37 +7,38 @@ use super::flexible_joint::{ControlLoop, FlexibleJoint};
 use super::results::{DofReview, Loop, LoopReview, SoftGear};
 use crate::number::single;
 
-/// A gear at its worst: part of its stiffness that is left, and how many times its play.
+/// The worst gear that is judged: factors on its stiffness and on its play.
 const SOFTER: f64 = 0.5;
 const LOOSER: f64 = 2.0;
 
-/// Amplitude of the windup that the softening by play is judged at, in plays of the gear as its data have it.
+/// Amplitude of the windup at which the effect of play is judged, in multiples of the play in the gear's data.
 ///
-/// The smaller a swing, the softer the gear is to it. A loop that is stable at this amplitude is stable at all larger
-/// ones, so that no swing grows beyond it: what play leaves is a swing of the output of at most this times the rotor's
-/// share of both inertias, either way. That is 0.5 deg on plastic gears with a load as heavy as the rotor.
+/// The smaller an oscillation, the softer the gear is for it. A loop that is stable at this amplitude is stable at
+/// all larger ones, therefore no oscillation grows beyond it. Play then causes an oscillation of the output of at
+/// most this amplitude times the rotor's share of the total inertia, in each direction: 0.5 deg for plastic gears
+/// with a load as heavy as the rotor.
 const AMPLITUDE_PLAYS: f64 = 2.0;
 
-/// The least load that is taken for one, as a part of the rotor's inertia: a bare shaft has some.
+/// Minimum load that is assumed, as a share of the rotor's inertia: even a bare shaft has some inertia.
 const LEAST_LOAD: f64 = 0.01;
 
-/// A search for a bandwidth: the least that is tried, rad/s, and halvings of the interval.
+/// Search for a bandwidth: its lower end, rad/s, and the number of bisection steps.
 const LEAST_RAD_S: f64 = 1.0;
 const HALVINGS: usize = 16;
 
-/// Reviews the loop of each dof that has one. `inertias`: the least and the greatest of each.
+/// Reviews the loop of each dof that has one. `inertias` are the minimum and maximum of each dof.
 pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: Loop) {
     let dt_s = 1.0 / control.rate_hz;
     for (dof, inertias) in by_dof.iter_mut().zip(inertias) {
         let Some(gear) = dof.servo.as_ref().and_then(|servo| servo.gear) else { continue };
         let joints = inertias.map(|inertia| joint(gear, inertia - dof.rotor_inertia));
-        // Gears that are no gears, such as those of a servo without a rotor, have no loop.
+        // Invalid gears, such as those of servos without rotor data, have no loop.
         let Some(by_rule) = bandwidth_rad_s(&joints[1], dt_s) else { continue };
         let control = ControlLoop {
             dt_s,
             latency_ticks: control.latency_ticks,
             late_s: 0.0,
-            // An observer cannot be faster than its ticks.
+            // An observer cannot be faster than the control rate.
             bandwidth_rad_s: control.bandwidth_rad_s.unwrap_or(by_rule).min(control.rate_hz),
             kp_per_s2: f64::from(Settings::<usize>::default().kp),
             torque_share: 1.0,
@@ -78,14 +79,14 @@ pub(crate) fn with_worst_gear(joint: FlexibleJoint, play: f64) -> FlexibleJoint 
     if play > 0.0 { softer.with_play(LOOSER * 0.5 * play, AMPLITUDE_PLAYS * play) } else { softer }
 }
 
-/// The joint that a gear turns.
+/// Returns the model of a joint with this gear.
 fn joint(gear: SoftGear, load_inertia: f64) -> FlexibleJoint {
     let SoftGear { rotor_inertia, stiffness, gear_damping, damping, .. } = gear;
     let load_inertia = load_inertia.max(LEAST_LOAD * rotor_inertia);
     FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping }
 }
 
-/// The bandwidth of a joint's observer by the rule, rad/s.
+/// Returns the bandwidth of a joint's observer by the rule, rad/s.
 fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
     let FlexibleJoint { rotor_inertia, load_inertia, stiffness, .. } = *heaviest;
     let [stiffness, rotor, load, dt_s] = [stiffness, rotor_inertia, load_inertia, dt_s].map(single);
@@ -93,7 +94,7 @@ fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
     Some(f64::from(bandwidth.rad_s))
 }
 
-/// The largest bandwidth below that of the loop at which nothing grows, rad/s; 0 if there is none.
+/// Returns the largest bandwidth up to that of the loop at which the loop is stable, rad/s; 0 if there is none.
 fn bearable_rad_s(joints: &[FlexibleJoint], control: ControlLoop) -> f64 {
     let decays = |bandwidth_rad_s: f64| {
         let control = ControlLoop { bandwidth_rad_s, ..control };

@@ -1,5 +1,5 @@
-//! What a rig's numbers come to: loads, speeds, inertias, stable gains, resolution, current; and what of it is
-//! doubtful.
+//! Review of a rig: its loads, speeds, inertias, stable gains, resolution and current, with findings on doubtful
+//! values.
 //!
 //! Collisions are out of scope.
 
@@ -35,7 +35,7 @@ pub use results::{
 };
 
 impl Review {
-    /// Reviews a rig. O(n³), for one sitting at a desk.
+    /// Reviews a rig. O(n³); for interactive use on a desktop, not for a board.
     ///
     /// # Errors
     /// [`ReviewError`] if the rig does not fit `sinew-core`.
@@ -104,19 +104,19 @@ impl Review {
     }
 }
 
-/// Why a rig was not reviewed.
+/// The reason why a rig was not reviewed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ReviewError {
-    /// Its bodies are no tree of `sinew-core`.
+    /// The bodies are not a valid tree of `sinew-core`.
     #[error(transparent)]
     Tree(#[from] TreeError),
-    /// Its home pose is not one of that tree.
+    /// The home pose is invalid for that tree.
     #[error("home pose: {0}")]
     Home(#[from] CoordinatesError),
 }
 
 fn holding_current_a(dof: &DofReview) -> Option<f64> {
-    // No servo takes more than what it stalls with.
+    // A servo takes at most its stall current.
     let held = |stall: f64| dof.gravity_effort.min(stall);
     dof.servo.as_ref().map(|servo| servo.current_per_effort * held(servo.stall))
 }
@@ -133,12 +133,12 @@ fn slides(link: &Link, axis: usize) -> bool {
     }
 }
 
-/// Inertia along one dof, in the home pose.
+/// Returns the inertia along one dof, in the home pose.
 fn along(inertia: &ReflectedInertia, link: &Link, axis: usize) -> f64 {
     along_at(inertia, link, axis, &link.home)
 }
 
-/// Inertia along one dof, where the joint's coordinates are `q`.
+/// Returns the inertia along one dof, at joint coordinates `q`.
 fn along_at(inertia: &ReflectedInertia, link: &Link, axis: usize, q: &[f64]) -> f64 {
     if slides(link, axis) {
         return f64::from(inertia.linear_kg);

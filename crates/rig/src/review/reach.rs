@@ -1,9 +1,9 @@
-//! How far what hangs on a joint can be from it.
+//! Maximum distance of bodies from a joint that moves them.
 
 use crate::mechanism::{JointModel, Mechanism};
 
-/// The farthest that a joint or a centre of mass beyond joint `joint` can be from it, m: the links between, end to end.
-/// An upper bound, whatever the pose; slides at the far end of their range.
+/// Returns an upper bound of the distance of any joint or centre of mass beyond joint `joint` from that joint, m:
+/// the sum of the link lengths, with slides at the far end of their range.
 pub fn reach_m(mechanism: &Mechanism, joint: usize) -> f64 {
     let mut reach_m = vec![None; mechanism.bodies.len()];
     let mut farthest: f64 = 0.0;

@@ -1,4 +1,4 @@
-//! What a rig's servos can do at its joints.
+//! Capability of a rig's servos at its joints.
 
 use std::collections::HashMap;
 
@@ -9,14 +9,15 @@ use crate::drive::{DriveInputError, DrivePose};
 use crate::mechanism::{JointModel, Link, Mechanism};
 use crate::number::single;
 
-/// Poses over the range of a joint at which a curve or a four-bar is looked at.
+/// Number of poses over a joint's range at which a curve or a four-bar is evaluated.
 const POSES: usize = 33;
 
 impl Servos {
-    /// Returns values by dof of a rig's mechanism: at the weakest and at the slowest pose of each joint's range.
+    /// Returns the capability of each dof of a mechanism, at the weakest and at the slowest pose of each joint's
+    /// range.
     ///
     /// # Errors
-    /// [`DescriptionError`] if a servo or a drive cannot be.
+    /// [`DescriptionError`] if a servo or a drive is invalid.
     pub fn of(rig: &Description, mechanism: &Mechanism) -> Result<Self, DescriptionError> {
         let actuation = rig.actuation()?;
         let models: Vec<ServoModel> =
@@ -30,7 +31,7 @@ impl Servos {
                 .iter()
                 .filter_map(|joint| links.get(rig.joints[*joint].name.as_str()).copied())
                 .collect();
-            // Positions within a joint's range are numbers: `Description::check`.
+            // `Description::check` ensures finite positions within a joint's range.
             let Ok(all) = capabilities(rig, &actuation, &models, drive, &joints) else { continue };
             let mut all = all.into_iter();
             for joint in &joints {
@@ -50,8 +51,8 @@ impl Servos {
         })
     }
 
-    /// Keeps the gears of dofs whose servos are all driven by current, by their names: the loop is the tracker's there.
-    /// Other servos close one of their own.
+    /// Keeps the gears only of dofs whose servos are all driven by current, where the tracker closes the loop.
+    /// Other servos close a loop of their own.
     #[must_use]
     pub fn with_loops_of(mut self, is_by_current: impl Fn(&str) -> bool) -> Self {
         for capability in self.by_dof.iter_mut().flatten() {
@@ -63,7 +64,7 @@ impl Servos {
     }
 }
 
-/// What feeds each kind of servo, in the order of the file.
+/// Returns the supply of each kind of servo, in the order of the file.
 fn voltages(rig: &Description) -> Vec<Voltage> {
     let mut voltages: Vec<Voltage> = Vec::new();
     let Some(supply) = rig.supply else { return voltages };
@@ -122,7 +123,7 @@ fn capabilities(
     Ok(all)
 }
 
-/// A servo as the drive sees it.
+/// A servo's data at the input shaft of the drive.
 struct Shaft {
     continuous_nm: f64,
     stall_nm: f64,
@@ -163,8 +164,8 @@ impl Shaft {
     }
 }
 
-/// The gears of a drive's servos, as each dof sees them: inertias, stiffnesses and dampings add up by the squares of
-/// speeds, plays by how far each moves the dof.
+/// Returns the gears of a drive's servos, referred to each dof. Inertias, stiffnesses and dampings are summed with
+/// squared speed ratios, plays with the motion that each servo gives the dof.
 fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveInputError> {
     let reflected = |of: fn(&SoftGear) -> f64| {
         let each: Vec<f32> = servos.iter().map(|servo| single(of(&servo.gear))).collect();
@@ -196,7 +197,7 @@ fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveI
     Ok(play.into_iter().enumerate().map(gear).collect())
 }
 
-/// Takes what is least, or worst, at one pose.
+/// Updates the capability with the worst values at one pose.
 fn at_pose(
     pose: &DrivePose<'_>,
     dof: usize,
@@ -214,7 +215,7 @@ fn at_pose(
     let current: f64 =
         servos.iter().zip(&asked).map(|(servo, asked)| servo.current_a_per_nm * asked).sum();
     capability.current_per_effort = capability.current_per_effort.max(current);
-    // How far each servo alone moves the dof; their speeds add up, since none is asked to stand.
+    // Motion of the dof by each servo alone. Their speeds add up, because all servos may move.
     let (mut speed, mut step) = (0.0, 0.0_f64);
     for (index, servo) in servos.iter().enumerate() {
         let moved = pose.joint_velocities(&unit(servos.len(), index))?;
@@ -231,8 +232,8 @@ fn unit(count: usize, of: usize) -> Vec<f32> {
     (0..count).map(|index| if index == of { 1.0 } else { 0.0 }).collect()
 }
 
-/// Positions of a drive's joints: over the range of the first one's first axis, all others at home. Only curves and
-/// four-bars, which have one joint of one dof, are not the same everywhere.
+/// Returns positions of a drive's joints to evaluate: over the joint's range for a single dof, otherwise the home
+/// pose. Only curves and four-bars, which have one joint of one dof, depend on the position.
 fn poses(joints: &[&Link]) -> Vec<Vec<f32>> {
     let one_dof = matches!(joints, [link] if link.joint.kind().dof_count() == 1);
     match joints.first().and_then(|link| link.ranges.first()) {

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::mechanism::Link;
 
-/// A body of a kilogram of no size on a joint.
+/// A point of 1 kg with a small inertia, on a joint.
 fn link(parent: Option<usize>, joint: JointModel, position_m: DVec3, center_m: DVec3) -> Link {
     Link {
         name: "body".into(),
@@ -41,7 +41,7 @@ fn ranges_are_kept() {
     let mut arm = arm();
     arm.bodies[1].ranges = vec![[-0.3, 0.2]];
     arm.bodies[2].ranges = vec![[0.0, 0.5]];
-    // 0.2 and 0.5 rad lean to the same side.
+    // 0.2 and 0.5 rad are to the same side.
     let (upper, lower) = (0.2_f64.sin(), 0.7_f64.sin());
     let at_sum = 9.81 * (0.2 * upper + 0.4 * upper + 0.3 * lower);
     let worst = worst_load(&arm, 1, 0);
@@ -58,7 +58,7 @@ fn a_slide_carries_what_is_on_it() {
 
 #[test]
 fn a_mounted_rig_feels_gravity_in_its_own_axes() {
-    // On its side, so that the axes of the hinges are upright: nothing to hold.
+    // The base is on its side, therefore the hinge axes are vertical and carry no load.
     let mut arm = arm();
     arm.bodies[0].rotation = DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
     assert!(worst_load(&arm, 1, 0).effort < 1e-9);
@@ -96,16 +96,17 @@ fn a_review_says_what_is_too_heavy() {
         let found = review.findings.iter().filter(|finding| finding.severity == severity);
         found.map(|finding| finding.about.as_str()).collect()
     };
-    // 8.8 N m on 6; holding takes 2 A/(N m) times both loads, of a supply of 2 A.
+    // 8.8 N m exceeds 6 N m; holding takes 2 A/(N m) times both loads, but the supply gives 2 A.
     assert_eq!(of(Severity::Fault), ["joint joint", "supply"], "{:?}", review.findings);
     let [upper, lower] = &review.by_dof[..] else { panic!("{review:?}") };
-    // About the shoulder: 2 kg as points, and their own inertia.
+    // About the shoulder: two points of 1 kg, and their own inertia.
     assert!((upper.inertia - (0.2_f64.powi(2) + 0.7_f64.powi(2) + 2e-3)).abs() < 1e-6);
     assert!(upper.inertia_free < upper.inertia && lower.inertia > 0.0);
     assert!((lower.resolution_mm.unwrap() - 0.45).abs() < 1e-9);
 }
 
-/// A servo of 72 g: 25 mm from its centre, if its inertia counts g mm². A hint is for numbers that it explains.
+/// A servo of 72 g has a gyration radius of about 25 mm if its inertia is in g mm². The hint must appear only for
+/// numbers that the unit explains.
 #[test]
 fn units_are_doubted_where_others_explain_the_number() {
     let review_of = |mass_kg: f64, moment: f64| {
@@ -124,7 +125,7 @@ fn units_are_doubted_where_others_explain_the_number() {
         findings.iter().find(about).map(|finding| finding.text.contains("g mm²"))
     };
     assert_eq!(review_of(0.072, 0.072 * 25.0_f64.powi(2) / 1.5 * 1e3), Some(true));
-    // Placeholders: of mass, of inertia, of both.
+    // Placeholders for mass, for inertia, and for both.
     for (mass_kg, moment) in [(1e-9, 1e-3), (1e-3, 1e-2), (0.5, 1.0), (1.0, 1.0), (1e-5, 1.0)] {
         assert_eq!(review_of(mass_kg, moment), Some(false), "{mass_kg} kg, {moment} kg m²");
     }
@@ -134,7 +135,7 @@ fn units_are_doubted_where_others_explain_the_number() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// A search can miss the true worst, but no pose that is met by chance is worse than it by more than a hundredth.
+    /// The search may miss the true worst pose, but no random pose is worse by more than 1 %.
     #[test]
     fn no_pose_met_by_chance_is_worse(
         joints in prop::collection::vec(
@@ -196,10 +197,10 @@ fn friction_that_no_drive_overcomes_is_found() {
     assert!(found, "{:?}", review.findings);
 }
 
-/// An arm of XL330: as it was, with 100 rad/s for all joints, and by the rule.
+/// An arm of XL330 servos: in its old form, with 100 rad/s for all joints, and with the rule.
 #[test]
 fn a_loop_that_its_gear_does_not_bear_is_found() {
-    // Its links are longer than those of the arm of today.
+    // The links of this old file are longer than those of the current arm.
     let rig = include_str!("../../../../tests/support/rigs/arm_62ff7e0.toml");
     let rig = crate::toml_file::read(rig).unwrap();
     let mechanism = rig.mechanism().unwrap();
@@ -225,7 +226,7 @@ fn a_loop_that_its_gear_does_not_bear_is_found() {
     let fast = of(Some(100.0), 1, |_| true);
     let joints = ["joint turn1", "joint bend2", "joint bend3"];
     assert_eq!(found(&fast), joints.map(|name| (Severity::Warning, name.to_owned())));
-    // The bandwidth that the finding names is borne, and hardly more is not.
+    // The bandwidth that the finding recommends is stable, and 1 % more is not.
     let bearable = fast.by_dof[1].control.unwrap().bearable_rad_s.unwrap();
     assert_eq!(found(&of(Some(0.99 * bearable), 1, |_| true)), []);
     assert!(!found(&of(Some(1.01 * bearable), 1, |_| true)).is_empty());

@@ -1,4 +1,4 @@
-//! What is wrong in a text, and where.
+//! Errors in a text, with their position.
 
 use std::ops::Range;
 
@@ -7,22 +7,22 @@ use toml::de::{DeTable, DeValue};
 
 use crate::description::{DescriptionError, Step};
 
-/// Why a text is no rig.
+/// The reason why a text is not a valid rig.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}, column {column}: {message}")]
 pub struct ReadError {
-    /// From 1.
+    /// Line of the error, from 1.
     pub line: usize,
-    /// In characters, from 1.
+    /// Column of the error in characters, from 1.
     pub column: usize,
-    /// The key, what would be right, and what is there.
+    /// Key, description of a valid value, and value that was found.
     pub message: String,
 }
 
-/// The same before it is known on which line it stands.
+/// An error whose line is not yet known.
 #[derive(Debug, PartialEq)]
 pub(super) struct UnlocatedError {
-    /// Byte in the text.
+    /// Byte offset in the text.
     pub(super) at: usize,
     pub(super) message: String,
 }
@@ -42,14 +42,14 @@ impl UnlocatedError {
 }
 
 impl ReadError {
-    /// The text is no TOML.
+    /// Creates the error for a text that is not TOML.
     pub(super) fn syntax(text: &str, error: &toml::de::Error) -> Self {
         let at = error.span().map_or(0, |span| span.start);
         UnlocatedError { at, message: format!("this is not TOML: {}", error.message()) }
             .in_text(text)
     }
 
-    /// The text is TOML, and no rig.
+    /// Creates the error for valid TOML that is not a valid rig.
     pub(super) fn semantic(
         text: &str,
         table: &Spanned<DeTable<'_>>,
@@ -60,7 +60,7 @@ impl ReadError {
     }
 }
 
-/// Where the value at a path begins, or if it is not there, what it would be in.
+/// Returns the byte offset of the value at a path, or of its innermost existing parent.
 fn position(root: &Spanned<DeTable<'_>>, path: &[Step]) -> usize {
     let mut at = root.span().start;
     let mut table = Some(root.get_ref());

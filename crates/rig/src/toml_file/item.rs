@@ -1,4 +1,4 @@
-//! A value in a text, with its place.
+//! A value in a text, with its position.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use toml::de::DeValue;
 use super::error::UnlocatedError;
 use crate::number;
 
-/// A value, its path, and whether its numbers are degrees.
+/// A value with its path, and whether its numbers are degrees.
 pub(super) struct Item<'t> {
     value: &'t Spanned<DeValue<'t>>,
     path: String,
@@ -32,7 +32,7 @@ impl<'t> Item<'t> {
         &self.path
     }
 
-    /// Refuses the value.
+    /// Creates an error for this value.
     pub(super) fn wrong(&self, expected: &str) -> UnlocatedError {
         let found = match self.value() {
             DeValue::String(text) => format!("the text {text:?}"),
@@ -46,7 +46,7 @@ impl<'t> Item<'t> {
         UnlocatedError::new(&self.span(), &self.path, expected, &found)
     }
 
-    /// The elements of a list.
+    /// Returns the elements of a list.
     pub(super) fn elements(&self, expected: &str) -> Result<Vec<Self>, UnlocatedError> {
         let array = self.value().as_array().ok_or_else(|| self.wrong(expected))?;
         let of_element = |(index, value): (usize, &'t Spanned<DeValue<'t>>)| {
@@ -55,7 +55,7 @@ impl<'t> Item<'t> {
         Ok(array.iter().enumerate().map(of_element).collect())
     }
 
-    /// A number; degrees become radians.
+    /// Reads a number; converts degrees to radians.
     pub(super) fn number(&self) -> Result<f64, UnlocatedError> {
         let number: Option<f64> = match self.value() {
             DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
@@ -68,7 +68,7 @@ impl<'t> Item<'t> {
         Ok(if self.is_angle { number.to_radians() } else { number })
     }
 
-    /// A whole number within limits.
+    /// Reads a whole number that fits i64.
     pub(super) fn integer(&self, expected: &str) -> Result<i64, UnlocatedError> {
         self.value()
             .as_integer()
@@ -77,7 +77,7 @@ impl<'t> Item<'t> {
     }
 }
 
-/// Numbers of memory as a file has them.
+/// Converts numbers from memory to the units of the file.
 pub(super) fn in_file(numbers: &[f64], is_angle: bool) -> Vec<f64> {
     let convert = |number: &f64| if is_angle { number.to_degrees() } else { *number };
     number::rounded_together(&numbers.iter().map(convert).collect::<Vec<_>>())

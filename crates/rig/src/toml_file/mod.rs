@@ -1,4 +1,4 @@
-//! `rig.toml`: a rig as a text that people read and edit. Its keys are described in `docs/rig-file.md`.
+//! `rig.toml`: a rig as a text that people read and edit. `docs/rig-file.md` describes its keys.
 
 mod error;
 mod item;
@@ -17,14 +17,14 @@ use toml::de::DeTable;
 use crate::description::Description;
 use crate::number::rounded_together;
 
-/// What the first line of a written file says.
+/// First line of a written file.
 const HEADER: &str =
     "# A rig for Sinew: m, kg, N m, degrees. What each key means: docs/rig-file.md\n";
 
-/// Reads a rig, and refuses what cannot be one, see [`Description::check`].
+/// Reads a rig, and refuses an invalid one, see [`Description::check`].
 ///
 /// # Errors
-/// [`ReadError`] with line, column, key, and what would be right.
+/// [`ReadError`] with line, column, key, and a description of a valid value.
 ///
 /// ```
 /// let text = r#"
@@ -55,13 +55,14 @@ pub fn read(text: &str) -> Result<Description, ReadError> {
     Ok(rig)
 }
 
-/// Writes a rig: the sections in the order of the documentation, defaults left out, numbers to 12 digits.
+/// Writes a rig. Sections have the order of the documentation, defaults are left out, and numbers have at most 12
+/// digits.
 ///
-/// [`read`] makes the same rig of the text, but for numbers of more digits.
+/// [`read`] returns the same rig, except for digits beyond the 12th.
 pub fn write(rig: &Description) -> String {
     let mut rig = rig.clone();
     for inertia in rig.bodies.iter_mut().filter_map(|body| body.inertia_kg_m2.as_mut()) {
-        // Products of inertia that a rotation has left where there are none.
+        // Removes products of inertia that are only rounding errors of a rotation.
         let all = [
             &mut inertia.xx,
             &mut inertia.xy,

@@ -12,14 +12,15 @@ use super::visitor::{KEYS, Visitor};
 use crate::description::is_angle;
 use crate::nearest::nearest;
 
-/// Reads one table.
+/// A reader of one table.
 pub(super) struct Reader<'t> {
     table: &'t DeTable<'t>,
     span: Range<usize>,
     path: String,
-    /// Every key that the schema has asked for.
+    /// Keys that the schema has requested.
     known: Vec<&'static str>,
-    /// The first key that must be there and is not. Told only if every key is known: else one of those was meant.
+    /// The first required key that is missing. It is reported only if all present keys are known; otherwise an
+    /// unknown key is probably a misspelling of it.
     missing: Option<UnlocatedError>,
 }
 
@@ -74,7 +75,7 @@ impl<'t> Reader<'t> {
         Err(UnlocatedError::new(&key.span(), &self.path_of(name), &expected, "an unknown one"))
     }
 
-    /// Reads a table below this one.
+    /// Reads a nested table.
     fn descend<T>(
         item: &Item<'t>,
         form: &str,

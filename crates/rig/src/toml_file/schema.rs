@@ -1,4 +1,4 @@
-//! The tables of the file and their keys, in the order in which they are written: a function for each table.
+//! Tables of the file and their keys, in the order in which they are written: one function for each table.
 
 use super::value::Ranges;
 use super::visitor::{KEYS, Visitor};
@@ -7,7 +7,7 @@ use crate::description::{
     ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
 
-/// A value with its source, as a file has it.
+/// Form of a value with its source, for messages.
 const SOURCED: &str = "{ value = .., source = \"who states it\" }";
 
 pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Result<(), V::Error> {
@@ -102,7 +102,7 @@ fn limit<V: Visitor>(limit: &mut LinkedLimit, v: &mut V) -> Result<(), V::Error>
     v.optional("most_m", &mut limit.most_m, None)
 }
 
-/// The units of a drive's numbers are those of its joints.
+/// Visits a drive. The units of its numbers depend on its joints.
 fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(), V::Error> {
     v.required("joints", &mut drive.joints)?;
     v.required("servos", &mut drive.servos)?;
@@ -161,7 +161,7 @@ fn drive<V: Visitor>(drive: &mut Drive, joints: &[Joint], v: &mut V) -> Result<(
     Ok(())
 }
 
-/// Pairs of the servo's angle and the joint's position.
+/// Visits pairs of the servo's angle and the joint's position.
 fn curve_points<V: Visitor>(
     points: &mut Vec<[f64; 2]>,
     key: &'static str,
@@ -170,7 +170,7 @@ fn curve_points<V: Visitor>(
     if is_angle(key) {
         return v.required(key, points);
     }
-    // Of a joint that slides: the servo's angle alone is in degrees.
+    // For a joint that slides, only the servo's angle is in degrees.
     for [servo, _] in points.iter_mut() {
         *servo = servo.to_degrees();
     }
@@ -212,7 +212,7 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
         Address::Id(id) => ("id", id),
         Address::Channel(channel) => ("channel", channel),
     };
-    // A servo without either is told that its id is missing.
+    // An error for a servo without either key names the missing id.
     let key = v.which(&["id", "channel"], Some(of_field))?.unwrap_or("id");
     v.required(key, &mut number)?;
     servo.address = if key == "id" { Address::Id(number) } else { Address::Channel(number) };

@@ -1,4 +1,4 @@
-//! The types of values that keys have, from a text and to one.
+//! Types of values that keys have, with conversion from and to text.
 
 use toml::Value as TomlValue;
 
@@ -7,14 +7,14 @@ use super::item::{Item, in_file};
 use crate::description::{Base, JointType, SignalLoss};
 use crate::number;
 
-/// What a key's value can be.
+/// A type of a key's value.
 pub(super) trait Value: PartialEq + Sized {
-    /// What a file must have.
+    /// Description of a valid value, for messages.
     const EXPECTED: &'static str;
 
     fn read(item: &Item<'_>) -> Result<Self, UnlocatedError>;
 
-    /// The text of the value; `is_angle`: in degrees.
+    /// Returns the value as text, in degrees if `is_angle`.
     fn text(&self, is_angle: bool) -> String;
 }
 
@@ -90,7 +90,7 @@ impl Value for i8 {
     }
 }
 
-/// What may be left out.
+/// An optional value.
 impl<T: Value> Value for Option<T> {
     const EXPECTED: &'static str = T::EXPECTED;
 
@@ -134,7 +134,7 @@ impl<T: Value> Value for Vec<T> {
     }
 }
 
-/// Ranges of some axes: of one axis a single pair, of several a list of pairs.
+/// Ranges of axes: a single pair for one axis, a list of pairs for several.
 #[derive(PartialEq)]
 pub(super) struct Ranges(pub(super) Vec<[f64; 2]>);
 
@@ -158,7 +158,7 @@ impl Value for Ranges {
     }
 }
 
-/// What is one of a few words.
+/// A type whose values are a few fixed words.
 trait Choice: Copy + PartialEq + 'static {
     const EXPECTED: &'static str;
     const WORDS: &'static [(&'static str, Self)];

@@ -1,18 +1,19 @@
-//! What goes over the keys of the file's tables, in their order: a reader, which sets the fields, or a writer.
+//! Interface that visits the keys of the file's tables in their order: implemented by a reader, which sets the
+//! fields, and a writer.
 
 use super::value::Value;
 
-/// The form of a table that says nothing of its keys.
+/// Description of a table without further details, for messages.
 pub(super) const KEYS: &str = "a table of keys";
 
-/// Goes over the keys of one table. The schema calls it with each key and the field that the key is for.
+/// Visits the keys of one table. The schema calls it with each key and the field of that key.
 pub(super) trait Visitor: Sized {
     type Error;
 
-    /// A key that must be there.
+    /// Visits a required key.
     fn required<T: Value>(&mut self, key: &'static str, field: &mut T) -> Result<(), Self::Error>;
 
-    /// A key that may be left out.
+    /// Visits an optional key.
     fn optional<T: Value>(
         &mut self,
         key: &'static str,
@@ -20,8 +21,8 @@ pub(super) trait Visitor: Sized {
         default: T,
     ) -> Result<(), Self::Error>;
 
-    /// A table on one line, which must be there: `key = { ... }`. `form`: what such a table is, for who wrote another
-    /// value.
+    /// Visits a required inline table: `key = { ... }`. `form` describes the table, for the error if another value
+    /// is found.
     fn inline<T>(
         &mut self,
         key: &'static str,
@@ -30,7 +31,7 @@ pub(super) trait Visitor: Sized {
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;
 
-    /// The same of one that may be left out.
+    /// Visits an optional inline table.
     fn optional_inline<T: Default>(
         &mut self,
         key: &'static str,
@@ -39,7 +40,7 @@ pub(super) trait Visitor: Sized {
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;
 
-    /// A table with a header, `[key]`, which may be left out.
+    /// Visits an optional table with a header, `[key]`.
     fn section<T: Default>(
         &mut self,
         key: &'static str,
@@ -47,7 +48,7 @@ pub(super) trait Visitor: Sized {
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;
 
-    /// Any number of tables with a header, `[[key]]`.
+    /// Visits any number of tables with a header, `[[key]]`.
     fn sections<T: Default>(
         &mut self,
         key: &'static str,
@@ -55,7 +56,7 @@ pub(super) trait Visitor: Sized {
         keys: impl FnMut(&mut T, &mut Self) -> Result<(), Self::Error>,
     ) -> Result<(), Self::Error>;
 
-    /// Which one of several keys is there, of which there may be one: for a writer `of_field`.
+    /// Returns which of several exclusive keys is present; a writer returns `of_field`.
     fn which(
         &mut self,
         keys: &[&'static str],

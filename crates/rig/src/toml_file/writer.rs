@@ -1,4 +1,4 @@
-//! The visitor that prints fields.
+//! The visitor that writes fields as text.
 
 use std::convert::Infallible;
 
@@ -6,12 +6,12 @@ use super::value::Value;
 use super::visitor::Visitor;
 use crate::description::is_angle;
 
-/// Writes one table.
+/// A writer of one table.
 #[derive(Default)]
 pub(super) struct Writer {
-    /// `key = value` of each key.
+    /// `key = value` for each key.
     lines: Vec<String>,
-    /// The tables below it that have headers.
+    /// Text of the nested tables with headers.
     sections: String,
 }
 

@@ -1,5 +1,5 @@
-//! The compact form of a rig: there and back, refused by number, and whatever the bytes are, no panic and no rig that
-//! cannot be.
+//! Tests of the compact form of a rig: encoding and decoding, errors with numbers; arbitrary bytes cause neither a
+//! panic nor an invalid rig.
 
 use proptest::prelude::*;
 use sinew_core::JointKind;
@@ -9,7 +9,7 @@ use sinew_rig::{Description, toml_file};
 
 type Board = BoardRig<8, 12, 9>;
 
-/// A rig with every kind of drive, of limit and of address.
+/// A rig with every kind of drive, limit and address.
 const RIG: &str = r#"
 name = "everything"
 [mount]
@@ -165,7 +165,7 @@ fn encoded(rig: &Board) -> Vec<u8> {
     bytes
 }
 
-/// CRC-32 (ISO-HDLC), bit by bit: not the table that the product uses.
+/// Appends the CRC-32 (ISO-HDLC), computed bit by bit, independently of the product's table.
 fn sign(bytes: &mut [u8]) {
     let Some((content, stored)) = bytes.split_last_chunk_mut::<4>() else { return };
     let crc = content.iter().fold(u32::MAX, |crc, byte| {
@@ -182,7 +182,7 @@ fn a_rig_is_the_same_after_encoding_and_decoding() {
     let bytes = encoded(&rig);
     let again = Board::decode(&bytes).unwrap();
     assert_eq!(again, rig);
-    // Boards of other capacities have the same rig.
+    // Boards of other capacities decode the same rig.
     let larger = BoardRig::<32, 40, 20>::decode(&bytes).unwrap();
     assert_eq!(larger.tree().bodies(), rig.tree().bodies());
     assert_eq!((larger.drives(), larger.servos()), (rig.drives(), rig.servos()));
@@ -191,12 +191,12 @@ fn a_rig_is_the_same_after_encoding_and_decoding() {
 #[test]
 fn a_baked_rig_is_the_described_one() {
     let rig = baked();
-    // Of the table in the documentation.
+    // Sizes of the table in the documentation.
     let drives = [9 * 4 + 3 * 4 + 12, 4 * 4 + 2 * 4 + 8, 2 * 4 + 2 * 4 + 6, 2 + 24 + 4, 34 + 4];
     let expected = 16 + 7 * 100 + 9 * 24 + 20 + (5 * 6 + drives.iter().sum::<usize>()) + 8 * 56 + 4;
     assert_eq!(encoded(&rig).len(), expected);
     assert_eq!(rig.tree().bodies()[1].joint, JointKind::Spherical);
-    // The mount stands in the placement of body 0: gravity is along -y of the world.
+    // The mount is stored in the placement of body 0; gravity points along -y of the world.
     let placement = rig.tree().bodies()[0].placement;
     assert!(
         (placement.rotation.x - 0.6).abs() < 1e-6 && (placement.translation_m.y - 1.0).abs() < 1e-6
@@ -259,7 +259,7 @@ fn damaged_bytes_are_refused_wherever_they_are() {
     assert_eq!(Board::decode(&version), Err(BoardRigError::Magic { found: *b"XNWR" }));
 }
 
-/// What must hold of every rig that was decoded, whoever made the bytes.
+/// Asserts properties of every decoded rig, for any bytes.
 fn check_invariants(rig: &Board) {
     let finite = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
     assert_eq!(rig.tree().dof_count(), rig.dofs().len());
@@ -282,7 +282,7 @@ fn check_invariants(rig: &Board) {
             taken.push(*servo);
         }
         let home: Vec<f32> = of.dofs.iter().map(|dof| rig.dofs()[usize::from(*dof)].home).collect();
-        // A home beyond 1e6 is refused by the drive; what it takes gives numbers.
+        // The drive refuses a home beyond 1e6; accepted homes give finite numbers.
         if let Ok(pose) = of.drive.at_joints(&home) {
             let ones = vec![1.0; of.servos.len()];
             assert!(finite(pose.servos()) && finite(&pose.joint_velocities(&ones).unwrap()));
@@ -332,7 +332,7 @@ proptest! {
         if let Ok(rig) = Board::decode(&bytes) {
             check_invariants(&rig);
             let again = Board::decode(&encoded(&rig)).unwrap();
-            // Rotations and axes are made unit on the way in, which may change their last bits; all else is the same.
+            // Decoding normalizes rotations and axes, which may change their last bits; everything else is equal.
             prop_assert_eq!(again.tree().len(), rig.tree().len());
             prop_assert_eq!((again.dofs(), again.limits()), (rig.dofs(), rig.limits()));
             prop_assert_eq!((again.drives(), again.servos()), (rig.drives(), rig.servos()));

@@ -1,4 +1,4 @@
-//! Drives: servo to joint and back, the same work on both sides, derivatives, and what is refused.
+//! Tests of drives: servo to joint and back, equal work on both sides, derivatives, and refused input.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +9,8 @@ use sinew_rig::drive::{
 };
 use sinew_rig::limited::LimitReason;
 
-/// What positions may be off after there and back, as a share of the largest: the condition number, 100 at most, times
-/// a few roundings of f32.
+/// Tolerance of positions after conversion and back, as a share of the largest: the condition number, at most 100,
+/// times a few roundings of f32.
 const THERE_AND_BACK: f32 = 1e-4;
 
 fn dot(a: &[f32], b: &[f32]) -> f32 {
@@ -29,12 +29,12 @@ fn assert_near(found: &[f32], expected: &[f32], share: f32) {
     }
 }
 
-/// The power is the same on both sides; `scale`: of the sums' terms.
+/// Asserts equal power on both sides, relative to the size of the sums' terms.
 #[track_caller]
 fn assert_same_power(a: (&[f32], &[f32]), b: (&[f32], &[f32])) {
     let (left, right) = (dot(a.0, a.1), dot(b.0, b.1));
     let terms = [a, b].map(|(x, y)| size(x) * size(y)).into_iter().fold(1.0, f32::max);
-    // Sums of up to six terms, of factors that are off by `THERE_AND_BACK` at most.
+    // Sums of up to six terms, whose factors differ by at most `THERE_AND_BACK`.
     assert!((left - right).abs() <= THERE_AND_BACK * terms, "{left} and {right}");
 }
 
@@ -45,7 +45,7 @@ fn numbers(count: usize) -> impl Strategy<Value = Vec<f32>> {
 /// Positions, velocities and efforts.
 type Side = [Vec<f32>; 3];
 
-/// A random matrix, with positions, velocities and efforts for its dofs and servos.
+/// Creates a random matrix, with positions, velocities and efforts for its dofs and servos.
 fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, Vec<f32>, Side, Side)> {
     (1..=4_usize, 1..=4_usize).prop_flat_map(|(dofs, servos)| {
         let sides = |count| [numbers(count), numbers(count), numbers(count)];
@@ -96,12 +96,12 @@ proptest! {
         let phi = Vec3::from_slice(&direction).normalize() * angle;
         let pose = drive.at_joints(&phi.to_array()).unwrap();
         prop_assert_eq!(pose.reason(), None);
-        // Power, and the way back of velocities and efforts.
+        // Power, and conversion back of velocities and efforts.
         let omega = pose.joint_velocities(&sd).unwrap();
         assert_near(&pose.servo_velocities(&omega).unwrap(), &sd, 10.0 * THERE_AND_BACK);
         let moment = pose.joint_efforts(&torque).unwrap();
         assert_same_power((&moment, &omega), (&torque, &sd));
-        // The angular velocity in body axes, of rotations a little before and after.
+        // Angular velocity in body axes, from rotations slightly before and after.
         let h = 5e-3;
         let at = |time: f32| {
             let s: Vec<f32> = pose.servos().iter().zip(&sd).map(|(s, sd)| s + time * sd).collect();
@@ -109,7 +109,7 @@ proptest! {
             math::exp(Vec3::from_slice(&rows.collect::<Vec<_>>()))
         };
         let moved = math::log(at(-h).conjugate() * at(h)) / (2.0 * h);
-        // Rounding over 2 h, and h² times third derivatives of a speed of up to 12 rad/s.
+        // Rounding over 2 h, plus h² times third derivatives for speeds of up to 12 rad/s.
         let tolerance = 2e-3 * (1.0 + size(&omega).powi(3));
         prop_assert!((moved - Vec3::from_slice(&omega)).length() < tolerance, "{} {:?}", moved, omega);
     }
@@ -141,11 +141,11 @@ proptest! {
             let q = pose.joints()[0];
             prop_assert!(sign * q > before);
             before = sign * q;
-            // There and back: joints to a few roundings of positions of up to 8.
+            // Conversion back: joints within a few roundings of positions of up to 8.
             let back = curve.at_joints(&[q]).unwrap();
             prop_assert!((back.joints()[0] - q).abs() < 4e-6, "{} {}", back.joints()[0], q);
             let slope = pose.joint_velocities(&[1.0]).unwrap()[0];
-            // The servo to what those roundings are through the slope.
+            // Servo within those roundings divided by the slope.
             let tolerance = 4e-6 * (1.0 + 1.0 / slope.abs());
             prop_assert!((back.servos()[0] - s).abs() < tolerance, "{} {}", back.servos()[0], s);
             let torque = pose.servo_torques(&[effort]).unwrap()[0];
@@ -156,7 +156,7 @@ proptest! {
             let ([from, _], width) = (pair[0], (pair[1][0] - pair[0][0]) / 8.0);
             for part in 0..8_u8 {
                 let (a, b) = (from + width * f32::from(part), from + width * f32::from(part + 1));
-                // Simpson's rule is exact for the slope of a cubic: only rounding of positions of up to 8 is left.
+                // Simpson's rule is exact for the slope of a cubic: only rounding of positions of up to 8 remains.
                 let area = (slope_at(a) + 4.0 * slope_at(0.5 * (a + b)) + slope_at(b)) * (b - a) / 6.0;
                 prop_assert!((area - (joint_at(b) - joint_at(a))).abs() < 1e-5, "{} {}", a, b);
             }
@@ -189,18 +189,19 @@ proptest! {
     }
 }
 
-/// How a four-bar ends: refused for what samples show as well, or right at every sample.
+/// Tries a four-bar: asserts that a refusal is confirmed by samples, or that the drive is correct at every sample.
+/// Returns the outcome.
 fn try_four_bar(links: Links, half: f32, effort: f32) -> &'static str {
     let sampled = sampled_least_angle(&links, half);
     let mut links = links;
     let mut made = FourBar::new(links, [-half, half]);
     if made == Err(DriveError::RockerWraps) {
-        // The zero of a rocker that passes half a turn is put in the middle of its range.
+        // If the rocker turns by more than 180 deg from its zero, its zero is moved to the middle of its range.
         let angles = (-500..=500)
             .filter_map(|k| rocker_angle(&links, f64::from(half) * f64::from(k) / 500.0));
         let (mut last, mut range) = (None, [f64::INFINITY, f64::NEG_INFINITY]);
         for angle in angles {
-            // Beyond half a turn it goes on.
+            // Continues the angle beyond 180 deg.
             let turn = |last: f64| ((last - angle) / TAU).round() * TAU;
             let angle = angle + last.map_or(0.0, turn);
             (last, range) = (Some(angle), [range[0].min(angle), range[1].max(angle)]);
@@ -222,7 +223,7 @@ fn try_four_bar(links: Links, half: f32, effort: f32) -> &'static str {
         Err(DriveError::Transmission { .. }) => "transmission",
         Err(other) => panic!("{other}"),
     };
-    // 4000 samples may miss the very place by 4e-4 rad of the crank.
+    // 4000 samples may miss the minimum by 4e-4 rad of the crank.
     assert!(sampled.is_none_or(|least| least < 5.2_f64.to_radians()), "{sampled:?} {made:?}");
     refused
 }
@@ -243,13 +244,13 @@ fn four_bars_of_a_grid_are_made_and_refused_for_every_reason() {
         };
         *ends.entry(try_four_bar(links, 0.6, 1.0)).or_insert(0) += 1;
     }
-    // Each of the four ends is tried often enough to be a test.
+    // Each of the four outcomes occurs often enough.
     assert!(ends.len() == 4 && ends.values().all(|count| *count > 40), "{ends:?}");
     assert!(ends["made"] > 500, "{ends:?}");
 }
 
-/// Angle of the rocker from the line of the ground, f64, by its own way: the circles of rod and lever meet. `None` if
-/// they do not.
+/// Returns the angle of the rocker from the ground line in f64, by an independent method: intersection of the
+/// circles of rod and lever. `None` if they do not intersect.
 fn rocker_angle(links: &Links, servo: f64) -> Option<f64> {
     let [g, a, b, c] =
         [links.ground_m, links.crank_m, links.coupler_m, links.rocker_m].map(f64::from);
@@ -262,7 +263,8 @@ fn rocker_angle(links: &Links, servo: f64) -> Option<f64> {
     ((k / length).abs() <= 1.0).then(|| y.atan2(x) - side * (k / length).acos())
 }
 
-/// The least angle between crank and rod, or rod and lever, of samples in the range; `None` if the links do not close.
+/// Returns the minimum angle between crank and rod, or rod and lever, at samples in the range; `None` if the links
+/// cannot be connected.
 fn sampled_least_angle(links: &Links, half: f32) -> Option<f64> {
     let [g, a, c] = [links.ground_m, links.crank_m, links.rocker_m].map(f64::from);
     let mut least = f64::INFINITY;
@@ -288,7 +290,7 @@ fn check_four_bar(drive: &Drive, links: &Links, half: f32, effort: f32) {
         let q = pose.joints()[0];
         let exact = rocker_angle(links, f64::from(s)).unwrap() - f64::from(links.rocker_zero_rad);
         let off = (f64::from(q) - exact).rem_euclid(TAU);
-        // At 5 degrees an angle of a triangle is eleven times as uncertain as its sides, and twice so.
+        // At 5 deg the uncertainty of a triangle's angle is eleven times that of its sides, and this occurs twice.
         assert!(off.min(TAU - off) < 5e-5, "{s}: {q} for {exact}");
         let back = drive.at_joints(&[q]).unwrap();
         let slope = pose.joint_velocities(&[1.0]).unwrap()[0];
@@ -296,7 +298,7 @@ fn check_four_bar(drive: &Drive, links: &Links, half: f32, effort: f32) {
         assert!((back.servos()[0] - s).abs() < tolerance, "{s}: {:?}", back.servos());
         let torque = pose.servo_torques(&[effort]).unwrap()[0];
         assert_same_power((&[effort], &[slope]), (&[torque], &[1.0]));
-        // Chords of the f64 twin, 1e-5 rad to each side.
+        // Chords of the f64 method, 1e-5 rad to each side.
         let h = 1e-5;
         if let [Some(before), Some(after)] = [-h, h].map(|h| rocker_angle(links, f64::from(s) + h))
         {
@@ -318,7 +320,7 @@ fn check_four_bar(drive: &Drive, links: &Links, half: f32, effort: f32) {
 #[test]
 fn drives_of_the_workshop() {
     let one = |rows: &[&[f32]]| Drive::from(Matrix::new(rows, &[]).unwrap());
-    // Two servos that face each other: each takes half of the effort.
+    // Two servos that face each other: each supplies half of the effort.
     let mirrored = one(&[&[0.5, -0.5]]);
     let pose = mirrored.at_joints(&[0.4]).unwrap();
     assert_near(pose.servos(), &[0.4, -0.4], 1e-6);
@@ -336,7 +338,7 @@ fn drives_of_the_workshop() {
     let pair = one(&[&[0.5, 0.5], &[0.5, -0.5]]);
     let pose = pair.at_joints(&[0.0, 0.0]).unwrap();
     assert_near(&pose.reflected_to_joints(&[0.002, 0.002]).unwrap(), &[0.004, 0.004], 1e-6);
-    // A four-bar of equal sides goes one to one; the servo's rotor is the joint's.
+    // A four-bar of equal sides has a ratio of one: the servo's rotor inertia is the joint's.
     let links = Links {
         ground_m: 0.05,
         crank_m: 0.02,
@@ -350,7 +352,7 @@ fn drives_of_the_workshop() {
     let pose = parallel.at_servos(&[0.7]).unwrap();
     assert_near(pose.joints(), &[0.7], 1e-5);
     assert_near(&pose.reflected_to_joints(&[0.002]).unwrap(), &[0.002], 1e-5);
-    // Crank and ground in line: all four are, and it may fold over.
+    // If crank and ground are in line, all four links are, and the linkage may change its side.
     let too_far = FourBar::new(links, [-1.0, 1.6]).unwrap_err();
     assert!(
         matches!(too_far, DriveError::Transmission { .. } | DriveError::Toggle { .. }),
@@ -370,7 +372,7 @@ fn singular_drives_are_refused_by_number() {
         Matrix::new(&[[1.0, 1.0], [1.0, 1.03]], &[]),
         Err(DriveError::Singular { condition, most: 100.0 }) if (condition - 135.0).abs() < 1.0
     ));
-    // Metres and radians: the rows' units do not count.
+    // The different units of the rows (metres and radians) do not matter.
     assert!(Matrix::new(&[[0.001, 0.001], [0.5, -0.5]], &[]).is_ok());
     assert_eq!(
         refused(&[&[1.0], &[0.0]]),

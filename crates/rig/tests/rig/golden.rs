@@ -1,4 +1,4 @@
-//! Torques of imported robots against those of Pinocchio and MuJoCo (`tests/golden/rigs/make.py`).
+//! Compares torques of imported robots with those of Pinocchio and MuJoCo (`tests/golden/rigs/make.py`).
 
 #![expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
 
@@ -13,8 +13,8 @@ use sinew_rig::import::{self, Options};
 
 const CAPACITY: usize = 64;
 
-/// f32 beside f64: a plain recursive Newton-Euler algorithm in f32 is within 1.4e-6 of the largest torque
-/// (tests/oracles); angles, inertias and axes that are rounded to f32 before it add their part.
+/// Tolerance of f32 against f64: a plain recursive Newton-Euler algorithm in f32 is within 1.4e-6 of the largest
+/// torque (tests/oracles); angles, inertias and axes that are rounded to f32 first add further errors.
 const TOLERANCE: f64 = 2e-5;
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -22,14 +22,14 @@ fn numbers(value: &Value) -> Vec<f64> {
     numbers.iter().map(|number| number.as_f64().expect("a number")).collect()
 }
 
-/// Where the golden files are.
+/// Folder of the golden files.
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/rigs");
 
 fn is_mjcf(file: &str) -> bool {
     Path::new(file).extension().is_some_and(|extension| extension == "xml")
 }
 
-/// The rig of a file: of `SINEW_DATA`, or beside the golden files.
+/// Imports the rig of a file, from `SINEW_DATA` or from the golden files' folder.
 fn imported(file: &str, repair_inertia: bool) -> import::Imported {
     let folder = if file.contains('/') {
         std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data").into()
@@ -42,7 +42,7 @@ fn imported(file: &str, repair_inertia: bool) -> import::Imported {
     read(&text, &options).unwrap_or_else(|error| panic!("{file}:{error}"))
 }
 
-/// The efforts that a motion needs, along the degrees of freedom. Gravity is along the world's -y.
+/// Returns the efforts along the dofs that a motion needs. Gravity points along the world's -y.
 fn efforts(tree: &Tree<CAPACITY>, q: &[f32], qd: &[f32], qdd: &[f32]) -> Vec<f64> {
     let mut targets = JointTargets::rest(tree);
     targets.set_coordinates(tree, q, qd, qdd).expect("a motion");
@@ -65,7 +65,7 @@ fn efforts(tree: &Tree<CAPACITY>, q: &[f32], qd: &[f32], qdd: &[f32]) -> Vec<f64
     efforts.into_iter().map(f64::from).collect()
 }
 
-/// Numbers of a golden file in the order of the rig's degrees of freedom.
+/// Sorts numbers of a golden file into the order of the rig's dofs.
 fn in_order(names: &[String], golden: &[&str], numbers: &[f64]) -> Vec<f32> {
     let number = |name: &String| {
         let at = golden.iter().position(|golden| golden == name);
@@ -74,7 +74,7 @@ fn in_order(names: &[String], golden: &[&str], numbers: &[f64]) -> Vec<f32> {
     names.iter().map(number).collect()
 }
 
-/// The largest error of all states, as a share of the largest effort.
+/// Returns the largest error of all states, as a share of the largest effort.
 fn largest_error(golden: &Value) -> f64 {
     let file = golden["file"].as_str().expect("a file");
     let repair = golden["repair_inertia"].as_bool().expect("a word");
@@ -94,7 +94,7 @@ fn largest_error(golden: &Value) -> f64 {
         let ours: Vec<f32> = links.map(|link| link.rotor_inertia as f32).collect();
         assert_eq!(ours, rotors, "{file}: armature");
     }
-    // A URDF cannot hold rotor inertias: those of the golden file are set.
+    // A URDF has no rotor inertias, therefore those of the golden file are set.
     let moved = mechanism.bodies.iter_mut().filter(|link| link.parent.is_some());
     for (link, rotor) in moved.zip(&rotors) {
         link.rotor_inertia = f64::from(*rotor);

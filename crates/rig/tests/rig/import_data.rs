@@ -1,4 +1,4 @@
-//! The robots of `SINEW_DATA`, and files that broke readers.
+//! Imports the robots of `SINEW_DATA`, and files that made other readers fail.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -70,12 +70,12 @@ fn files_that_broke_readers_are_refused_at_once() {
         let error = read(file, &Options::default()).expect_err(file);
         println!("{file}: {:?}", start.elapsed());
         assert!(error.expected.contains(expected), "{file}:{error}");
-        // Milliseconds; ten seconds on a machine that is busy with something else.
+        // It takes milliseconds; the limit of 10 s is for a busy machine.
         assert!(start.elapsed() < Duration::from_secs(10), "{file}: {:?}", start.elapsed());
     }
 }
 
-/// The largest difference of a number of two mechanisms, and where.
+/// Returns the largest difference of a number between two mechanisms.
 fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> Vec<f64>) -> f64 {
     let pairs = one.bodies.iter().map(|link| {
         let named = other.bodies.iter().find(|other| other.joint_name == link.joint_name);
@@ -84,10 +84,10 @@ fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> 
     pairs.flat_map(|(a, b)| a.into_iter().zip(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Some numbers of a link.
+/// A selection of a link's numbers.
 type Numbers<'a> = &'a dyn Fn(&Link) -> Vec<f64>;
 
-/// The Open Duck Mini as its makers publish it twice. Both files have six digits, and differ in what is told below.
+/// The Open Duck Mini, which its makers publish in both formats. The files differ only in the points asserted here.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
@@ -97,7 +97,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
     };
     let mut urdf = mechanism("urdf/open-duck-mini/open_duck_mini_v2.urdf");
     let mut mjcf = mechanism("urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml");
-    // The MJCF has the trunk welded on a base that floats 0.22 m above the ground.
+    // In the MJCF the trunk is welded to a base that floats 0.22 m above the ground.
     assert!((mjcf.bodies[0].position_m.y - 0.22).abs() < 1e-12);
     for base in [&mut urdf.bodies[0], &mut mjcf.bodies[0]] {
         base.joint_name = "base".to_owned();
@@ -113,7 +113,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
         parents
     };
     assert_eq!(parents(&urdf), parents(&mjcf));
-    // The MJCF gives six digits of every number, the URDF all; limits and rotors are other data, not other digits.
+    // The MJCF has six digits of every number, the URDF has all; limits and rotors differ in their data.
     let vector = |numbers: &[f64]| numbers.to_vec();
     let digits: [(&str, f64, Numbers<'_>); 6] = [
         ("position, m", 5e-7, &|link| vector(&link.position_m.to_array())),
@@ -137,7 +137,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
     assert_eq!(of_all(&mjcf, &|link| link.rotor_inertia), [0.012; 16]);
 }
 
-/// The Stewart platform of Reachy Mini without its rods: what is left has a drive at every joint.
+/// The Stewart platform of Reachy Mini without its rods: all remaining joints have a drive.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_parallel_platform_can_be_cut_off() {

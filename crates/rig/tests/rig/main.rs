@@ -1,4 +1,4 @@
-//! Rig files, imports of robot descriptions, and boards' rigs.
+//! Tests of rig files, imports of robot descriptions, and boards' rigs.
 
 mod board;
 mod common;

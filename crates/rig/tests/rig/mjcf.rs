@@ -1,5 +1,5 @@
-//! MJCFs with one quirk each. That all ways to say where things are and what they weigh give MuJoCo's torques is the
-//! golden file `quirks`.
+//! MJCFs with one special feature each. The golden file `quirks` tests that all forms of poses and masses give
+//! MuJoCo's torques.
 
 #![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
 
@@ -9,12 +9,12 @@ use sinew_rig::import::{Imported, NoteKind, Options, mjcf, urdf};
 use crate::common;
 use crate::common::assert_noted;
 
-/// A model with these sections before and behind its bodies.
+/// Creates a model with sections before and after its bodies.
 fn model(before: &str, bodies: &str, behind: &str) -> String {
     format!("<mujoco model=\"m\">{before}<worldbody>{bodies}</worldbody>{behind}</mujoco>")
 }
 
-/// A body `a` that stands, and on it `b` with this inside.
+/// Creates a fixed body `a`, and on it a body `b` with this content.
 fn moved(inside: &str) -> String {
     model("", &on_stand(inside), "")
 }
@@ -147,7 +147,7 @@ fn the_body_that_floats_or_stands_is_the_base() {
     let position = floats.description.mount.position_m;
     assert!((glam::DVec3::from(position) - glam::DVec3::new(1.0, 3.0, -2.0)).length() < 1e-12);
     assert_noted(&floats, NoteKind::Changed, "mount.base = \"driven\"");
-    // What turns in the world hangs on it.
+    // A body that turns in the world gets the world as its base.
     let turns = read(&model("", &format!("<body name=\"a\">{JOINT}</body>"), ""));
     assert_eq!(turns.description.bodies[0].name, "world");
     let ball = |name| format!("<body name=\"{name}\"><freejoint/><geom size=\"0.1\"/></body>");
@@ -197,7 +197,7 @@ fn meshes_do_not_weigh() {
         (2.0, [0.0, 0.0, 1.0], None)
     );
     assert_noted(&imported, NoteKind::Filled, "that of a point where the mesh is (`b`)");
-    // Those that only show do not matter.
+    // Geoms without mass do not matter.
     read(&moved(r#"<joint name="j"/><geom type="mesh" mesh="x" mass="0"/><geom size="0.1"/>"#));
 }
 
@@ -230,7 +230,7 @@ fn actuators_tell_how_strong_joints_are() {
     assert_noted(
         &joint(r#"<muscle tendon="t" name="m"/>"#),
         NoteKind::Doubtful,
-        "no actuator drives it; in",
+        "no actuator drives it; the",
     );
     let ghost = model("", &on_stand(JOINT), r#"<actuator><motor joint="x"/></actuator>"#);
     assert_refused(&ghost, "mujoco: actuator: motor: joint", "a joint of the file", "`x`");
@@ -280,7 +280,7 @@ fn bodies_nested_by_thousands_take_no_stack() {
     assert_eq!(read(&model("", &deep, "")).description.bodies.len(), 20_000);
 }
 
-/// An arm with a slide, in both formats: what they make must not differ at all.
+/// An arm with a slide, in both formats: the imported rigs must be equal.
 #[test]
 fn a_urdf_and_an_mjcf_of_one_arm_are_one_rig() {
     let from_urdf = r#"<robot name="arm">
@@ -307,7 +307,7 @@ fn a_urdf_and_an_mjcf_of_one_arm_are_one_rig() {
     assert_eq!(urdf, read(from_mjcf).description);
 }
 
-/// MuJoCo knows no units: what falls by 981 a second is in centimetres.
+/// MuJoCo has no units: a gravity of 981 means centimetres.
 #[test]
 fn gravity_tells_the_unit_and_what_is_up() {
     let inside = r#"<joint name="j" range="-90 90"/><geom size="10" mass="2"/>"#;
@@ -322,7 +322,7 @@ fn gravity_tells_the_unit_and_what_is_up() {
         (rig.mount.position_m, rig.joints[0].position_m),
         ([0.0, 1.0, 0.0], [0.0, 0.2, 0.0])
     );
-    // A ball of 10 cm.
+    // A ball of 10 cm radius.
     let inertia = rig.bodies[1].inertia_kg_m2.unwrap().xx;
     assert!((inertia - 0.4 * 2.0 * 0.01).abs() < 1e-12, "{inertia}");
     let mine =

@@ -1,4 +1,4 @@
-//! Damaged files are refused or read; nothing panics.
+//! Damaged files are either refused or read, without a panic.
 
 use proptest::prelude::*;
 use proptest::test_runner::FileFailurePersistence;
@@ -21,7 +21,7 @@ const MJCF: &str = r#"<mujoco model="m"><compiler angle="radian" eulerseq="zYx"/
 <actuator><position joint="j" kp="1" forcerange="-1 1"/><motor joint="k" gear="2"/></actuator>
 <equality><joint joint1="j" joint2="k"/><weld body1="a"/></equality></mujoco>"#;
 
-/// What a byte or a word may become.
+/// Replacements for a byte or a word.
 const WORDS: [&str; 18] = [
     "", "0", "-1", "1e999", "nan", "inf", "1e-320", "a", "b", "j", "k", "\"", "<", ">", "/>", "é",
     " 1 1 1", "world",
@@ -37,7 +37,7 @@ fn damaged(text: &str, places: &[(usize, usize, usize)]) -> String {
     text.into_iter().collect()
 }
 
-/// The attribute values of a file, some of them replaced.
+/// Returns a file with some attribute values replaced.
 fn with_values(text: &str, values: &[(usize, usize)]) -> String {
     let mut parts: Vec<&str> = text.split('"').collect();
     for (place, word) in values {
@@ -51,7 +51,7 @@ fn read(text: &str) {
     let bold = Options { repair_inertia: true, open_loops: true, ..Options::default() };
     for options in [&Options::default(), &bold] {
         for imported in [urdf(text, options), mjcf(text, options)].into_iter().flatten() {
-            // What is taken is a rig.
+            // An accepted file is a valid rig.
             imported.description.mechanism().expect("a mechanism");
         }
     }
@@ -63,7 +63,7 @@ fn the_files_are_right_before_they_are_damaged() {
     mjcf(MJCF, &Options::default()).expect("a rig");
 }
 
-/// Each file is read four times a case; a failure is kept beside this file.
+/// Each case reads a file four times; failures are stored next to this file.
 fn property() -> ProptestConfig {
     ProptestConfig {
         cases: 500,

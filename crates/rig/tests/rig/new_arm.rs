@@ -1,4 +1,4 @@
-//! The starter arm holds its own worst pose for long; the one that it was did not.
+//! The starter arm can hold its own worst pose continuously; its old form could not.
 
 use sinew_rig::Description;
 use sinew_rig::review::{Loop, Review, Servos, Severity};
@@ -6,7 +6,7 @@ use sinew_rig::{new, toml_file};
 
 const OLD: &str = include_str!("../../../../tests/support/rigs/arm_62ff7e0.toml");
 
-/// Faults and warnings of a rig.
+/// Returns the texts of faults and warnings of a rig.
 fn doubts(rig: &Description) -> Vec<String> {
     let mechanism = rig.mechanism().unwrap();
     let servos = Servos::of(rig, &mechanism).unwrap();

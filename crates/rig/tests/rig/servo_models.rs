@@ -1,4 +1,4 @@
-//! The built-in kinds of servo: plausible, with their sources, and as the documentation prints them.
+//! Tests of the built-in kinds of servo: plausible, with sources, and equal to their page in the documentation.
 //! `INSTA_UPDATE=always` with this test writes `docs/servos.md`.
 
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use sinew_rig::description::{ServoModel, SourcedValue};
 
 type Value = fn(&ServoModel) -> &SourcedValue;
 
-/// Each value: what it is, its unit, and how.
+/// Name, unit and accessor of each value.
 const VALUES: [(&str, &str, Value); 19] = [
     ("voltage", "V", |m| &m.voltage_v),
     ("torque constant", "N m/A", |m| &m.torque_constant_nm_a),
@@ -52,25 +52,25 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
         let value = |of: Value| of(&model).value;
         let (torque, current) = (value(|m| &m.stall_torque_nm), value(|m| &m.stall_current_a));
         let constant = value(|m| &m.torque_constant_nm_a);
-        // Makers' stall values are read in the first moment; gears and amplifiers take a quarter.
+        // Makers measure stall values in the first moment; gears and amplifiers take up to a quarter.
         let ratio = torque / (constant * current);
         assert!(
             (0.75..1.25).contains(&ratio),
             "{name}: stall torque {ratio} of constant times current"
         );
-        // No motor is faster than its constant allows; friction, gears and speed caps take up to 60 %.
+        // No motor is faster than its constant permits; friction, gears and speed limits take up to 60 %.
         let ratio = value(|m| &m.no_load_speed_rad_s) * constant / value(|m| &m.voltage_v);
         assert!(
             (0.4..1.0).contains(&ratio),
             "{name}: no-load speed {ratio} of voltage over constant"
         );
-        // Friction at the speed without load leaves something of the torque.
+        // Friction at no-load speed must be below the stall torque.
         let lost = value(|m| &m.friction_nm)
             + value(|m| &m.damping_nm_s) * value(|m| &m.no_load_speed_rad_s);
         assert!(lost < torque, "{name}: friction {lost} of {torque} N m");
         let held = value(|m| &m.continuous_torque_nm) / torque;
         assert!((0.1..0.6).contains(&held), "{name}: continuous torque is {held} of stall");
-        // A servo's own controller gives all it has within 1 rad, and not within a step.
+        // A servo's own controller reaches full torque within 1 rad, but not within one step.
         let full = torque / value(|m| &m.position_gain_nm_rad);
         assert!(
             (value(|m| &m.resolution_rad)..1.0).contains(&full),
@@ -82,7 +82,7 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
     }
 }
 
-/// What nobody has measured is what a kind has that says nothing.
+/// A value without a source equals the default of a kind that leaves the value out.
 #[test]
 fn guesses_of_gears_are_the_defaults() {
     for model in models() {
@@ -101,7 +101,7 @@ fn guesses_of_gears_are_the_defaults() {
                 silent.output_friction_share(),
             ),
         ] {
-            // The files have three digits or more.
+            // The files have at least three digits.
             let is_guess = of.as_ref().is_some_and(SourcedValue::is_guess);
             assert!(!is_guess || (guessed / default - 1.0).abs() < 5e-3, "{}", model.name);
         }
@@ -111,11 +111,11 @@ fn guesses_of_gears_are_the_defaults() {
 #[test]
 fn cautions_of_the_sources_are_kept() {
     let model = |name| ServoModel::built_in(name).unwrap();
-    // The identified model of the STS3215 stalls at 3.35 N m: far above its rating.
+    // The identified model of the STS3215 stalls at 3.35 N m, far above its rating.
     assert!(model("STS3215-7.4V").stall_torque_nm.value < 2.0);
-    // The divisor of the XL330's P gain was observed as 256: with the manual's 128 it would be twice as stiff.
+    // The divisor of the XL330's P gain was observed as 256; with the manual's 128 it would be twice as stiff.
     assert!(model("XL330-M288-T").position_gain_nm_rad.value < 0.7);
-    // Nobody has identified hobby servos.
+    // Hobby servos have not been identified by anyone.
     for name in ["MG90S", "MG996R"] {
         assert!(VALUES.iter().all(|(_, _, of)| of(&model(name)).is_guess()), "{name}");
     }

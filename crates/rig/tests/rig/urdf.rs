@@ -1,4 +1,4 @@
-//! URDFs with one quirk each.
+//! URDFs with one special feature each.
 
 #![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
 
@@ -8,7 +8,7 @@ use sinew_rig::import::{ImportError, Imported, NoteKind, Options, urdf};
 use crate::common;
 use crate::common::assert_noted;
 
-/// A link of 1 kg.
+/// Creates a link of 1 kg.
 fn link(name: &str) -> String {
     format!(
         r#"<link name="{name}"><inertial><mass value="1"/>
@@ -16,7 +16,7 @@ fn link(name: &str) -> String {
     )
 }
 
-/// A joint from `a` to `b` with this type and these elements.
+/// Creates a joint from `a` to `b` with this type and these elements.
 fn joint(kind: &str, inside: &str) -> String {
     format!(r#"<joint name="j" type="{kind}"><parent link="a"/><child link="b"/>{inside}</joint>"#)
 }
@@ -25,12 +25,12 @@ fn robot(inside: &str) -> String {
     format!("<robot name=\"r\">\n{inside}</robot>")
 }
 
-/// The links `a` and `b` and a joint between them.
+/// Creates the links `a` and `b` and a joint between them.
 fn pair(kind: &str, inside: &str) -> String {
     robot(&(link("a") + &link("b") + &joint(kind, inside)))
 }
 
-/// The link `b` with this inside on a hinge on `a`.
+/// Creates the link `b` with this content, on a hinge on `a`.
 fn moved(inside: &str) -> String {
     let b = format!(r#"<link name="b">{inside}</link>"#);
     robot(&(link("a") + &b + &joint("revolute", LIMIT)))
@@ -156,7 +156,7 @@ fn ranges_need_not_be_whole() {
         ))
     };
     assert_noted(&of("-90", "90"), NoteKind::Doubtful, "are these degrees?");
-    // Two turns, as industrial arms have them.
+    // Two turns, which industrial arms have.
     let turns = of("-6.28319", "6.28319");
     assert!(turns.notes.iter().all(|note| !note.text.contains("degrees")), "{:?}", turns.notes);
 }
@@ -203,11 +203,11 @@ fn a_link_without_inertial_is_a_frame() {
     let frame = &imported.description.bodies[1];
     assert_eq!((frame.mass_kg, frame.inertia_kg_m2), (0.0, None));
     assert_noted(&imported, NoteKind::Changed, "a frame without mass (`b`)");
-    assert_noted(&imported, NoteKind::Doubtful, "moves and weighs nothing in the file");
-    // Welded to something heavy it is none of anybody's business that it weighs nothing.
+    assert_noted(&imported, NoteKind::Doubtful, "moves, but has no mass in the file");
+    // Welded to a heavy link, its missing mass does not matter.
     let welded = robot(&(link("a") + r#"<link name="b"/>"# + &joint("fixed", "")));
     let notes = read(&welded).notes;
-    assert!(notes.iter().all(|note| !note.text.contains("moves and weighs")));
+    assert!(notes.iter().all(|note| !note.text.contains("moves, but has no mass")));
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_capsule_is_a_cylinder_and_two_half_balls() {
         );
         read(&moved(&inside)).description.bodies[1].inertia_kg_m2.expect("an inertia")
     };
-    // Without length it is a ball; a long one is a rod: l² / 12.
+    // Without length it is a ball; a long capsule is a rod: l² / 12.
     assert!(close(&[inertia_of(0.0).xx, inertia_of(0.0).zz], &[0.4, 0.4]));
     let rod = inertia_of(1e3).xx / (1e6 / 12.0);
     assert!((rod - 1.0).abs() < 1e-2, "{rod}: the ends add r/l of it");
@@ -306,11 +306,11 @@ fn impossible_inertia_is_refused_or_balanced() {
     let inertia = imported.description.bodies[1].inertia_kg_m2.expect("an inertia");
     assert_eq!((inertia.xx, inertia.yy, inertia.zz, inertia.xy), (2.0, 2.0, 2.0, 0.0));
     assert_noted(&imported, NoteKind::Changed, "the inertia of a ball");
-    // The file's own word.
+    // The file itself asks for the repair.
     let own = moved(&flat)
         .replace("</robot>", r#"<mujoco><compiler balanceinertia="true"/></mujoco></robot>"#);
     assert_eq!(read(&own).description.bodies[1].inertia_kg_m2, Some(inertia));
-    // All of them are named at once.
+    // All bodies with an error are reported at once.
     let both = robot(
         &(format!(r#"<link name="a">{flat}</link><link name="b">{flat}</link>"#)
             + &joint("fixed", "")),
@@ -341,7 +341,7 @@ fn a_floating_base_stands() {
     let imported = read(&text);
     let [body] = imported.description.bodies.as_slice() else { panic!("one body") };
     assert_eq!((body.name.as_str(), imported.description.joints.len()), ("b", 0));
-    // 3 m up, which is y; 2 m to the file's left, which is -z.
+    // 3 m up is y; 2 m to the file's left is -z.
     assert!(close(&imported.description.mount.position_m, &[1.0, 3.0, -2.0]));
     assert_noted(&imported, NoteKind::Changed, "mount.base = \"driven\"");
 }
@@ -358,7 +358,7 @@ fn links_are_a_tree() {
     );
     assert_refused(&circle, "robot `r`", "that no joint moves", "a closed loop");
     let apart = circle.replace("</robot>", r#"<link name="c"/></robot>"#);
-    assert_refused(&apart, "robot `r`", "hang on the root", "a closed loop");
+    assert_refused(&apart, "robot `r`", "connected to the root", "a closed loop");
     let twice = pair("revolute", LIMIT).replace(
         "</robot>",
         r#"<link name="c"/><joint name="l" type="fixed"><parent link="a"/><child link="c"/></joint>
@@ -378,7 +378,7 @@ fn links_are_a_tree() {
     assert_eq!(error.found, "`nobody`");
     let imported = urdf(&pair("revolute", LIMIT), &cut("j")).expect("a rig of one body");
     assert_eq!(imported.description.bodies.len(), 1);
-    assert_noted(&imported, NoteKind::LeftOut, "hang on nothing without the joints left out (`b`)");
+    assert_noted(&imported, NoteKind::LeftOut, "not connected without the joints left out (`b`)");
 }
 
 #[test]

@@ -2,33 +2,33 @@
 //!
 //! Source: e-manual, "CRC calculation"; the parameter set is known as CRC-16/UMTS.
 
-/// A CRC that grows byte by byte.
+/// A CRC that is computed byte by byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Crc(u16);
 
 impl Crc {
-    /// The CRC of these bytes.
+    /// Returns the CRC of `bytes`.
     pub fn of(bytes: &[u8]) -> u16 {
         let mut crc = Self::default();
         crc.extend(bytes);
         crc.value()
     }
 
-    /// Takes one byte in.
+    /// Adds one byte.
     pub fn push(&mut self, byte: u8) {
         let [high, low] = self.0.to_be_bytes();
         let row = TABLE.get(usize::from(high ^ byte)).copied().unwrap_or(0);
         self.0 = u16::from_be_bytes([low, 0]) ^ row;
     }
 
-    /// Takes bytes in.
+    /// Adds several bytes.
     pub fn extend(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.push(*byte);
         }
     }
 
-    /// The CRC so far; the wire has its low byte first.
+    /// Returns the CRC of all bytes so far. On the wire, its low byte is first.
     pub fn value(self) -> u16 {
         self.0
     }

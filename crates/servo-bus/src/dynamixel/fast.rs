@@ -1,8 +1,9 @@
-//! Fast sync and bulk read: all servos answer in one packet, each behind the one before it.
+//! Fast sync and bulk read: all servos answer in one packet, one after the other.
 //!
-//! `FF FF FD 00 FE LEN_L LEN_H 55`, then for each servo `error, id, data, CRC`. Each CRC runs from the first byte of
-//! the packet to where it stands, so the last one is the packet's. The answer is not stuffed. So a reader must not
-//! scan for headers in it: it takes all lengths from the request. What comes before a tear is still good.
+//! `FF FF FD 00 FE LEN_L LEN_H 55`, then for each servo `error, id, data, CRC`. Each CRC covers all bytes from the
+//! first byte of the packet to the CRC itself, so the last CRC is also the packet's. The answer is not stuffed. A
+//! reader must therefore not search for headers in it: it computes all lengths from the request. The parts before an
+//! interruption are still valid.
 
 use super::crc::Crc;
 use super::frame::{BROADCAST, HEADER, PREFIX_LEN, STATUS};
@@ -10,12 +11,12 @@ use super::status::{Status, StatusError};
 use crate::EncodeError;
 use crate::sink::Sink;
 
-/// Header, id, length and instruction.
+/// Length of header, id, length and instruction.
 const HEAD_LEN: usize = 8;
-/// Error, id and CRC of each servo.
+/// Length of error, id and CRC of each servo.
 const EACH_LEN: usize = 4;
 
-/// How long the whole answer is, where servos give so many bytes each.
+/// Returns the length of the whole answer, given the number of data bytes of each servo.
 pub fn answer_len(lengths: impl Iterator<Item = u16>) -> usize {
     lengths.fold(HEAD_LEN, |sum, length| sum.saturating_add(EACH_LEN).saturating_add(length.into()))
 }
@@ -26,7 +27,7 @@ fn head(total: usize) -> [u8; HEAD_LEN] {
     [a, b, c, d, BROADCAST, low, high, STATUS]
 }
 
-/// Finds the head of an answer of known length, and adds up the CRC from there.
+/// A search for the head of an answer of known length. It computes the CRC from there on.
 #[derive(Debug, Clone)]
 struct Head {
     expected: [u8; HEAD_LEN],
@@ -40,7 +41,7 @@ impl Head {
         Self { expected: head(total), seen: [0; HEAD_LEN], found: false, crc: Crc::default() }
     }
 
-    /// Takes one byte of what comes before the first block.
+    /// Adds one byte that arrived before the first block.
     fn push(&mut self, byte: u8) {
         let [_, a, b, c, d, e, f, g] = self.seen;
         self.seen = [a, b, c, d, e, f, g, byte];
@@ -52,7 +53,8 @@ impl Head {
     }
 }
 
-/// Takes the answer apart as it comes. `N` is the largest block: data and 4 bytes.
+/// A reader that splits the answer into the parts of the servos while it arrives. `N` is the size of the largest part:
+/// data plus 4 bytes.
 #[derive(Debug, Clone)]
 pub struct FastReader<const N: usize> {
     head: Head,
@@ -62,14 +64,15 @@ pub struct FastReader<const N: usize> {
 }
 
 impl<const N: usize> FastReader<N> {
-    /// A reader for an answer of so many bytes, see [`answer_len`].
+    /// Creates a reader for an answer of `total` bytes, see [`answer_len`].
     pub fn new(total: usize) -> Self {
         Self { head: Head::new(total), block: [0; N], len: 0, broken: false }
     }
 
-    /// The next servo's part, which must be `id`'s with `length` bytes. Takes as much of `input` as it needs.
+    /// Returns the next servo's part. It must have this `id` and `length` data bytes. Consumes as much of `input` as it
+    /// needs.
     ///
-    /// After a wrong id or CRC there is nothing more: all CRCs behind it cover the damage too.
+    /// After a wrong id or CRC it returns nothing more: all later CRCs cover the damaged bytes too.
     pub fn next(&mut self, id: u8, length: u16, input: &mut &[u8]) -> Option<Status<'_>> {
         let total = usize::from(length).saturating_add(EACH_LEN);
         let checked = total.saturating_sub(2);
@@ -97,7 +100,7 @@ impl<const N: usize> FastReader<N> {
         None
     }
 
-    /// Whether the rest of the answer is lost.
+    /// Returns whether the rest of the answer is lost.
     pub fn is_broken(&self) -> bool {
         self.broken
     }
@@ -115,24 +118,24 @@ impl<const N: usize> FastReader<N> {
     }
 }
 
-/// A servo's place in the answer: it listens until its turn, then adds its part.
+/// A servo's position in the answer: it listens until its turn, then adds its part.
 #[derive(Debug, Clone)]
 pub struct FastTurn {
     head: Head,
     is_first: bool,
-    /// Bytes that other servos send before it, behind the head.
+    /// Bytes after the head that other servos still send before this one.
     before: usize,
 }
 
 impl FastTurn {
-    /// Bytes of the servos before this one, and of all.
+    /// Creates the turn from the data lengths of the servos before this one, and of all servos.
     pub fn new(before: impl Iterator<Item = u16> + Clone, all: impl Iterator<Item = u16>) -> Self {
         let is_first = before.clone().next().is_none();
         let before = answer_len(before).saturating_sub(HEAD_LEN);
         Self { head: Head::new(answer_len(all)), is_first, before }
     }
 
-    /// Listens to the line.
+    /// Counts one byte that was received from the line.
     pub fn hear(&mut self, byte: u8) {
         if !self.head.found {
             self.head.push(byte);
@@ -142,20 +145,20 @@ impl FastTurn {
         }
     }
 
-    /// Whether nobody answers before this servo.
+    /// Returns whether no servo answers before this one.
     pub fn is_first(&self) -> bool {
         self.is_first
     }
 
-    /// Whether it is this servo's turn.
+    /// Returns whether it is this servo's turn.
     pub fn is_due(&self) -> bool {
         self.is_first || (self.head.found && self.before == 0)
     }
 
-    /// Writes this servo's part; the first one's begins with the head.
+    /// Writes this servo's part. The part of the first servo begins with the head.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit.
+    /// [`EncodeError`] if it does not fit in `out`.
     pub fn encode(&self, status: &Status<'_>, out: &mut [u8]) -> Result<usize, EncodeError> {
         let mut sink = Sink::new(out);
         let mut crc = self.head.crc;

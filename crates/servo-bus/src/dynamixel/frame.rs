@@ -1,34 +1,34 @@
-//! The frame of every packet: header, id, length, stuffing, CRC.
+//! The frame of a packet: header, id, length, stuffing, CRC.
 
 use super::crc::Crc;
 use crate::EncodeError;
 use crate::sink::Sink;
 
-/// Where every packet begins. The fourth byte is reserved, and never FD.
+/// First bytes of every packet. The fourth byte is reserved, and never FD.
 pub const HEADER: [u8; 4] = [0xFF, 0xFF, 0xFD, 0x00];
-/// Id of a packet to all servos.
+/// Id of a packet that is addressed to all servos.
 pub const BROADCAST: u8 = 0xFE;
 /// The largest id of a servo.
 pub const MAX_ID: u8 = 0xFC;
-/// Header, id and length: what stands in front of the bytes that the length counts.
+/// Length of header, id and length field: the bytes that the length field does not count.
 pub(super) const PREFIX_LEN: usize = 7;
-/// The shortest length: instruction and CRC.
+/// Minimum value of the length field: instruction and CRC.
 pub(super) const MIN_LENGTH: usize = 3;
-/// The instruction byte of a reply.
+/// Instruction byte of a reply.
 pub const STATUS: u8 = 0x55;
 
-/// A packet whose CRC was right, with its stuffing taken out.
+/// A received packet with a correct CRC, with its stuffing removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Packet<'a> {
-    /// From or to whom.
+    /// Id of the receiver, or in a reply of the sender.
     pub id: u8,
-    /// The instruction; [`STATUS`] for a reply.
+    /// Instruction byte; [`STATUS`] in a reply.
     pub instruction: u8,
-    /// What follows it, without the CRC.
+    /// Parameters, without the CRC.
     pub params: &'a [u8],
 }
 
-/// Writes one packet, and stuffs it on the way.
+/// A writer of one packet, which stuffs the packet while writing.
 pub struct FrameWriter<'a> {
     sink: Sink<'a>,
     run: Run,
@@ -36,7 +36,7 @@ pub struct FrameWriter<'a> {
 }
 
 impl<'a> FrameWriter<'a> {
-    /// Begins a packet.
+    /// Begins a packet to or from servo `id`.
     pub fn new(out: &'a mut [u8], id: u8, instruction: u8) -> Self {
         let mut sink = Sink::new(out);
         sink.extend(&HEADER);
@@ -46,7 +46,7 @@ impl<'a> FrameWriter<'a> {
         frame
     }
 
-    /// Adds a parameter byte.
+    /// Appends a parameter byte.
     pub fn push(&mut self, byte: u8) {
         self.sink.push(byte);
         if self.run.completes_header(byte) {
@@ -54,19 +54,19 @@ impl<'a> FrameWriter<'a> {
         }
     }
 
-    /// Adds parameter bytes.
+    /// Appends parameter bytes.
     pub fn extend(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.push(*byte);
         }
     }
 
-    /// Adds a number, low byte first.
+    /// Appends a number, low byte first.
     pub fn push_u16(&mut self, value: u16) {
         self.extend(&value.to_le_bytes());
     }
 
-    /// Writes length and CRC, and says how long the packet is.
+    /// Writes length and CRC, and returns the length of the packet.
     ///
     /// # Errors
     /// [`EncodeError`] if there was no room, the packet is too long or no servo can have the id.
@@ -85,15 +85,15 @@ impl<'a> FrameWriter<'a> {
     }
 }
 
-/// Whether a packet can come from or go to this id.
+/// Returns whether a packet can have this id.
 pub(super) fn is_address(id: u8) -> bool {
     id <= MAX_ID || id == BROADCAST
 }
 
-/// Takes the stuffing out, in place, and says how many bytes are left.
+/// Removes the stuffing in place, and returns the new length.
 ///
-/// An FF FF FD that was sent without stuffing stays as it is, unless an FD follows it: that FD is lost. So it goes with
-/// what Python's `dynamixel-sdk` 4.1.0 writes, which does not stuff. Real servos have the same ambiguity.
+/// An unstuffed FF FF FD stays as it is, unless an FD follows it: that FD is lost. This happens with packets from
+/// Python's `dynamixel-sdk` 4.1.0, which does not stuff. Real servos have the same ambiguity.
 pub(super) fn unstuff(bytes: &mut [u8]) -> usize {
     let mut run = Run::default();
     let (mut from, mut to) = (0usize, 0usize);
@@ -110,7 +110,7 @@ pub(super) fn unstuff(bytes: &mut [u8]) -> usize {
     to
 }
 
-/// How many FF stand before the next byte, two at most.
+/// Number of FF bytes directly before the next byte, at most 2.
 #[derive(Debug, Clone, Copy, Default)]
 struct Run(u8);
 

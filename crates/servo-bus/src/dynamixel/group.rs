@@ -1,10 +1,10 @@
-//! Lists inside instructions for several servos: written one servo at a time, and read the same way.
+//! Writes and reads the lists inside instructions for several servos, one servo at a time.
 
 use super::frame::{BROADCAST, FrameWriter, MAX_ID};
 use super::instruction::Instruction;
 use crate::EncodeError;
 
-/// Writes a sync write, servo by servo.
+/// A writer of a sync write instruction, servo by servo.
 ///
 /// ```
 /// use sinew_servo_bus::dynamixel::group::SyncWriter;
@@ -31,7 +31,7 @@ impl<'a> SyncWriter<'a> {
         Self { frame, length, wrong: None }
     }
 
-    /// Adds a servo. Data of another length, or an id that no servo has, spoils the packet.
+    /// Appends a servo. If the data have another length, or no servo can have the id, [`Self::finish`] fails.
     pub fn push(&mut self, id: u8, data: &[u8]) {
         if id > MAX_ID {
             self.wrong = Some(EncodeError::Id(id));
@@ -43,16 +43,16 @@ impl<'a> SyncWriter<'a> {
         self.frame.extend(data);
     }
 
-    /// Ends the packet, and says how long it is.
+    /// Ends the packet and returns its length.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit, or a servo was wrong.
+    /// [`EncodeError`] if the packet does not fit, or a servo was refused.
     pub fn finish(self) -> Result<usize, EncodeError> {
         self.wrong.map_or_else(|| self.frame.finish(), Err)
     }
 }
 
-/// Writes a bulk write, servo by servo.
+/// A writer of a bulk write instruction, servo by servo.
 pub struct BulkWriter<'a> {
     frame: FrameWriter<'a>,
     wrong: Option<EncodeError>,
@@ -67,7 +67,7 @@ impl<'a> BulkWriter<'a> {
         }
     }
 
-    /// Adds a servo.
+    /// Appends a servo. If no servo can have the id, or the data are too long, [`Self::finish`] fails.
     pub fn push(&mut self, id: u8, address: u16, data: &[u8]) {
         if id > MAX_ID {
             self.wrong = Some(EncodeError::Id(id));
@@ -82,35 +82,35 @@ impl<'a> BulkWriter<'a> {
         self.frame.extend(data);
     }
 
-    /// Ends the packet, and says how long it is.
+    /// Ends the packet and returns its length.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit, or a servo was wrong.
+    /// [`EncodeError`] if the packet does not fit, or a servo was refused.
     pub fn finish(self) -> Result<usize, EncodeError> {
         self.wrong.map_or_else(|| self.frame.finish(), Err)
     }
 }
 
-/// What a bulk read asks of one servo.
+/// The part of a bulk read for one servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BulkEntry {
-    /// The servo.
+    /// Id of the servo.
     pub id: u8,
-    /// First address.
+    /// First address to read.
     pub address: u16,
-    /// How many bytes.
+    /// Number of bytes to read.
     pub length: u16,
 }
 
 impl BulkEntry {
-    /// As it stands in the packet.
+    /// Returns the entry as bytes of the packet.
     pub const fn bytes(self) -> [u8; 5] {
         let ([a, b], [c, d]) = (self.address.to_le_bytes(), self.length.to_le_bytes());
         [self.id, a, b, c, d]
     }
 }
 
-/// The entries of a bulk read; a rest of fewer than 5 bytes is left out.
+/// Returns the entries of a bulk read. Ignores an incomplete entry (fewer than 5 bytes) at the end.
 pub fn bulk_entries(list: &[u8]) -> impl Iterator<Item = BulkEntry> + Clone {
     let (entries, _) = list.as_chunks::<5>();
     entries.iter().map(|&[id, a, b, c, d]| BulkEntry {
@@ -120,13 +120,13 @@ pub fn bulk_entries(list: &[u8]) -> impl Iterator<Item = BulkEntry> + Clone {
     })
 }
 
-/// The servos of a sync write and their bytes; a rest that is too short is left out.
+/// Returns id and data of each servo in a sync write. Ignores an incomplete block at the end.
 pub fn sync_blocks(blocks: &[u8], length: u16) -> impl Iterator<Item = (u8, &[u8])> {
     let each = usize::from(length).saturating_add(1);
     blocks.chunks_exact(each).filter_map(|block| block.split_first().map(|(id, data)| (*id, data)))
 }
 
-/// The servos of a bulk write, with address and bytes; stops where the list is cut short.
+/// Returns id, address and data of each servo in a bulk write. Stops at an incomplete block.
 pub fn bulk_blocks(mut list: &[u8]) -> impl Iterator<Item = (u8, u16, &[u8])> {
     core::iter::from_fn(move || {
         let (&[id, a, b, c, d], rest) = list.split_first_chunk::<5>()?;

@@ -1,94 +1,94 @@
-//! What a controller asks of servos.
+//! Instructions that a controller sends to servos.
 
 use super::frame::{BROADCAST, FrameWriter, Packet};
 use super::status::ErrorCode;
 use crate::EncodeError;
 
-/// An instruction. Lists stay as they are on the wire: [`super::group`] writes and reads them.
+/// An instruction. Lists stay encoded as on the wire: [`super::group`] writes and reads them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instruction<'a> {
-    /// Who is there; answered at every status level.
+    /// Asks whether a servo is present. Answered at every status level.
     Ping,
-    /// Read so many bytes.
+    /// Reads `length` bytes.
     Read {
-        /// First address.
+        /// First address to read.
         address: u16,
-        /// How many bytes.
+        /// Number of bytes to read.
         length: u16,
     },
-    /// Write at once.
+    /// Writes at once.
     Write {
-        /// First address.
+        /// First address to write.
         address: u16,
-        /// What to write.
+        /// Bytes to write.
         data: &'a [u8],
     },
-    /// Write when [`Self::Action`] comes.
+    /// Registers a write, which is executed when [`Self::Action`] arrives.
     RegWrite {
-        /// First address.
+        /// First address to write.
         address: u16,
-        /// What to write.
+        /// Bytes to write.
         data: &'a [u8],
     },
-    /// Do what was registered.
+    /// Executes the registered write.
     Action,
-    /// Back to what the factory set. [`Self::encode`] refuses it: see [`factory_reset`].
+    /// Resets to factory settings. [`Self::encode`] refuses it: use [`factory_reset`].
     FactoryReset(ResetScope),
-    /// Start anew. The only way out of a hardware error.
+    /// Restarts the servo. Only this clears a hardware error.
     Reboot,
-    /// Forget full turns, so that the position is within one. Fails while the servo moves.
+    /// Clears full turns, so that the position is within one turn. Fails while the servo moves.
     ClearTurns,
-    /// Read the same addresses of several servos; each answers by itself.
+    /// Reads the same addresses of several servos. Each servo answers with its own packet.
     SyncRead(Span<'a>),
-    /// The same, but all answer in one packet.
+    /// Reads the same addresses of several servos. All answer in one packet.
     FastSyncRead(Span<'a>),
-    /// Write the same addresses of several servos; no one answers.
+    /// Writes the same addresses of several servos. No servo answers.
     SyncWrite {
-        /// First address.
+        /// First address to write.
         address: u16,
-        /// Bytes for each servo.
+        /// Number of bytes for each servo.
         length: u16,
-        /// For each servo its id, and its bytes.
+        /// For each servo its id, followed by its bytes.
         blocks: &'a [u8],
     },
-    /// Read other addresses of each servo: for each id, address and length, 5 bytes.
+    /// Reads addresses that may differ between servos. For each servo: id, address and length, 5 bytes.
     BulkRead(&'a [u8]),
-    /// The same, but all answer in one packet.
+    /// Like [`Self::BulkRead`], but all servos answer in one packet.
     FastBulkRead(&'a [u8]),
-    /// Write other addresses of each servo: for each id, address, length, and the bytes.
+    /// Writes addresses that may differ between servos. For each servo: id, address, length, and the bytes.
     BulkWrite(&'a [u8]),
 }
 
-/// The same addresses of several servos.
+/// A range of addresses that is read from several servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Span<'a> {
-    /// First address.
+    /// First address to read.
     pub address: u16,
-    /// Bytes of each servo.
+    /// Number of bytes from each servo.
     pub length: u16,
-    /// The servos, in the order of their answers.
+    /// Ids of the servos, in the order of their answers.
     pub ids: &'a [u8],
 }
 
-/// How much a factory reset forgets.
+/// The settings that a factory reset clears.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ResetScope {
-    /// Everything: afterwards it is servo 1 at 57,600 baud.
+    /// All settings: afterwards the servo has id 1 and 57,600 baud.
     All,
-    /// All but the id.
+    /// All settings but the id.
     ButId,
-    /// All but id and baud.
+    /// All settings but id and baud rate.
     ButIdAndBaud,
 }
 
 const CLEAR_TURNS: [u8; 5] = [0x01, 0x44, 0x58, 0x4C, 0x22];
 
 impl<'a> Instruction<'a> {
-    /// Writes the packet.
+    /// Writes the packet and returns its length.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit; if it is for a group and `id` is not [`BROADCAST`], or a read to all; if it
-    /// is a factory reset.
+    /// [`EncodeError`] if the packet does not fit; if the instruction is for several servos and `id` is not
+    /// [`BROADCAST`]; if it is a read and `id` is [`BROADCAST`]; if it is a factory reset.
     pub fn encode(&self, id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
         if matches!(self, Self::FactoryReset(_)) {
             return Err(EncodeError::OnlyByName("factory_reset"));
@@ -96,10 +96,10 @@ impl<'a> Instruction<'a> {
         self.write(id, out)
     }
 
-    /// The instruction of a packet that was received.
+    /// Decodes a received packet.
     ///
     /// # Errors
-    /// What a servo answers to a packet that is no instruction, or whose parameters are too few.
+    /// The error that a servo answers to a packet with an unknown instruction or too few parameters.
     pub fn decode(packet: &Packet<'a>) -> Result<Self, ErrorCode> {
         let params = packet.params;
         let span = || {
@@ -139,7 +139,7 @@ impl<'a> Instruction<'a> {
         instruction.ok_or(ErrorCode::DataLength)
     }
 
-    /// Its byte on the wire.
+    /// Returns the instruction byte.
     pub const fn code(&self) -> u8 {
         match self {
             Self::Ping => code::PING,
@@ -159,7 +159,7 @@ impl<'a> Instruction<'a> {
         }
     }
 
-    /// Whether one packet of it is for several servos.
+    /// Returns whether one packet with this instruction is for several servos.
     pub const fn is_group(&self) -> bool {
         matches!(
             self,
@@ -205,10 +205,11 @@ impl<'a> Instruction<'a> {
     }
 }
 
-/// Writes a factory reset: the servo forgets its settings, and may afterwards listen as servo 1 at another baud.
+/// Writes a factory reset. The servo loses its settings, and afterwards may have id 1 and another baud rate.
 ///
 /// # Errors
-/// [`EncodeError`] if it does not fit. Reset of everything cannot be broadcast: all servos would be servo 1.
+/// [`EncodeError`] if it does not fit. A reset of all settings cannot be broadcast: afterwards all servos would have id
+/// 1.
 pub fn factory_reset(id: u8, scope: ResetScope, out: &mut [u8]) -> Result<usize, EncodeError> {
     if id == BROADCAST && scope == ResetScope::All {
         return Err(EncodeError::Id(id));
@@ -240,7 +241,8 @@ fn two_u16(params: &[u8]) -> Option<(u16, u16, &[u8])> {
     Some((u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]), rest))
 }
 
-/// Instruction bytes. Source: e-manual, protocol 2.0; the fast ones: npm `dynamixel` 0.1.0, `dynamixel-sdk` 4.1.0.
+/// Instruction bytes. Source: e-manual, protocol 2.0. Source of the fast instructions: npm `dynamixel` 0.1.0,
+/// `dynamixel-sdk` 4.1.0.
 mod code {
     pub(super) const PING: u8 = 0x01;
     pub(super) const READ: u8 = 0x02;

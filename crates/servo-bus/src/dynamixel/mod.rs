@@ -1,7 +1,7 @@
 //! Dynamixel protocol 2.0.
 //!
-//! Source: ROBOTIS e-manual, "Protocol 2.0" and the pages of the servos. Where clients of the makers read replies less
-//! strictly (CRCs inside fast replies, stuffing), this follows the text of the protocol.
+//! Source: ROBOTIS e-manual, "Protocol 2.0" and the pages of the servos. ROBOTIS's clients read replies less strictly
+//! (CRCs inside fast replies, stuffing); this module follows the text of the protocol.
 
 mod bus;
 pub mod crc;

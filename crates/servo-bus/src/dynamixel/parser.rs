@@ -1,4 +1,4 @@
-//! Packets out of a stream of bytes.
+//! Finds packets in a stream of bytes.
 
 use super::crc::Crc;
 use super::frame::{
@@ -6,13 +6,13 @@ use super::frame::{
 };
 use crate::finder::{Finder, Framing};
 
-/// Finds packets in a stream that may be split, damaged or joined anywhere. `N` is the longest packet that it takes, in
-/// bytes on the wire; a header that announces more is no header. An `N` of 7 (header, id and length) or less does not
-/// compile.
+/// A parser that finds packets in a stream, which may be split, damaged or joined anywhere. `N` is the length of the
+/// longest packet that it accepts, in bytes on the wire; a header that announces a longer packet is ignored. An `N` of
+/// 7 (header, id and length) or less does not compile.
 ///
-/// After a damaged packet it looks for a header from the second byte of that packet on: a whole packet behind it, or
-/// even inside it, is found. Where a damaged length waits for bytes that never come, [`flush`](Self::flush) ends the
-/// wait.
+/// After a damaged packet, the parser searches for a header from the second byte of that packet on. It thus finds a
+/// whole packet that follows the damage, or even begins inside it. If a damaged length makes it wait for bytes that
+/// never arrive, [`flush`](Self::flush) ends the wait.
 ///
 /// ```
 /// use sinew_servo_bus::dynamixel::Parser;
@@ -34,35 +34,35 @@ impl<const N: usize> Default for Parser<N> {
 }
 
 impl<const N: usize> Parser<N> {
-    /// A parser that has seen nothing.
+    /// Creates a parser with an empty buffer.
     pub const fn new() -> Self {
         Self { finder: Finder::new(), last_damaged: None }
     }
 
-    /// The next packet. Takes as much of `input` as it needs; all of it if there is no packet.
+    /// Returns the next packet. Consumes only the bytes that it needs, or all of `input` if it finds no packet.
     ///
-    /// Cost: each byte once, and up to `N` bytes again for each damaged packet.
+    /// Cost: reads each byte once, and up to `N` bytes again for each damaged packet.
     pub fn next(&mut self, input: &mut &[u8]) -> Option<Packet<'_>> {
         self.find(input, false)
     }
 
-    /// The next packet in what has come, where nothing more will: the line has been silent for longer than a byte
-    /// takes. Call it until there is none.
+    /// Returns the next packet in the buffer when no more bytes will arrive: the line has been silent for longer than
+    /// one byte takes. Call it until it returns `None`.
     pub fn flush(&mut self) -> Option<Packet<'_>> {
         self.find(&mut &[][..], true)
     }
 
-    /// Forgets what has come so far.
+    /// Discards all buffered bytes.
     pub fn clear(&mut self) {
         self.finder.clear();
     }
 
-    /// How many packets had a wrong CRC, or were cut short.
+    /// Returns the number of packets with a wrong CRC or a missing end.
     pub fn damaged(&self) -> u32 {
         self.finder.damaged()
     }
 
-    /// Id and instruction that stood in a packet of wrong CRC, if there was one since the last call.
+    /// Returns id and instruction of the last packet with a wrong CRC since the previous call, or `None`.
     pub fn take_damaged(&mut self) -> Option<(u8, u8)> {
         self.last_damaged.take()
     }
@@ -77,7 +77,7 @@ impl<const N: usize> Parser<N> {
         let end = bytes.len().checked_sub(2)?;
         let body = bytes.get_mut(PREFIX_LEN..end)?;
         let instruction = body.first().copied()?;
-        // A fast reply has CRCs inside, which run over the bytes of the wire: it is not stuffed.
+        // A fast reply is not stuffed: it contains CRCs that are computed over the bytes of the wire.
         let len = if id == BROADCAST && instruction == STATUS { body.len() } else { unstuff(body) };
         Some(Packet { id, instruction, params: body.get(1..len)? })
     }

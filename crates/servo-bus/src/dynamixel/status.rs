@@ -3,37 +3,37 @@
 use super::frame::{FrameWriter, Packet, STATUS};
 use crate::EncodeError;
 
-/// The error byte of a reply: a number, and a bit for trouble of the hardware.
+/// Error byte of a reply: an error number, and a bit for a hardware error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct StatusError(u8);
 
 const ALERT: u8 = 0x80;
 
 impl StatusError {
-    /// No error.
+    /// The error byte of a successful instruction.
     pub const NONE: Self = Self(0);
 
-    /// The error byte of the wire.
+    /// Wraps an error byte from the wire.
     pub const fn from_byte(byte: u8) -> Self {
         Self(byte)
     }
 
-    /// An error of this number, or none.
+    /// Creates an error byte from an error number and the hardware alert.
     pub fn new(code: Option<ErrorCode>, alert: bool) -> Self {
         Self(code.map_or(0, ErrorCode::number) | if alert { ALERT } else { 0 })
     }
 
-    /// The byte on the wire.
+    /// Returns the byte as on the wire.
     pub const fn byte(self) -> u8 {
         self.0
     }
 
-    /// Whether Hardware Error Status (70) says what is wrong.
+    /// Returns whether the servo has a hardware error; Hardware Error Status (70) says which.
     pub const fn alert(self) -> bool {
         self.0 & ALERT != 0
     }
 
-    /// What became of the instruction, if it failed.
+    /// Returns the error number, or `None` if the instruction succeeded.
     pub const fn code(self) -> Option<ErrorCode> {
         Some(match self.0 & !ALERT {
             0 => return None,
@@ -49,29 +49,29 @@ impl StatusError {
     }
 }
 
-/// Why a servo did not do what an instruction says. A number, not a set of bits.
+/// The reason why a servo refused an instruction: a number, not a set of bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorCode {
-    /// 1: it could not be done.
+    /// Error 1: the instruction failed.
     ResultFail,
-    /// 2: no such instruction, or action without a registered write.
+    /// Error 2: the instruction is unknown, or an action arrived without a registered write.
     Instruction,
-    /// 3: the CRC of the packet was wrong.
+    /// Error 3: the CRC of the packet was wrong.
     Crc,
-    /// 4: the value is outside of its range.
+    /// Error 4: the value is outside of the register's range.
     DataRange,
-    /// 5: fewer bytes than the item has.
+    /// Error 5: fewer bytes were written than the register has.
     DataLength,
-    /// 6: the value is outside of a limit that another item sets.
+    /// Error 6: the value exceeds a limit that another register sets.
     DataLimit,
-    /// 7: read-only, undefined, or EEPROM while torque is on.
+    /// Error 7: the register is read-only or undefined, or is in EEPROM while torque is on.
     Access,
     /// A number that the protocol does not define.
     Unknown(u8),
 }
 
 impl ErrorCode {
-    /// The number on the wire.
+    /// Returns the number as on the wire.
     pub const fn number(self) -> u8 {
         match self {
             Self::ResultFail => 1,
@@ -86,33 +86,33 @@ impl ErrorCode {
     }
 }
 
-/// Hardware Error Status (70), bit by bit. Only a reboot clears it.
+/// The bits of Hardware Error Status (70). Only a reboot clears them.
 pub mod hardware_error {
     /// The supply is outside of its limits.
     pub const INPUT_VOLTAGE: u8 = 1 << 0;
     /// The case is too hot.
     pub const OVERHEATING: u8 = 1 << 2;
-    /// The motor's encoder.
+    /// The motor's encoder fails.
     pub const ENCODER: u8 = 1 << 3;
-    /// An electrical shock, or too little power.
+    /// An electrical shock occurred, or the power is too low.
     pub const SHOCK: u8 = 1 << 4;
-    /// Load for too long.
+    /// The load was too high for too long.
     pub const OVERLOAD: u8 = 1 << 5;
 }
 
 /// The reply of one servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status<'a> {
-    /// Whose reply.
+    /// Id of the servo that replied.
     pub id: u8,
-    /// What became of the instruction.
+    /// Error byte of the reply.
     pub error: StatusError,
-    /// What was read; model and firmware of a ping.
+    /// The bytes that were read; for a ping, model number and firmware version.
     pub data: &'a [u8],
 }
 
 impl<'a> Status<'a> {
-    /// The packet as a reply, if it is one.
+    /// Interprets a packet as a reply, or returns `None` if it is not a reply.
     pub fn of(packet: Packet<'a>) -> Option<Self> {
         let (error, data) = packet.params.split_first()?;
         let error = StatusError::from_byte(*error);
@@ -130,7 +130,8 @@ impl<'a> Status<'a> {
         frame.finish()
     }
 
-    /// Whether this is what servo `id` answers to a request for `len` bytes: all of them, or none and an error.
+    /// Returns whether this is a valid answer of servo `id` to a request for `len` bytes: all bytes, or no bytes and an
+    /// error.
     pub fn answers(&self, id: u8, len: usize) -> bool {
         let refused = self.data.is_empty() && self.error.code().is_some();
         self.id == id && (self.data.len() == len || refused)

@@ -1,34 +1,34 @@
-//! The frame of every packet.
+//! The frame of a packet: header, id, length, checksum.
 
 use crate::EncodeError;
 use crate::sink::Sink;
 
-/// Id of a packet to all servos.
+/// Id of a packet that is addressed to all servos.
 pub const BROADCAST: u8 = 0xFE;
 /// The largest id of a servo.
 pub const MAX_ID: u8 = 0xFD;
-/// Header, id and length.
+/// Length of header, id and length field.
 pub(super) const PREFIX_LEN: usize = 4;
-/// The shortest length: instruction and sum.
+/// Minimum value of the length field: instruction and sum.
 pub(super) const MIN_LENGTH: u8 = 2;
 
-/// A packet whose sum was right.
+/// A received packet with a correct checksum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Packet<'a> {
-    /// From or to whom.
+    /// Id of the receiver, or in a reply of the sender.
     pub id: u8,
-    /// The instruction; in a reply the status.
+    /// Instruction byte; in a reply the status.
     pub code: u8,
-    /// What follows it, without the sum.
+    /// Parameters, without the sum.
     pub params: &'a [u8],
 }
 
-/// NOT of the sum, of what stands between header and sum.
+/// Returns the inverted sum of the bytes between header and sum.
 pub(super) fn checksum(bytes: &[u8]) -> u8 {
     !bytes.iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte))
 }
 
-/// Writes one packet.
+/// A writer of one packet.
 pub(super) struct FrameWriter<'a> {
     sink: Sink<'a>,
     id: u8,

@@ -1,61 +1,62 @@
-//! What a controller asks of servos.
+//! Instructions that a controller sends to servos.
 
 use super::frame::{BROADCAST, FrameWriter, MAX_ID, Packet};
 use super::table::{Family, address};
 use crate::EncodeError;
 
-/// An instruction.
+/// An instruction. Lists stay encoded as on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instruction<'a> {
-    /// Who is there.
+    /// Asks whether a servo is present.
     Ping,
-    /// Read so many bytes.
+    /// Reads `length` bytes.
     Read {
-        /// First address.
+        /// First address to read.
         address: u8,
-        /// How many bytes.
+        /// Number of bytes to read.
         length: u8,
     },
-    /// Write at once.
+    /// Writes at once.
     Write {
-        /// First address.
+        /// First address to write.
         address: u8,
-        /// What to write.
+        /// Bytes to write.
         data: &'a [u8],
     },
-    /// Write when [`Self::Action`] comes.
+    /// Registers a write, which is executed when [`Self::Action`] arrives.
     RegWrite {
-        /// First address.
+        /// First address to write.
         address: u8,
-        /// What to write.
+        /// Bytes to write.
         data: &'a [u8],
     },
-    /// Do what was registered.
+    /// Executes the registered write.
     Action,
-    /// Back to what the factory set, but for the id. [`Self::encode`] refuses it: see [`factory_reset`].
+    /// Resets to factory settings, except the id. [`Self::encode`] refuses it: use [`factory_reset`].
     FactoryReset,
-    /// Start anew; not answered, takes about 0.8 s.
+    /// Restarts the servo, which takes about 0.8 s. The servo does not answer.
     Reboot,
-    /// Forget full turns.
+    /// Clears full turns.
     ClearTurns,
-    /// Make this the middle, or another position. [`Self::encode`] refuses it: see [`set_middle`].
+    /// Declares the present angle to be the middle, or another position. [`Self::encode`] refuses it: use
+    /// [`set_middle`].
     SetPosition(&'a [u8]),
-    /// Read the same addresses of several servos; each answers by itself, in this order.
+    /// Reads the same addresses of several servos. Each servo answers with its own packet, in the order of `ids`.
     SyncRead {
-        /// First address.
+        /// First address to read.
         address: u8,
-        /// Bytes of each servo.
+        /// Number of bytes from each servo.
         length: u8,
-        /// The servos.
+        /// Ids of the servos.
         ids: &'a [u8],
     },
-    /// Write the same addresses of several servos; no one answers.
+    /// Writes the same addresses of several servos. No servo answers.
     SyncWrite {
-        /// First address.
+        /// First address to write.
         address: u8,
-        /// Bytes for each servo.
+        /// Number of bytes for each servo.
         length: u8,
-        /// For each servo its id, and its bytes.
+        /// For each servo its id, followed by its bytes.
         blocks: &'a [u8],
     },
 }
@@ -74,15 +75,16 @@ mod code {
     pub(super) const SYNC_WRITE: u8 = 0x83;
 }
 
-/// What Torque Enable takes for "this is the middle".
+/// Value of Torque Enable that declares the present angle to be the middle.
 const MIDDLE: u8 = 128;
 
 impl<'a> Instruction<'a> {
-    /// Writes the packet, for servos of this family.
+    /// Writes the packet for servos of this family, and returns its length.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit; if it is for several servos and `id` is not [`BROADCAST`], or a read to
-    /// all; if it would open the EEPROM, move the middle or reset the servo: there are calls for that by name.
+    /// [`EncodeError`] if the packet does not fit; if the instruction is for several servos and `id` is not
+    /// [`BROADCAST`]; if it is a read and `id` is [`BROADCAST`]; if it would open the EEPROM, move the middle or reset
+    /// the servo: each of these has its own function.
     pub fn encode(&self, family: Family, id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
         match *self {
             Self::FactoryReset => return Err(EncodeError::OnlyByName("factory_reset")),
@@ -99,7 +101,7 @@ impl<'a> Instruction<'a> {
         self.write(id, out)
     }
 
-    /// The instruction of a packet that was received; none if it is no instruction.
+    /// Decodes a received packet, or returns `None` if it is not a valid instruction.
     pub fn decode(packet: &Packet<'a>) -> Option<Self> {
         let params = packet.params;
         let written = || params.split_first();
@@ -133,7 +135,7 @@ impl<'a> Instruction<'a> {
         })
     }
 
-    /// Its byte on the wire.
+    /// Returns the instruction byte.
     pub const fn code(&self) -> u8 {
         match self {
             Self::Ping => code::PING,
@@ -175,7 +177,7 @@ impl<'a> Instruction<'a> {
     }
 }
 
-/// Refuses what harms when it is written by accident.
+/// Refuses writes that would harm if they happened by accident.
 fn guard(family: Family, first: u8, data: &[u8]) -> Result<(), EncodeError> {
     let written =
         |address: u8| address.checked_sub(first).and_then(|index| data.get(usize::from(index)));
@@ -188,10 +190,11 @@ fn guard(family: Family, first: u8, data: &[u8]) -> Result<(), EncodeError> {
     Ok(())
 }
 
-/// Writes the packet after which EEPROM is stored, until 1 is written to the lock. Keep it shut in all normal use.
+/// Writes the packet that opens the EEPROM: later writes are stored permanently, until 1 is written to the lock. Keep
+/// the EEPROM shut in all normal use.
 ///
 /// # Errors
-/// [`EncodeError`] if it does not fit, or is for all servos.
+/// [`EncodeError`] if the packet does not fit, or `id` is not the id of one servo.
 pub fn open_eeprom(family: Family, id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     if id > MAX_ID {
         return Err(EncodeError::Id(id));
@@ -199,10 +202,10 @@ pub fn open_eeprom(family: Family, id: u8, out: &mut [u8]) -> Result<usize, Enco
     Instruction::Write { address: family.lock(), data: &[0] }.write(id, out)
 }
 
-/// Writes the packet that makes where the servo stands its middle, 2048.
+/// Writes the packet that makes the servo's present angle its middle, 2048.
 ///
 /// # Errors
-/// [`EncodeError`] if it does not fit, or is for all servos.
+/// [`EncodeError`] if the packet does not fit, or `id` is not the id of one servo.
 pub fn set_middle(id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     if id > MAX_ID {
         return Err(EncodeError::Id(id));
@@ -210,10 +213,10 @@ pub fn set_middle(id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     Instruction::Write { address: address::TORQUE_ENABLE, data: &[MIDDLE] }.write(id, out)
 }
 
-/// Writes the packet that sets a servo back to what it was at the factory, but for its id.
+/// Writes the packet that resets a servo to its factory settings, except its id.
 ///
 /// # Errors
-/// [`EncodeError`] if it does not fit, or is for all servos.
+/// [`EncodeError`] if the packet does not fit, or `id` is not the id of one servo.
 pub fn factory_reset(id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     if id > MAX_ID {
         return Err(EncodeError::Id(id));
@@ -221,7 +224,7 @@ pub fn factory_reset(id: u8, out: &mut [u8]) -> Result<usize, EncodeError> {
     Instruction::FactoryReset.write(id, out)
 }
 
-/// Writes a sync write, servo by servo, with the checks of [`Instruction::encode`].
+/// A writer of a sync write instruction, servo by servo, with the checks of [`Instruction::encode`].
 pub struct SyncWriter<'a> {
     frame: FrameWriter<'a>,
     family: Family,
@@ -238,7 +241,8 @@ impl<'a> SyncWriter<'a> {
         Self { frame, family, address, length, wrong: None }
     }
 
-    /// Adds a servo. Data of another length, or an id that no servo has, spoils the packet.
+    /// Appends a servo. If the data have another length, no servo can have the id, or the write is dangerous,
+    /// [`Self::finish`] fails.
     pub fn push(&mut self, id: u8, data: &[u8]) {
         if id > MAX_ID {
             self.wrong = Some(EncodeError::Id(id));
@@ -253,16 +257,16 @@ impl<'a> SyncWriter<'a> {
         self.frame.extend(data);
     }
 
-    /// Ends the packet, and says how long it is.
+    /// Ends the packet and returns its length.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit, or a servo was wrong.
+    /// [`EncodeError`] if the packet does not fit, or a servo was refused.
     pub fn finish(self) -> Result<usize, EncodeError> {
         self.wrong.map_or_else(|| self.frame.finish(), Err)
     }
 }
 
-/// The servos of a sync write and their bytes; a rest that is too short is left out.
+/// Returns id and data of each servo in a sync write. Ignores an incomplete block at the end.
 pub fn sync_blocks(blocks: &[u8], length: u8) -> impl Iterator<Item = (u8, &[u8])> {
     let each = usize::from(length).saturating_add(1);
     blocks.chunks_exact(each).filter_map(|block| block.split_first().map(|(id, data)| (*id, data)))

@@ -1,11 +1,12 @@
 //! Feetech servos: STS and SMS, low byte first, and SCS, high byte first.
 //!
-//! `FF FF | ID | LEN | INST or status | params | SUM`, `LEN` = params + 2, `SUM` = NOT of the low byte of the sum
-//! from id to the last param. No stuffing and no CRC: of random damage one packet in 256 passes. So a reply counts
-//! only with the right id and length, and a controller should believe only values that can be: see [`Parser`] and
-//! [`Plausible`](crate::Plausible).
+//! `FF FF | ID | LEN | INST or status | params | SUM`, `LEN` = params + 2, `SUM` = NOT of the low byte of the sum from
+//! id to the last param. There is no stuffing and no CRC: on average, one of 256 randomly damaged packets is accepted.
+//! A reply therefore counts only with the right id and length, and a controller should believe only plausible values:
+//! see [`Parser`] and [`Plausible`](crate::Plausible).
 //!
-//! An instruction and a reply look alike. Where an adapter gives back what it sends, skip as many bytes as were sent.
+//! An instruction and a reply look alike. If an adapter echoes the bytes that it sends, skip as many bytes as were
+//! sent.
 //!
 //! Source: Feetech's protocol manual and memory tables, as in vassar-robotics/feetech-servo-sdk, `docs/reference`.
 

@@ -1,12 +1,13 @@
-//! Packets out of a stream of bytes.
+//! Finds packets in a stream of bytes.
 
 use super::frame::{BROADCAST, MIN_LENGTH, PREFIX_LEN, Packet, checksum};
 use crate::finder::{Finder, Framing};
 
-/// Finds packets in a stream that may be split, damaged or joined anywhere. `N` is the longest packet that it takes, in
-/// bytes; 259 is the most that there can be. An `N` of 4 (header, id and length) or less does not compile.
+/// A parser that finds packets in a stream, which may be split, damaged or joined anywhere. `N` is the length of the
+/// longest packet that it accepts, in bytes; the protocol allows at most 259. An `N` of 4 (header, id and length) or
+/// less does not compile.
 ///
-/// After a damaged packet it looks for a header from the second byte of that packet on.
+/// After a damaged packet, the parser searches for a header from the second byte of that packet on.
 #[derive(Debug, Clone)]
 pub struct Parser<const N: usize> {
     finder: Finder<N>,
@@ -19,29 +20,29 @@ impl<const N: usize> Default for Parser<N> {
 }
 
 impl<const N: usize> Parser<N> {
-    /// A parser that has seen nothing.
+    /// Creates a parser with an empty buffer.
     pub const fn new() -> Self {
         Self { finder: Finder::new() }
     }
 
-    /// The next packet. Takes as much of `input` as it needs; all of it if there is no packet.
+    /// Returns the next packet. Consumes only the bytes that it needs, or all of `input` if it finds no packet.
     ///
-    /// Cost: each byte once, and up to `N` bytes again for each damaged packet.
+    /// Cost: reads each byte once, and up to `N` bytes again for each damaged packet.
     pub fn next(&mut self, input: &mut &[u8]) -> Option<Packet<'_>> {
         self.find(input, false)
     }
 
-    /// The next packet in what has come, where nothing more will. Call it until there is none.
+    /// Returns the next packet in the buffer when no more bytes will arrive. Call it until it returns `None`.
     pub fn flush(&mut self) -> Option<Packet<'_>> {
         self.find(&mut &[][..], true)
     }
 
-    /// Forgets what has come so far.
+    /// Discards all buffered bytes.
     pub fn clear(&mut self) {
         self.finder.clear();
     }
 
-    /// How many packets had a wrong sum, or were cut short.
+    /// Returns the number of packets with a wrong sum or a missing end.
     pub fn damaged(&self) -> u32 {
         self.finder.damaged()
     }

@@ -1,38 +1,38 @@
-//! Replies of servos.
+//! Replies of Feetech servos.
 
 use super::frame::{FrameWriter, Packet};
 use crate::EncodeError;
 
-/// Status of a servo, bit by bit: in every reply, and at address 65.
+/// Status bits of a servo: in every reply, and at address 65.
 pub mod status_bit {
     /// The supply is outside of its limits.
     pub const VOLTAGE: u8 = 1 << 0;
-    /// The encoder.
+    /// The encoder fails.
     pub const ENCODER: u8 = 1 << 1;
-    /// Too hot.
+    /// The temperature is too high.
     pub const TEMPERATURE: u8 = 1 << 2;
-    /// Too much current.
+    /// The current is too high.
     pub const CURRENT: u8 = 1 << 3;
-    /// Load for too long: it holds with a fifth of its torque by itself.
+    /// The load was too high for too long: the servo reduces itself to a fifth of its torque.
     pub const OVERLOAD: u8 = 1 << 5;
 }
 
-/// No servo sets this bit: a reply that has it is damaged. Feetech's own clients refuse it too.
+/// A bit that no servo sets: a reply with this bit is damaged. Feetech's own clients refuse it too.
 const NEVER: u8 = 1 << 7;
 
 /// The reply of one servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Status<'a> {
-    /// Whose reply.
+    /// Id of the servo that replied.
     pub id: u8,
-    /// What is wrong with it, see [`status_bit`].
+    /// Faults of the servo, see [`status_bit`].
     pub bits: u8,
-    /// What was read.
+    /// The bytes that were read.
     pub data: &'a [u8],
 }
 
 impl<'a> Status<'a> {
-    /// The packet as a reply, if it can be one.
+    /// Interprets a packet as a reply, or returns `None` if it cannot be a reply.
     pub fn of(packet: Packet<'a>) -> Option<Self> {
         (packet.code & NEVER == 0).then_some(Self {
             id: packet.id,
@@ -51,7 +51,7 @@ impl<'a> Status<'a> {
         frame.finish()
     }
 
-    /// Whether this is what servo `id` answers to a request for `len` bytes.
+    /// Returns whether this is a valid answer of servo `id` to a request for `len` bytes.
     pub fn answers(&self, id: u8, len: usize) -> bool {
         self.id == id && self.data.len() == len
     }

@@ -1,4 +1,4 @@
-//! Up to 16 hobby servos, as a rig sees them.
+//! The controller's side of up to 16 hobby servos.
 
 use heapless::Vec;
 
@@ -13,19 +13,19 @@ use crate::{
     SetupError,
 };
 
-/// A servo on a channel, and how its pulses make positions.
+/// Setup of a servo on a channel: its pulses and the positions that they mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelSetup {
-    /// 0 to 15.
+    /// Channel of the chip, 0 to 15.
     pub channel: u8,
-    /// Two pulses, us: 1000 and 2000 are safe for all servos, more only after calibration. The second may be the
-    /// shorter.
+    /// Pulses at the two ends of the range, us. 1000 and 2000 are safe for all servos; use a wider range only after
+    /// calibration. The second pulse may be shorter than the first.
     pub pulse_us: [f32; 2],
-    /// Own positions at these pulses, rad, the smaller one first: they are also its range.
+    /// Positions at these pulses, rad, the smaller first. They are also the range of the servo.
     pub range_rad: [f32; 2],
 }
 
-/// A PCA9685 and its servos. They are never read: there is no feedback.
+/// A PCA9685 and its servos. The servos give no feedback, so they are never read.
 #[derive(Debug, Clone)]
 pub struct Bus {
     servos: Vec<ChannelSetup, CHANNELS>,
@@ -36,18 +36,18 @@ pub struct Bus {
 
 #[derive(Debug, Clone, Copy)]
 struct Channel {
-    /// Length of the pulse; none before the first command.
+    /// Length of the pulse in counts; `None` before the first command.
     counts: Option<u16>,
     is_on: bool,
     is_changed: bool,
 }
 
 impl Bus {
-    /// Servos on a chip of this rate, at so many bits per second of I2C.
+    /// Creates a bus for these servos on a chip with this pulse rate. `i2c_hz` is the bit rate of I2C.
     ///
     /// # Errors
-    /// [`SetupError`] names the channel and what is wrong with it. Pulses must be longer than 100 us and shorter than
-    /// the period.
+    /// [`SetupError`] names the channel and the wrong setting. Pulses must be longer than 100 us and shorter than the
+    /// period.
     pub fn new(
         setups: &[ChannelSetup],
         prescale: Prescale,
@@ -81,7 +81,8 @@ impl Bus {
 }
 
 impl Channel {
-    /// Pulses of several channels begin one after the other, so that not all servos draw current at once.
+    /// Returns the register bytes of a channel. Pulses of different channels start one after the other, so that not all
+    /// servos draw current at once.
     fn bytes(self, index: usize) -> [u8; 4] {
         let Some(counts) = self.counts.filter(|_| self.is_on) else { return OFF };
         let on = u16::try_from(index).unwrap_or(0).wrapping_mul(PERIOD / 16) % PERIOD;
@@ -96,7 +97,7 @@ impl ServoBus for Bus {
         self.servos.len()
     }
 
-    /// [`Command::Torque`] switches the pulses; they come only after a first position.
+    /// [`Command::Torque`] switches the pulses on or off. Pulses begin only after a first position.
     fn command(&mut self, servo: usize, command: Command) -> Result<Option<Limit>, CommandError> {
         let count = self.servos.len();
         let setup = self.servos.get(servo).ok_or(CommandError::Servo { index: servo, count })?;
@@ -135,7 +136,8 @@ impl ServoBus for Bus {
         }
     }
 
-    /// All channels that changed, and those between them, in one write; nothing if none did.
+    /// Writes all channels that changed, and those between them, in one I2C write; writes nothing if no channel
+    /// changed.
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
         let changed = || self.channels.iter().enumerate().filter(|(_, channel)| channel.is_changed);
         let (Some((first, _)), Some((last, _))) = (changed().next(), changed().next_back()) else {
@@ -152,7 +154,7 @@ impl ServoBus for Bus {
         for channel in &mut self.channels {
             channel.is_changed = false;
         }
-        // 9 bits a byte, the address, start and stop.
+        // Bits on the wire: 9 for each byte and for the address, plus start and stop.
         let bits = u64::try_from(len)
             .unwrap_or(u64::MAX)
             .saturating_add(1)
@@ -174,7 +176,7 @@ impl ServoBus for Bus {
         true
     }
 
-    /// Hobby servos have no registers.
+    /// Ignores the request: hobby servos have no registers.
     fn compare(&mut self, _asked: Option<(usize, ServoRequirements)>) {}
 
     fn compared(&self) -> Compared {

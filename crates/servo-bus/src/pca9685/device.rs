@@ -1,11 +1,11 @@
-//! The chip's side.
+//! A simulated PCA9685.
 
 use super::register::{
     ALL_CALL, ALL_CHANNELS, ALL_CHANNELS_LAST, AUTO_INCREMENT, CHANNEL_0, CHANNELS, FULL, MODE1,
     OFF, PERIOD, PRESCALE, RESTART, SLEEP, channel,
 };
 
-/// A simulated chip. One call of [`write`](Self::write) is one I2C write, from start to stop.
+/// A simulated chip. Each call of [`write`](Self::write) is one I2C write, from start to stop.
 #[derive(Debug, Clone)]
 pub struct Device {
     registers: [u8; 256],
@@ -14,7 +14,7 @@ pub struct Device {
 }
 
 impl Device {
-    /// A chip that was just switched on, whose clock has this rate.
+    /// Creates a chip that was just switched on, with this clock rate.
     pub fn new(oscillator_hz: f32) -> Self {
         let mut device = Self { registers: [0; 256], pointer: 0, oscillator_hz };
         device.set(MODE1, SLEEP | ALL_CALL);
@@ -30,7 +30,7 @@ impl Device {
         device
     }
 
-    /// One write: where, and what.
+    /// Executes one I2C write: the first byte is the register, the others are its new values.
     pub fn write(&mut self, bytes: &[u8]) {
         let Some((register, values)) = bytes.split_first() else { return };
         self.pointer = *register;
@@ -40,7 +40,7 @@ impl Device {
         }
     }
 
-    /// One read, from where the last write pointed to.
+    /// Executes one I2C read, from the register that the last write pointed to.
     pub fn read(&mut self, out: &mut [u8]) {
         for byte in out {
             *byte = self.get(self.pointer);
@@ -48,7 +48,7 @@ impl Device {
         }
     }
 
-    /// The pulse of a channel, us; none if it gives none, or the chip sleeps.
+    /// Returns the pulse length of a channel, us, or `None` if the channel gives no pulse or the chip sleeps.
     pub fn pulse_us(&self, index: usize) -> Option<f32> {
         if index >= CHANNELS || self.get(MODE1) & SLEEP != 0 {
             return None;
@@ -87,7 +87,7 @@ impl Device {
 
     fn advance(&mut self) {
         if self.get(MODE1) & AUTO_INCREMENT != 0 {
-            // Behind the last channel it goes on with the first register.
+            // After the last channel, the pointer continues at the first register.
             let last = CHANNEL_0.saturating_add(63);
             self.pointer = if self.pointer == last || self.pointer == PRESCALE {
                 0

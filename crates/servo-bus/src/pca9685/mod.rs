@@ -1,8 +1,9 @@
 //! Hobby servos on a PCA9685, a chip that makes 16 pulses from I2C writes.
 //!
-//! Bytes are those of one I2C write each, without the chip's address. Outputs change when the write stops (OCH 0), so a
-//! write of several channels is one step. The pin OE, pulled high, makes all outputs low whatever the registers say
-//! (OUTNE 00): tie it to a pull-up and to a pin of the controller, for a gate that does not depend on I2C.
+//! The functions of this module return the bytes of one I2C write each, without the chip's address. Outputs change when
+//! the write stops (OCH 0), so a write of several channels changes them all at once. Pulling the pin OE high makes all
+//! outputs low, whatever the registers contain (OUTNE 00). Connect OE to a pull-up and to a pin of the controller, to
+//! have a switch that does not depend on I2C.
 //!
 //! Source: NXP, PCA9685 product data sheet, rev. 4.
 

@@ -1,4 +1,4 @@
-//! How the chip is started.
+//! Starts the chip.
 
 use core::fmt;
 
@@ -6,14 +6,14 @@ use super::register::{
     ALL_CHANNELS, AUTO_INCREMENT, MODE1, MODE2, OUTDRV, PERIOD, PRESCALE, RESTART, SLEEP,
 };
 
-/// The rate of the pulses, as the chip divides its clock.
+/// The pulse rate, as a divider of the chip's clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prescale {
     divider: u8,
     oscillator_hz: f32,
 }
 
-/// No divider gives this rate.
+/// The error that no divider gives the requested rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PrescaleError;
 
@@ -28,8 +28,8 @@ impl fmt::Display for PrescaleError {
 impl core::error::Error for PrescaleError {}
 
 impl Prescale {
-    /// The divider for `rate_hz`. The inner clock is 25 MHz by the data sheet, and some per cent off: measure it for
-    /// each chip, since 3 % of a pulse are 4 degrees.
+    /// Computes the divider for `rate_hz`. The internal clock is 25 MHz by the data sheet, but differs by some per
+    /// cent: measure it for each chip, since 3 % of a pulse are 4 degrees.
     ///
     /// # Errors
     /// [`PrescaleError`] if no divider gives the rate.
@@ -53,28 +53,28 @@ impl Prescale {
         Ok(Self { divider, oscillator_hz })
     }
 
-    /// What stands in the register.
+    /// Returns the value of the divider register.
     pub const fn divider(&self) -> u8 {
         self.divider
     }
 
-    /// One count of a pulse, us.
+    /// Returns the length of one count of a pulse, us.
     pub fn step_us(&self) -> f32 {
         (f32::from(self.divider) + 1.0) * 1e6 / self.oscillator_hz
     }
 
-    /// The rate of the pulses, Hz.
+    /// Returns the pulse rate, Hz.
     pub fn rate_hz(&self) -> f32 {
         1e6 / (self.step_us() * f32::from(PERIOD))
     }
 }
 
-/// One I2C write, and how long to wait after it.
+/// One I2C write, and the wait after it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transfer {
     bytes: [u8; 5],
     len: usize,
-    /// Wait so long before the next one, us.
+    /// Minimum wait before the next write, us.
     pub wait_us: u32,
 }
 
@@ -83,14 +83,14 @@ impl Transfer {
         Self { bytes: [register, value, 0, 0, 0], len: 2, wait_us }
     }
 
-    /// The bytes to write.
+    /// Returns the bytes to write.
     pub fn bytes(&self) -> &[u8] {
         self.bytes.get(..self.len).unwrap_or_default()
     }
 }
 
-/// Starts the chip: asleep, all channels off, clock, outputs, awake. The chip no longer answers to the address for all
-/// chips.
+/// Returns the writes that start the chip: sleep, all channels off, clock, outputs, wake up. The chip then no longer
+/// answers to the common address of all chips.
 pub const fn start(prescale: &Prescale) -> [Transfer; 6] {
     [
         Transfer::register(MODE1, AUTO_INCREMENT | SLEEP, 0),
@@ -103,7 +103,8 @@ pub const fn start(prescale: &Prescale) -> [Transfer; 6] {
     ]
 }
 
-/// Takes all pulses away at once. What servos do then is their own matter: a stop must cut their supply too.
+/// Returns the write that stops all pulses at once. Servos may react to missing pulses in different ways, so a stop
+/// must also cut their supply.
 pub const fn all_off() -> Transfer {
     let [a, b, c, d] = super::register::OFF;
     Transfer { bytes: [ALL_CHANNELS, a, b, c, d], len: 5, wait_us: 0 }

@@ -1,7 +1,7 @@
-"""feetech-cli's simulated STS servos behind a pseudo-terminal: a device that we did not write, for our side of a rig.
+"""Simulated STS servos of feetech-cli on a pseudo-terminal: a foreign device to test our controller's side.
 
 Usage: device.py LINK IDS, for example: device.py /tmp/sts 1,2,3. pip install feetech-cli==0.1.8. Prints `ready`, and
-serves until it is ended."""
+serves until it is stopped."""
 import os
 import pty
 import sys
@@ -20,7 +20,7 @@ print('ready', flush=True)
 
 
 def packet():
-    """The first whole packet that was heard: the simulator wants whole ones."""
+    """Returns the first complete packet that was received: the simulator accepts only complete packets."""
     global heard
     start = heard.find(b'\xff\xff')
     heard = heard[start:] if start >= 0 else heard[-1:]

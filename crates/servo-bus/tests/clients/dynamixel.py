@@ -2,8 +2,8 @@
 
 pip install pyserial dynamixel-sdk==4.1.0. Prints how many exchanges were wrong, and exits with 1 if any was.
 
-The ids are none of the bytes of addresses and lengths here: fastBulkRead of this SDK looks for an id among all bytes of
-its question, and takes the length of the wrong servo, or reads past the end, where another byte is equal."""
+The ids differ from all bytes of addresses and lengths in this test: fastBulkRead of this SDK searches for an id in all
+bytes of its question. If another byte is equal, it uses the length of a wrong servo, or reads past the end."""
 import random
 import sys
 import time
@@ -16,7 +16,7 @@ assert port.openPort() and port.setBaudRate(1000000)
 
 
 def patient(port, length):
-    """Half a second for an answer: this machine may be busy. Whoever is silent is still wrong."""
+    """Waits half a second for an answer, because this machine may be busy. A silent servo still counts as wrong."""
     port.packet_start_time = port.getCurrentTime()
     port.packet_timeout = 500.0
 
@@ -24,7 +24,7 @@ def patient(port, length):
 port.setPacketTimeout = patient.__get__(port)
 rng = random.Random(16)
 IDS = (11, 12, 13)
-# address, size, least, most: what may be written while torque is off, and the table does not couple.
+# Address, size, minimum, maximum of registers that may be written while torque is off, independently of each other.
 ITEMS = [(65, 1, 0, 1), (84, 2, 0, 16383), (80, 2, 0, 16383), (100, 2, -885, 885), (102, 2, -1750, 1750),
          (104, 4, -445, 445), (108, 4, 0, 32767), (112, 4, 0, 32767), (116, 4, 0, 4095)]
 model = {i: {} for i in IDS}
@@ -99,7 +99,7 @@ def one(kind):
         got += (read(i, address, size),)
         check(kind, got == ((0, 0), 0, (raw(value, size), 0, 0)), got)
     elif kind == 'stuffing':
-        # Goal PWM -1, then a current that begins with FD: FF FF FD. The SDK does not stuff what it writes.
+        # Goal PWM -1, then a current that begins with FD: FF FF FD. The SDK does not stuff its packets.
         low = rng.randrange(6)
         got = pk.writeTxRx(port, i, 100, 4, [0xFF, 0xFF, 0xFD, low]), pk.readTxRx(port, i, 100, 4)
         model[i].update({100: -1, 102: 0xFD | low << 8})
@@ -111,7 +111,7 @@ def one(kind):
         check(kind, got == (0, 5), got)
     elif kind == 'reboot':
         got = pk.reboot(port, i),
-        # It needs a moment to start.
+        # The servo needs a moment to start.
         time.sleep(0.4)
         got += (read(i, 64, 1),)
         model[i].clear()

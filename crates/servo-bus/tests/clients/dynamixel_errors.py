@@ -1,8 +1,10 @@
-"""What ROBOTIS's dynamixel-sdk is told of a servo that is too hot. Usage: dynamixel_errors.py LINK COUNT, with
+"""Checks the errors that ROBOTIS's dynamixel-sdk reports for a servo that is too hot.
+
+Usage: dynamixel_errors.py LINK COUNT, with
 sinew servo simulate --kind xl330 --ids 11,12 --fault 12:hot=90.
 
-Servo 12 has switched itself off: each of its answers has the alert bit, with an error number if there is one besides,
-and Hardware Error Status (70) says why. Servo 11 tells nothing of it. Exits with 1 if any exchange was wrong."""
+Servo 12 has switched itself off: each of its answers has the alert bit, and an error number if an instruction fails.
+Hardware Error Status (70) contains the cause. Servo 11 reports no error. Exits with 1 if any exchange was wrong."""
 import random
 import sys
 import time
@@ -15,7 +17,7 @@ assert port.openPort() and port.setBaudRate(1000000)
 
 
 def patient(port, length):
-    """Half a second for an answer: this machine may be busy. Whoever is silent is still wrong."""
+    """Waits half a second for an answer, because this machine may be busy. A silent servo still counts as wrong."""
     port.packet_start_time = port.getCurrentTime()
     port.packet_timeout = 500.0
 
@@ -23,9 +25,9 @@ def patient(port, length):
 port.setPacketTimeout = patient.__get__(port)
 rng, wrong = random.Random(16), []
 OVERHEATING, DATA_LIMIT = 1 << 2, 6
-# Until the servo has looked at its sensor once.
+# Wait until the servo has read its sensor once.
 assert any(pk.read1ByteTxRx(port, 12, 70)[0] == OVERHEATING for n in range(1000))
-# Torque is on for one and the other, until the other finds that it is too hot.
+# Torque is on for both servos, until servo 12 detects that it is too hot.
 assert pk.write1ByteTxRx(port, 11, 64, 1) == (0, 0)
 pk.write1ByteTxRx(port, 12, 64, 1)
 for n in range(count):

@@ -1,7 +1,7 @@
 """Random exchanges of a Feetech SDK with simulated servos 1, 2, 3. Usage: feetech.py LINK COUNT sts|scs.
 
 feetech-servo-sdk, ftservo-python-sdk and vassar-feetech-servo-sdk share the module scservo_sdk: install each with
-pip install --no-deps --target DIR NAME, and choose by PYTHONPATH. Exits with 1 if any exchange was wrong."""
+pip install --no-deps --target DIR NAME, and select one by PYTHONPATH. Exits with 1 if any exchange was wrong."""
 import random
 import sys
 
@@ -13,7 +13,7 @@ assert port.openPort() and port.setBaudRate(1000000)
 
 
 def patient(port, length):
-    """Half a second for an answer: this machine may be busy. Whoever is silent is still wrong."""
+    """Waits half a second for an answer, because this machine may be busy. A silent servo still counts as wrong."""
     port.packet_start_time = port.getCurrentTime()
     port.packet_timeout = 500.0
 

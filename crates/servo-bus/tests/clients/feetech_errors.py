@@ -1,8 +1,10 @@
-"""What a Feetech SDK is told of an STS3215 that is too hot. Usage: feetech_errors.py LINK COUNT, with
+"""Checks the errors that a Feetech SDK reports for an STS3215 that is too hot.
+
+Usage: feetech_errors.py LINK COUNT, with
 sinew servo simulate --kind sts3215 --ids 1,2 --fault 2:hot=90.
 
-Servo 2 has switched itself off: each of its answers says so, the bit of the temperature. Servo 1 tells nothing of it.
-PYTHONPATH chooses the SDK, as for feetech.py. Exits with 1 if any exchange was wrong."""
+Servo 2 has switched itself off: each of its answers has the temperature bit. Servo 1 reports no error.
+PYTHONPATH selects the SDK, as for feetech.py. Exits with 1 if any exchange was wrong."""
 import random
 import sys
 import time
@@ -15,7 +17,7 @@ assert port.openPort() and port.setBaudRate(1000000)
 
 
 def patient(port, length):
-    """Half a second for an answer: this machine may be busy. Whoever is silent is still wrong."""
+    """Waits half a second for an answer, because this machine may be busy. A silent servo still counts as wrong."""
     port.packet_start_time = port.getCurrentTime()
     port.packet_timeout = 500.0
 
@@ -25,7 +27,7 @@ old = not hasattr(S, 'sms_sts')
 pk, first = (S.PacketHandler(0), (port,)) if old else (S.sms_sts(port), ())
 rng, wrong = random.Random(16), []
 TOO_HOT = 1 << 2
-# Until the servo has looked at its sensor once.
+# Wait until the servo has read its sensor once.
 assert any(pk.read1ByteTxRx(*first, 2, 65)[0] == TOO_HOT for n in range(1000))
 for i in (1, 2):
     pk.write1ByteTxRx(*first, i, 40, 1)
@@ -41,7 +43,7 @@ for n in range(count):
     told = pk.getRxPacketError(answer[-1])
     if answer != expected or ('heat' in told.lower()) != (i == 2):
         wrong.append((i, name, answer, expected, told))
-# A goal switches torque on, until the servo finds that it is too hot.
+# A goal switches torque on, until the servo detects that it is too hot.
 time.sleep(0.05)
 torque = [pk.read1ByteTxRx(*first, i, 40) for i in (1, 2)]
 if torque != [(1, 0, 0), (0, 0, TOO_HOT)]:

@@ -1,7 +1,7 @@
 """Random exchanges of LeRobot's motor buses with simulated servos 1, 2, 3.
 
-Usage: lerobot_bus.py LINK COUNT dxl|sts DIR. DIR: pip download --no-deps lerobot==0.4.4, unzipped; it is used without
-torch. Needs numpy, deepdiff, tqdm, pyserial, and dynamixel-sdk or feetech-servo-sdk.
+Usage: lerobot_bus.py LINK COUNT dxl|sts DIR. DIR: pip download --no-deps lerobot==0.4.4, unzipped, so that torch
+is not needed. Needs numpy, deepdiff, tqdm, pyserial, and dynamixel-sdk or feetech-servo-sdk.
 Exits with 1 if any exchange was wrong."""
 import random
 import sys
@@ -34,7 +34,7 @@ bus = Bus(link, {'j%d' % i: Motor(i, model, MotorNormMode.DEGREES) for i in (1, 
 
 
 def patient(port, length):
-    """Half a second for an answer: this machine may be busy. Whoever is silent is still wrong."""
+    """Waits half a second for an answer, because this machine may be busy. A silent servo still counts as wrong."""
     port.packet_start_time = port.getCurrentTime()
     port.packet_timeout = 500.0
 
@@ -42,8 +42,8 @@ def patient(port, length):
 bus.port_handler.setPacketTimeout = patient.__get__(bus.port_handler)
 bus.connect(handshake=True)
 rng, wrong = random.Random(16), []
-# How far from its goal a servo rests, in counts, as it holds a tenth of its stall torque, and by friction and play.
-# An XL330 gives way by 0.06 N m / 0.55 N m/rad = 71, 15 and 0; an STS3215 by 0.2 / 17.8 = 7, 4 and 6.
+# Distance from the goal at rest, in counts: from holding a tenth of the stall torque, from friction and from play.
+# XL330: 0.06 N m / 0.55 N m/rad = 71, 15 and 0. STS3215: 0.2 / 17.8 = 7, 4 and 6.
 SAG = 90 if kind == 'dxl' else 20
 
 

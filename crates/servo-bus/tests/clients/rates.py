@@ -1,9 +1,10 @@
-"""The rate that ROBOTIS's dynamixel-sdk reaches with simulated XL330. Usage: rates.py LINK IDS, for example 6 for ids
-1 to 6. pip install pyserial dynamixel-sdk==4.1.0.
+"""Measures the rate that ROBOTIS's dynamixel-sdk reaches with simulated XL330.
+
+Usage: rates.py LINK IDS, for example 6 for ids 1 to 6. pip install pyserial dynamixel-sdk==4.1.0.
 
 In each tick all servos are written (goal position) and read (current, speed, position), as in the table of
-docs/buses.md; nobody's supply is read. The servos' time is that of this machine, their bytes take the time that the
-wire takes: a busy machine makes the rate smaller, never larger. Prints a row for each rate of the bus."""
+docs/buses.md; no supply is read. The servos run in real time, and their bytes take as long as on a real wire:
+a busy machine makes the rate smaller, never larger. Prints a row for each rate of the bus."""
 import sys
 import time
 
@@ -26,7 +27,7 @@ def wait_long(port, length):
 
 port.setPacketTimeout = wait_long.__get__(port)
 for i in ids:
-    # Answers after 2 us, and only to what reads.
+    # Return delay 2 us, and answers only to reads.
     assert pk.write1ByteTxRx(port, i, 9, 1) == (0, 0)
     assert pk.write1ByteTxOnly(port, i, 68, 1) == 0
 writer, reader = D.GroupSyncWrite(port, pk, *GOAL), D.GroupSyncRead(port, pk, *STATE)

@@ -11,8 +11,8 @@ link, count, kind = sys.argv[1], int(sys.argv[2]), sys.argv[3]
 bus = (rustypot.Xl330PyController if kind == 'dxl' else rustypot.Sts3215PyController)(link, 1000000, 0.5)
 rng = random.Random(16)
 IDS, wrong, by_kind = [1, 2, 3], [], {}
-# How far from its goal a servo rests, in counts, as it holds a tenth of its stall torque, and by friction and play.
-# An XL330 gives way by 0.06 N m / 0.55 N m/rad = 71, 15 and 0; an STS3215 by 0.2 / 17.8 = 7, 4 and 6.
+# Distance from the goal at rest, in counts: from holding a tenth of the stall torque, from friction and from play.
+# XL330: 0.06 N m / 0.55 N m/rad = 71, 15 and 0. STS3215: 0.2 / 17.8 = 7, 4 and 6.
 SAG = 90 if kind == 'dxl' else 20
 
 

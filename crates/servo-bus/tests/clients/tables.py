@@ -1,14 +1,15 @@
-"""Our control tables against the machine-readable ones inside ROBOTIS's dynamixel-sdk (Apache-2.0).
+"""Compares our control tables with the machine-readable tables inside ROBOTIS's dynamixel-sdk (Apache-2.0).
 
-Usage: cargo run -p sinew-servo-bus --example tables | tables.py. pip install dynamixel-sdk==4.1.0. These files hold
-address, size and name of each item; none says whether it can be written. Exits with 1 if anything differs that is not in KNOWN."""
+Usage: cargo run -p sinew-servo-bus --example tables | tables.py. pip install dynamixel-sdk==4.1.0. These files contain
+address, size and name of each register, but not whether it can be written. Exits with 1 if anything differs that is
+not in KNOWN."""
 import pathlib
 import re
 import sys
 
 import dynamixel_easy_sdk
 
-# What is ours and not theirs, with the reason. By name, in all models that have it.
+# Registers that only our tables have, by name, with the reason. They apply to all models that have the register.
 KNOWN = {
     'Startup Configuration': 'the e-manual has it (address 60), their files leave it out',
     'Backup Ready': 'the e-manual has it (address 147), their files leave it out',
@@ -25,7 +26,7 @@ def plain(name):
 
 
 def theirs(number, firmware):
-    """Address and size by name, of one model. Names of the library's own shortcuts are left out."""
+    """Returns address and size of each register of a model, by name, without the library's own shortcuts."""
     name = files[number]
     moved = name.replace('.model', '_fw52.model')
     if firmware >= 52 and (folder / moved).exists():
@@ -39,7 +40,7 @@ def theirs(number, firmware):
 ours = {}
 for line in sys.stdin:
     number, firmware, address, size, access, name = line.rstrip('\n').split('\t')
-    # Of several runs of indirect items, theirs names the first.
+    # Their tables name only the first of several runs of indirect registers.
     items = ours.setdefault((int(number), int(firmware)), {})
     items.setdefault(plain(name), (int(address), int(size), name))
 compared, wrong, known = 0, [], set()

@@ -1,4 +1,4 @@
-//! Registers of simulated devices against what a rig asks, over a bus.
+//! Tests the comparison of device registers with the requirements of a rig, over a bus.
 
 use sinew_servo_bus::dynamixel::table::{MODELS, Model, Table, address};
 use sinew_servo_bus::dynamixel::{self, Device};
@@ -10,7 +10,7 @@ use sinew_servo_bus::{
 
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
 
-/// An XL330 as its kind has it, 100 degrees either way of the middle.
+/// An XL330 with the values of its kind and a range of 100 degrees either way of the middle.
 const DEMAND: ServoRequirements = ServoRequirements {
     mode: Mode::Position,
     range_rad: [std::f32::consts::PI - 1.75, std::f32::consts::PI + 1.75],
@@ -26,7 +26,7 @@ fn model(name: &str) -> &'static Model {
     MODELS.iter().find(|model| model.name == name).unwrap()
 }
 
-/// One tick; says what was asked for behind the readings. `damage` changes replies.
+/// Runs one tick. Returns the number of questions after the readings. `damage` changes the replies.
 fn tick<D: BusDevice>(
     bus: &mut impl ServoBus,
     device: &mut D,
@@ -34,7 +34,7 @@ fn tick<D: BusDevice>(
     mut damage: impl FnMut(&mut Vec<u8>),
 ) -> usize {
     let (mut out, mut scratch, mut questions) = ([0; 256], [0; 256], 0);
-    // As a controller does in every tick, while torque is off.
+    // A controller sends this in every tick while torque is off.
     bus.command(0, Command::Torque(false)).unwrap();
     let mut request = Some(bus.plan(&mut out).unwrap());
     while let Some(asked) = request {
@@ -53,7 +53,7 @@ fn tick<D: BusDevice>(
     questions - 1
 }
 
-/// Ticks until it is known.
+/// Runs ticks until the comparison has a result.
 fn compare<D: BusDevice>(
     bus: &mut impl ServoBus,
     device: &mut D,
@@ -97,9 +97,9 @@ fn feetech_bus(family: Family) -> feetech::Bus<1> {
     feetech::Bus::new(&[setup], schedule, settings).unwrap()
 }
 
-/// Something else than a setting asks for.
+/// Returns a value that differs from the required value.
 fn wrong(setting: &Setting) -> i32 {
-    // A status level of 0 would be silence.
+    // A status level of 0 would make the servo silent.
     if setting.raw > 1 { setting.raw - 1 } else { setting.raw + 1 }
 }
 
@@ -126,7 +126,7 @@ fn every_register_of_a_dynamixel_is_compared() {
         for setting in &settings {
             device.memory_mut().set(setting.item.address, wrong(setting));
             let found = compare(&mut bus, &mut device, DEMAND);
-            // A P gain is forgotten without power: the bus writes it.
+            // A servo loses its P gain without power, so the bus writes it.
             let is_written = setting.item.address == address::POSITION_P;
             let expected = if is_written { Compared::Same } else { difference(setting) };
             assert_eq!(found, expected, "{name}");
@@ -167,7 +167,7 @@ fn every_register_of_a_feetech_is_compared() {
     }
 }
 
-/// A servo whose torque is on, whatever it is told.
+/// A servo whose torque stays on, whatever it is commanded.
 struct Stuck<D>(D, fn(&mut D));
 
 impl<D: BusDevice> BusDevice for Stuck<D> {
@@ -216,7 +216,7 @@ fn a_servo_that_keeps_its_torque_is_found_by_its_register() {
     }
 }
 
-/// One that has run out takes 0 alone. The packets of its turn may be lost: there is another.
+/// A watchdog that has expired accepts only 0. If the packets of one turn are lost, the next turn repeats them.
 #[test]
 fn the_watchdog_of_a_dynamixel_is_cleared_and_set_while_torque_is_off() {
     let table = Table { model: model("XL330-M288"), firmware: 52 };
@@ -274,17 +274,17 @@ fn limits_are_what_the_rig_says() {
         settings::dynamixel(Table { model: model(name), firmware: 52 }, requirements)
             .collect::<Vec<_>>()
     };
-    // 1.75 rad are 1140.8 counts: rounded inwards. 0.2 N m and friction, over 0.387 N m/A, are 0.55 A.
+    // 1.75 rad are 1140.8 counts, rounded inwards. 0.2 N m and friction, over 0.387 N m/A, are 0.55 A.
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", DEMAND), at)), [2048 + 1140, 2048 - 1140]);
     assert_eq!([36, 38].map(|at| raw(of("XL330-M288", DEMAND), at)), [885, 550]);
-    // A range that ends on a count ends there, whatever f32 makes of it; a whole turn is one count less.
+    // A range that ends on a count ends there despite f32 rounding. A whole turn is one count less.
     let right = std::f32::consts::FRAC_PI_2;
     let middle = std::f32::consts::PI;
     let quarter = ServoRequirements { range_rad: [middle - right, middle + right], ..DEMAND };
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", quarter), at)), [3072, 1024]);
     let whole = ServoRequirements { range_rad: [0.0, 2.0 * middle], ..DEMAND };
     assert_eq!([48, 52].map(|at| raw(of("XL330-M288", whole), at)), [4095, 0]);
-    // All of its torque: as the factory has it. Where no current is measured, PWM is what limits.
+    // Full torque means the factory value. A servo without current measurement is limited by its PWM.
     let strong = ServoRequirements { torque_nm: 0.52, ..DEMAND };
     assert_eq!(raw(of("XL330-M288", strong), 38), 1750);
     assert_eq!(raw(of("XL430-W250", strong), 36), 885);
@@ -315,14 +315,14 @@ fn what_is_lost_is_asked_for_again_and_one_damaged_answer_is_no_difference() {
     };
     let (whole, same) = ticks(&mut |_, _| {});
     assert_eq!(same, Compared::Same);
-    // Every other answer is lost.
+    // Every second answer is lost.
     let (lossy, same) = ticks(&mut |count, came| {
         if count % 2 == 0 {
             came.clear();
         }
     });
     assert_eq!((lossy, same), (2 * whole, Compared::Same));
-    // Every other one has another number, with a sum that fits: one packet in 256 passes it by chance.
+    // Every second answer has another number with a matching sum: one damaged packet in 256 has this by chance.
     let (damaged, same) = ticks(&mut |count, came| {
         if let (0, [_, _, _, _, _, first, .., sum]) = (count % 2, came.as_mut_slice()) {
             (*first, *sum) = (first.wrapping_add(1), sum.wrapping_sub(1));
@@ -341,7 +341,8 @@ fn supply_and_temperature_wait_where_there_is_no_time_for_both() {
     }
     let mut bus = dynamixel_bus(table.model);
     bus.compare(Some((0, DEMAND)));
-    // 28 bytes for one, 24 to 35 for the other, at 10 us; and 7 us between question and answer.
+    // 28 bytes for supply and temperature, 24 to 35 bytes for registers, at 10 us each; and 7 us between question and
+    // answer.
     let mut count = 0;
     while bus.compared() == Compared::Reading {
         let mut left_us = 400;
@@ -360,7 +361,7 @@ fn supply_and_temperature_wait_where_there_is_no_time_for_both() {
         assert!(count < 40);
     }
     assert_eq!(bus.compared(), Compared::Same);
-    // In turn with the registers.
+    // Supply and temperature alternate with the registers.
     assert!(bus.health(0).unwrap().age_ticks <= 2, "{:?}", bus.health(0));
 }
 
@@ -377,7 +378,7 @@ fn a_bus_compares_what_it_was_asked_last_and_nothing_of_servos_without_registers
     bus.compare(None);
     assert_eq!(bus.compared(), Compared::Nothing);
     assert_eq!(tick(&mut bus, &mut device, 3_000, |_| {}), without);
-    // A servo that the bus does not have is never as it should be.
+    // The comparison never ends for a servo that the bus does not have.
     bus.compare(Some((1, DEMAND)));
     for _ in 0..40 {
         tick(&mut bus, &mut device, 3_000, |_| {});

@@ -1,5 +1,5 @@
-//! A rig's side against simulated devices on one line: what is commanded arrives, what is measured comes back, and a
-//! tick takes as long as the schedule says.
+//! Tests a bus against simulated devices on one line: commands arrive, readings return, and a tick takes the time that
+//! the schedule computes.
 
 use sinew_servo_bus::dynamixel::table::{MODELS, Table, address};
 use sinew_servo_bus::dynamixel::{self, Mode, ServoSetup, Settings};
@@ -14,7 +14,7 @@ const TIMING: Timing = Timing { baud: 2_000_000, return_delay_us: 2, turnaround_
 
 type Dxl<'m> = dynamixel::Device<'m, 512>;
 
-/// Bytes on the wire, and how often it was silent, in one tick.
+/// The traffic of one tick: bytes on the wire, and number and length of the silences.
 #[derive(Debug, Default, PartialEq, Clone, Copy)]
 struct Wire {
     bytes: usize,
@@ -22,12 +22,12 @@ struct Wire {
     turns: u32,
 }
 
-/// One tick as a controller does it: ask, take what comes, ask again until there is nothing to ask.
+/// Runs one tick like a controller: asks, passes on the replies, and asks again until there is nothing to ask.
 fn tick<D: BusDevice>(bus: &mut impl ServoBus, devices: &mut [D], left_us: u32) -> Wire {
     tick_with(bus, devices, left_us, false)
 }
 
-/// The same, with an adapter that may give back what it sends.
+/// Runs one tick with an adapter that may echo the bytes that it sends.
 fn tick_with<D: BusDevice>(
     bus: &mut impl ServoBus,
     devices: &mut [D],
@@ -86,7 +86,7 @@ fn devices(memories: &mut [Vec<u8>], mode: Mode) -> Vec<Dxl<'_>> {
     devices.collect()
 }
 
-/// At 100 Hz, all in each tick.
+/// Creates a bus at 100 Hz that reads all servos in each tick.
 fn with_retries(count: u8, fast: bool, retries: u8) -> dynamixel::Bus<40> {
     let setups: Vec<_> = (1..=count).map(|id| setup(id, Mode::Position)).collect();
     let schedule = Schedule::new(TIMING, &dynamixel::traffic(count.into(), 4, fast), 100).unwrap();
@@ -167,8 +167,8 @@ fn currents_are_limited_and_nan_refused() {
     );
 }
 
-/// With a fast read all behind a dead servo are silent. It is asked by itself and left out from then on, so that the
-/// others miss one tick for each servo that dies, however many there are.
+/// With a fast read, all servos after a dead servo are silent. The bus asks the dead servo alone and leaves it out from
+/// then on. The other servos thus miss one tick for each servo that dies, on a bus of any size.
 #[test]
 fn dead_servos_do_not_silence_the_others() {
     for (fast, dead) in [(false, &[2][..]), (true, &[2]), (true, &[0]), (true, &[0, 7, 19])] {
@@ -194,7 +194,7 @@ fn dead_servos_do_not_silence_the_others() {
                 }
             }
         }
-        // They are asked all the same, one a tick, and are back as soon as they answer.
+        // The bus still asks the dead servos, one in each tick, and they are back as soon as they answer.
         for servo in dead {
             devices.insert(*servo, taken.pop().unwrap());
         }
@@ -217,7 +217,7 @@ fn an_alert_is_read_out() {
     assert!(!bus.health(0).unwrap().alert);
 }
 
-/// Wire time from the bytes and silences that were logged, apart from the schedule's own arithmetic.
+/// Computes the wire time from the logged bytes and silences, independently of the schedule's own arithmetic.
 #[test]
 fn ticks_take_what_the_schedule_says() {
     for count in [6, 18, 40] {
@@ -252,8 +252,8 @@ fn ticks_take_what_the_schedule_says() {
 fn reads_are_spread_where_a_tick_is_too_short() {
     let traffic = dynamixel::traffic(18, 4, false);
     let spread = Schedule::new(TIMING, &traffic, 1000).unwrap();
-    // 104 bytes of goals, 16 of a question and 42 of answers, 28 of the read besides: 950 us. Three return delays of
-    // 2 us, two turnarounds of 5.
+    // 104 bytes of goals, 16 of a question and 42 of answers, 28 of the additional read: 950 us. Plus three return
+    // delays of 2 us and two turnarounds of 5 us.
     assert_eq!((spread.tick_us(), spread.groups(), spread.busy_us()), (1000, 9, 966));
     assert!(spread.busy_us() <= 1000);
     let reads: Vec<usize> =
@@ -342,7 +342,7 @@ fn feetech_of_both_families() {
                 .collect();
             let settings = feetech::Settings { family, echo, retries: 1, speed_counts: 1 };
             let mut bus = feetech::Bus::<4>::new(&setups, schedule, settings).unwrap();
-            // A goal would switch torque on: none is sent while it is to be off.
+            // A goal would switch torque on, so none is sent while torque must be off.
             assert_eq!(bus.command(0, Command::Position(2.0)), Ok(Some(Limit::TorqueOff)));
             tick_with(&mut bus, &mut devices, 10_000, echo);
             assert_eq!(devices[0].get(feetech::table::address::TORQUE_ENABLE), 0);
@@ -374,7 +374,7 @@ fn feetech_of_both_families() {
 }
 
 proptest::proptest! {
-    /// Whatever is commanded, what goes over the wire is within the limits of the setup.
+    /// For any command, the goals on the wire are within the limits of the setup.
     #[test]
     fn no_command_leaves_its_limits(
         numbers in proptest::collection::vec(proptest::num::f32::ANY, 4),
@@ -398,7 +398,7 @@ proptest::proptest! {
                     bus = before;
                 }
             }
-            // Where nothing was commanded, a goal of the factory's stands: not ours.
+            // A goal that was not commanded has the factory's value, which the test replaces.
             let memory = devices[0].memory_mut();
             memory.set(address::GOAL_POSITION, 1000);
             memory.set(address::GOAL_PWM, 0);

@@ -1,4 +1,4 @@
-//! What simulated servos answer, by the text of the protocols.
+//! Tests the answers of simulated servos against the text of the protocols.
 
 use sinew_servo_bus::dynamixel::table::{Table, address};
 use sinew_servo_bus::dynamixel::{
@@ -70,7 +70,7 @@ fn writes_are_checked() {
     assert_eq!(write(&mut devices, 9, &[255]), Some(ErrorCode::DataRange));
     assert_eq!(devices[0].memory().get(address::GOAL_POSITION), 3000);
 
-    // Several items at once: all or nothing.
+    // A write of several registers is executed completely or not at all.
     let block = [&[0, 0][..], &[100, 0], &[0; 12], &goal(2000), &[0]].concat();
     assert_eq!(write(&mut devices, 100, &block[..20]), None);
     assert_eq!(
@@ -80,7 +80,7 @@ fn writes_are_checked() {
     );
     assert_eq!(devices[0].memory().get(address::GOAL_CURRENT), 100);
 
-    // EEPROM is shut while torque is on.
+    // EEPROM cannot be written while torque is on.
     assert_eq!(write(&mut devices, 9, &[1]), None);
     assert_eq!(write(&mut devices, 64, &[1]), None);
     assert_eq!(write(&mut devices, 9, &[2]), Some(ErrorCode::Access));
@@ -102,7 +102,7 @@ fn reads_errors_and_the_alert() {
     devices[0].memory_mut().set(address::HARDWARE_ERROR, 1);
     assert_eq!(ask(&mut devices, 1, read(70, 1)), [(1, 0x80, vec![1])]);
     assert_eq!(write(&mut devices, 66, &[0]), Some(ErrorCode::Access));
-    // Only a reboot clears it.
+    // Only a reboot clears the error.
     assert_eq!(ask(&mut devices, 1, Instruction::Reboot), [(1, 0x80, vec![])]);
     assert_eq!(ask(&mut devices, 1, Instruction::Ping), [(1, 0, vec![0xB0, 0x04, 52])]);
 }
@@ -136,7 +136,7 @@ fn damaged_and_unknown_packets_are_told() {
     let len = frame.finish().unwrap();
     let (said, _) = say(&mut devices, &out[..len]);
     assert_eq!(said[8], ErrorCode::Instruction.number());
-    // What is cut short says nothing, and does not disturb what comes next.
+    // A cut packet is not answered, and does not disturb the next packet.
     assert!(say(&mut devices, &crc[..9]).0.is_empty());
     assert_eq!(ask(&mut devices, 1, Instruction::Ping).len(), 1);
 }
@@ -175,7 +175,7 @@ fn several_answer_in_the_order_of_the_list() {
         ids(ask(&mut devices, BROADCAST, Instruction::SyncRead(span(&[3, 1, 2])))),
         [3, 1, 2]
     );
-    // 9 is absent: who waits for it goes on after a silence.
+    // Servo 9 is absent: the servo after it answers after a silence.
     assert_eq!(ids(ask(&mut devices, BROADCAST, Instruction::SyncRead(span(&[3, 9, 2])))), [3, 2]);
     let bulk = [2, 6, 0, 1, 0, 1, 7, 0, 1, 0];
     let replies = ask(&mut devices, BROADCAST, Instruction::BulkRead(&bulk));
@@ -195,10 +195,10 @@ fn several_answer_in_the_order_of_the_list() {
     assert_eq!(dynamixel::crc::Crc::of(&said[..24]).to_le_bytes(), said[24..]);
     let said = fast(Instruction::FastBulkRead(&bulk), &mut devices);
     assert_eq!((said.len(), said[9], said[14]), (8 + 2 * 5, 2, 1));
-    // With a dead one in front of them, all others are silent.
+    // If the first servo is dead, all servos after it are silent.
     assert!(fast(Instruction::FastSyncRead(span(&[9, 1, 2])), &mut devices).is_empty());
     assert_eq!(fast(Instruction::FastSyncRead(span(&[1, 9, 2])), &mut devices).len(), 8 + 6);
-    // And the next packet is heard all the same.
+    // The next packet is still received.
     assert_eq!(
         ids(ask(&mut devices, BROADCAST, Instruction::SyncRead(span(&[1, 2, 3])))),
         [1, 2, 3]
@@ -217,7 +217,7 @@ fn writes_for_several() {
     let bulk = Instruction::BulkWrite(&[2, 65, 0, 1, 0, 0, 1, 65, 0, 1, 0, 1]);
     assert_eq!(ask(&mut devices, BROADCAST, bulk), []);
     assert_eq!(leds(&devices), [1, 0]);
-    // A second id is obeyed, not answered.
+    // A servo obeys its second id, but does not answer it.
     for device in &mut devices {
         device.memory_mut().set(address::SECONDARY_ID, 7);
     }
@@ -288,7 +288,7 @@ fn the_bus_watchdog_runs_out() {
     assert_eq!(write(&mut devices, 64, &[1]), None);
     devices[0].pass_time(100_000);
     assert_eq!(devices[0].memory().get(address::BUS_WATCHDOG), 5);
-    // Any instruction counts, also another servo's.
+    // Any instruction restarts the watchdog, also an instruction to another servo.
     assert_eq!(ask(&mut devices, 9, Instruction::Ping), []);
     devices[0].pass_time(100_001);
     assert_eq!(
@@ -360,7 +360,7 @@ fn feetech_servos() {
         ask_feetech(&mut devices, 1, Read { address: 3, length: 3 }),
         [(1, 0, vec![9, 3, 1])]
     );
-    // What is written to EEPROM with the lock shut is forgotten by a reboot.
+    // A value written to EEPROM with the lock shut is lost at a reboot.
     assert_eq!(ask_feetech(&mut devices, 1, Write { address: 13, data: &[60] }), [(1, 0, vec![])]);
     assert_eq!(devices[0].get(13), 60);
     assert_eq!(ask_feetech(&mut devices, 1, Reboot), []);
@@ -371,7 +371,7 @@ fn feetech_servos() {
     assert_eq!(ask_feetech(&mut devices, 1, Write { address: 13, data: &[60] }).len(), 1);
     assert_eq!(ask_feetech(&mut devices, 1, Reboot), []);
     assert_eq!((devices[0].get(13), devices[0].get(55)), (60, 1), "stored, and shut again");
-    // A goal position switches torque on; what is measured cannot be written.
+    // A goal position switches torque on; a measured value cannot be written.
     assert_eq!(ask_feetech(&mut devices, 1, Write { address: 42, data: &[0xE8, 0x83] }).len(), 1);
     assert_eq!((devices[0].get(40), devices[0].get(42)), (1, -1000));
     assert_eq!(ask_feetech(&mut devices, 1, Write { address: 56, data: &[1, 1] }).len(), 1);

@@ -1,4 +1,4 @@
-//! Our control tables against the makers' machine-readable ones: see `facts/dynamixel_tables.tsv`.
+//! Compares our control tables with the makers' machine-readable tables: see `facts/dynamixel_tables.tsv`.
 
 use sinew_servo_bus::dynamixel::table::{MODELS, Table, address};
 use sinew_servo_bus::table::{Access, ByteOrder};
@@ -35,7 +35,7 @@ fn addresses_sizes_and_names_are_the_makers() {
     assert!(compared > 800, "only {compared} items compared");
 }
 
-/// What the manual lists and the makers' files leave out.
+/// Registers that are in the manual, but not in the makers' files.
 const ONLY_IN_THE_MANUAL: [&str; 2] = ["Startup Configuration", "Backup Ready"];
 
 #[test]

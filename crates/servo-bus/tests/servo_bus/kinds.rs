@@ -1,4 +1,4 @@
-//! Kinds of servo by the names of rig files, and the models whose registers they have.
+//! Tests which model's registers belong to a servo kind as named in rig files.
 
 use sinew_servo_bus::{dynamixel, feetech};
 
@@ -34,7 +34,7 @@ fn other_names_have_no_registers() {
     }
 }
 
-/// Otherwise the order of the lists would decide.
+/// Otherwise the result would depend on the order of the lists.
 #[test]
 fn no_model_is_a_kind_of_another() {
     let names = || {

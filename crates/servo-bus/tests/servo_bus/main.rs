@@ -1,4 +1,4 @@
-//! Both protocols and the PCA9685, from both ends of the wire.
+//! Tests of both protocols and the PCA9685, from both ends of the wire.
 
 mod compare;
 mod cycle;

@@ -1,4 +1,5 @@
-//! Packets as the makers' manuals print them, read and written. Where a packet is not printed anywhere, it says so.
+//! Writes and reads packets as the makers' manuals print them. A comment marks each packet that is not printed
+//! anywhere.
 
 use sinew_servo_bus::dynamixel::fast::{FastReader, FastTurn, answer_len};
 use sinew_servo_bus::dynamixel::group::{BulkEntry, BulkWriter, SyncWriter, bulk_entries};
@@ -32,7 +33,8 @@ fn check_status(status: Status<'_>, bytes: &str) {
     assert_eq!(Status::of(parser.next(&mut &out[..len]).unwrap()), Some(status));
 }
 
-/// Source: e-manual, "Protocol 2.0". The fast read, torque off and the watchdog are computed from its rules.
+/// Source: e-manual, "Protocol 2.0". The packets for the fast read, torque off and the watchdog are computed from its
+/// rules.
 #[test]
 fn dynamixel_instructions() {
     let position = |ids| Span { address: 132, length: 4, ids };
@@ -82,7 +84,7 @@ fn dynamixel_writes_for_several_servos() {
     assert_eq!(out[..len], hex(printed));
 }
 
-/// Source: e-manual, "Protocol 2.0"; the last three are computed from its rules.
+/// Source: e-manual, "Protocol 2.0"; the last three packets are computed from its rules.
 #[test]
 fn dynamixel_replies() {
     let status = |id, error, data| Status { id, error: StatusError::from_byte(error), data };
@@ -99,7 +101,8 @@ fn dynamixel_replies() {
     assert_eq!((error.alert(), error.code()), (true, Some(ErrorCode::DataRange)));
 }
 
-/// Stuffed: computed from the rules of the e-manual. A match that begins late, as `rustypot` tests it.
+/// Stuffed packets, computed from the rules of the e-manual; and a header that begins late, as in the tests of
+/// `rustypot`.
 #[test]
 fn dynamixel_stuffing() {
     let write = Instruction::Write { address: 116, data: &[0xFF, 0xFF, 0xFD, 0] };
@@ -113,7 +116,7 @@ fn dynamixel_stuffing() {
     assert_eq!(out[10..len - 2], hex("FF FF FF FD FD FD FF FF FD FD"));
 }
 
-/// What Python's `dynamixel-sdk` 4.1.0 writes for the data FF FF FD 00: no stuffing. It is taken as it stands.
+/// Python's `dynamixel-sdk` 4.1.0 writes the data FF FF FD 00 without stuffing. Our parser leaves them unchanged.
 #[test]
 fn unstuffed_data_are_taken_as_they_stand() {
     let mut bytes = hex("FF FF FD 00 01 09 00 03 74 00 FF FF FD 00");
@@ -202,7 +205,7 @@ fn check_feetech(id: u8, instruction: feetech::Instruction<'_>, bytes: &str) {
 }
 
 /// Source: Feetech's protocol manual, as in `scs_communication_protocol.md` of vassar-robotics/feetech-servo-sdk; the
-/// sync read and torque off are computed from its rules.
+/// packets for the sync read and torque off are computed from its rules.
 #[test]
 fn feetech_packets() {
     use feetech::Instruction::{Action, ClearTurns, Ping, Read, SyncRead, SyncWrite, Write};

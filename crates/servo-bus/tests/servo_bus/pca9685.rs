@@ -1,4 +1,4 @@
-//! A PCA9685 and its hobby servos.
+//! Tests of a PCA9685 and its hobby servos.
 
 use sinew_servo_bus::pca9685::{Bus, ChannelSetup, Device, Prescale, all_off, start};
 use sinew_servo_bus::{Command, CommandError, Limit, Request, ServoBus, SetupError};
@@ -15,7 +15,7 @@ fn started(prescale: Prescale) -> Device {
     chip
 }
 
-/// Source: the data sheet's formula: the oscillator's rate by 4096 and by the pulses' rate, rounded, less 1.
+/// Source: formula of the data sheet: oscillator rate / (4096 * pulse rate), rounded, minus 1.
 #[test]
 fn prescales() {
     for (rate_hz, divider) in [(50.0, 121), (60.0, 101), (100.0, 60), (200.0, 30), (333.0, 17)] {
@@ -39,7 +39,7 @@ fn pulses_arrive() {
         let limit = bus.command(servo, Command::Position(rad)).unwrap();
         assert_eq!(limit, (servo == 2).then_some(Limit::Position));
     }
-    // Positions alone make no pulses.
+    // Positions alone cause no pulses.
     let request = bus.plan(&mut out).unwrap();
     chip.write(&out[..request.len]);
     assert!((0..16).all(|channel| chip.pulse_us(channel).is_none()));
@@ -56,7 +56,7 @@ fn pulses_arrive() {
         );
     }
     assert_eq!(chip.pulse_us(1), None);
-    // Only what changed is written: 4 bytes and the address.
+    // Only changed channels are written: 4 bytes and the address.
     bus.command(1, Command::Position(0.4)).unwrap();
     let request = bus.plan(&mut out).unwrap();
     assert_eq!((request.len, out[0]), (5, 0x06 + 12));
@@ -92,7 +92,7 @@ fn what_cannot_be_is_refused() {
     );
 }
 
-/// Every command is within the calibrated pulses, whatever is asked.
+/// Every command stays within the calibrated pulses.
 #[test]
 fn mirrored_servos_and_all_positions() {
     let prescale = Prescale::new(26.1e6, 100.0).unwrap();

@@ -1,4 +1,4 @@
-//! A position by the servo's own profile: what is in its registers, of both protocols.
+//! Tests positions with the servo's own motion profile: the register values, for both protocols.
 
 use proptest::prelude::*;
 use sinew_servo_bus::dynamixel::table::{MODELS, Table, address};
@@ -11,7 +11,7 @@ use sinew_servo_bus::{
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
 const RANGE_RAD: [f32; 2] = [1.0, 5.0];
 const COUNT_RAD: f32 = std::f32::consts::TAU / 4096.0;
-/// Velocity of a Dynamixel: 0.229 rev/min.
+/// Velocity of one Dynamixel count: 0.229 rev/min.
 const DYNAMIXEL_RAD_S: f32 = 0.229 * std::f32::consts::TAU / 60.0;
 
 fn dynamixel_bus() -> dynamixel::Bus<1> {
@@ -44,7 +44,7 @@ fn feetech_bus(speed_counts: u8) -> feetech::Bus<1> {
     bus
 }
 
-/// Sends what was commanded, and says how many bytes that were without the question.
+/// Sends the commanded packets, and passes the replies to the bus.
 fn send(bus: &mut impl ServoBus, device: &mut impl BusDevice) {
     let (mut out, mut scratch) = ([0; 128], [0; 128]);
     let request = bus.plan(&mut out).unwrap();
@@ -55,7 +55,7 @@ fn send(bus: &mut impl ServoBus, device: &mut impl BusDevice) {
 }
 
 proptest! {
-    /// The goal is within its range, and the speed the next step above what was asked: never 0, which is no limit.
+    /// The goal is within its range, and the speed is rounded up to the next step: never to 0, which means "no limit".
     #[test]
     fn the_profile_keeps_up_and_never_runs_free(
         position_rad in proptest::num::f32::ANY,
@@ -95,7 +95,7 @@ proptest! {
 fn check_speed(counts: i32, scale: f32, asked: f32) -> Result<(), TestCaseError> {
     prop_assert!((1..=32_767).contains(&counts), "{counts}");
     let given = counts as f32 * scale;
-    // A thousandth of a step is left to the rounding of f32.
+    // Tolerance of a thousandth of a step for f32 rounding.
     prop_assert!(
         counts == 32_767 || given >= asked - 1.1e-3 * scale - 1e-6 * asked,
         "{given} for {asked}"

@@ -1,4 +1,4 @@
-//! Any packet, split anywhere, comes out as it went in; any bytes at all do no harm.
+//! Tests that any packet, split anywhere, is read unchanged, and that arbitrary bytes cause no failure.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use sinew_servo_bus::{BusDevice, pca9685};
 
 const LONGEST: usize = 512;
 
-/// Bytes in which the protocol's own bytes are frequent.
+/// Generates bytes among which the protocol's special bytes are frequent.
 fn byte() -> impl Strategy<Value = u8> {
     prop_oneof![3 => Just(0xFF), 3 => Just(0xFD), 1 => Just(0), 1 => Just(0xFE), 1 => Just(0x55), 4 => any::<u8>()]
 }
@@ -80,7 +80,7 @@ fn feetech_instruction(kind: u8, lists: &Lists) -> feetech::Instruction<'_> {
     }
 }
 
-/// Cuts of a stream, as parts of a thousand.
+/// Generates the positions at which a stream is split, in thousandths of its length.
 fn cuts() -> impl Strategy<Value = Vec<usize>> {
     vec(0..=1000_usize, 0..12)
 }
@@ -143,7 +143,7 @@ proptest! {
         prop_assert!(expected.next().is_none());
     }
 
-    /// All devices in turn, behind rubbish, split anywhere.
+    /// All devices answer in turn, after random bytes, split anywhere.
     #[test]
     fn fast_replies(
         rubbish in bytes(20),
@@ -176,7 +176,7 @@ proptest! {
                 next += 1;
             }
         }
-        // Everything in front of the tear came out, and nothing behind it.
+        // All parts before the interruption were read, and no part after it.
         prop_assert!(next == parts.len() || whole < end + parts[next].2.len() + 4);
         prop_assert!(whole >= end || next == 0);
     }
@@ -196,7 +196,7 @@ proptest! {
             let id = if *kind >= 7 { feetech::BROADCAST } else { *id };
             let instruction = feetech_instruction(*kind, lists);
             let mut out = [0; 128];
-            // What opens the EEPROM or moves the middle is refused.
+            // Instructions that open the EEPROM or move the middle are refused.
             if let Ok(len) = instruction.encode(Family::Sts, id, &mut out) {
                 stream.extend_from_slice(&out[..len]);
                 sent.push((id, instruction));
@@ -214,7 +214,7 @@ proptest! {
         prop_assert!(expected.next().is_none());
     }
 
-    /// How a stream is split changes nothing, whatever is in it.
+    /// The places where a stream is split do not change the result, whatever the stream contains.
     #[test]
     fn splits_do_not_matter(stream in bytes(400), cuts in cuts()) {
         fn parse<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<(u8, u8, Vec<u8>)> {
@@ -234,7 +234,7 @@ proptest! {
         prop_assert_eq!(parse([&stream[..]]), parse(stream.chunks(1)));
     }
 
-    /// No byte stream makes a device fail, or answer more than its buffer holds.
+    /// No stream of bytes makes a device fail, or answer with more than its buffer holds.
     #[test]
     fn devices_take_anything(stream in bytes(600), packets in vec((0..14_u8, bytes(40)), 0..6)) {
         let table = Table::of(1200, 52).unwrap();

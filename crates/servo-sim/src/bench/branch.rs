@@ -1,4 +1,4 @@
-//! One of several lines to the servos of a bench.
+//! One of several bus lines to the servos of a bench.
 
 use std::cell::{Ref, RefCell, RefMut};
 use std::ops::Range;
@@ -13,23 +13,23 @@ use crate::line::LineDevice;
 use crate::load::Plant;
 use crate::wire;
 
-/// One line of a bench with several. What the servos of all lines move, what feeds them and their time are the bench's:
-/// they feel each other whatever their line.
+/// One bus line of a bench with several lines. All lines share the bench's plant, supplies and time, so servos on
+/// different lines affect each other.
 pub struct Branch<'m, P> {
     bench: Rc<RefCell<Bench<'m, P>>>,
-    /// Its own servos, as places on the bench.
+    /// Indices of this line's servos on the bench.
     servos: Range<usize>,
     baud: u32,
-    /// Between the master and servos that take pulses.
+    /// PWM chip between the master and servos that take pulses, if any.
     chip: Option<Box<Chip>>,
 }
 
 impl<'m, P: Plant> Branch<'m, P> {
-    /// The lines of a bench whose servos stand line after line; `counts`: how many each has. On each the master talks
-    /// as fast as its first servo listens.
+    /// Creates the lines of a bench whose servos are sorted by line. `counts` are the numbers of servos on the lines.
+    /// Each line starts at the baud rate of its first servo.
     ///
     /// # Panics
-    /// If there are not as many servos.
+    /// If the bench has fewer servos than the sum of `counts`.
     pub fn of(bench: Bench<'m, P>, counts: &[usize]) -> Vec<Self> {
         let mut begin = 0;
         let ranges = counts.iter().map(|count| {
@@ -44,13 +44,14 @@ impl<'m, P: Plant> Branch<'m, P> {
         ranges.into_iter().map(branch).collect()
     }
 
-    /// Puts a chip between the master, who talks I2C at this rate, and the servos of this line, which take pulses.
+    /// Connects a PWM chip between the master and this line's servos, which take pulses. The master then sends I2C at
+    /// `i2c_hz`.
     pub fn put_chip(&mut self, chip: Chip, i2c_hz: u32) {
         (self.chip, self.baud) = (Some(Box::new(chip)), i2c_hz.max(1));
         self.pulse();
     }
 
-    /// Starts its chip, if it has one, as a board does.
+    /// Starts the line's chip, if it has one, like a board does.
     pub fn start_chip(&mut self, prescale: Prescale) {
         if let Some(chip) = &mut self.chip {
             chip.start(prescale);
@@ -58,7 +59,7 @@ impl<'m, P: Plant> Branch<'m, P> {
         }
     }
 
-    /// Drives the pin OE of its chip, if it has one: without it no servo of this line gets a pulse.
+    /// Drives the pin OE of the line's chip, if it has one. With `on` false, no servo of this line receives a pulse.
     pub fn enable_pulses(&mut self, on: bool) {
         if let Some(chip) = &mut self.chip {
             chip.enable(on);
@@ -66,7 +67,7 @@ impl<'m, P: Plant> Branch<'m, P> {
         }
     }
 
-    /// Servos get the pulses that the chip makes.
+    /// Passes the chip's pulses to the servos.
     fn pulse(&mut self) {
         let Some(chip) = &self.chip else { return };
         let servos = &mut self.bench.borrow_mut().servos[self.servos.clone()];
@@ -75,12 +76,12 @@ impl<'m, P: Plant> Branch<'m, P> {
         }
     }
 
-    /// The bench of all lines.
+    /// Returns the bench of all lines.
     pub fn bench(&self) -> Ref<'_, Bench<'m, P>> {
         self.bench.borrow()
     }
 
-    /// The bench of all lines, to order faults and to set registers.
+    /// Returns the bench of all lines for changes, such as faults and registers.
     pub fn bench_mut(&mut self) -> RefMut<'_, Bench<'m, P>> {
         self.bench.borrow_mut()
     }

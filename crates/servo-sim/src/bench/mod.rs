@@ -1,4 +1,4 @@
-//! Servos in simulated time: on one line, or on several ([`Branch`]).
+//! Servos in simulated time, on one bus line or on several ([`Branch`]).
 
 mod branch;
 mod chip;
@@ -11,7 +11,7 @@ use crate::device::limits::LONGEST;
 use crate::device::{STEP_S, Servo};
 use crate::fault::{Fault, FaultKind};
 use crate::line::LineDevice;
-use crate::load::{Plant, Shaft};
+use crate::load::{Plant, Push, Shaft};
 use crate::model::Draw;
 use crate::supply::Supply;
 use crate::wire::{self, SILENCE_US};
@@ -20,55 +20,55 @@ pub use chip::{Chip, OSCILLATOR_HZ};
 
 const STEP_NS: u64 = 250_000;
 
-/// What was on the wire.
+/// Traffic on the wire so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Traffic {
-    /// Bytes of the master.
+    /// Bytes that the master sent.
     pub sent: u64,
-    /// Bytes of servos.
+    /// Bytes that servos sent.
     pub answered: u64,
-    /// Time that they took, ns.
+    /// Total time of these bytes, ns.
     pub wire_ns: u64,
 }
 
-/// Servos, a half-duplex line, supplies and a plant, in simulated time. Nothing asks a clock, and the order of all sums
-/// is fixed: the same calls give the same bits.
+/// Servos, a half-duplex line, supplies and a plant, in simulated time. The simulation reads no clock, and the order of
+/// all sums is fixed: equal calls give equal bits.
 ///
-/// Time passes as bytes pass over the wire, and while the master waits. A servo reads its registers when its own tick
-/// comes, and what it answers was measured in its last tick.
+/// Time passes while bytes are on the wire, and while the master waits. A servo reads its registers in its own tick,
+/// and answers with the measurements of its last tick.
 pub struct Bench<'m, P> {
     servos: Vec<Servo<'m>>,
-    /// What the servos move.
+    /// Mechanics that the servos move.
     pub plant: P,
-    /// What feeds them.
+    /// Supplies of the servos.
     pub supplies: Vec<Supply>,
-    /// What goes wrong.
+    /// Faults of the servos, with their times.
     pub faults: Vec<Fault>,
-    /// At what rate the master talks, bits per second.
+    /// Baud rate of the master, bits per second.
     pub baud: u32,
-    /// By servo: which supply feeds it.
+    /// Index of each servo's supply.
     fed_by: Vec<usize>,
-    /// By supply: what is drawn in a step.
+    /// Current that each supply gives in a step.
     draws: Vec<Draw>,
     traffic: Traffic,
     now_ns: u64,
     stepped_ns: u64,
     plant_steps: u32,
-    pushed_nm: Vec<f64>,
+    pushes: Vec<Push>,
     shafts: Vec<Shaft>,
     on_way: VecDeque<(u64, Vec<u8>)>,
 }
 
 impl<'m, P: Plant> Bench<'m, P> {
-    /// A bench at time 0. The master talks as fast as the first servo listens.
+    /// Creates a bench at time 0. The master starts at the baud rate of the first servo.
     pub fn new(servos: Vec<Servo<'m>>, plant: P, supply: Supply) -> Self {
         Self::fed_by_several(servos, plant, vec![supply], |_| 0)
     }
 
-    /// The same with several supplies: `fed_by` says which one feeds a servo.
+    /// Creates a bench with several supplies. `fed_by` returns the index of a servo's supply.
     ///
     /// # Panics
-    /// If there is no such supply.
+    /// If `fed_by` returns an index without a supply.
     pub fn fed_by_several(
         servos: Vec<Servo<'m>>,
         plant: P,
@@ -90,40 +90,40 @@ impl<'m, P: Plant> Bench<'m, P> {
             now_ns: 0,
             stepped_ns: 0,
             plant_steps: 0,
-            pushed_nm: vec![0.0; count],
+            pushes: vec![Push::default(); count],
             shafts: vec![Shaft::default(); count],
             on_way: VecDeque::new(),
         }
     }
 
-    /// The servos.
+    /// Returns the servos.
     pub fn servos(&self) -> &[Servo<'m>] {
         &self.servos
     }
 
-    /// The servos, for faults.
+    /// Returns the servos for changes, such as faults.
     pub fn servos_mut(&mut self) -> &mut [Servo<'m>] {
         &mut self.servos
     }
 
-    /// Simulated time, s.
+    /// Returns the simulated time, s.
     pub fn time_s(&self) -> f64 {
         self.now_ns as f64 * 1e-9
     }
 
-    /// What has been on the wire.
+    /// Returns the traffic on the wire so far.
     pub fn traffic(&self) -> Traffic {
         self.traffic
     }
 
-    /// Time passes, us, and nobody talks.
+    /// Runs the simulation for `us` microseconds without traffic.
     pub fn run_us(&mut self, us: u32) {
         self.run_until(self.now_ns + u64::from(us) * 1000);
     }
 
-    /// The master sends `bytes`, and listens for at most `wait_us` from their first on, or until `reply` says that it
-    /// has all. What comes while nobody listens is lost: a master empties its input before it sends. Returns how long
-    /// it took, us.
+    /// Sends `bytes` from the master, and waits for replies for at most `wait_us` from the first byte on, or until
+    /// `reply` returns true. A reply that arrives while the master does not listen is lost: a master empties its input
+    /// before it sends. Returns the elapsed time, us.
     pub fn exchange(
         &mut self,
         bytes: &[u8],
@@ -157,7 +157,7 @@ impl<'m, P: Plant> Bench<'m, P> {
             was_silent = false;
             let Some((said, late_us)) = self.speak(speaker) else { continue };
             if late_us > 0 {
-                // Others go on meanwhile; it talks into what comes then.
+                // The other servos continue meanwhile, and this reply may collide with later bytes.
                 let at_ns = self.now_ns + u64::from(delay_us + late_us) * 1000;
                 self.on_way.push_back((at_ns + self.wire_ns(said.len()), said));
                 continue;
@@ -179,10 +179,10 @@ impl<'m, P: Plant> Bench<'m, P> {
         u32::try_from((self.now_ns - start_ns) / 1000).unwrap_or(u32::MAX)
     }
 
-    /// A tick of a master: its cycle, and what is left of the time. A cycle that takes longer makes the tick longer.
+    /// Runs one tick of a master: its exchange cycle, then the rest of the time. A longer cycle makes the tick longer.
     ///
     /// # Errors
-    /// What [`ServoBus::plan`] says.
+    /// The errors of [`ServoBus::plan`].
     pub fn tick(&mut self, bus: &mut impl ServoBus, tick_us: u32) -> Result<(), EncodeError> {
         let end_ns = self.now_ns + u64::from(tick_us) * 1000;
         let mut out = [0; 2 * LONGEST];
@@ -222,7 +222,9 @@ impl<'m, P: Plant> Bench<'m, P> {
             let (all, own) = (&mut self.draws[supply], servo.draw());
             all.current_a += own.current_a;
             all.conductance_a_v += own.conductance_a_v;
-            self.pushed_nm[index] += servo.flow().shaft_nm / f64::from(steps);
+            let (mean, push) = (&mut self.pushes[index], servo.push());
+            mean.torque_nm += push.torque_nm / f64::from(steps);
+            mean.slope_nm_s += push.slope_nm_s / f64::from(steps);
         }
         for (supply, draw) in self.supplies.iter_mut().zip(&self.draws) {
             supply.step(STEP_S, *draw);
@@ -234,15 +236,16 @@ impl<'m, P: Plant> Bench<'m, P> {
                 *shaft = servo.shaft();
             }
             let dt_s = STEP_S * f64::from(steps);
-            self.plant.step(dt_s, &self.pushed_nm, &mut self.shafts);
+            self.plant.step(dt_s, &self.pushes, &mut self.shafts);
             for (servo, shaft) in self.servos.iter_mut().zip(&self.shafts) {
                 servo.set_shaft(*shaft);
             }
-            self.pushed_nm.fill(0.0);
+            self.pushes.fill(Push::default());
         }
     }
 
-    /// What faults do to a servo itself. A fault begins and ends with the step in which its time comes.
+    /// Applies the faults that act on the servos themselves. A fault begins and ends in the step that contains its
+    /// time.
     fn apply_faults(&mut self) {
         let now_s = self.stepped_ns as f64 * 1e-9;
         let before_s = now_s - STEP_S;

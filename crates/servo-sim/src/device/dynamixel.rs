@@ -1,4 +1,4 @@
-//! A Dynamixel's registers, and the program behind them.
+//! A Dynamixel's registers, connected to its simulated firmware.
 
 use sinew_servo_bus::BusDevice;
 use sinew_servo_bus::dynamixel::device::Memory;
@@ -12,7 +12,7 @@ use crate::firmware::Sensed;
 use crate::firmware::dynamixel::{Firmware, Settings, VELOCITY_COUNTS_S};
 use crate::model::{Parameters, Power};
 
-// Addresses that only servos use: e-manual, the same in all models.
+// Addresses that only servos use; the same in all models by the e-manual.
 const DRIVE_MODE: u16 = 10;
 const HOMING_OFFSET: u16 = 20;
 const MOVING_THRESHOLD: u16 = 24;
@@ -31,7 +31,7 @@ const VELOCITY_TRAJECTORY: u16 = 136;
 const POSITION_TRAJECTORY: u16 = 140;
 const TICKS: i32 = 32_768;
 
-/// One Dynamixel.
+/// A simulated Dynamixel.
 pub(super) struct Dynamixel<'m> {
     pub(super) device: Device<'m, LONGEST>,
     pub(super) firmware: Firmware,
@@ -59,14 +59,15 @@ impl<'m> Dynamixel<'m> {
         Ok(servo)
     }
 
-    /// Starts anew where the encoder stands: its goal is where it is.
+    /// Restarts at the encoder's count, with the present position as its goal.
     pub(super) fn restart(&mut self, encoder: i32) {
         self.load();
         self.firmware.restart(encoder);
         self.reset_goals(encoder);
     }
 
-    /// Guess: goals after a start and after a change of mode are such that nothing moves, with all the current allowed.
+    /// Resets the goals so that nothing moves, with full current allowed. It is a guess that a start and a change of
+    /// mode do this.
     fn reset_goals(&mut self, encoder: i32) {
         let sensed = Sensed { position: encoder, ..Sensed::default() };
         let position = self.firmware.position(&sensed);
@@ -81,7 +82,7 @@ impl<'m> Dynamixel<'m> {
         self.load();
     }
 
-    /// What the registers say.
+    /// Copies the registers to the firmware's settings.
     fn load(&mut self) {
         let memory = self.device.memory();
         let get = |at: u16| f64::from(memory.get(at));
@@ -114,7 +115,7 @@ impl<'m> Dynamixel<'m> {
         };
     }
 
-    /// Takes what came over the bus. Whether it starts anew.
+    /// Processes the events of the bus. Returns whether the servo restarts.
     pub(super) fn take_events(&mut self, sensed: &Sensed) -> bool {
         let (mut is_written, mut starts) = (false, false);
         while let Some(event) = self.device.next_event() {
@@ -140,7 +141,7 @@ impl<'m> Dynamixel<'m> {
         starts
     }
 
-    /// What the bus watchdog does: it stays where it is, or lets go.
+    /// Stops the servo like its bus watchdog: it holds its position, or its motor gets no current or PWM.
     fn stop(&mut self, sensed: &Sensed) {
         let position = self.firmware.position(sensed);
         let memory = self.device.memory_mut();
@@ -174,12 +175,12 @@ impl<'m> Dynamixel<'m> {
         power
     }
 
-    /// What its sensors see, into the registers.
+    /// Writes the sensor values to the registers.
     pub(super) fn publish(&mut self, sensed: &Sensed) {
         let [moving, moving_status] = self.firmware.motion(sensed);
         let effort = match self.current_unit_a {
             Some(unit) => whole(sensed.current_a / unit),
-            // Load is what it applies, 0.1 %.
+            // Load is the applied duty cycle, in 0.1 %.
             None => whole(sensed.duty * 1e3),
         };
         let firmware = &self.firmware;
@@ -203,7 +204,7 @@ impl<'m> Dynamixel<'m> {
         }
     }
 
-    /// What a loss of power does: as a reboot that nobody asked for.
+    /// Reacts to a loss of power: a reboot without an instruction.
     pub(super) fn reboot(&mut self) {
         self.device.silence();
         let id = u8::try_from(self.device.memory().get(address::ID)).unwrap_or(0);
@@ -211,7 +212,7 @@ impl<'m> Dynamixel<'m> {
         if let Ok(len) = Instruction::Reboot.encode(id, &mut packet) {
             self.device.hear(&packet[..len]);
         }
-        // Nobody hears its answer.
+        // The answer to the reboot is discarded.
         self.device.speak(&mut []);
     }
 }

@@ -1,28 +1,28 @@
-//! Why there is no servo.
+//! Errors when a simulated servo is created.
 
 use thiserror::Error;
 
-/// Why there is no servo.
+/// The reason why a servo could not be created.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ServoError {
-    /// Its kind is on no bus that `sinew-servo-bus` knows.
+    /// `sinew-servo-bus` has no register table for the servo's kind.
     #[error("{0} has no table of registers in sinew-servo-bus")]
     NoTable(String),
-    /// Its registers have too few bytes.
+    /// The memory for the registers is too small.
     #[error("a servo needs {needs} bytes of registers, not {has}: use MEMORY_LEN")]
     Memory {
-        /// What it needs.
+        /// Necessary number of bytes.
         needs: usize,
-        /// What it has.
+        /// Given number of bytes.
         has: usize,
     },
-    /// The bus knows no code for this rate.
+    /// The servo's protocol has no code for this baud rate.
     #[error("it cannot be set to {baud} bits per second, only to {known:?}")]
     Baud {
-        /// The rate.
+        /// Requested rate, bits per second.
         baud: u32,
-        /// Those that it knows.
+        /// Supported rates, bits per second.
         known: Vec<u32>,
     },
 }

@@ -1,4 +1,4 @@
-//! A Feetech's registers, and the program behind them.
+//! A Feetech's registers, connected to its simulated firmware.
 
 use sinew_servo_bus::BusDevice;
 use sinew_servo_bus::feetech::table::address;
@@ -35,12 +35,12 @@ const PRESENT_VOLTAGE: u8 = 62;
 const PRESENT_TEMPERATURE: u8 = 63;
 const MOVING: u8 = 66;
 const TARGET_POSITION: u8 = 67;
-/// One count of current, A.
+/// Current of one count, A.
 const CURRENT_A: f64 = 0.0065;
-/// Guess: heat, current and overload unload, as dumps of new servos have it.
+/// Guess: excess temperature, current and overload switch torque off, as in dumps of new servos.
 const SHIPPED_UNLOADING: i32 = 44;
 
-/// One Feetech.
+/// A simulated Feetech.
 pub(super) struct Feetech<'m> {
     pub(super) device: Device<'m>,
     pub(super) firmware: Firmware,
@@ -65,7 +65,7 @@ impl<'m> Feetech<'m> {
         Ok(servo)
     }
 
-    /// Starts anew where the encoder stands: its goal is where it is.
+    /// Restarts at the encoder's count, with the present position as its goal.
     pub(super) fn restart(&mut self, encoder: i32) {
         self.load();
         self.firmware.restart(encoder);
@@ -102,7 +102,7 @@ impl<'m> Feetech<'m> {
         };
     }
 
-    /// Takes what came over the bus. Whether it starts anew.
+    /// Processes the events of the bus. Returns whether the servo restarts.
     pub(super) fn take_events(&mut self, sensed: &Sensed) -> bool {
         let (mut is_written, mut starts) = (false, false);
         while let Some(event) = self.device.next_event() {
@@ -150,7 +150,7 @@ impl<'m> Feetech<'m> {
         power
     }
 
-    /// What its sensors see, into the registers.
+    /// Writes the sensor values to the registers.
     pub(super) fn publish(&mut self, sensed: &Sensed) {
         let firmware = &self.firmware;
         let speed = sensed.velocity / firmware.settings.speed_counts;
@@ -170,7 +170,7 @@ impl<'m> Feetech<'m> {
         }
     }
 
-    /// What a loss of power does: as a reboot that nobody asked for.
+    /// Reacts to a loss of power: a reboot without an instruction.
     pub(super) fn reboot(&mut self) {
         self.device.silence();
         let id = u8::try_from(self.device.get(address::ID)).unwrap_or(0);
@@ -184,7 +184,7 @@ impl<'m> Feetech<'m> {
     }
 }
 
-/// Counts of position a second that one count of speed is: bit 2 of Phase chooses.
+/// Returns the speed of one count of the speed register, in counts of position per second. Bit 2 of Phase selects it.
 fn speed_counts(device: &Device<'_>) -> f64 {
     if device.get(PHASE) & 4 == 0 { 50.0 } else { 1.0 }
 }

@@ -2,12 +2,12 @@
 
 use super::error::ServoError;
 
-/// Bytes of registers that any servo needs.
+/// Number of register bytes that is enough for any servo.
 pub const MEMORY_LEN: usize = 768;
-/// The longest packet.
+/// Length of the longest packet.
 pub(crate) const LONGEST: usize = 1024;
 
-/// Refuses too few bytes of registers.
+/// Refuses a register memory that is too small.
 pub(crate) fn check_memory(memory: &[u8], needs: usize) -> Result<(), ServoError> {
     if memory.len() < needs {
         return Err(ServoError::Memory { needs, has: memory.len() });

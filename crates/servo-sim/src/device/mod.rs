@@ -1,4 +1,4 @@
-//! A whole servo: physics, program, and the registers of `sinew-servo-bus`' devices.
+//! A complete servo: physics, firmware, and the registers of `sinew-servo-bus`' devices.
 
 pub(crate) mod codes;
 mod dynamixel;
@@ -13,7 +13,7 @@ use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, address};
 use sinew_servo_bus::feetech::table::{BAUDS as FEETECH_BAUDS, address as feetech_address};
 
 use crate::firmware::{Sensed, pulse};
-use crate::load::{Load, Shaft};
+use crate::load::{Load, Push, Shaft};
 use crate::model::{Draw, Flow, Gear, Heat, Motor, Parameters, Power};
 use crate::registers::RegisterTable;
 use codes::{code_of, duty_per_rad, whole};
@@ -22,9 +22,9 @@ pub use error::ServoError;
 use feetech::Feetech;
 pub use limits::MEMORY_LEN;
 
-/// Physics goes in steps of so long, s.
+/// Step of the physics, s.
 pub const STEP_S: f64 = 2.5e-4;
-/// Time constant of the filter of its own speed, s. Guess.
+/// Time constant of the filter of the servo's own speed, s. Guess.
 const SPEED_FILTER_S: f64 = 0.01;
 
 enum Program<'m> {
@@ -33,14 +33,14 @@ enum Program<'m> {
     Pulse(pulse::Firmware),
 }
 
-/// A servo.
+/// A simulated servo.
 pub struct Servo<'m> {
     program: Program<'m>,
     gear: Gear,
     motor: Motor,
     heat: Heat,
     sensed: Sensed,
-    /// What it sensed in its last ticks, the newest first; it tells the last of them.
+    /// Measurements of its last ticks, the newest first. The servo reports the last entry, which is the oldest.
     past: VecDeque<Sensed>,
     delay_ticks: usize,
     power: Power,
@@ -49,26 +49,26 @@ pub struct Servo<'m> {
     stall_a_v: f64,
     brown_out_v: f64,
     boot_s: f64,
-    /// How long it still takes to start; 0 when it runs.
+    /// Time until the servo has started, s; 0 while it runs.
     starts_in_s: f64,
     steps_per_tick: u32,
     steps: u32,
     gear_steps: u32,
     is_published: bool,
     lost_w: [f64; 2],
-    /// Added to what its encoder reads, rad: a fault.
+    /// Offset that is added to the encoder's reading, rad: a fault.
     pub encoder_jump_rad: f64,
-    /// Whether its supply is cut: a fault.
+    /// Whether the supply is cut: a fault.
     pub is_unplugged: bool,
     is_torque_stuck: bool,
 }
 
 impl<'m> Servo<'m> {
-    /// A servo as it left the factory, which has just started, at the middle of its range. `memory` holds its
+    /// Creates a servo with factory settings that has just started, at the middle of its range. `memory` holds its
     /// registers: [`MEMORY_LEN`] bytes.
     ///
     /// # Errors
-    /// [`ServoError`]: `memory` is too short, or its kind has no table.
+    /// [`ServoError`] if `memory` is too small, or the servo's kind has no register table.
     pub fn new(kind: &Parameters, id: u8, memory: &'m mut [u8]) -> Result<Self, ServoError> {
         let program = match RegisterTable::of(&kind.name) {
             Some(RegisterTable::Dynamixel(table)) => {
@@ -82,9 +82,9 @@ impl<'m> Servo<'m> {
         Ok(Self::with(kind, program, kind.resolution_rad))
     }
 
-    /// A hobby servo, at the middle of its range, without a pulse.
+    /// Creates a hobby servo at the middle of its range, without a pulse.
     pub fn on_pulses(kind: &Parameters) -> Self {
-        // Its resolution is a dead band; the potentiometer itself has no steps.
+        // The servo's resolution is a dead band; the potentiometer itself has no steps.
         let rad_per_count = kind.resolution_rad / 64.0;
         let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind.range_rad);
         Self::with(kind, Program::Pulse(firmware), rad_per_count)
@@ -121,7 +121,7 @@ impl<'m> Servo<'m> {
         servo
     }
 
-    /// Puts its shaft somewhere, at rest, before it starts; rad.
+    /// Places the shaft at a position, rad, at rest, and restarts the servo.
     pub fn place(&mut self, position_rad: f64) {
         self.gear.place(position_rad);
         self.sensed.position = whole(position_rad / self.rad_per_count);
@@ -134,7 +134,7 @@ impl<'m> Servo<'m> {
         self.is_published = false;
     }
 
-    /// The number in a register; 0 if there is none.
+    /// Returns the value of a register, or 0 if there is no register at `address`.
     pub fn get(&self, address: u16) -> i32 {
         match &self.program {
             Program::Dynamixel(servo) => servo.device.memory().get(address),
@@ -145,7 +145,7 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// Sets a register as the factory would, and starts anew with it.
+    /// Sets a register, even if a controller could not write it, and restarts the servo.
     pub fn set(&mut self, address: u16, value: i32) {
         match &mut self.program {
             Program::Dynamixel(servo) => servo.device.memory_mut().set(address, value),
@@ -159,10 +159,10 @@ impl<'m> Servo<'m> {
         self.place(self.gear.shaft.position_rad);
     }
 
-    /// Sets its baud rate.
+    /// Sets the baud rate, bits per second.
     ///
     /// # Errors
-    /// [`ServoError::Baud`] if its bus has no code for it.
+    /// [`ServoError::Baud`] if the protocol has no code for this rate.
     pub fn set_baud(&mut self, baud: u32) -> Result<(), ServoError> {
         let (bauds, register): (&[u32], u16) = match &self.program {
             Program::Dynamixel(_) => (&DYNAMIXEL_BAUDS, address::BAUD),
@@ -173,7 +173,7 @@ impl<'m> Servo<'m> {
         Ok(())
     }
 
-    /// At what rate it listens, bits per second; 0 without a bus.
+    /// Returns the baud rate, bits per second; 0 for a servo without a bus.
     pub fn baud(&self) -> u32 {
         match &self.program {
             Program::Dynamixel(servo) => servo.device.baud(),
@@ -182,14 +182,14 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// The pulse of a hobby servo, us; none if there is none.
+    /// Sets the pulse of a hobby servo, us; `None` for no pulse.
     pub fn set_pulse(&mut self, pulse_us: Option<f64>) {
         if let Program::Pulse(firmware) = &mut self.program {
             firmware.pulse_us = pulse_us;
         }
     }
 
-    /// The pulse that a hobby servo gets, us; none of any other.
+    /// Returns the pulse of a hobby servo, us; `None` without a pulse or for another servo.
     pub fn pulse_us(&self) -> Option<f64> {
         match &self.program {
             Program::Pulse(firmware) => firmware.pulse_us,
@@ -197,64 +197,69 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// Where its shaft is, and how fast.
+    /// Returns position and speed of the shaft.
     pub fn shaft(&self) -> Shaft {
         self.gear.shaft
     }
 
-    /// Puts the shaft where a plant has it, with the speed that it has there.
+    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear takes it along.
     pub fn set_shaft(&mut self, shaft: Shaft) {
-        self.gear.shaft = shaft;
+        self.gear.lead(STEP_S, shaft);
     }
 
-    /// Torques and friction in the last step.
+    /// Push on the shaft in the last step.
+    pub fn push(&self) -> Push {
+        self.gear.push()
+    }
+
+    /// Returns torques and friction of the last step.
     pub fn flow(&self) -> Flow {
         self.gear.flow()
     }
 
-    /// Its gear, for faults and for energy.
+    /// Returns the gear, for faults and for energy.
     pub fn gear_mut(&mut self) -> &mut Gear {
         &mut self.gear
     }
 
-    /// Lets its gear take this many steps, at least 1, in one of the servo's: for tests of how a gear rings. A step of
-    /// length h damps the ring of a stiffness K as K h would: in one step, as shipped, an XM430's 0.225 N m s act as
-    /// 0.284.
+    /// Divides each step of the gear into `steps` steps, at least 1. For tests of how a gear oscillates: a step of
+    /// length h damps an oscillation at stiffness K like an additional K h. With one step, which is the default, an
+    /// XM430's damping of 0.225 N m s acts as 0.284.
     pub fn refine_gear(&mut self, steps: u32) {
         self.gear_steps = steps.max(1);
     }
 
-    /// Its temperatures.
+    /// Returns the temperatures.
     pub fn heat(&self) -> &Heat {
         &self.heat
     }
 
-    /// Its temperatures, for faults and for an air that is warmer.
+    /// Returns the temperatures for changes, such as faults or warmer air.
     pub fn heat_mut(&mut self) -> &mut Heat {
         &mut self.heat
     }
 
-    /// What it draws from its supply.
+    /// Returns the load of the servo on its supply.
     pub fn draw(&self) -> Draw {
         self.draw
     }
 
-    /// Current in its winding, A.
+    /// Returns the current in the winding, A.
     pub fn current_a(&self) -> f64 {
         self.motor.current_a
     }
 
-    /// Power lost in the winding and by friction in the last step, W.
+    /// Returns the power lost in the winding and by friction in the last step, W.
     pub fn lost_w(&self) -> [f64; 2] {
         self.lost_w
     }
 
-    /// Whether it runs: it has power, and has started.
+    /// Returns whether the servo has power and has started.
     pub fn runs(&self) -> bool {
         !self.is_unplugged && self.starts_in_s <= 0.0
     }
 
-    /// Its torque goes off, without a word.
+    /// Switches torque off without a report: a fault.
     pub fn lose_torque(&mut self) {
         match &mut self.program {
             Program::Dynamixel(servo) => servo.lose_torque(),
@@ -263,13 +268,13 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// Its torque is on, whatever it is told, or no longer so.
+    /// Keeps torque on despite all commands, or ends this fault.
     pub fn stick_torque(&mut self, is_stuck: bool) {
         self.is_torque_stuck = is_stuck;
         self.keep_torque();
     }
 
-    /// What is stuck stays on.
+    /// Switches torque on again if this fault is active.
     fn keep_torque(&mut self) {
         if self.is_torque_stuck {
             match &mut self.program {
@@ -280,7 +285,7 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// Starts anew, as after a loss of power.
+    /// Restarts the servo, like after a loss of power.
     pub fn reboot(&mut self) {
         match &mut self.program {
             Program::Dynamixel(servo) => servo.reboot(),
@@ -302,7 +307,7 @@ impl<'m> Servo<'m> {
         }
     }
 
-    /// [`STEP_S`] passes.
+    /// Advances the servo by [`STEP_S`].
     pub fn step(&mut self, supply_v: f64, load: &impl Load) {
         let supply_v = if self.is_unplugged { 0.0 } else { supply_v };
         if supply_v < self.brown_out_v {
@@ -352,7 +357,7 @@ impl<'m> Servo<'m> {
         };
     }
 
-    /// Returns what it tells: what it senses, or sensed when its readings are of.
+    /// Returns the reported measurements, which may be older than the present ones by the servo's reading delay.
     fn told(&self) -> Sensed {
         self.past.back().copied().unwrap_or(self.sensed)
     }

@@ -1,4 +1,5 @@
-//! A servo on a line: nothing while it has no power or starts, else what its registers' device says.
+//! A servo as a device on a line. While it has no power or starts, it is silent; otherwise its registers' device
+//! answers.
 
 use sinew_servo_bus::BusDevice;
 

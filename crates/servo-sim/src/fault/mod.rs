@@ -7,37 +7,37 @@ use sinew_servo_bus::dynamixel::{HEADER, crc::Crc};
 use crate::random::Random;
 pub use order::{FaultOrder, FaultOrderError};
 
-/// What goes wrong.
+/// A kind of fault.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FaultKind {
-    /// It hears, and does not answer.
+    /// The servo receives, but does not answer.
     Silent,
-    /// It answers later by so many us.
+    /// The servo answers later by this time, us.
     Late(u32),
-    /// The check at the end of its replies is wrong.
+    /// The check at the end of replies is wrong.
     WrongCheck,
-    /// Its replies end after so many bytes.
+    /// Replies end after this number of bytes.
     Short(usize),
-    /// Its replies have another id, and the right check.
+    /// Replies have this wrong id, with a matching check.
     WrongId(u8),
-    /// Its gear is jammed.
+    /// The gear is jammed.
     Stuck,
-    /// Its case is at this temperature, °C.
+    /// The case has this temperature, °C.
     Hot(f64),
-    /// Its supply is cut.
+    /// The supply is cut.
     BrownOut,
-    /// It starts anew, once.
+    /// The servo restarts, once.
     Reboot,
-    /// Its torque goes off, once, without a word.
+    /// Torque goes off without a report, once.
     TorqueLost,
-    /// Its encoder reads so much more, rad.
+    /// The encoder reads more by this angle, rad.
     EncoderJump(f64),
-    /// Its torque is on, whatever it is told.
+    /// Torque stays on despite all commands.
     TorqueStuck,
 }
 
 impl FaultKind {
-    /// Whether it is the replies alone that suffer: then a servo without physics can have it too.
+    /// Returns whether the fault concerns only replies. A servo without physics can have these faults too.
     pub fn is_of_replies(self) -> bool {
         matches!(
             self,
@@ -46,27 +46,28 @@ impl FaultKind {
     }
 }
 
-/// What goes wrong, where and when.
+/// A fault of one servo, with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fault {
     /// Index of the servo.
     pub servo: usize,
-    /// When it begins, s.
+    /// Time at which the fault begins, s.
     pub at_s: f64,
-    /// How long it lasts, s; infinite for ever.
+    /// Duration of the fault, s; infinite if it does not end.
     pub for_s: f64,
-    /// What.
+    /// Kind of the fault.
     pub kind: FaultKind,
 }
 
 impl Fault {
-    /// Whether it is there at a time.
+    /// Returns whether the fault is active at a time.
     pub fn is_on(&self, time_s: f64) -> bool {
         (self.at_s..self.at_s + self.for_s).contains(&time_s)
     }
 }
 
-/// So many faults of all kinds but torque that is stuck, spread over servos and over a time; the same for a seed.
+/// Returns `count` random faults of all kinds except stuck torque, spread over servos and time. Equal seeds give equal
+/// faults.
 pub fn random(seed: u64, count: usize, servos: usize, duration_s: f64) -> Vec<Fault> {
     let mut random = Random::new(seed);
     let mut fault = || {
@@ -89,7 +90,7 @@ pub fn random(seed: u64, count: usize, servos: usize, duration_s: f64) -> Vec<Fa
     (0..count).map(|_| fault()).collect()
 }
 
-/// What faults do to a reply, and by how much later it comes, us. None: it does not come.
+/// Applies faults to a reply. Returns its additional delay, us, or `None` if the reply is lost.
 pub(crate) fn damage(kinds: impl Iterator<Item = FaultKind>, reply: &mut Vec<u8>) -> Option<u32> {
     let mut late_us = 0;
     for kind in kinds {
@@ -109,7 +110,7 @@ pub(crate) fn damage(kinds: impl Iterator<Item = FaultKind>, reply: &mut Vec<u8>
     Some(late_us)
 }
 
-/// Another id, and the check that goes with it. Parts of a fast reply have only the id changed.
+/// Sets another id, and adapts the check. In a part of a fast reply, only the id changes.
 fn change_id(reply: &mut [u8], id: u8) {
     let is_dynamixel = reply.starts_with(&HEADER);
     if is_dynamixel && reply.len() > 6 {

@@ -1,4 +1,4 @@
-//! Faults as a person orders them: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`.
+//! Faults as text, written by a person: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`.
 
 use std::str::FromStr;
 
@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use super::{Fault, FaultKind};
 
-/// A fault that somebody wants: `2:silent@3s`, `elbow:late=5ms@1s+500ms`.
+/// A fault as ordered by a person: `2:silent@3s`, `elbow:late=5ms@1s+500ms`.
 ///
 /// ```
 /// use sinew_servo_sim::fault::{FaultKind, FaultOrder};
@@ -17,46 +17,46 @@ use super::{Fault, FaultKind};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaultOrder {
-    /// Which servo: its id or its name, whoever takes the order knows.
+    /// Id or name of the servo. The receiver of the order resolves it.
     pub servo: String,
-    /// When it begins, s.
+    /// Time at which the fault begins, s.
     pub at_s: f64,
-    /// How long it lasts, s; infinite for ever.
+    /// Duration of the fault, s; infinite if it does not end.
     pub for_s: f64,
-    /// What.
+    /// Kind of the fault.
     pub kind: FaultKind,
 }
 
-/// What can be ordered: name, how much if nothing is said, and what that is.
+/// The kinds of faults: name, default amount, and description.
 const KINDS: [(&str, &str, &str); 12] = [
     ("silent", "", "does not answer"),
-    ("late", "5ms", "answers later by a time"),
-    ("wrong-crc", "", "the check of its replies is wrong"),
-    ("short", "4", "its replies end after so many bytes"),
+    ("late", "5ms", "answers later by this time"),
+    ("wrong-crc", "", "its replies have a wrong checksum"),
+    ("short", "4", "its replies end after this many bytes"),
     ("wrong-id", "252", "answers with another id"),
     ("stuck", "", "its gear is jammed"),
-    ("hot", "90", "its case is at so many deg C"),
+    ("hot", "90", "its case has this many deg C"),
     ("brown-out", "", "its supply is cut"),
-    ("rebooted", "", "starts anew"),
-    ("torque-lost", "", "its torque goes off"),
-    ("encoder-jump", "90", "its encoder reads so many deg more"),
-    ("torque-stuck", "", "its torque is on, whatever it is told"),
+    ("rebooted", "", "restarts"),
+    ("torque-lost", "", "its torque switches off"),
+    ("encoder-jump", "90", "its encoder reads this many deg more"),
+    ("torque-stuck", "", "its torque stays on, whatever it receives"),
 ];
 
-/// Why an order was refused.
+/// The reason why a fault text was refused.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("fault `{order}`: expected {expected}, found `{found}`")]
 pub struct FaultOrderError {
-    /// The whole order.
+    /// The whole text.
     pub order: String,
-    /// What would be right.
+    /// Description of valid text.
     pub expected: String,
-    /// What there is.
+    /// Text that was found.
     pub found: String,
 }
 
 impl FaultOrder {
-    /// All that can be ordered, for a help text: `late=5ms (answers later by a time), ...`.
+    /// Describes all kinds for a help text: `late=5ms (answers later by this time), ...`.
     pub fn known() -> String {
         let known = KINDS.iter().map(|(name, value, what)| {
             let equals = if value.is_empty() { "" } else { "=" };
@@ -65,7 +65,7 @@ impl FaultOrder {
         known.collect::<Vec<_>>().join(", ")
     }
 
-    /// The fault of the servo with this index.
+    /// Returns the fault for the servo with this index.
     pub fn of(&self, servo: usize) -> Fault {
         Fault { servo, at_s: self.at_s, for_s: self.for_s, kind: self.kind }
     }
@@ -130,7 +130,7 @@ impl FromStr for FaultOrder {
     }
 }
 
-/// A time with its unit, s: not negative, at most a day.
+/// Parses a time with its unit, s: not negative, at most a day.
 fn seconds(text: &str) -> Option<f64> {
     let units = [("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
     let (number, unit) =

@@ -1,26 +1,27 @@
-//! Dynamixel X and MX(2.0): operating modes 0, 1, 3, 4, 5 and 16.
+//! Firmware of Dynamixel X and MX(2.0): operating modes 0, 1, 3, 4, 5 and 16.
 
 use sinew_servo_bus::dynamixel::hardware_error;
 
 use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
 
-/// PWM counts of the whole supply.
+/// PWM counts of the full supply voltage.
 pub const PWM_COUNTS: f64 = 885.0;
-/// Counts of a turn.
+/// Counts of one turn.
 pub const TURN: i32 = 4096;
-/// Counts of position a second that one count of velocity is: 0.229 rev/min.
+/// Speed of one velocity count, in counts of position per second: 0.229 rev/min.
 pub const VELOCITY_COUNTS_S: f64 = 0.229 / 60.0 * 4096.0;
-/// Counts of position per s² that one count of acceleration is: 214.577 rev/min².
+/// Acceleration of one acceleration count, in counts of position per s²: 214.577 rev/min².
 pub const ACCELERATION_COUNTS_S2: f64 = 214.577 / 3600.0 * 4096.0;
-/// Guess: so large a part of the stall current for so long is an overload, as Feetech has it in its registers.
+/// Current as a part of the stall current, and its duration, s, that count as an overload. Guess: like Feetech's
+/// registers.
 const OVERLOAD: (f64, f64) = (0.8, 2.0);
-/// Guess: so long is the supply outside of its limits before that is an error.
+/// Time outside of the supply's limits that counts as an error, s. Guess.
 const VOLTAGE_S: f64 = 0.01;
-/// In position, for Moving Status: within this many counts. Guess.
+/// Maximum position error that Moving Status reports as "in position", counts. Guess.
 const IN_POSITION: f64 = 10.0;
 
-/// What stands in the registers, in their own counts unless a unit is named.
+/// Contents of the registers, in the registers' counts unless the name contains a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[expect(missing_docs, reason = "named as in the control table")]
 pub struct Settings {
@@ -50,16 +51,16 @@ pub struct Settings {
     pub goal_position: i32,
 }
 
-/// The program's state.
+/// State of the firmware.
 #[derive(Debug, Clone, Default)]
 pub struct Firmware {
-    /// The registers, as they were when something was last written.
+    /// Register contents at the last write.
     pub settings: Settings,
-    /// Counts that present position is behind the encoder's: whole turns that it forgot.
+    /// Whole turns that the servo has cleared, counts: subtracted from the encoder count.
     pub forgotten: i32,
-    /// What Hardware Error Status says.
+    /// Value of Hardware Error Status.
     pub errors: u8,
-    /// Where the trajectory is, counts.
+    /// Present point of the trajectory, in counts.
     pub profile: Profile,
     p_divisor: f64,
     profile_goal: f64,
@@ -73,29 +74,29 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// A program that has just started. `p_divisor`: what Position P Gain is divided by.
+    /// Creates firmware that has just started. `p_divisor` is the divisor of Position P Gain.
     pub fn new(p_divisor: f64) -> Self {
         Self { p_divisor, ..Self::default() }
     }
 
-    /// Starts anew, and forgets whole turns.
+    /// Restarts, and clears whole turns.
     pub fn restart(&mut self, sensed_position: i32) {
         let (settings, p_divisor) = (self.settings, self.p_divisor);
         *self = Self { settings, ..Self::new(p_divisor) };
         self.forgotten = sensed_position.div_euclid(TURN) * TURN;
     }
 
-    /// Present position, counts.
+    /// Returns the present position, counts.
     pub fn position(&self, sensed: &Sensed) -> i32 {
         sensed.position - self.forgotten + self.settings.homing_offset
     }
 
-    /// Whether an error has switched it off: until it starts anew.
+    /// Returns whether an error has switched the servo off. Only a restart ends this.
     pub fn is_shut_down(&self) -> bool {
         i32::from(self.errors) & self.settings.shutdown != 0
     }
 
-    /// Moving and Moving Status.
+    /// Returns the values of Moving and Moving Status.
     pub fn motion(&self, sensed: &Sensed) -> [i32; 2] {
         let is_moving = sensed.velocity.abs() > self.settings.moving_threshold * VELOCITY_COUNTS_S;
         let goal = f64::from(self.settings.goal_position);
@@ -104,7 +105,7 @@ impl Firmware {
         [is_moving.into(), i32::from(is_there) | i32::from(is_under_way) << 1]
     }
 
-    /// A tick.
+    /// Runs one tick of the control loop.
     pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.watch(sensed, dt_s);
         let is_on = self.settings.torque_is_on && !self.is_shut_down();
@@ -160,8 +161,8 @@ impl Firmware {
         }
     }
 
-    /// Speed and acceleration of the profile, counts/s and counts/s². A profile in time is turned into one in speed
-    /// when the goal changes.
+    /// Returns speed and acceleration of the profile, counts/s and counts/s². Converts a time-based profile to a
+    /// speed-based one when the goal changes.
     fn limits(&mut self, goal: f64) -> [f64; 2] {
         let s = &self.settings;
         let none = |value: f64, scale: f64| if value > 0.0 { value * scale } else { f64::INFINITY };
@@ -175,7 +176,7 @@ impl Firmware {
             self.profile_goal = goal;
             let way = (goal - self.profile.position).abs();
             let (whole_s, ramp_s) = (s.profile_velocity * 1e-3, s.profile_acceleration * 1e-3);
-            // The ramps take no more than half of the time each.
+            // Each of the two ramps takes at most half of the time.
             let ramp_s = ramp_s.min(0.5 * whole_s);
             let speed = none(way, 1.0 / (whole_s - ramp_s));
             self.profile_limits = [speed, none(speed, 1.0 / ramp_s)];
@@ -183,10 +184,10 @@ impl Firmware {
         self.profile_limits
     }
 
-    /// PID on the error e of position, and feed-forward of the trajectory's speed v and acceleration a. PWM is the sum
-    /// of `KP e`, `KI sum(e)`, `KD (e - e before)`, `KFF1 v` and `KFF2 a`, where KP = P/128, KI = I/65,536, KD = D/16,
-    /// KFF = FF/4. That sums and differences go by ticks, and that v and a are in the counts of their registers, are
-    /// guesses.
+    /// Computes PWM: PID on the position error e, plus feed-forward of the trajectory's speed v and acceleration a. PWM
+    /// is the sum of `KP e`, `KI sum(e)`, `KD (e - e before)`, `KFF1 v` and `KFF2 a`, where KP = P/128, KI = I/65,536,
+    /// KD = D/16, KFF = FF/4. Two details are guesses: sums and differences are per tick, and v and a are in the counts
+    /// of their registers.
     fn position_pwm(&mut self, sensed: &Sensed, dt_s: f64, limit: f64) -> f64 {
         let goal = f64::from(self.settings.goal_position);
         let [speed, acceleration] = self.limits(goal);
@@ -211,7 +212,8 @@ impl Firmware {
         pwm.clamp(-most, most) / PWM_COUNTS
     }
 
-    /// PI on the error of velocity, in counts: KP = P/128, KI = I/65,536 in each tick. That it gives PWM is a guess.
+    /// Computes PWM: PI on the velocity error, in counts, with KP = P/128, KI = I/65,536 in each tick. It is a guess
+    /// that the result is PWM.
     fn velocity_pwm(&mut self, sensed: &Sensed, dt_s: f64, limit: f64) -> f64 {
         let s = &self.settings;
         let goal = s.goal_velocity.clamp(-s.velocity_limit, s.velocity_limit);

@@ -1,34 +1,34 @@
-//! Feetech STS and SMS: modes 0 (position), 1 (speed) and 2 (PWM).
+//! Firmware of Feetech STS and SMS: modes 0 (position), 1 (speed) and 2 (PWM).
 
 use sinew_servo_bus::feetech::status_bit;
 
 use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
 
-/// Counts of a turn.
+/// Counts of one turn.
 pub const TURN: i32 = 4096;
-/// Counts per s² of one count of acceleration.
+/// Acceleration of one acceleration count, in counts of position per s².
 pub const ACCELERATION_COUNTS_S2: f64 = 100.0;
-/// P Coefficient as shipped, for which the stiffness is known.
+/// Factory value of P Coefficient, for which the stiffness is known.
 const SHIPPED_P: f64 = 32.0;
-/// Guess, as for the Dynamixel.
+/// Time outside of the supply's limits that counts as an error, s. Guess, as for the Dynamixel.
 const VOLTAGE_S: f64 = 0.01;
 
-/// What stands in the registers.
+/// Contents of the registers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[expect(missing_docs, reason = "named as in the memory table")]
 pub struct Settings {
-    /// 0 off, 1 on, 2 damped.
+    /// Torque: 0 off, 1 on, 2 damped.
     pub torque: i32,
     pub mode: i32,
     pub position_limits: [i32; 2],
     pub temperature_limit_c: f64,
     pub voltage_limits_v: [f64; 2],
-    /// Which errors switch torque off.
+    /// Mask of the errors that switch torque off.
     pub unloading: i32,
     pub homing_offset: i32,
     pub p: f64,
-    /// Part of the supply.
+    /// Minimum duty cycle, as a part of the supply.
     pub startup_force: f64,
     pub dead_zone: [f64; 2],
     pub protection_current_a: f64,
@@ -36,30 +36,30 @@ pub struct Settings {
     pub protective_torque: f64,
     pub protection_s: f64,
     pub overload_torque: f64,
-    /// Counts of position a second that one count of speed is.
+    /// Speed of one speed count, in counts of position per second.
     pub speed_counts: f64,
     pub acceleration: f64,
     pub goal_position: i32,
-    /// Of mode 2: part of the supply.
+    /// Goal of mode 2, as a part of the supply.
     pub goal_pwm: f64,
     pub goal_speed: f64,
     pub torque_limit: f64,
 }
 
-/// The program's state.
+/// State of the firmware.
 #[derive(Debug, Clone, Default)]
 pub struct Firmware {
-    /// The registers, as they were when something was last written.
+    /// Register contents at the last write.
     pub settings: Settings,
-    /// Counts that its zero is from the encoder's: whole turns that it forgot, and where it was told that it is.
+    /// Counts that are subtracted from the encoder count: cleared whole turns, and a position that was set.
     pub forgotten: i32,
-    /// What its status byte says.
+    /// Value of the status byte.
     pub errors: u8,
-    /// Where the trajectory is, counts.
+    /// Present point of the trajectory, in counts.
     pub profile: Profile,
-    /// Part of the supply for an error of one count, with P as shipped.
+    /// Duty cycle per count of position error, with the factory P.
     duty_per_count: f64,
-    /// Fastest speed of its trajectory, counts/s.
+    /// Maximum speed of the trajectory, counts/s.
     speed_cap: f64,
     was_on: bool,
     overload: Debounce,
@@ -68,42 +68,42 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// A program that has just started. An error of one count makes it apply a part of the supply; its trajectory goes
-    /// no faster than `speed_cap` counts/s.
+    /// Creates firmware that has just started. `duty_per_count` is the duty cycle per count of position error,
+    /// `speed_cap` the maximum speed of the trajectory, counts/s.
     pub fn new(duty_per_count: f64, speed_cap: f64) -> Self {
         Self { duty_per_count, speed_cap, ..Self::default() }
     }
 
-    /// Starts anew, and forgets whole turns.
+    /// Restarts, and clears whole turns.
     pub fn restart(&mut self, sensed_position: i32) {
         let settings = self.settings;
         *self = Self { settings, ..Self::new(self.duty_per_count, self.speed_cap) };
         self.forgotten = sensed_position.div_euclid(TURN) * TURN;
     }
 
-    /// Present position, counts.
+    /// Returns the present position, counts.
     pub fn position(&self, sensed: &Sensed) -> i32 {
         sensed.position - self.forgotten - self.settings.homing_offset
     }
 
-    /// A new goal ends an overload.
+    /// Ends an overload, because a new goal was written.
     pub fn take_goal(&mut self) {
         self.errors &= !status_bit::OVERLOAD;
         self.overload = Debounce::default();
     }
 
-    /// Whether an error that unloads is there.
+    /// Returns whether an error has switched torque off.
     pub fn is_unloaded(&self) -> bool {
-        // An overload does not unload: it makes weak.
+        // An overload does not switch torque off: it reduces torque.
         i32::from(self.errors & !status_bit::OVERLOAD) & self.settings.unloading != 0
     }
 
-    /// Moving.
+    /// Returns the value of Moving.
     pub fn is_moving(&self, sensed: &Sensed) -> bool {
         self.profile.velocity != 0.0 || sensed.velocity.abs() > MOVING_COUNTS_S
     }
 
-    /// A tick.
+    /// Runs one tick of the control loop.
     pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.watch(sensed, dt_s);
         let s = &self.settings;
@@ -157,7 +157,7 @@ impl Firmware {
     fn position_duty(&mut self, sensed: &Sensed, dt_s: f64) -> f64 {
         let s = self.settings;
         let [least, most] = s.position_limits;
-        // Both 0: several turns.
+        // If both limits are 0, the servo may make several turns.
         let goal = if least < most { s.goal_position.clamp(least, most) } else { s.goal_position };
         let asked = s.goal_speed.abs() * s.speed_counts;
         let speed = if asked > 0.0 { asked.min(self.speed_cap) } else { self.speed_cap };
@@ -165,7 +165,8 @@ impl Firmware {
         self.duty(sensed)
     }
 
-    /// It follows a position that moves on at the speed: no faster than it can follow.
+    /// Computes the duty cycle in speed mode. The servo follows a position that moves at the commanded speed, but no
+    /// faster than the servo can follow.
     fn speed_duty(&mut self, sensed: &Sensed, dt_s: f64) -> f64 {
         let s = self.settings;
         let speed = (s.goal_speed * s.speed_counts).clamp(-self.speed_cap, self.speed_cap);
@@ -176,9 +177,9 @@ impl Firmware {
         self.duty(sensed)
     }
 
-    /// P on the error of position. D and I have no part in it: the damping of identified servos (0.56 to 0.6 N m s for
-    /// gains as shipped) is that of back-EMF and viscous friction alone, and I is shipped as 0. That Minimum Startup
-    /// Force is a least is a guess.
+    /// Computes the duty cycle: P on the position error. D and I are ignored: the damping of identified servos (0.56 to
+    /// 0.6 N m s with factory gains) is that of back-EMF and viscous friction alone, and the factory I is 0. It is a
+    /// guess that Minimum Startup Force is a minimum of the duty cycle.
     fn duty(&self, sensed: &Sensed) -> f64 {
         let s = &self.settings;
         let error = self.profile.position - f64::from(self.position(sensed));
@@ -191,5 +192,5 @@ impl Firmware {
     }
 }
 
-/// Guess: below this it does not move.
+/// Speed below which the servo does not report motion, counts/s. Guess.
 const MOVING_COUNTS_S: f64 = 50.0;

@@ -1,13 +1,13 @@
-//! A condition that must last.
+//! Detects a condition that lasts for some time.
 
-/// How long something has lasted.
+/// The time for which a condition has lasted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Debounce {
     for_s: f64,
 }
 
 impl Debounce {
-    /// Time passes. Whether the condition has now lasted for so long.
+    /// Advances by `dt_s`. Returns whether the condition has now lasted for `long_s`.
     pub fn lasts(&mut self, condition: bool, dt_s: f64, long_s: f64) -> bool {
         self.for_s = if condition { self.for_s + dt_s } else { 0.0 };
         condition && self.for_s >= long_s

@@ -1,7 +1,7 @@
-//! What the program inside a servo does, once in each of its ticks.
+//! The firmware inside a servo, which runs once in each of its ticks.
 //!
-//! Sources: ROBOTIS e-manual, pages of XL330, XL430, XM430 and MX; Feetech's memory tables. What they leave open is a
-//! guess, and says so where it stands.
+//! Sources: ROBOTIS e-manual, pages of XL330, XL430, XM430 and MX; Feetech's memory tables. Behaviour that they do not
+//! describe is guessed, and marked as a guess.
 
 pub mod dynamixel;
 pub mod feetech;
@@ -12,21 +12,21 @@ pub mod pulse;
 pub use guard::Debounce;
 pub use profile::Profile;
 
-/// What a servo knows of itself.
+/// Measurements of a servo's own sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sensed {
-    /// Of the encoder, over all turns since the simulation began, counts.
+    /// Encoder position over all turns since the simulation began, counts.
     pub position: i32,
-    /// By differences of it, filtered, counts/s.
+    /// Speed from filtered differences of the position, counts/s.
     pub velocity: f64,
-    /// A.
+    /// Current of the motor, A.
     pub current_a: f64,
-    /// Part of the supply at the motor, -1 to 1.
+    /// Duty cycle at the motor, -1 to 1.
     pub duty: f64,
-    /// V.
+    /// Supply voltage, V.
     pub supply_v: f64,
-    /// °C.
+    /// Temperature of the case, °C.
     pub case_c: f64,
-    /// Current over what the motor would draw at standstill and this supply.
+    /// Current, as a part of the stall current at this supply voltage.
     pub load: f64,
 }

@@ -1,27 +1,27 @@
-//! From a goal to a trajectory with limited speed and acceleration.
+//! Computes a trajectory to a goal with limited speed and acceleration.
 
-/// Where the trajectory is. Units are the caller's.
+/// A point of the trajectory. The caller chooses the units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Profile {
-    /// Position.
+    /// Position on the trajectory.
     pub position: f64,
-    /// Speed.
+    /// Speed on the trajectory.
     pub velocity: f64,
-    /// Acceleration.
+    /// Acceleration on the trajectory.
     pub acceleration: f64,
 }
 
 impl Profile {
-    /// At rest somewhere.
+    /// Creates a trajectory at rest at a position.
     pub fn at(position: f64) -> Self {
         Self { position, ..Self::default() }
     }
 
-    /// Time passes, on the way to `goal`. Infinite limits are none: the trajectory is at its goal at once. It brakes in
-    /// time, and may start again from any state.
+    /// Advances by `dt` towards `goal`. Infinite limits mean no limits: the trajectory jumps to its goal. It brakes in
+    /// time, and can start from any state.
     pub fn step(&mut self, goal: f64, speed: f64, acceleration: f64, dt: f64) {
         let way = goal - self.position;
-        // The fastest speed from which it can still stop: v²/2a and half a step of travel are left.
+        // Maximum speed from which the trajectory can still stop: v²/2a plus half a step of motion remain.
         let brakes = if acceleration.is_finite() {
             let step = 0.5 * acceleration * dt;
             libm::sqrt(step * step + 2.0 * acceleration * way.abs()) - step
@@ -39,7 +39,7 @@ impl Profile {
         }
     }
 
-    /// Time passes, on the way to a speed.
+    /// Advances by `dt` towards a goal speed.
     pub fn step_speed(&mut self, goal: f64, acceleration: f64, dt: f64) {
         let before = self.velocity;
         let change = acceleration * dt;
@@ -62,7 +62,7 @@ mod tests {
             assert!(profile.position <= 100.0 + 1e-6);
             time += dt;
         }
-        // 0.25 s each for the ramps, and 100/50 - 0.25 s between their middles; a few steps to creep in.
+        // 0.25 s for each ramp, and 100/50 - 0.25 s between their middles; plus a few steps for the end.
         assert!((time - 2.25).abs() < 0.02, "{time}");
     }
 

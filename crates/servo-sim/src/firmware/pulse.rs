@@ -1,21 +1,21 @@
-//! Hobby servos: pulses in, nothing out.
+//! Firmware of hobby servos: they receive pulses and report nothing.
 
 use super::Sensed;
 use crate::model::Power;
 
-/// Pulse in the middle, us.
+/// Pulse for the middle position, us.
 pub const MIDDLE_US: f64 = 1500.0;
-/// A quarter turn, us. Guess: the common rule.
+/// Pulse difference for a quarter turn, us. Guess: the common rule.
 pub const QUARTER_TURN_US: f64 = 1000.0;
-/// Dead band, us: SG90 and MG996R.
+/// Dead band of the pulse, us: SG90 and MG996R.
 const DEAD_BAND_US: f64 = 5.0;
-/// Without a pulse for so long, it lets go, s. Guess: a few periods of 20 ms; some servos hold instead.
+/// Time without a pulse after which torque goes off, s. Guess: a few periods of 20 ms; some servos hold instead.
 const LOSS_S: f64 = 0.1;
 
-/// The program's state: proportional control.
+/// State of the firmware, which is a proportional controller.
 #[derive(Debug, Clone)]
 pub struct Firmware {
-    /// The pulse; none if there is none.
+    /// Present pulse, us; `None` without a pulse.
     pub pulse_us: Option<f64>,
     duty_per_rad: f64,
     rad_per_count: f64,
@@ -25,7 +25,7 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// One that never had a pulse.
+    /// Creates firmware that has never received a pulse.
     pub fn new(duty_per_rad: f64, rad_per_count: f64, range_rad: f64) -> Self {
         Self {
             pulse_us: None,
@@ -37,7 +37,7 @@ impl Firmware {
         }
     }
 
-    /// A tick.
+    /// Runs one tick of the control loop.
     pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         if let Some(pulse) = self.pulse_us {
             (self.last_us, self.silent_s) = (Some(pulse), 0.0);

@@ -1,28 +1,29 @@
-//! Rotor, gear with friction and play, and the shaft.
+//! Rotor, gear with friction and play, and output shaft.
 
 use super::Parameters;
 use super::motor::Characteristic;
-use crate::load::{Load, Shaft};
+use crate::load::{Load, Push, Shaft};
 
-/// Where torque and power went in a step.
+/// Torques and power losses of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Flow {
-    /// Torque of the motor, before friction, N m.
+    /// Torque of the motor before friction, N m.
     pub motor_nm: f64,
-    /// Torque of the shaft on what hangs on it: that of the gear less the friction at the shaft, N m.
+    /// Torque of the shaft on its load, N m: the gear's torque minus the friction at the shaft.
     pub shaft_nm: f64,
-    /// Power lost by friction and in the gear's own damping, W.
+    /// Power lost by friction and by the gear's own damping, W.
     pub friction_w: f64,
 }
 
-/// Two masses with play between them: the rotor, as the gear shows it at the output, and what hangs on the shaft.
+/// Two masses with play between them: the rotor, as seen at the output, and the load on the shaft.
 ///
-/// Coulomb friction, its Stribeck rise at rest and what grows in proportion to the torques of motor and shaft
-/// (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here) act on both ends: a share on the shaft, by the
-/// shaft's speed, the rest on the rotor, by the rotor's. Viscous friction is the rotor's.
+/// Dry friction consists of Coulomb friction, its Stribeck rise at rest, and a part proportional to the torques of
+/// motor and shaft (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here). It acts on both ends: a share at
+/// the shaft, by the shaft's speed, the rest at the rotor, by the rotor's speed. Viscous friction acts only on the
+/// rotor.
 ///
-/// A step is implicit Euler in the speeds, with friction at rest exact at both ends: it holds as long as it can. So it
-/// is stable for any stiffness, and takes energy out, never in.
+/// A step is implicit Euler in the speeds. Friction at rest is exact at both ends: it holds as long as it can. The step
+/// is therefore stable for any stiffness, and can only remove energy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gear {
     inertia_kg_m2: f64,
@@ -35,17 +36,18 @@ pub struct Gear {
     stiffness_nm_rad: f64,
     link_damping_nm_s: f64,
     output_share: f64,
-    /// The rotor, at the output.
+    /// State of the rotor, as seen at the output.
     pub rotor: Shaft,
-    /// The output shaft.
+    /// State of the output shaft.
     pub shaft: Shaft,
-    /// Whether something blocks the gear.
+    /// Whether the gear is blocked.
     pub is_jammed: bool,
     flow: Flow,
+    coupling: Coupling,
 }
 
 impl Gear {
-    /// A gear at rest.
+    /// Creates a gear at rest.
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             inertia_kg_m2: parameters.rotor_inertia_kg_m2,
@@ -62,21 +64,38 @@ impl Gear {
             shaft: Shaft::default(),
             is_jammed: false,
             flow: Flow::default(),
+            coupling: Coupling::default(),
         }
     }
 
-    /// What came out of the last step.
+    /// Returns the torques and losses of the last step.
     pub fn flow(&self) -> Flow {
         self.flow
     }
 
-    /// Puts the shaft, and the rotor with it, somewhere at rest; rad.
+    /// Returns the push on the shaft in the last step.
+    pub fn push(&self) -> Push {
+        Push { torque_nm: self.flow.shaft_nm, slope_nm_s: self.coupling.slope_nm_s }
+    }
+
+    /// Sets the shaft to where the plant has it after a step, and the rotor to where the gear then takes it: the linear
+    /// part of [`Self::step`], solved for a shaft of another speed.
+    pub(crate) fn lead(&mut self, dt_s: f64, shaft: Shaft) {
+        let faster_rad_s = shaft.velocity_rad_s - self.shaft.velocity_rad_s;
+        let rotor_rad_s = self.coupling.rotor_share * faster_rad_s;
+        self.rotor.velocity_rad_s += rotor_rad_s;
+        self.rotor.position_rad += dt_s * rotor_rad_s;
+        self.flow.shaft_nm -= self.coupling.slope_nm_s * faster_rad_s;
+        self.shaft = shaft;
+    }
+
+    /// Places shaft and rotor at a position, rad, at rest.
     pub fn place(&mut self, position_rad: f64) {
         self.shaft = Shaft { position_rad, velocity_rad_s: 0.0 };
         self.rotor = self.shaft;
     }
 
-    /// Energy of motion and of the wound-up gear, with a load of this inertia; J.
+    /// Returns the kinetic energy plus the energy of the wound-up gear, J, for a load with this inertia.
     pub fn energy_j(&self, load_kg_m2: f64) -> f64 {
         let [rotor, shaft] = [self.rotor.velocity_rad_s, self.shaft.velocity_rad_s];
         let windup = self.windup_rad();
@@ -85,13 +104,13 @@ impl Gear {
             + self.stiffness_nm_rad * windup * windup)
     }
 
-    /// How far the gear is wound up, beyond its play, rad.
+    /// Returns the windup of the gear beyond its play, rad.
     fn windup_rad(&self) -> f64 {
         let twist = self.rotor.position_rad - self.shaft.position_rad;
         twist - twist.clamp(-self.half_play_rad, self.half_play_rad)
     }
 
-    /// The most that friction takes at the rotor and at the shaft, N m.
+    /// Returns the maximum friction torque at the rotor and at the shaft, N m.
     fn most_friction_nm(&self) -> [f64; 2] {
         let load_nm = self.flow.motor_nm.abs() + self.flow.shaft_nm.abs();
         let at = |end: Shaft| {
@@ -108,7 +127,7 @@ impl Gear {
         [rotor_nm, self.output_share * at(self.shaft)]
     }
 
-    /// Steps under a torque of the motor, N m, whatever the speed: a gear without the servo round it.
+    /// Advances under a constant motor torque, N m, independent of the speed: for a gear without a servo.
     pub fn step_under(&mut self, dt_s: f64, motor_nm: f64, load: &impl Load) {
         self.step(dt_s, Characteristic { nm: motor_nm, nm_s: 0.0 }, load);
     }
@@ -121,14 +140,15 @@ impl Gear {
             self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup)
         } else {
             let touching = self.solve(dt_s, motor, (load_kg_m2, outer_nm), windup);
-            // Teeth push; they do not pull.
+            // Teeth can push, but not pull.
             if touching.gear_nm * windup >= 0.0 {
                 touching
             } else {
                 self.solve(dt_s, motor, (load_kg_m2, outer_nm), 0.0)
             }
         };
-        let After { speeds_rad_s: [rotor, shaft], gear_nm, frictions_nm } = after;
+        let After { speeds_rad_s: [rotor, shaft], gear_nm, frictions_nm, coupling } = after;
+        self.coupling = coupling;
         let rubbing_w = (frictions_nm[0] + self.damping_nm_s * rotor) * rotor;
         let stored_w = self.stiffness_nm_rad * windup * (rotor - shaft);
         self.flow = Flow {
@@ -142,11 +162,14 @@ impl Gear {
         self.shaft.position_rad += dt_s * shaft;
     }
 
-    /// Solves a step, with the ends linked unless the windup is zero.
+    /// Solves one step. The ends are linked unless the windup is zero.
     ///
-    /// With h the step: (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h q0 + K u + e -
-    /// g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, else oppose them. The matrix
-    /// is positive definite, so there is one solution: the shaft turns forwards, backwards, or stands.
+    /// The step is h. The unknowns are the new speeds r and q of rotor and shaft; r0 and q0 are the old speeds, Jr and
+    /// Jl the inertias. The motor's torque is m - s r; b is the viscous damping, u the windup, K the stiffness, c the
+    /// link, e the load's torque. Then (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h
+    /// q0 + K u + e - g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, otherwise
+    /// oppose their motion. The matrix is positive definite, so there is exactly one solution: the shaft turns
+    /// forwards, backwards, or rests.
     fn solve(
         &self,
         dt_s: f64,
@@ -167,10 +190,15 @@ impl Gear {
         let to_rotor = rotor_h * self.rotor.velocity_rad_s + motor.nm - spring_nm;
         let to_load = load_h * self.shaft.velocity_rad_s + spring_nm + outer_nm;
         let [most_rotor, most_shaft] = self.most_friction_nm();
-        let after = |[rotor, shaft]: [f64; 2], frictions_nm| After {
-            speeds_rad_s: [rotor, shaft],
-            gear_nm: spring_nm + link * (rotor - shaft),
-            frictions_nm,
+        let after = |[rotor, shaft]: [f64; 2], frictions_nm: [f64; 2]| {
+            // A rotor that friction holds stands still, however the shaft turns.
+            let rotor_share = if frictions_nm[0].abs() < most_rotor { 0.0 } else { link / a };
+            After {
+                speeds_rad_s: [rotor, shaft],
+                gear_nm: spring_nm + link * (rotor - shaft),
+                frictions_nm,
+                coupling: Coupling { rotor_share, slope_nm_s: link * (1.0 - rotor_share) },
+            }
         };
         let turns = |friction_nm: f64| {
             let to_load = to_load - friction_nm;
@@ -197,14 +225,24 @@ impl Gear {
     }
 }
 
-/// Both ends after a step.
+/// Response of the gear to a shaft that turns faster than predicted, in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+struct Coupling {
+    /// Speed of the rotor for each rad/s of the shaft.
+    rotor_share: f64,
+    /// Torque on the shaft that is lost for each rad/s, N m s/rad.
+    slope_nm_s: f64,
+}
+
+/// State of both ends after a step.
 struct After {
-    /// Of rotor and shaft.
+    /// Speeds of rotor and shaft, rad/s.
     speeds_rad_s: [f64; 2],
     /// Torque of the gear on the shaft, N m.
     gear_nm: f64,
     /// Dry friction at rotor and shaft, N m.
     frictions_nm: [f64; 2],
+    coupling: Coupling,
 }
 
 #[cfg(test)]
@@ -230,17 +268,17 @@ mod tests {
             for _ in 0..40_000 {
                 gear.step(STEP_S, IDLE, &arm);
                 let now = gear.energy_j(arm.inertia_kg_m2);
-                // A windup that begins within a step is seen after it: at most half a step's travel too late.
+                // A windup that begins within a step is noticed after it: at most half a step's motion too late.
                 assert!(now <= before + 1e-3, "{share}: {before} J became {now} J");
                 before = now;
             }
-            // Within the play nothing stops an end that has no dry friction.
+            // Within the play, an end without dry friction is not stopped.
             assert!(share <= 0.0 || gear.shaft.velocity_rad_s.abs() < 1e-12, "{share}");
             assert!(share >= 1.0 || gear.rotor.velocity_rad_s.abs() < 1e-12, "{share}");
         }
     }
 
-    /// Random splits, loads and motions: no step takes more out of friction than there is, and none gives.
+    /// Random shares, loads and motions: friction never exceeds its maximum, and never adds energy.
     #[test]
     fn friction_takes_energy_at_both_ends() {
         let mut random = crate::random::Random::new(36);
@@ -256,9 +294,9 @@ mod tests {
                 let after = gear.solve(STEP_S, motor, load, windup);
                 let ends = after.speeds_rad_s.into_iter().zip(after.frictions_nm);
                 for ((speed, friction), most) in ends.zip(gear.most_friction_nm()) {
-                    // An end that stands has the speed of rounding.
+                    // The speed of an end at rest is a rounding error.
                     assert!(friction * speed > -1e-12 && friction.abs() <= most);
-                    // It slides at full friction, else it stands.
+                    // An end slides at full friction, or rests.
                     let lacks = most - friction.abs();
                     assert!(lacks.abs() < 1e-12 || speed.abs() < 1e-12, "{speed} {lacks}");
                 }
@@ -268,7 +306,7 @@ mod tests {
         }
     }
 
-    /// As it was before friction could be at the shaft.
+    /// Computes a step like the earlier model, with friction only at the rotor.
     fn step_with_friction_at_the_rotor(
         gear: &Gear,
         motor: Characteristic,
@@ -314,7 +352,7 @@ mod tests {
                 gear.step(STEP_S, motor, &arm);
                 let speeds = [gear.rotor.velocity_rad_s, gear.shaft.velocity_rad_s];
                 for (speed, expected) in speeds.into_iter().zip(expected) {
-                    // Sums in another order, of speeds of some rad/s.
+                    // The sums have another order; speeds are some rad/s.
                     assert!((speed - expected).abs() < 1e-12, "{name}: {speed} {expected}");
                 }
             }
@@ -335,7 +373,7 @@ mod tests {
             };
             let at_rest = pushed(0.99 * most_nm);
             assert!(at_rest.abs() < 1e-15, "{at_rest}");
-            // What it pushes with is a load, whose part comes on top.
+            // The pushing torque is itself a load, which adds load friction.
             let moved = pushed(1.01 * most_nm / (1.0 - 0.3 * kind.load_friction));
             assert!(sign * moved > 0.4 * kind.backlash_rad, "{moved}");
         }

@@ -1,10 +1,10 @@
-//! Two masses that warm: the winding, and the case with its sensor.
+//! Temperatures of two masses: the winding, and the case with its sensor.
 
 use super::Parameters;
 
-/// Of the air, °C.
+/// Temperature of the air, °C.
 pub(super) const AMBIENT_C: f64 = 25.0;
-/// Resistance of copper grows by this for each kelvin.
+/// Relative increase of copper's resistance per kelvin.
 const COPPER_1_K: f64 = 0.0039;
 
 /// Temperatures of a servo.
@@ -14,16 +14,16 @@ pub struct Heat {
     case_k_w: f64,
     winding_j_k: f64,
     case_j_k: f64,
-    /// Of the air, °C.
+    /// Temperature of the air, °C.
     pub ambient_c: f64,
-    /// Of the winding, °C.
+    /// Temperature of the winding, °C.
     pub winding_c: f64,
-    /// Of the case, where the sensor is, °C.
+    /// Temperature of the case, at the sensor, °C.
     pub case_c: f64,
 }
 
 impl Heat {
-    /// A servo that is as warm as the air.
+    /// Creates the temperatures of a servo that is as warm as the air.
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             winding_k_w: parameters.winding_k_w,
@@ -36,12 +36,12 @@ impl Heat {
         }
     }
 
-    /// How much larger the winding's resistance is than at 25 °C.
+    /// Returns the winding's resistance, relative to that at 25 °C.
     pub fn resistance_ratio(&self) -> f64 {
         1.0 + COPPER_1_K * (self.winding_c - 25.0)
     }
 
-    /// Time passes, while so many watts are lost in the winding and by friction.
+    /// Advances by `dt_s` with these power losses in the winding and by friction, W.
     pub fn step(&mut self, dt_s: f64, winding_w: f64, friction_w: f64) {
         let into_case_w = (self.winding_c - self.case_c) / self.winding_k_w;
         let into_air_w = (self.case_c - self.ambient_c) / self.case_k_w;

@@ -1,4 +1,4 @@
-//! A servo as physics, without its program.
+//! The physics of a servo, without its firmware.
 
 mod gear;
 mod heat;

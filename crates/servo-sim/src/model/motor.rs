@@ -2,44 +2,45 @@
 
 use super::Parameters;
 
-/// What the bridge does.
+/// The state of the bridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Power {
-    /// All switches open: no current.
+    /// All switches are open: no current flows.
     Open,
-    /// A part of the supply, -1 to 1, as long as the current stays within a limit. 0 brakes: the motor is shorted.
+    /// Applies a part of the supply voltage, as long as the current stays within a limit. 0 brakes: the motor is
+    /// shorted.
     Duty {
-        /// Part of the supply.
+        /// Part of the supply voltage, -1 to 1.
         duty: f64,
-        /// The most current either way, A; infinite for no limit.
+        /// Maximum current either way, A; infinite for no limit.
         limit_a: f64,
     },
-    /// A current, as far as a part of the supply can drive it.
+    /// Drives a current, as far as the allowed part of the supply voltage can.
     Current {
-        /// A.
+        /// Current, A.
         current_a: f64,
-        /// The most part of the supply either way.
+        /// Maximum part of the supply voltage either way.
         limit: f64,
     },
 }
 
-/// Torque over speed, for a step: `nm - nm_s * speed`.
+/// Torque as a function of speed during a step: `nm - nm_s * speed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Characteristic {
     pub(crate) nm: f64,
     pub(crate) nm_s: f64,
 }
 
-/// What a servo takes from its supply.
+/// The load of a servo on its supply.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Draw {
-    /// A; negative where a braked motor gives back.
+    /// Current, A; negative if a braking motor returns current.
     pub current_a: f64,
-    /// How it grows with the voltage, A/V.
+    /// Increase of the current with the voltage, A/V.
     pub conductance_a_v: f64,
 }
 
-/// The electrical side.
+/// State of the motor and its bridge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motor {
     torque_constant_nm_a: f64,
@@ -47,12 +48,12 @@ pub struct Motor {
     standby_a: f64,
     /// Current in the winding, A.
     pub current_a: f64,
-    /// Part of the supply that is at the winding, -1 to 1.
+    /// Part of the supply voltage at the winding, -1 to 1.
     pub duty: f64,
 }
 
 impl Motor {
-    /// A motor at rest.
+    /// Creates a motor at rest.
     pub fn new(parameters: &Parameters) -> Self {
         Self {
             torque_constant_nm_a: parameters.torque_constant_nm_a,
@@ -94,8 +95,8 @@ impl Motor {
         }
     }
 
-    /// Takes the torque and the speed that came out of a step. Returns what the supply gives for it, and the heat of
-    /// the winding, W.
+    /// Sets the state from the torque and the speed at the end of a step. Returns the load on the supply, and the
+    /// heating power of the winding, W.
     pub(crate) fn settle(
         &mut self,
         torque_nm: f64,
@@ -106,7 +107,7 @@ impl Motor {
         let ohm = self.cold_ohm * resistance_ratio;
         self.current_a = torque_nm / self.torque_constant_nm_a;
         let volts = self.current_a * ohm + self.torque_constant_nm_a * velocity_rad_s;
-        // An open bridge has the back-EMF at its ends, and takes nothing.
+        // An open bridge has the back-EMF at its terminals, and draws no current.
         self.duty = if self.current_a == 0.0 || supply_v <= 0.0 { 0.0 } else { volts / supply_v };
         let draw = Draw {
             current_a: self.duty * self.current_a + self.standby_a,

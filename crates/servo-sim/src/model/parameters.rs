@@ -1,11 +1,11 @@
-//! Numbers of a kind of servo: what `sinew-rig` knows of it, what `models/` adds, and what follows from both.
+//! Parameters of a servo kind: from `sinew-rig`, from the files of `models/`, and computed from both.
 
 use serde::Deserialize;
 use sinew_rig::description::{ServoModel, SourcedValue};
 use thiserror::Error;
 
 const COMMON: &str = include_str!("../../models/common.toml");
-/// What kinds have of their own. The others have what is common.
+/// Files with values of single kinds. Missing values are taken from the common file.
 const FILES: [(&str, &str); 6] = [
     ("XL330-M288-T", include_str!("../../models/xl330-m288-t.toml")),
     ("XL430-W250-T", include_str!("../../models/xl430-w250-t.toml")),
@@ -15,27 +15,27 @@ const FILES: [(&str, &str); 6] = [
     ("STS3215-12V", include_str!("../../models/sts3215-12v.toml")),
 ];
 
-/// Why there are no parameters.
+/// The reason why parameters could not be determined.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ParametersError {
     /// No kind has this name.
     #[error("there is no servo called {0}; there are {known}", known = known())]
     Unknown(String),
-    /// A file of `models/` cannot be read.
+    /// A file of `models/` is invalid.
     #[error("models/{name}: {message}")]
     File {
-        /// Which.
+        /// Name of the file.
         name: String,
-        /// Why.
+        /// Cause of the error.
         message: String,
     },
     /// The maker's figures contradict each other.
     #[error("{name}: {what}")]
     Contradiction {
-        /// Which kind.
+        /// Name of the kind.
         name: String,
-        /// What does not go together.
+        /// Description of the contradiction.
         what: &'static str,
     },
 }
@@ -44,7 +44,7 @@ fn known() -> String {
     ServoModel::built_in_names().collect::<Vec<_>>().join(", ")
 }
 
-/// The file's keys.
+/// Keys of a file in `models/`.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Extra {
@@ -61,97 +61,97 @@ struct Extra {
     speed_cap_rad_s: Option<SourcedValue>,
 }
 
-/// All that a simulated servo is made of, at its output shaft.
+/// All parameters of a simulated servo, at its output shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// What the maker calls it.
+    /// Maker's name of the kind.
     pub name: String,
-    /// Voltage that the maker's figures are for, V.
+    /// Voltage of the maker's figures, V.
     pub voltage_v: f64,
-    /// Torque per current of the motor, before friction, N m/A; also its back-EMF, V s/rad.
+    /// Torque per current of the motor before friction, N m/A; equal to its back-EMF constant, V s/rad.
     pub torque_constant_nm_a: f64,
     /// Resistance of motor and driver at 25 °C, ohm.
     pub resistance_ohm: f64,
     /// Inertia of the rotor, kg m².
     pub rotor_inertia_kg_m2: f64,
-    /// Coulomb friction without load, of both ends of the gear, N m.
+    /// Coulomb friction of both ends of the gear without load, N m.
     pub friction_nm: f64,
-    /// What it is higher by at rest, N m.
+    /// Additional friction at rest, N m.
     pub stribeck_nm: f64,
-    /// Speed at which that is gone but for 1/e, rad/s.
+    /// Speed at which the additional friction has fallen to 1/e, rad/s.
     pub stribeck_rad_s: f64,
-    /// Friction per torque that goes into the gear at either end.
+    /// Friction per torque at either end of the gear.
     pub load_friction: f64,
-    /// Viscous friction, N m s.
+    /// Viscous friction of the rotor, N m s.
     pub damping_nm_s: f64,
-    /// Play of the gear, from end to end, rad.
+    /// Play of the gear from end to end, rad.
     pub backlash_rad: f64,
     /// Stiffness of the gear, N m/rad.
     pub gear_stiffness_nm_rad: f64,
-    /// Damping of the gear between its ends, N m s.
+    /// Damping between the two ends of the gear, N m s.
     pub gear_damping_nm_s: f64,
-    /// Part of the friction that is at the output shaft, 0 to 1; viscous friction is all at the rotor.
+    /// Share of the dry friction at the output shaft, 0 to 1. Viscous friction acts only on the rotor.
     pub output_friction_share: f64,
-    /// Least step of its position, rad.
+    /// Resolution of the position, rad.
     pub resolution_rad: f64,
-    /// How far it turns, rad.
+    /// Range of the position, rad.
     pub range_rad: f64,
-    /// Fastest speed that its program asks for, rad/s.
+    /// Maximum speed that the firmware commands, rad/s; `None` for no limit.
     pub speed_cap_rad_s: Option<f64>,
-    /// Torque per position error as shipped, N m/rad.
+    /// Torque per position error with factory gains, N m/rad.
     pub position_gain_nm_rad: f64,
-    /// What Position P Gain of a Dynamixel is divided by.
+    /// Divisor of Position P Gain of a Dynamixel.
     pub position_p_divisor: f64,
-    /// How often its program controls, 1/s.
+    /// Rate of the firmware's control loop, Hz.
     pub loop_hz: f64,
-    /// Warming of the case above the air, K/W.
+    /// Thermal resistance from case to air, K/W.
     pub case_k_w: f64,
-    /// Time constant of that, s.
+    /// Time constant of the case's warming, s.
     pub case_time_s: f64,
-    /// Warming of the winding above the case, K/W.
+    /// Thermal resistance from winding to case, K/W.
     pub winding_k_w: f64,
-    /// Time constant of that, s.
+    /// Time constant of the winding's warming, s.
     pub winding_time_s: f64,
-    /// Temperature of the case at which it shuts down, °C.
+    /// Temperature of the case at which the servo shuts down, °C.
     pub shutdown_c: f64,
-    /// By how much what it tells is older than its last tick, s.
+    /// Age of reported readings beyond the last tick, s.
     pub reading_delay_s: f64,
-    /// Current without motion, A.
+    /// Supply current without motion, A.
     pub standby_a: f64,
-    /// Supply below which its program stops, V.
+    /// Supply voltage below which the firmware stops, V.
     pub brown_out_v: f64,
-    /// How long it takes to start, s.
+    /// Time that the servo takes to start, s.
     pub boot_s: f64,
-    /// Names of the values that nobody has measured or stated.
+    /// Names of the parameters that are guesses: neither measured nor stated.
     pub guesses: Vec<&'static str>,
 }
 
 impl Parameters {
-    /// A built-in kind by its name, see [`ServoModel::built_in`].
+    /// Returns the parameters of a built-in kind by name, see [`ServoModel::built_in`].
     ///
     /// # Errors
-    /// [`ParametersError::Unknown`] lists the kinds that there are.
+    /// [`ParametersError::Unknown`] lists the known kinds.
     pub fn built_in(name: &str) -> Result<Self, ParametersError> {
         let unknown = || ParametersError::Unknown(name.to_owned());
         Self::of_model(&ServoModel::built_in(name).ok_or_else(unknown)?)
     }
 
-    /// A kind that a rig describes. What its description lacks is what the built-in kind of its name has, else what is
-    /// common.
+    /// Returns the parameters of a kind that a rig describes. Missing values are taken from the built-in kind with the
+    /// same name, otherwise from the common file.
     ///
     /// # Errors
-    /// [`ParametersError::Contradiction`] if no motor has these figures.
+    /// [`ParametersError::Contradiction`] if no motor can have these figures.
     pub fn of_model(model: &ServoModel) -> Result<Self, ParametersError> {
         Self::of(model, &Extra::built_in(&model.name)?)
     }
 
-    /// What follows from the maker's figures:
+    /// Computes the parameters that follow from the maker's figures:
     /// - resistance: voltage over stall current;
-    /// - torque constant: voltage at no-load speed is back-EMF and what friction takes;
-    /// - friction per load: what is missing at stall.
+    /// - torque constant: the voltage at no-load speed is back-EMF plus friction;
+    /// - friction per load: the missing torque at stall.
     ///
-    /// Where the program caps the speed, that one says nothing of the motor: the torque constant then follows from the
-    /// stall torque, with a friction per load that the file gives.
+    /// If the firmware limits the speed, the no-load speed does not describe the motor. The torque constant then
+    /// follows from the stall torque, with a friction per load from the file.
     fn of(model: &ServoModel, extra: &Extra) -> Result<Self, ParametersError> {
         let contradiction =
             |what| Err(ParametersError::Contradiction { name: model.name.clone(), what });

@@ -1,4 +1,4 @@
-//! The ways in which a rig's joints move, and how servos' shafts go with them.
+//! The independent motions of a rig's drives: speeds of joints and of servo shafts.
 
 use sinew_rig::actuation::JoinedDrive;
 use sinew_rig::drive::{Drive, DriveInputError, DrivePose, Numbers};
@@ -7,35 +7,36 @@ use sinew_rig::servo::Servo;
 
 use super::mechanics::Mechanics;
 
-/// Joints that a drive moves, and its servos.
+/// A drive with the joints that it moves, and its servos.
 ///
-/// A drive has as many ways to move as the fewer of its dofs and servos: joints that share a servo go as it goes,
-/// servos that share a joint go as that goes.
+/// The number of independent motions of a drive is the smaller of the numbers of dofs and servos: joints that share a
+/// servo move together, and so do servos that share a joint.
 #[derive(Debug, Clone)]
 pub(super) struct Driven {
     drive: Drive,
-    /// Dofs of the mechanism.
+    /// Dofs of the drive in the mechanism.
     pub(super) dofs: Vec<usize>,
-    /// Where their positions are in `q`; of a ball joint the first of four.
+    /// Indices of the joints' positions in `q`; for a ball joint only the first of four.
     coordinates: Vec<usize>,
     is_ball: bool,
-    /// Places on the bench.
+    /// Indices of the servos on the bench.
     pub(super) servos: Vec<usize>,
-    /// Turns of each servo for a turn of its shaft, as the drive sees it.
+    /// Turns of each servo for one turn of its shaft, as the drive sees it.
     gears: Vec<f64>,
-    /// Own position of each servo where its shaft is at zero, from where its encoder counts zero, rad.
+    /// Own position of each servo, rad, at which its shaft is at zero.
     zeros_rad: Vec<f64>,
 }
 
-/// How a drive moves at one pose: for each of its ways the speeds of its dofs, and of its servos.
+/// Independent motions of a drive at one pose: for each motion the speeds of its dofs, and of its servos.
 pub(super) struct DriveAxes {
     pub(super) joints: Vec<Vec<f64>>,
     pub(super) servos: Vec<Vec<f64>>,
 }
 
 impl Driven {
-    /// `places`: of each joint of the description, its body. `benched`: of each servo of the rig, its place on the
-    /// bench and the middle of its encoder, rad. None if one of them has none.
+    /// Creates a drive. `places` is the body of each joint of the description. `benched` is, for each servo of the rig,
+    /// its index on the bench and the middle of its encoder, rad. Returns `None` if a joint has no body, or a servo is
+    /// not on the bench.
     pub(super) fn new(
         of: &JoinedDrive,
         servos: &[Servo],
@@ -76,12 +77,12 @@ impl Driven {
         self.dofs.len().min(self.servos.len())
     }
 
-    /// Whether its ways are the same at all poses.
+    /// Returns whether the drive's motions are the same at all poses.
     pub(super) fn is_linear(&self) -> bool {
         matches!(&self.drive, Drive::Matrix(matrix) if !matrix.is_ball())
     }
 
-    /// The drive where the joints are.
+    /// Returns the pose of the drive at joint coordinates `q`.
     pub(super) fn at(&self, q: &[f64]) -> Result<DrivePose<'_>, DriveInputError> {
         let joints: Vec<f32> = if let (true, Some(first)) = (self.is_ball, self.coordinates.first())
         {
@@ -95,7 +96,7 @@ impl Driven {
         self.drive.at_joints(&joints)
     }
 
-    /// Puts joints where the servos can have them.
+    /// Moves joints to positions that are possible for the servos.
     pub(super) fn settle(&self, q: &mut [f64]) -> Result<(), DriveInputError> {
         if self.dofs.len() > self.servos.len() {
             let shafts = Numbers::from_slice(self.at(q)?.servos()).unwrap_or_default();
@@ -108,7 +109,7 @@ impl Driven {
         Ok(())
     }
 
-    /// Own positions of the servos, rad from where their encoders count zero.
+    /// Returns the servos' own positions, rad, zero where their encoders count zero.
     pub(super) fn positions_rad(&self, pose: &DrivePose<'_>) -> Vec<f64> {
         let shafts = pose.servos().iter();
         shafts

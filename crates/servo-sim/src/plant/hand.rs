@@ -1,24 +1,24 @@
-//! A hand that leads a joint.
+//! A hand that guides a joint.
 
 use super::mechanics::Mechanics;
 use crate::load::{STOP_N_M, STOP_NM_RAD};
 use sinew_rig::mechanism::JointModel;
 
-/// Part of a stop's stiffness that a hand has.
+/// Stiffness of a hand, as a part of a stop's stiffness.
 const FIRM: f64 = 0.25;
-/// Time that its damping is behind its stiffness, s: a hand does not swing.
+/// Ratio of a hand's damping to its stiffness, s: a hand does not swing.
 const DAMPING_S: f64 = 0.02;
 
-/// A hand on one joint: a spring and a damper to where it wants the joint.
+/// A hand on one joint: a spring and a damper to the position that it wants.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Where, rad or m.
+    /// Wanted position, rad or m.
     pub position: f64,
-    /// How fast that moves, rad/s or m/s.
+    /// Speed of the wanted position, rad/s or m/s.
     pub velocity: f64,
 }
 
-/// How a hand holds one dof of a joint.
+/// The grip of a hand on one dof of a joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grip {
     pub(super) dof: usize,
@@ -26,7 +26,7 @@ pub(super) struct Grip {
     stiffness: f64,
 }
 
-/// A hand, and its grip.
+/// A hand with its grip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Holds {
     pub(super) grip: Grip,
@@ -34,7 +34,7 @@ pub(super) struct Holds {
 }
 
 impl Grip {
-    /// Returns the grip on a dof; none on that of a ball joint, which hands do not take.
+    /// Returns the grip on a dof, or `None` for a ball joint, which hands cannot guide.
     pub(super) fn new(mechanics: &Mechanics, dof: usize) -> Option<Self> {
         let bodies = &mechanics.mechanism.bodies;
         let body = (0..bodies.len()).find(|at| mechanics.dofs_of(*at).contains(&dof))?;
@@ -49,7 +49,7 @@ impl Grip {
 }
 
 impl Holds {
-    /// Returns what the hand pushes with, and how that falls with speed.
+    /// Returns the force of the hand, and how it decreases with speed.
     pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
         let Grip { dof, coordinate, stiffness } = self.grip;
         let (at, speed) = (q[coordinate], qd[dof]);

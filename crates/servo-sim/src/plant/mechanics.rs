@@ -1,11 +1,12 @@
-//! Mass matrix and bias forces of a mechanism, f64: the composite-rigid-body and the recursive Newton-Euler algorithm
-//! (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 5 and 6), all in world axes about the world's origin.
+//! Computes mass matrix and bias forces of a mechanism in f64, with the composite-rigid-body and the recursive
+//! Newton-Euler algorithm (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 5 and 6). All values are in world
+//! axes about the world's origin.
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Pose};
 
-/// A spatial vector: the part of turning, and that of the point at the world's origin.
+/// A spatial vector: the angular part, and the linear part at the world's origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Spatial {
     turn: DVec3,
@@ -25,7 +26,7 @@ impl Spatial {
         self.turn.dot(other.turn) + self.slide.dot(other.slide)
     }
 
-    /// How another motion changes that is carried by this one.
+    /// Returns the change of another motion that is carried by this motion.
     fn cross(self, motion: Self) -> Self {
         Self {
             turn: self.turn.cross(motion.turn),
@@ -33,7 +34,7 @@ impl Spatial {
         }
     }
 
-    /// How a force or a momentum changes that is carried by this motion.
+    /// Returns the change of a force or a momentum that is carried by this motion.
     fn cross_force(self, force: Self) -> Self {
         Self {
             turn: self.turn.cross(force.turn) + self.slide.cross(force.slide),
@@ -51,7 +52,7 @@ struct SpatialInertia {
 }
 
 impl SpatialInertia {
-    /// Momentum of a motion, or force of an acceleration.
+    /// Returns the momentum of a motion, or the force of an acceleration.
     fn times(&self, motion: Spatial) -> Spatial {
         Spatial {
             turn: self.inertia_kg_m2 * motion.turn + self.moment_kg_m.cross(motion.slide),
@@ -72,22 +73,22 @@ impl SpatialInertia {
 struct Moving {
     velocity: Spatial,
     acceleration: Spatial,
-    /// What the body and those on it push back with.
+    /// Force with which the body and its descendants resist.
     force: Spatial,
     own: SpatialInertia,
     composite: SpatialInertia,
 }
 
-/// A mechanism at an instant. [`Self::set`] computes all that is read here. O(n · depth).
+/// State of a mechanism at an instant. [`Self::set`] computes all results. O(n · depth).
 #[derive(Debug, Clone)]
 pub(super) struct Mechanics {
     pub(super) mechanism: Mechanism,
     gravity_m_s2: DVec3,
-    /// The first dof and the first coordinate of each body.
+    /// Index of the first dof and of the first coordinate of each body.
     pub(super) places: Vec<[usize; 2]>,
     motions: Vec<Spatial>,
     bodies: Vec<Moving>,
-    /// Row after row.
+    /// Mass matrix, row by row.
     mass: Vec<f64>,
     bias: Vec<f64>,
 }
@@ -115,23 +116,23 @@ impl Mechanics {
         self.bias.len()
     }
 
-    /// The dofs of a body's joint.
+    /// Returns the dofs of a body's joint.
     pub(super) fn dofs_of(&self, body: usize) -> std::ops::Range<usize> {
         let first = self.places[body][0];
         first..first + self.mechanism.bodies[body].joint.kind().dof_count()
     }
 
-    /// Element of the mass matrix, kg m², kg m or kg; without rotors.
+    /// Returns an element of the mass matrix, kg m², kg m or kg; without rotors.
     pub(super) fn mass(&self, row: usize, column: usize) -> f64 {
         self.mass[row * self.dofs() + column]
     }
 
-    /// Effort that a dof needs to move on without acceleration, N m or N: gravity, Coriolis, centrifugal.
+    /// Returns the effort of a dof for motion without acceleration, N m or N: gravity, Coriolis, centrifugal.
     pub(super) fn bias(&self, dof: usize) -> f64 {
         self.bias[dof]
     }
 
-    /// Computes all at positions and speeds, as `sinew_core::coordinates` has them.
+    /// Computes all results at positions and speeds in the order of `sinew_core::coordinates`.
     pub(super) fn set(&mut self, q: &[f64], qd: &[f64]) {
         let poses = self.mechanism.poses(q);
         for (index, pose) in poses.iter().enumerate() {
@@ -143,7 +144,7 @@ impl Mechanics {
         }
     }
 
-    /// Velocity, acceleration without that of the joints, and inertia of a body.
+    /// Computes velocity, acceleration without joint accelerations, and inertia of a body.
     fn outward(&mut self, index: usize, pose: &Pose, q: &[f64], qd: &[f64]) {
         let link = &self.mechanism.bodies[index];
         let carrier = match link.parent {
@@ -166,7 +167,7 @@ impl Mechanics {
         for (dof, motion) in (first..).zip(turns.chain(slides)) {
             self.motions[dof] = motion;
             let own = motion.times(qd[dof]);
-            // The second axis of a universal joint is carried by the first turn; all else is fixed in the body.
+            // The first turn carries the second axis of a universal joint; all other axes are fixed in the body.
             if matches!(link.joint, JointModel::Universal(_)) {
                 rest = rest.plus(joint.cross(own));
             }
@@ -179,7 +180,7 @@ impl Mechanics {
         self.bodies[index] = Moving { velocity, acceleration, force, own, composite: own };
     }
 
-    /// Efforts and the row of the mass matrix of a joint; passes on what hangs on it.
+    /// Computes bias and mass matrix row of a joint, and adds the body to its parent.
     fn inward(&mut self, index: usize) {
         let Moving { force, composite, .. } = self.bodies[index];
         let size = self.dofs();
@@ -203,7 +204,7 @@ impl Mechanics {
         }
     }
 
-    /// Energy of motion and of height, without rotors, J.
+    /// Returns kinetic plus potential energy, without rotors, J.
     pub(super) fn energy_j(&self) -> f64 {
         let of_body = |body: &Moving| {
             0.5 * body.velocity.dot(body.own.times(body.velocity))
@@ -225,7 +226,7 @@ fn inertia_of(link: &sinew_rig::mechanism::Link, pose: &Pose) -> SpatialInertia 
     }
 }
 
-/// Positions after a time at speeds.
+/// Moves the positions `q` for a time at constant speeds.
 pub(super) fn advance(mechanics: &Mechanics, q: &mut [f64], qd: &[f64], dt_s: f64) {
     for (link, [dof, coordinate]) in mechanics.mechanism.bodies.iter().zip(&mechanics.places) {
         let speeds = &qd[*dof..];
@@ -236,7 +237,7 @@ pub(super) fn advance(mechanics: &Mechanics, q: &mut [f64], qd: &[f64], dt_s: f6
                 let after = (DQuat::from_xyzw(*x, *y, *z, *w) * turn).normalize();
                 [*x, *y, *z, *w] = after.to_array();
             }
-            // A base that drives about stands still.
+            // A mobile base does not move.
             (JointModel::Free | JointModel::Fixed, ..) => {}
             (_, own, speeds) => {
                 let count = link.joint.kind().dof_count();

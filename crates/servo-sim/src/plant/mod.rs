@@ -1,13 +1,14 @@
-//! A whole rig on the shafts of its servos: what one moves, the others feel, and gravity is that of the pose.
+//! A whole rig on the shafts of its servos: servos affect each other, and gravity depends on the pose.
 //!
-//! The speeds of all joints after a step are one system of linear equations, implicit in frictions and stops: stable at
-//! any stiffness of theirs. Gears are the servos' own. A servo computes the torque of its gear before the rig moves, so
-//! it has to foresee its shaft: it takes the acceleration of the last step, and that its own torque changes it by at
-//! most `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, the shafts' accelerations for torques on all. As `Σ |W| ≥ W` as
-//! matrices, no torque overshoots, however stiff gears are and however light the rig is; of a servo alone it is exact.
-//! Its torque on the shaft is that of the gear less the friction there. Where all is at rest the foreseen shaft is the
-//! real one, so friction holds a joint where it is; what begins to push a joint moves it until the servos have felt it,
-//! some steps long.
+//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions, stops and gears:
+//! stable for any of their stiffnesses. The gears belong to the servos. A servo solves its own step before the rig
+//! moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its own torque changes
+//! this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for torques on
+//! all shafts. The prediction decides whether teeth touch and which ends friction holds. Then the rig moves with the
+//! torque of each gear as a line over the speed of its shaft ([`Push`]), and shaft and rotor take the speeds of the
+//! common solution. Torques of predicted shafts alone would be explicit: light bodies on stiff gears would diverge. At
+//! rest the predicted shaft is the real one, so friction holds a joint in place. A force that begins to push moves a
+//! joint for some steps, until the servos react.
 
 mod drives;
 mod hand;
@@ -21,7 +22,7 @@ use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
-use crate::load::{Arm, Plant, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
+use crate::load::{Arm, Plant, Push, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
 use crate::model::Parameters;
 use crate::rig::{HORN_KG_M2, RigServosError};
 use drives::Driven;
@@ -30,44 +31,46 @@ use hand::{Grip, Holds};
 use mechanics::{Mechanics, advance};
 use symmetric::Symmetric;
 
-/// Below this speed Coulomb friction of joints grows in proportion, rad/s or m/s: a joint at rest creeps.
+/// Speed below which the Coulomb friction of joints is proportional to speed, rad/s or m/s: a joint at rest creeps.
 const CREEP: f64 = 1e-3;
-/// The least inertia of a joint that no servo moves, kg m² or kg: what has none would follow no force.
+/// Minimum inertia of a joint without a servo, kg m² or kg: without inertia a joint could not follow a force.
 const LEAST_INERTIA: f64 = 1e-6;
-/// Below this, the square of a number is none.
+/// Squares below this value are treated as zero.
 const LEAST_PIVOT: f64 = 1e-15;
 
-/// A rig that servos of one bench move.
+/// A rig that is moved by the servos of one bench.
 ///
-/// The base stands. Joints of drives whose servos are not all on the bench stay at home; those that no servo moves
-/// swing, with what the rig's file says of their friction. Left out: limits that join two joints, ranges of ball
-/// joints, and stiction of joints (servos have their own).
+/// The base is fixed. If not all servos of a drive are on the bench, its joints stay at home. Joints without a servo
+/// swing, with the friction in the rig's file. Not simulated: limits that couple two joints, ranges of ball joints, and
+/// stiction of joints (servos have their own).
 #[derive(Debug, Clone)]
 pub struct RigPlant {
     mechanics: Mechanics,
     q: Vec<f64>,
     qd: Vec<f64>,
     drives: Vec<Driven>,
-    /// By way to move: speeds of dofs.
+    /// Speeds of dofs, for each independent motion.
     joints: Vec<Vec<(usize, f64)>>,
-    /// By way to move: speeds of servos.
+    /// Speeds of servos, for each independent motion.
     shafts: Vec<Vec<(usize, f64)>>,
-    /// The ways of each drive.
+    /// Indices of each drive's independent motions.
     places: Vec<Range<usize>>,
     speeds: Vec<f64>,
-    /// By way to move: inertia beside that of the bodies.
+    /// Inertia of each independent motion in addition to the bodies.
     extra: Vec<f64>,
-    /// By dof.
+    /// Friction of each dof.
     frictions: Vec<Friction>,
     ends: Vec<End>,
     hands: Vec<Holds>,
-    /// By dof: effort from outside, N m or N.
+    /// External effort on each dof, N m or N.
     pushes: Vec<f64>,
-    /// By servo: least and most own position, rad.
+    /// Minimum and maximum own position of each servo, rad.
     stops_rad: Vec<[f64; 2]>,
     own: Vec<Shaft>,
     loads: Vec<Arm>,
+    /// Inertias of the ways with frictions and stops; [`Self::coupled`] has the gears, too.
     matrix: Symmetric,
+    coupled: Symmetric,
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -76,7 +79,7 @@ struct Friction {
     viscous: f64,
 }
 
-/// Ends of a dof's range.
+/// The range of a dof, with its stops.
 #[derive(Debug, Clone, Copy)]
 struct End {
     dof: usize,
@@ -86,10 +89,10 @@ struct End {
 }
 
 impl RigPlant {
-    /// A rig at rest at its home pose. `servos`: names of those on the bench, in their order there.
+    /// Creates a rig at rest at its home pose. `servos` are the names of the servos on the bench, in their order.
     ///
     /// # Errors
-    /// [`RigServosError`], also if a name is none of a servo.
+    /// [`RigServosError`], also if a name is not the name of a servo.
     pub fn new(
         description: &Description,
         mechanism: &Mechanism,
@@ -112,7 +115,7 @@ impl RigPlant {
             let index = description.servos.iter().position(|servo| servo.name == *name);
             let index = index.ok_or_else(|| RigServosError::NoServo((*name).to_owned()))?;
             let described = &description.servos[index];
-            // `actuation` has refused models that are not known.
+            // `actuation` has already refused unknown models.
             let Some(model) = description.servo_model(&described.model) else { continue };
             let middle = 0.5 * Parameters::of_model(&model)?.range_rad;
             benched[index] = Some((place, middle));
@@ -141,6 +144,7 @@ impl RigPlant {
             own: vec![Shaft::default(); servos.len()],
             loads: vec![Arm::default(); servos.len()],
             matrix: Symmetric::default(),
+            coupled: Symmetric::default(),
             mechanics,
             drives,
             stops_rad,
@@ -160,20 +164,22 @@ impl RigPlant {
         let ways = plant.joints.len();
         (plant.speeds, plant.extra) = (vec![0.0; ways], vec![0.0; ways]);
         plant.matrix = Symmetric::zeros(ways);
+        plant.coupled = Symmetric::zeros(ways);
         for drive in 0..plant.drives.len() {
             plant.take_ways(drive)?;
             plant.take_positions(drive)?;
         }
         plant.mechanics.set(&plant.q, &plant.qd);
         plant.take_extra();
-        plant.accelerate(Self::STEP_S, &vec![0.0; servos.len()]);
+        let at_rest = plant.own.clone();
+        plant.accelerate(Self::STEP_S, &vec![Push::default(); servos.len()], &at_rest);
         Ok(plant)
     }
 
-    /// Its step, s: that of the servos.
+    /// Step of the plant, s, equal to that of the servos.
     const STEP_S: f64 = crate::device::STEP_S;
 
-    /// Friction and ends of a joint; a way of its own for each dof, if no servo moves it.
+    /// Adds friction and stops of a joint. If no servo moves the joint, each of its dofs becomes an independent motion.
     fn take_joint(&mut self, description: &Description, joint: usize, body: usize, is_free: bool) {
         let described = &description.joints[joint];
         let link = &self.mechanics.mechanism.bodies[body];
@@ -201,7 +207,7 @@ impl RigPlant {
         }
     }
 
-    /// The ways of a drive at the present pose.
+    /// Updates the independent motions of a drive at the present pose.
     fn take_ways(&mut self, drive: usize) -> Result<(), DriveInputError> {
         let of = &self.drives[drive];
         let ways = of.ways_at(&of.at(&self.q)?)?;
@@ -216,7 +222,7 @@ impl RigPlant {
         Ok(())
     }
 
-    /// Where a drive's servos are, by where the joints are.
+    /// Updates the positions of a drive's servos from the joints.
     fn take_positions(&mut self, drive: usize) -> Result<(), DriveInputError> {
         let of = &self.drives[drive];
         for (servo, position_rad) in of.servos.iter().zip(of.positions_rad(&of.at(&self.q)?)) {
@@ -225,7 +231,7 @@ impl RigPlant {
         Ok(())
     }
 
-    /// What is lighter at home than a horn on each servo has the inertia of that.
+    /// Sets the additional inertia of each motion, so that none is lighter at home than a horn on each servo.
     fn take_extra(&mut self) {
         for way in 0..self.joints.len() {
             let moved = self.inertia(way, way);
@@ -243,7 +249,7 @@ impl RigPlant {
         }
     }
 
-    /// Element of the mass matrix of the ways to move.
+    /// Returns an element of the mass matrix of the independent motions.
     fn inertia(&self, one: usize, other: usize) -> f64 {
         let mut sum = 0.0;
         for (row, speed) in &self.joints[one] {
@@ -254,8 +260,7 @@ impl RigPlant {
         sum
     }
 
-    /// A hand takes a joint's dof, or leads it on; none lets go. Hands do not take ball joints: then nothing
-    /// happens, and it says so.
+    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can do this: it cannot guide ball joints.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.hands.retain(|holds| holds.grip.dof != dof);
         let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };
@@ -263,32 +268,33 @@ impl RigPlant {
         true
     }
 
-    /// Pushes a dof from outside with this torque, N m, or force of a slide, N, until it is told another one. Returns
-    /// whether there is such a dof.
+    /// Applies an external torque, N m, or for a slide a force, N, to a dof, until the next call for this dof. Returns
+    /// whether the dof exists.
     pub fn push(&mut self, dof: usize, torque_nm: f64) -> bool {
         let Some(push) = self.pushes.get_mut(dof) else { return false };
         *push = torque_nm;
         true
     }
 
-    /// Joint coordinates, as `sinew_core::coordinates` has them.
+    /// Returns the joint coordinates, in the order of `sinew_core::coordinates`.
     pub fn q(&self) -> &[f64] {
         &self.q
     }
 
-    /// Speeds of the dofs, rad/s and m/s.
+    /// Returns the speeds of the dofs, rad/s and m/s.
     pub fn qd(&self) -> &[f64] {
         &self.qd
     }
 
-    /// Energy of motion and of height, without rotors and horns, J.
+    /// Returns kinetic plus potential energy, without rotors and horns, J.
     pub fn energy_j(&mut self) -> f64 {
         self.mechanics.set(&self.q, &self.qd);
         self.mechanics.energy_j()
     }
 
-    /// Accelerations of the ways over a step, and what each servo works against in the next one.
-    fn accelerate(&mut self, dt_s: f64, torques_nm: &[f64]) -> Vec<f64> {
+    /// Returns the accelerations of the motions over a step. Also computes the loads of the servos for the next step.
+    /// `foreseen` are the shafts as the servos predicted them.
+    fn accelerate(&mut self, dt_s: f64, pushes: &[Push], foreseen: &[Shaft]) -> Vec<f64> {
         let ways = self.joints.len();
         self.matrix.fill(0.0);
         for row in 0..ways {
@@ -303,25 +309,28 @@ impl RigPlant {
             let resists = |at: usize| self.mechanics.bias(at) - self.pushes[at];
             let of_joints: f64 =
                 self.joints[way].iter().map(|(at, speed)| speed * resists(*at)).sum();
-            let of_servos: f64 =
-                self.shafts[way].iter().map(|(at, speed)| speed * torques_nm[*at]).sum();
-            *force = of_servos - of_joints;
+            *force = -of_joints;
         }
         self.resist(dt_s, &mut forces);
+        self.coupled.copy_from(&self.matrix);
+        for (servo, (push, shaft)) in pushes.iter().zip(foreseen).enumerate() {
+            let slower_rad_s = shaft.velocity_rad_s - self.own[servo].velocity_rad_s;
+            let torque_nm = push.torque_nm + push.slope_nm_s * slower_rad_s;
+            let row = along(&self.shafts, servo);
+            self.coupled.add_square(&row, dt_s * push.slope_nm_s);
+            for (sum, share) in forces.iter_mut().zip(row) {
+                *sum += share * torque_nm;
+            }
+        }
+        self.coupled.factor(LEAST_PIVOT);
+        self.coupled.solve(&mut forces);
         self.matrix.factor(LEAST_PIVOT);
-        self.matrix.solve(&mut forces);
-        self.foresee(&forces, torques_nm);
+        self.foresee(dt_s, &forces, pushes, foreseen);
         forces
     }
 
-    /// Frictions and stops, implicit.
+    /// Adds frictions and stops implicitly.
     fn resist(&mut self, dt_s: f64, forces: &mut [f64]) {
-        let along = |list: &[Vec<(usize, f64)>], at: usize| -> Vec<f64> {
-            let own = |way: &Vec<(usize, f64)>| {
-                way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()
-            };
-            list.iter().map(own).collect()
-        };
         let mut add = |row: &[f64], force: f64, slope: f64| {
             self.matrix.add_square(row, dt_s * slope);
             for (sum, share) in forces.iter_mut().zip(row) {
@@ -353,8 +362,8 @@ impl RigPlant {
         }
     }
 
-    /// What each servo works against in the next step: see [the module](self).
-    fn foresee(&mut self, accelerations: &[f64], torques_nm: &[f64]) {
+    /// Computes the load of each servo for the next step: see [the module](self).
+    fn foresee(&mut self, dt_s: f64, accelerations: &[f64], pushes: &[Push], foreseen: &[Shaft]) {
         let servos = self.own.len();
         let turned = |by: &[f64], list: &[Vec<(usize, f64)>]| {
             let mut turned = vec![0.0; servos];
@@ -367,28 +376,34 @@ impl RigPlant {
         };
         let now = turned(accelerations, &self.shafts);
         for servo in 0..servos {
-            let mut response = vec![0.0; self.shafts.len()];
-            for (way, share) in self.shafts.iter().zip(&mut response) {
-                *share = way.iter().filter(|(at, _)| *at == servo).map(|(_, speed)| speed).sum();
-            }
+            let mut response = along(&self.shafts, servo);
             self.matrix.solve(&mut response);
             let yields: f64 = turned(&response, &self.shafts).iter().map(|by| by.abs()).sum();
-            // A servo that moves nothing of the rig has its horn.
+            // A servo that moves no part of the rig moves only its horn.
             let inertia_kg_m2 = if yields > 0.0 { 1.0 / yields } else { HORN_KG_M2 };
+            let speed_rad_s = self.own[servo].velocity_rad_s + dt_s * now[servo];
+            let faster_rad_s = speed_rad_s - foreseen[servo].velocity_rad_s;
+            let push = pushes[servo];
+            let pushed_nm = push.torque_nm - push.slope_nm_s * faster_rad_s;
             self.loads[servo] = Arm {
                 inertia_kg_m2,
-                torque_nm: if yields > 0.0 {
-                    inertia_kg_m2 * now[servo] - torques_nm[servo]
-                } else {
-                    0.0
-                },
+                torque_nm: if yields > 0.0 { inertia_kg_m2 * now[servo] - pushed_nm } else { 0.0 },
                 ..Arm::default()
             };
         }
     }
 }
 
-/// What a stop pushes with, and how that falls with speed; none if it does not. It does not pull back what leaves it.
+/// Returns the speeds of the motions for a unit of speed of one dof or shaft.
+fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
+    let own = |way: &Vec<(usize, f64)>| {
+        way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()
+    };
+    list.iter().map(own).collect()
+}
+
+/// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
+/// pulls.
 fn stop(
     dt_s: f64,
     stiffness: f64,
@@ -409,14 +424,14 @@ impl Plant for RigPlant {
         self.loads.get(servo).copied().unwrap_or_default()
     }
 
-    /// With each step of the servos.
+    /// The plant moves with each step of the servos.
     fn servo_steps(&self) -> u32 {
         1
     }
 
-    fn step(&mut self, dt_s: f64, torques_nm: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]) {
         self.mechanics.set(&self.q, &self.qd);
-        let accelerations = self.accelerate(dt_s, torques_nm);
+        let accelerations = self.accelerate(dt_s, pushes, shafts);
         for (speed, acceleration) in self.speeds.iter_mut().zip(&accelerations) {
             *speed += dt_s * acceleration;
         }
@@ -438,7 +453,7 @@ impl Plant for RigPlant {
         }
         for drive in 0..self.drives.len() {
             if !self.drives[drive].is_linear() {
-                // Numbers of a pose that has run are finite: a drive takes them.
+                // The numbers of a simulated pose are finite, so the drive accepts them.
                 let _ = self.take_ways(drive).and_then(|()| self.take_positions(drive));
             }
         }

@@ -1,7 +1,7 @@
-//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). Of our own, because the order of its sums is fixed:
-//! the same bits on every machine.
+//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). Implemented in this crate because the order of its sums
+//! must be fixed, which gives the same bits on every machine.
 
-/// The lower triangle, and the room of all.
+/// A square matrix, of which only the lower triangle is used.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Symmetric {
     size: usize,
@@ -13,11 +13,16 @@ impl Symmetric {
         Self { size, numbers: vec![0.0; size * size] }
     }
 
+    /// Takes the numbers of a matrix of the size of this one.
+    pub(super) fn copy_from(&mut self, other: &Self) {
+        self.numbers.copy_from_slice(&other.numbers);
+    }
+
     pub(super) fn fill(&mut self, value: f64) {
         self.numbers.fill(value);
     }
 
-    /// Adds to an element; only those at or below the diagonal count.
+    /// Adds to an element. Only elements at or below the diagonal are used.
     pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
         self.numbers[row * self.size + column] += value;
     }
@@ -31,7 +36,7 @@ impl Symmetric {
         }
     }
 
-    /// Becomes L. A pivot below `least` becomes `least`: such a direction hardly moves anything.
+    /// Replaces the matrix by L. A pivot below `least` becomes `least`: such directions have almost no effect.
     pub(super) fn factor(&mut self, least: f64) {
         let size = self.size;
         for row in 0..size {
@@ -49,7 +54,7 @@ impl Symmetric {
         }
     }
 
-    /// Of L: solves `A x = b` in place.
+    /// Solves `A x = b` in place. The matrix must be L, from [`Self::factor`].
     pub(super) fn solve(&self, x: &mut [f64]) {
         let size = self.size;
         for row in 0..size {
@@ -69,7 +74,7 @@ mod tests {
 
     #[test]
     fn it_solves() {
-        // Hilbert's matrix of 4, whose inverse is of whole numbers: its first column is 16, -120, 240, -140.
+        // A Hilbert matrix of size 4, whose inverse contains whole numbers: its first column is 16, -120, 240, -140.
         let mut matrix = Symmetric::zeros(4);
         for row in 0..4_u8 {
             for column in 0..=row {
@@ -80,7 +85,7 @@ mod tests {
         let mut x = [1.0, 0.0, 0.0, 0.0];
         matrix.solve(&mut x);
         for (x, exact) in x.iter().zip([16.0, -120.0, 240.0, -140.0]) {
-            // Its condition number is 15,500.
+            // The condition number of the matrix is 15,500.
             assert!((x - exact).abs() < 1e-9, "{x} {exact}");
         }
     }

@@ -79,7 +79,7 @@ impl GoldenBody {
     }
 }
 
-/// MuJoCo's accelerations for efforts, and its mass matrices, of rigs of all kinds of joint.
+/// Compares with MuJoCo: accelerations for efforts, and mass matrices, for rigs with all kinds of joints.
 #[test]
 fn accelerations_and_mass_matrices_are_the_golden_ones() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/golden/rotors.json");
@@ -102,7 +102,7 @@ fn accelerations_and_mass_matrices_are_the_golden_ones() {
                             * mechanism.bodies[body].rotor_inertia;
                         let element = mechanics.mass(row, column) + rotor;
                         let golden = state.mass_matrix_lower[row * (row + 1) / 2 + column];
-                        // Both in f64, the file with all its digits; the largest are of some 100 kg m².
+                        // Both values are f64, and the file has all digits; the largest values are some 100 kg m².
                         assert!((element - golden).abs() < 1e-10, "{}: {element}", case.name);
                         matrix.add(row, column, element);
                     }
@@ -112,15 +112,15 @@ fn accelerations_and_mass_matrices_are_the_golden_ones() {
             matrix.solve(&mut x);
             let largest = state.acc.iter().fold(1.0, |most: f64, x| most.max(x.abs()));
             for (x, golden) in x.iter().zip(&state.acc) {
-                // The condition of the matrix, up to 1e5, times rounding of some 1e-16 · 30 bodies.
+                // Tolerance: condition number of the matrix, up to 1e5, times rounding of some 1e-16 · 30 bodies.
                 assert!((x - golden).abs() < 1e-9 * largest, "{}: {x} {golden}", case.name);
             }
         }
     }
 }
 
-/// Without servos and friction the sum of both energies stays. What a step of semi-implicit Euler is off by swings with
-/// the motion and halves with the step.
+/// Without servos and friction, the total energy is constant. The error of semi-implicit Euler varies with the motion,
+/// and halves with the step.
 #[test]
 fn a_rig_that_swings_freely_keeps_its_energy() {
     let mut description = arm(4).unwrap();
@@ -130,10 +130,10 @@ fn a_rig_that_swings_freely_keeps_its_energy() {
         (joint.friction, joint.damping) = (0.0, 0.0);
     }
     let mechanism = description.mechanism().unwrap();
-    // The most that the sum is off, and the most energy of motion.
+    // Returns the maximum error of the total energy, and the maximum kinetic energy.
     let run = |dt_s: f64| {
         let mut plant = RigPlant::new(&description, &mechanism, &[]).unwrap();
-        // Nothing but the bodies; and from a pose that falls.
+        // Only the bodies count, and the start pose must fall.
         plant.extra.fill(0.0);
         plant.q.iter_mut().for_each(|q| *q += 0.7);
         let begin_j = plant.energy_j();
@@ -154,8 +154,8 @@ fn a_rig_that_swings_freely_keeps_its_energy() {
     let (fine_j, _) = run(0.25 * STEP_S);
     println!("{coarse_j:e} J, {fine_j:e} J of {motion_j} J");
     assert!(coarse_j < 0.05 * motion_j, "{coarse_j} J of {motion_j} J");
-    // First order: the error goes with the step. Next to nothing is left without one (Richardson's extrapolation): the
-    // second order, and that the two are farthest off at different times.
+    // First order: the error is proportional to the step. The extrapolated error for a step of zero (Richardson) is
+    // nearly zero; the rest is second order, and the two runs have their maxima at different times.
     let left_j = (4.0 * fine_j - coarse_j) / 3.0;
     assert!(left_j.abs() < 0.1 * coarse_j, "{left_j} J of {coarse_j} J");
 }
@@ -174,7 +174,8 @@ fn write<P: Plant>(bench: &mut Bench<'_, P>, id: u8, address: u16, data: &[u8]) 
     });
 }
 
-/// A bench of the last servos of a rig, that hold their home or are limp (`on`), one of which is sent elsewhere.
+/// Runs a bench with the last servos of a rig. Servos with `on` hold their home, the others have torque off; servo
+/// `goal.0` moves by `goal.1` counts.
 fn run<P: Plant>(
     description: &Description,
     plant: impl FnOnce(&[&str]) -> P,
@@ -192,7 +193,7 @@ fn run<P: Plant>(
         let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
         device.place(servo.home_rad);
         if !on {
-            // A mode without a goal: it is limp.
+            // A mode without a goal: torque has no effect.
             device.set(11, 0);
         }
         simulated.push(device);
@@ -215,10 +216,10 @@ fn run<P: Plant>(
     Run { shafts }
 }
 
-/// One servo on one joint: the rig is that servo's arm.
+/// Tests one servo on one joint: the rig behaves like that servo's arm.
 #[test]
 fn a_rig_of_one_servo_moves_as_its_arm_does() {
-    // The joint that bends, alone: the one that turns has no servo on the bench, so it stays.
+    // Only the joint that bends can move: the joint that turns has no servo on the bench, so it stays.
     let description = arm(2).unwrap();
     let mechanism = description.mechanism().unwrap();
     let arms = vec![servos(&description, &mechanism).unwrap()[1].load];
@@ -233,11 +234,11 @@ fn a_rig_of_one_servo_moves_as_its_arm_does() {
     let moved = alone.shafts[0][599] - alone.shafts[0][0];
     assert!(moved > 0.6, "{moved}");
     println!("{farthest:e}");
-    // A step of the plant, 0.25 ms, at the 2 rad/s of this motion.
+    // Tolerance: the motion in one step of the plant, 0.25 ms, at the 2 rad/s of this test.
     assert!(farthest < 5e-4, "{farthest}");
 }
 
-/// Gravity at home needs what inverse dynamics say, and a servo that swings takes its limp neighbours along.
+/// Gravity at home agrees with inverse dynamics, and a servo that swings moves its neighbours with torque off.
 #[test]
 fn what_one_servo_moves_the_others_feel() {
     let description = arm(4).unwrap();
@@ -263,8 +264,8 @@ fn what_one_servo_moves_the_others_feel() {
     assert!(moved > 0.5 && followed < 1e-12, "{moved} {followed}");
 }
 
-/// Torques of shafts that hold a pose, by virtual work, keep it: mirrored, geared, a differential, a mimic joint and
-/// two servos on one joint.
+/// Torques that hold a pose by virtual work keep the rig still: with a mirrored servo, a gear, a differential, a mimic
+/// joint, and two servos on one joint.
 #[test]
 fn drives_of_all_kinds_hold_what_they_have_to() {
     let (half, two) = (vec![0.5, 0.5], vec![0.5, -0.5]);
@@ -303,7 +304,7 @@ fn drives_of_all_kinds_hold_what_they_have_to() {
         let rest = vec![0.0; q.len()];
         let mut dynamics = InverseDynamics::of(&mechanism).unwrap();
         let efforts = dynamics.efforts(&q, &rest, &rest).unwrap().to_vec();
-        let mut torques = vec![0.0; names.len()];
+        let mut pushes = vec![Push::default(); names.len()];
         for of in &actuation.drives {
             let pose = of.drive.at_joints(&of.joints.iter().map(|at| q[*at]).collect::<Vec<_>>());
             let needed: Vec<f32> = of.joints.iter().map(|at| efforts[*at]).collect();
@@ -311,25 +312,25 @@ fn drives_of_all_kinds_hold_what_they_have_to() {
                 of.servos.iter().zip(pose.unwrap().servo_torques(&needed).unwrap())
             {
                 let gear = actuation.servos[*servo].settings().gear;
-                torques[*servo] = f64::from(shaft / gear);
+                pushes[*servo].torque_nm = f64::from(shaft / gear);
             }
         }
         let begin = plant.q.clone();
         let mut shafts = plant.own.clone();
         for _ in 0..400 {
-            plant.step(STEP_S, &torques, &mut shafts);
+            plant.step(STEP_S, &pushes, &mut shafts);
         }
-        // Balanced to the rounding of f32, which grows as exp(0.1 s · 20 / s).
+        // Balanced up to f32 rounding, which grows as exp(0.1 s · 20 / s).
         for at in 0..moved {
             assert!((plant.q[at] - begin[at]).abs() < 1e-4, "{name}: {:?} {begin:?}", plant.q);
         }
-        // Without them it falls.
+        // Without these torques the rig falls.
         for _ in 0..400 {
-            plant.step(STEP_S, &vec![0.0; names.len()], &mut shafts);
+            plant.step(STEP_S, &vec![Push::default(); names.len()], &mut shafts);
         }
         let fell: f64 = plant.q.iter().zip(&begin).map(|(q, begin)| (q - begin).abs()).sum();
         assert!(fell > 1e-3, "{name}: {fell}");
-        // Servos and joints still belong together.
+        // Positions of servos and joints still match.
         for (drive, of) in actuation.drives.iter().enumerate() {
             let expected = {
                 let driven = &plant.drives[drive];
@@ -343,7 +344,7 @@ fn drives_of_all_kinds_hold_what_they_have_to() {
     }
 }
 
-/// A bench of all servos of a rig without weight, limp.
+/// Creates a bench with all servos of a rig without gravity, with torque off.
 fn limp<'m>(
     description: &Description,
     memory: &'m mut [[u8; MEMORY_LEN]],
@@ -365,8 +366,8 @@ fn limp<'m>(
     Bench::new(simulated, plant, Supply::stiff(own[0].kind.voltage_v))
 }
 
-/// What pushes below the friction at the shafts moves them until servos have felt it, and no farther; what pushes
-/// above it moves them through the play.
+/// A push below the shafts' friction moves them only until the servos react; a push above it moves them through the
+/// play.
 #[test]
 fn friction_at_shafts_holds_a_rig() {
     let description = arm(6).unwrap();
@@ -385,7 +386,7 @@ fn friction_at_shafts_holds_a_rig() {
         bench.run_us(60_000_000);
         let late = moved(&bench.plant);
         println!("{dof}: {soon:e} rad, {late:e} rad");
-        // Some thousandths of the play; then rounding.
+        // Some thousandths of the play at first; then only rounding.
         assert!(soon < 5e-5 && late - soon < 1e-9, "{dof}: {soon:e} {late:e}");
         assert!(bench.plant.push(dof, sign * 1.5 * most_nm));
         bench.run_us(1_000_000);
@@ -395,12 +396,12 @@ fn friction_at_shafts_holds_a_rig() {
     assert!(!limp(&description, &mut [[0; MEMORY_LEN]; 6], |_| ()).plant.push(6, 1.0));
 }
 
-/// Neighbours that swing shake a joint that friction holds: it does not wander off.
+/// Swinging neighbours shake a joint that is held by friction: it must not drift.
 #[test]
 fn friction_at_shafts_holds_beside_what_swings() {
     let description = arm(3).unwrap();
     let mut memory = [[0; MEMORY_LEN]; 3];
-    // All friction is at the shaft, and more than the neighbour shakes with.
+    // All friction is at the shaft, and exceeds the shaking by the neighbour.
     let mut bench = limp(&description, &mut memory, |kind| {
         kind.output_friction_share = 1.0;
         kind.friction_nm = 0.08;
@@ -420,15 +421,24 @@ fn friction_at_shafts_holds_beside_what_swings() {
     }
     println!("{swung} rad/s: {after:?} rad");
     assert!(swung > 0.5, "{swung}");
-    // What began to push it moved it; 60 swings add next to nothing.
+    // The push moved the joint at the start; 60 swings add almost nothing.
     assert!(after[0] < 5e-5 && (after[3] - after[0]).abs() < 1e-7, "{after:?}");
 }
 
-/// Strong servos on bodies of almost nothing, against each other and the stops, by full and changing PWM.
+/// Strong servos with very light bodies, against each other and the stops, with full and changing PWM.
 #[test]
 fn it_is_stable_with_stiff_gears_and_light_bodies() {
-    for (model, mass) in [("XM430-W350-T", 0.05), ("XL330-M288-T", 1.0), ("XM430-W350-T", 5.0)] {
-        let mut description = arm(6).unwrap();
+    for (joints, model, mass, stiffer) in [
+        (6, "XM430-W350-T", 0.05, 1.0),
+        (6, "XL330-M288-T", 1.0, 1.0),
+        (6, "XM430-W350-T", 5.0, 1.0),
+        // Chains in which the torque of one servo shakes all: with torques of foreseen shafts they diverge.
+        (14, "XM430-W350-T", 1.0, 1.0),
+        (12, "MX-64", 1.0, 1.0),
+        (20, "XL330-M288-T", 0.02, 30.0),
+        (14, "XM430-W350-T", 0.02, 30.0),
+    ] {
+        let mut description = arm(joints).unwrap();
         for servo in &mut description.servos {
             model.clone_into(&mut servo.model);
         }
@@ -442,31 +452,34 @@ fn it_is_stable_with_stiff_gears_and_light_bodies() {
         let mut memory = vec![[0; MEMORY_LEN]; own.len()];
         let mut simulated = Vec::new();
         for (servo, memory) in own.iter().zip(&mut memory) {
-            let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
+            let mut kind = servo.kind.clone();
+            kind.gear_stiffness_nm_rad *= stiffer;
+            let mut device = Servo::new(&kind, servo.id().unwrap(), memory).unwrap();
             device.place(servo.home_rad);
-            // PWM.
+            // Operating mode PWM.
             device.set(11, 16);
             simulated.push(device);
         }
         let mut bench = Bench::new(simulated, plant, Supply::stiff(own[0].kind.voltage_v));
-        (1..=6).for_each(|id| write(&mut bench, id, 64, &[1]));
+        let ids = 1..=u8::try_from(joints).unwrap();
+        ids.clone().for_each(|id| write(&mut bench, id, 64, &[1]));
         let mut random = crate::random::Random::new(7);
         let free_rad_s = own[0].kind.voltage_v / own[0].kind.torque_constant_nm_a;
         for _ in 0..200 {
-            for id in 1..=6 {
+            for id in ids.clone() {
                 let pwm = random.between(-885.0, 885.0) as i16;
                 write(&mut bench, id, 100, &pwm.to_le_bytes());
             }
             bench.run_us(20_000);
             for servo in bench.servos() {
                 let Shaft { position_rad, velocity_rad_s } = servo.shaft();
-                // A motor drives no shaft faster than it turns without load; falling bodies and what springs back
-                // from a stop may.
+                // A motor cannot drive a shaft faster than its no-load speed, but falling bodies and rebounds from a
+                // stop can.
                 assert!(
                     velocity_rad_s.abs() < 10.0 * free_rad_s,
-                    "{model}: {velocity_rad_s} rad/s"
+                    "{joints} {model}: {velocity_rad_s} rad/s"
                 );
-                assert!(position_rad.abs() < 10.0, "{model}: {position_rad} rad");
+                assert!(position_rad.abs() < 10.0, "{joints} {model}: {position_rad} rad");
             }
         }
     }

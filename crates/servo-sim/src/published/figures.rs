@@ -1,7 +1,7 @@
-//! What is published, by whom, and how near a simulation should come.
+//! Published figures of servos, with their sources and tolerances.
 
-/// A second-order servo: torque = stiffness times error, cut at the most, less back-EMF, damping and friction. As
-/// others have identified it, or with the numbers of a simulated one.
+/// A second-order servo: torque = stiffness times error, limited to the maximum, minus back-EMF, damping and friction.
+/// Its numbers are those that others have identified, or those of a simulated servo.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Law {
     pub(super) stiffness_nm_rad: f64,
@@ -9,15 +9,15 @@ pub(super) struct Law {
     pub(super) back_emf_nm_s: f64,
     pub(super) damping_nm_s: f64,
     pub(super) friction_nm: f64,
-    /// Friction, as a part of what the motor makes.
+    /// Friction, relative to the torque of the motor.
     pub(super) load_friction: f64,
     pub(super) inertia_kg_m2: f64,
-    /// How fast its goal goes.
+    /// Speed of the goal, rad/s.
     pub(super) goal_rad_s: f64,
 }
 
 impl Law {
-    /// What nobody has identified of it is none.
+    /// Neutral values for numbers that were not identified.
     const BARE: Self = Self {
         stiffness_nm_rad: 0.0,
         most_nm: 0.0,
@@ -29,7 +29,7 @@ impl Law {
         goal_rad_s: f64::INFINITY,
     };
 
-    /// Time to 63 % of a step, s, and the speed there, rad/s.
+    /// Returns the time to 63 % of a step, s, and the speed at that time, rad/s.
     pub(super) fn rise(&self, step_rad: f64) -> [f64; 2] {
         let (mut at, mut speed, mut time, dt) = (0.0_f64, 0.0_f64, 0.0, 1e-5);
         let drag = self.back_emf_nm_s + self.damping_nm_s;
@@ -46,8 +46,8 @@ impl Law {
         [time, speed]
     }
 
-    /// How far it gives way, rad: the mean of where it comes to rest from either side. There the motor's torque m and
-    /// the load's T differ by the friction f + l (m + T).
+    /// Returns the sag under a torque, rad: the mean of the rest positions from the two sides. There the motor's torque
+    /// m and the load's T differ by the friction f + l (m + T).
     pub(super) fn sag_rad(&self, torque_nm: f64) -> f64 {
         let load = self.load_friction;
         let motor_nm =
@@ -56,10 +56,10 @@ impl Law {
     }
 }
 
-/// Part of a step at which its time is taken.
+/// Part of a step at which the time is measured.
 pub(super) const RISE: f64 = 0.63;
 
-/// Stall torque, stall current and no-load speed, at the voltage of the sheet.
+/// Stall torque, N m, stall current, A, and no-load speed, rad/s, at the voltage of the data sheet.
 pub(super) const MAKERS: [(&str, [f64; 3]); 6] = [
     ("XL330-M288-T", [0.52, 1.47, 10.786]),
     ("XL430-W250-T", [1.4, 1.3, 5.969]),
@@ -69,12 +69,12 @@ pub(super) const MAKERS: [(&str, [f64; 3]); 6] = [
     ("STS3215-12V", [2.94, 2.7, 4.817]),
 ];
 
-/// Identified servos for the step response: step, law, source and what differs.
+/// Identified servos for the step response: kind, step in rad, law, and source with differences.
 pub(super) const STEPS: [(&str, f64, Law, &str); 3] = [
     (
         "XL330-M288-T",
         0.5,
-        // bam's k/R and k²/R at 5 V with P 400 / 256: 1.151 of the supply for each rad.
+        // bam's k/R and k²/R at 5 V with P 400 / 256: a duty cycle of 1.151 for each rad.
         Law {
             stiffness_nm_rad: 1.151 * 5.0 * 0.3867 / 4.017,
             most_nm: 0.481,
@@ -113,7 +113,8 @@ pub(super) const STEPS: [(&str, f64, Law, &str); 3] = [
     ),
 ];
 
-/// Servo, torque, published sag in degrees, whether it is compared, whether fitted, source and what differs.
+/// Sag figures: servo, torque in N m, published sag in degrees, whether it is compared, whether it was fitted, and
+/// source with differences.
 pub(super) type Sag = (&'static str, f64, f64, bool, bool, &'static str);
 pub(super) const SAGS: [Sag; 4] = [
     (

@@ -1,4 +1,4 @@
-//! What is published of servos against what is simulated, all over the bus.
+//! Compares published figures of servos with simulated ones, all measured over the bus.
 
 mod figures;
 mod page;
@@ -19,43 +19,43 @@ use crate::supply::Supply;
 use figures::{Law, MAKERS, RISE, SAGS, STEPS};
 pub use page::page;
 
-/// One line of the table.
+/// One row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Which servo.
+    /// Name of the servo.
     pub servo: &'static str,
-    /// What is compared, with its unit.
+    /// Compared quantity, with its unit.
     pub what: &'static str,
-    /// Published.
+    /// Published value.
     pub published: f64,
-    /// What the published servo would do with the numbers of the simulated one, which are not always those of whoever
-    /// published it; none of a figure of the very servo.
+    /// Value of the published servo's law with the numbers of the simulated servo, which may differ from those of the
+    /// source; `None` if the published value is for exactly this servo.
     pub expected: Option<f64>,
-    /// Simulated.
+    /// Simulated value.
     pub simulated: f64,
-    /// How far the simulated may be from what is expected, else from the published; none where the published is known
-    /// not to fit, and is shown all the same.
+    /// Tolerance of the simulated value around the expected value, or around the published value if there is none;
+    /// `None` for a published value that is known not to fit, and is only shown.
     pub within: Option<f64>,
-    /// Whether parameters were chosen to meet it. If not, it tells something.
+    /// Whether parameters were chosen to match this value. Only other values are evidence.
     pub is_fitted: bool,
-    /// Who published it, and what differs.
+    /// Source, and differences to the simulation.
     pub source: &'static str,
 }
 
 impl Row {
-    /// How far the simulated is from the published, as a part of it.
+    /// Returns the relative error of the simulated value against the published value.
     pub fn error(&self) -> f64 {
         self.simulated / self.published - 1.0
     }
 
-    /// Whether it is within its tolerance.
+    /// Returns whether the value is within its tolerance.
     pub fn holds(&self) -> bool {
         let off = (self.simulated - self.expected.unwrap_or(self.published)).abs();
         self.within.is_none_or(|within| off <= within)
     }
 }
 
-/// Why there is no table.
+/// The reason why the table could not be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TableError {
@@ -67,12 +67,12 @@ pub enum TableError {
     Servo(#[from] ServoError),
 }
 
-/// All kinds can have it.
+/// Baud rate that all kinds support, bits per second.
 const BAUD: u32 = 1_000_000;
-/// Steps in which power comes on.
+/// Number of steps in which full power is switched on.
 const RAMP: u16 = 40;
 
-/// A servo alone on a stiff supply, told what to do by packets.
+/// A single servo on a stiff supply, controlled by packets.
 struct Trial<'m> {
     bench: Bench<'m, Vec<Arm>>,
     is_feetech: bool,
@@ -83,13 +83,13 @@ impl<'m> Trial<'m> {
         let is_feetech = kind.name.starts_with("STS");
         let mut servo = Servo::new(kind, 1, memory)?;
         servo.set_baud(BAUD)?;
-        // It answers at once: what it is told is soon told.
+        // The servo answers without delay, so that commands act at once.
         servo.set(if is_feetech { FEETECH_DELAY.into() } else { DYNAMIXEL_DELAY }, 0);
         let bench = Bench::new(vec![servo], vec![arm], Supply::stiff(kind.voltage_v));
         Ok(Self { bench, is_feetech })
     }
 
-    /// The second-order law of a servo with these numbers, as warm as it is now.
+    /// Returns the second-order law of a servo with these numbers, at its present temperature.
     fn law(&self, kind: &Parameters) -> Law {
         let servo = &self.bench.servos()[0];
         let ohm = kind.resistance_ohm * servo.heat().resistance_ratio();
@@ -129,11 +129,11 @@ impl<'m> Trial<'m> {
         });
     }
 
-    /// All of the supply on the motor, by and by: a rotor that hits its gear at full speed winds it up beyond what the
-    /// motor can, and friction holds that.
+    /// Applies the full supply to the motor, gradually: a rotor at full speed that hits its gear would wind it up
+    /// beyond the motor's torque, and friction would hold this.
     fn full_power(&mut self) {
         if self.is_feetech {
-            // Several turns; a goal seven turns ahead.
+            // Several turns are allowed, and the goal is seven turns ahead.
             for address in [9, 11] {
                 self.bench.servos_mut()[0].set(address, 0);
             }
@@ -153,7 +153,7 @@ impl<'m> Trial<'m> {
         }
     }
 
-    /// Position control, from where it is to so far away.
+    /// Starts position control, with a step of `way_rad` from the present position.
     fn step_to(&mut self, kind: &Parameters, way_rad: f64) {
         let servo = &self.bench.servos()[0];
         let goal = whole((servo.shaft().position_rad + way_rad) / kind.resolution_rad);
@@ -166,10 +166,10 @@ impl<'m> Trial<'m> {
     }
 }
 
-/// Stall torque, N m, and current, A.
+/// Measures stall torque, N m, and stall current, A.
 fn stall(kind: &Parameters) -> Result<[f64; 2], ServoError> {
     let mut memory = [0; MEMORY_LEN];
-    // Heavy as a wall.
+    // A load that is too heavy to move.
     let wall = Arm { inertia_kg_m2: 1e4, ..Arm::default() };
     let mut trial = Trial::new(kind, wall, &mut memory)?;
     trial.full_power();
@@ -178,7 +178,7 @@ fn stall(kind: &Parameters) -> Result<[f64; 2], ServoError> {
     Ok([servo.flow().shaft_nm, servo.current_a()])
 }
 
-/// Speed without load, rad/s, and current, A.
+/// Measures no-load speed, rad/s, and current, A.
 fn free_run(kind: &Parameters) -> Result<[f64; 2], ServoError> {
     let mut memory = [0; MEMORY_LEN];
     let mut trial = Trial::new(kind, Arm::default(), &mut memory)?;
@@ -194,10 +194,10 @@ fn free_run(kind: &Parameters) -> Result<[f64; 2], ServoError> {
     Ok(sums.map(|sum| sum / 1e3))
 }
 
-/// Time to 63 % of a step of the goal, s; what the law says of it; and how far it may be from that.
+/// Measures the time to 63 % of a step of the goal, s. Also returns the time by the law, and its tolerance.
 ///
-/// Within two ticks of its loop: one until it takes the goal, one that a reading is old. And while the shaft, as fast
-/// as it is there, goes half the play of its gear and an encoder step.
+/// The tolerance is two ticks of the servo's loop: one until it reads the goal, one for the age of a reading; plus the
+/// time for half the play of its gear and one encoder step, at the present speed.
 fn rise_s(kind: &Parameters, step_rad: f64) -> Result<[f64; 3], ServoError> {
     let mut memory = [0; MEMORY_LEN];
     let mut trial = Trial::new(kind, Arm::default(), &mut memory)?;
@@ -217,15 +217,15 @@ fn rise_s(kind: &Parameters, step_rad: f64) -> Result<[f64; 3], ServoError> {
     Ok([trial.bench.time_s() - begin_s, law_s, within_s])
 }
 
-/// How far it is from its goal with a torque on it, rad: where it comes to rest from either side, sagging and lifted.
+/// Measures the distance from the goal under a torque, rad, at rest from the two sides: sagging and lifted.
 ///
 /// # Errors
-/// The kind has no registers.
+/// [`ServoError`] if the kind has no registers.
 pub fn sag_rad(kind: &Parameters, torque_nm: f64) -> Result<[f64; 2], ServoError> {
     sag(kind, torque_nm).map(|(rests, _)| rests)
 }
 
-/// That, and what the law says of the mean.
+/// Measures the sag from both sides, and computes their mean by the law.
 fn sag(kind: &Parameters, torque_nm: f64) -> Result<([f64; 2], f64), ServoError> {
     let (mut rests, mut law_rad) = ([0.0; 2], 0.0);
     for (rest, before) in rests.iter_mut().zip([0.0, 2.0]) {
@@ -244,10 +244,10 @@ fn sag(kind: &Parameters, torque_nm: f64) -> Result<([f64; 2], f64), ServoError>
     Ok((rests, law_rad))
 }
 
-/// The table.
+/// Computes all rows of the table.
 ///
 /// # Errors
-/// [`TableError`] if a built-in file cannot be read: a test reads them.
+/// [`TableError`] if a built-in file is invalid; a test reads them all.
 pub fn table() -> Result<Vec<Row>, TableError> {
     let mut rows = Vec::new();
     for (name, figures) in MAKERS {
@@ -297,7 +297,7 @@ pub fn table() -> Result<Vec<Row>, TableError> {
             published: published_deg,
             expected: Some(law_rad.to_degrees()),
             simulated: (0.5 * (down + up)).to_degrees(),
-            // Half a step of the goal, half a one of the encoder.
+            // Tolerance: half a step of the goal plus half an encoder step.
             within: is_compared.then(|| kind.resolution_rad.to_degrees()),
             is_fitted,
             source,

@@ -45,12 +45,12 @@ const REST: &str = "
 | --- | --- | --- |
 ";
 
-/// The page `docs/simulated-servos.md`, of the rows of [`table`](super::table).
+/// Returns the page `docs/simulated-servos.md` for the rows of [`table`](super::table).
 pub fn page(rows: &[Row]) -> String {
     let mut page = HEAD.to_owned();
     for row in rows {
         let within = row.within.map_or("shown only".to_owned(), digits);
-        // Writing into a string does not fail.
+        // Writing into a string cannot fail.
         let _ = writeln!(
             page,
             "| {} | {} | {} | {} | {} | {} % | {} | {within} |",
@@ -70,13 +70,13 @@ pub fn page(rows: &[Row]) -> String {
     page
 }
 
-/// With its sign, where there is one.
+/// Formats a ratio in per cent, with its sign unless it is zero.
 fn percent(part: f64) -> String {
     let percent = format!("{:+.0}", 100.0 * part);
     if percent == "+0" || percent == "-0" { "0".to_owned() } else { percent }
 }
 
-/// Three digits.
+/// Formats a number with three digits.
 fn digits(number: f64) -> String {
     match number {
         number if number >= 100.0 => format!("{number:.0}"),

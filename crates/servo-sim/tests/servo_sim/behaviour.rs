@@ -1,4 +1,4 @@
-//! Energy, heat, supply, watchdog, determinism and speed.
+//! Tests of energy, temperature, supply, watchdog, determinism and speed.
 
 #![expect(clippy::cast_possible_truncation, reason = "goals go over the bus as f32")]
 
@@ -16,7 +16,7 @@ use sinew_servo_sim::supply::Supply;
 
 use crate::common::{MIDDLE, bench, master, registers};
 
-/// A write to an STS servo's goal position.
+/// Writes the goal position of an STS servo.
 fn sts_goal(servo: &mut Servo<'_>, counts: u16) {
     let mut out = [0; 32];
     let write = feetech::Instruction::Write { address: 42, data: &counts.to_le_bytes() };
@@ -48,9 +48,9 @@ fn no_energy_comes_from_nothing() {
     }
     let missing = given - lost - (stored(&mut servo) - before);
     println!("{given:.3} J given, {lost:.3} J lost, {missing:.4} J missing, {worst:.5} J at worst");
-    // What implicit Euler takes away: a few parts in a hundred of a motion with starts and stops.
+    // Implicit Euler loses a few per cent of the energy of a motion with starts and stops.
     assert!(missing < 0.05 * given);
-    // Gravity and windup are taken at the beginning of a step: half a step's travel.
+    // Gravity and windup are computed at the beginning of a step: an error of half a step's motion.
     assert!(worst > -0.005 * given, "{worst} J");
 }
 
@@ -61,7 +61,7 @@ fn a_stalled_servo_warms_until_it_shuts_down() {
     let mut bench = bench(&mut memory, wall, Supply::stiff(5.0));
     let servo = &mut bench.servos_mut()[0];
     servo.set(11, 16);
-    // Heat alone shuts it down: an overload would be first.
+    // Only excess temperature shuts the servo down: otherwise an overload would do so first.
     servo.set(63, i32::from(hardware_error::OVERHEATING));
     let mut bus = master::<1>(Mode::Pwm, 50);
     bus.command(0, Command::Pwm(1.0)).unwrap();
@@ -74,8 +74,8 @@ fn a_stalled_servo_warms_until_it_shuts_down() {
         "off after {time_s:.0} s: winding {:.0}, case {:.0} degC",
         heat.winding_c, heat.case_c
     );
-    // 7.4 W and less as copper warms; a case of 24 K/W and 600 s needs 45 K: 600 s ln(1 / (1 - 45 / 175)) = 180 s
-    // at constant power, and the winding's way.
+    // 7.4 W, and less as copper warms. A case of 24 K/W and 600 s needs 45 K: 600 s ln(1 / (1 - 45 / 175)) = 180 s at
+    // constant power, plus the time of the winding.
     assert!((120.0..400.0).contains(&time_s), "{time_s} s");
     for _ in 0..4 {
         bench.tick(&mut bus, 500_000).unwrap();
@@ -134,7 +134,7 @@ fn servos_sag_their_supply_together_and_brown_out() {
         if reboots {
             assert_eq!(on, 0, "all were reset");
         } else {
-            // Six of 3.4 ohm, and 6 times 17 mA: (5 - 0.01) / (1 + 0.6 / 3.4).
+            // Six servos of 3.4 ohm, and 6 times 17 mA: (5 - 0.01) / (1 + 0.6 / 3.4).
             let volts = bench.supplies[0].voltage_v();
             assert!((volts - 4.242).abs() < 0.03, "{volts} V");
             assert_eq!(on, 6);
@@ -147,7 +147,7 @@ fn servos_sag_their_supply_together_and_brown_out() {
 fn the_bus_watchdog_stops_what_nobody_commands() {
     let mut memory = registers(1);
     let mut bench = bench(&mut memory, Arm::default(), Supply::stiff(5.0));
-    // 3 rev/min or so, to have it under way.
+    // About 3 rev/min, so that the servo is still moving.
     bench.servos_mut()[0].set(112, 13);
     bench.servos_mut()[0].set(98, 5);
     let mut bus = master::<1>(Mode::Position, 100);
@@ -174,14 +174,14 @@ fn a_hobby_servo_follows_pulses_and_lets_go_without() {
     bench.run_us(1_000_000);
     let middle = 0.5 * kind.range_rad;
     let held = bench.servos()[0].shaft().position_rad;
-    // 500 us are an eighth of a turn; 0.2 N m and friction on 12 N m/rad, and the dead band.
+    // 500 us are an eighth of a turn. Tolerance: 0.2 N m and friction over 12 N m/rad, plus the dead band.
     assert!((held - middle - std::f64::consts::FRAC_PI_4).abs() < 0.05, "{held}");
     bench.servos_mut()[0].set_pulse(None);
     bench.run_us(1_000_000);
     assert!(bench.servos()[0].shaft().position_rad < held - 0.5);
 }
 
-/// Six servos go where random faults let them.
+/// Returns a hash of the motion of six servos with random faults.
 fn fingerprint(seed: u64) -> u64 {
     let mut memory = registers(6);
     let arm = Arm { inertia_kg_m2: 5e-4, gravity_nm: 0.08, ..Arm::default() };

@@ -1,4 +1,4 @@
-//! Every fault, as a master sees it over the wire.
+//! Tests every fault as a master sees it over the wire.
 
 use sinew_servo_bus::dynamixel::{Mode, hardware_error};
 use sinew_servo_bus::{Command, Effort, ServoBus};
@@ -10,7 +10,7 @@ use crate::common::{MIDDLE, bench, master, registers};
 
 const TICK_US: u32 = 5_000;
 
-/// What a master saw of a servo while it was ill and afterwards.
+/// Observations of a master for a servo, during and after its fault.
 #[derive(Debug, Default)]
 struct Seen {
     oldest_ticks: u32,
@@ -23,11 +23,11 @@ struct Seen {
     torque_after: i32,
 }
 
-/// The servo that is ill: the last, for in a sync read those behind a silent servo are late too.
+/// Index of the servo with the fault: the last, because in a sync read the servos after a silent servo are late too.
 const ILL: usize = 2;
 
-/// Three servos with a small weight each; the last is ill from 0.5 to 1 s, and the others must not suffer. `swings`: it
-/// is sent to and fro.
+/// Runs three servos with a small weight each. The last has a fault from 0.5 to 1 s, and the others must not be
+/// affected. With `swings`, the last servo moves to and fro.
 fn seen(kind: FaultKind, swings: bool) -> Seen {
     let mut memory = registers(3);
     let arm = Arm { inertia_kg_m2: 3e-4, torque_nm: -0.05, ..Arm::default() };
@@ -45,7 +45,7 @@ fn seen(kind: FaultKind, swings: bool) -> Seen {
         for healthy in [0, 1] {
             let feedback = bus.feedback(healthy).unwrap();
             assert_eq!(feedback.age_ticks, 0, "servo {healthy} at tick {tick} of {kind:?}");
-            // 0.05 N m on 0.7 N m/rad, and on the way there.
+            // Tolerance: sag of 0.05 N m over 0.7 N m/rad, also during the motion.
             assert!((feedback.position_rad - MIDDLE).abs() < 0.15, "{feedback:?}");
         }
         let (feedback, health) = (bus.feedback(ILL).unwrap(), bus.health(ILL).unwrap());
@@ -127,6 +127,6 @@ fn an_encoder_that_jumps_is_seen_to_jump() {
     let seen = seen(FaultKind::EncoderJump(1.0), false);
     assert_eq!(seen.oldest_ticks, 0);
     assert!(seen.furthest_rad > 0.3, "{seen:?}");
-    // It goes back by itself, as its encoder says that it is away from its goal.
+    // The servo returns by itself, because its encoder reports a distance from its goal.
     assert!((seen.position_after - MIDDLE).abs() < 0.2, "{seen:?}");
 }

@@ -1,4 +1,4 @@
-//! A stream of bytes: what comes, and when.
+//! Tests a stream of bytes: which bytes arrive, and when.
 
 use proptest::prelude::*;
 use sinew_servo_bus::dynamixel::Instruction;
@@ -21,7 +21,7 @@ fn ping(id: u8) -> Vec<u8> {
     packet
 }
 
-/// All that comes until nothing has for so long.
+/// Reads all bytes until none arrive for `timeout_us`.
 fn all<W: LineDevice>(line: &mut Line<W>, timeout_us: u32) -> Vec<u8> {
     let (mut all, mut out) = (Vec::new(), [0; 64]);
     loop {
@@ -46,7 +46,7 @@ fn with<R>(faults: &[&str], use_it: impl FnOnce(&mut Line<Bench<'_, Vec<Arm>>>) 
 #[test]
 fn an_answer_comes_when_its_last_byte_is_over_the_wire() {
     with(&[], |line| {
-        // 10 bytes, return delay 2 us, 14 bytes, 10 bits each at 2 Mbps.
+        // 10 bytes, a return delay of 2 us, 14 bytes; 10 bits each at 2 Mbps.
         assert_eq!(BAUD, 2_000_000);
         line.write(&ping(2));
         line.run_until(50_000 + 2_000 + 69_999);
@@ -64,7 +64,7 @@ fn what_is_written_while_the_wire_is_busy_waits() {
         line.write(&ping(1));
         line.write(&ping(2)[..4]);
         line.write(&ping(2)[4..]);
-        // The second question is there before the first is answered, and takes its place: the servos hear each other.
+        // The second question arrives before the first is answered, and replaces it: the servos hear each other.
         assert_eq!(all(line, 5_000).len(), 14);
         line.write(&ping(3));
         assert_eq!(all(line, 5_000)[4], 3);
@@ -143,7 +143,7 @@ fn registers_alone_are_at_once_where_they_were_sent() {
 }
 
 proptest! {
-    /// However a program cuts what it writes, and whatever else it writes, the line comes to rest and answers.
+    /// For any bytes, split in any way, the line becomes silent and can answer again.
     #[test]
     fn any_bytes_in_any_pieces_leave_it_able_to_answer(
         pieces in prop::collection::vec((prop::collection::vec(any::<u8>(), 0..40), 0_u64..3_000_000), 0..12),
@@ -156,7 +156,8 @@ proptest! {
             }
             all(line, 20_000);
             assert_eq!(line.next_ns(), None);
-            // The id may have been changed, at some 2^-24; a broadcast finds it all the same.
+            // The random bytes may have changed an id, with a probability of about 2^-24; a broadcast still reaches the
+            // servo.
             line.write(&ping(254));
             assert_eq!(all(line, 20_000).len(), 3 * 14);
         });

@@ -1,4 +1,4 @@
-//! Simulated servos on simulated wires.
+//! Tests of simulated servos on simulated wires.
 
 mod behaviour;
 mod common;

@@ -1,4 +1,4 @@
-//! A pseudo-terminal, as programs see it.
+//! Tests a pseudo-terminal as programs use it.
 #![cfg(unix)]
 
 use std::fs::{File, OpenOptions};
@@ -20,7 +20,7 @@ use sinew_servo_sim::supply::Supply;
 const BAUD: u32 = 4_000_000;
 const PATIENCE: Timespec = Timespec { tv_sec: 0, tv_nsec: 300_000_000 };
 
-/// Asks servo 7 whether it is there.
+/// Pings servo 7 and returns the reply.
 fn ping(port: &mut File) -> Vec<u8> {
     let mut packet = [0; 16];
     let len = Instruction::Ping.encode(7, &mut packet).unwrap();
@@ -47,7 +47,7 @@ fn set_rate(port: &File, baud: u32) {
 fn programs_open_it_talk_and_open_it_again() {
     let folder = tempfile::tempdir().unwrap();
     let link = folder.path().join("bus");
-    // A program that was killed leaves a link to nothing.
+    // A program that was killed leaves a link without a target.
     std::os::unix::fs::symlink("/dev/pts/none", &link).unwrap();
     let port = Port::open(&link, BAUD).unwrap();
     let kind = Parameters::built_in("XL330-M288-T").unwrap();
@@ -62,7 +62,7 @@ fn programs_open_it_talk_and_open_it_again() {
             let start = Instant::now();
             port.serve(&mut line, &stop).unwrap();
             let real_s = start.elapsed().as_secs_f64();
-            // Its time is the clock's, within what a busy machine makes late.
+            // Its time is that of the clock, within the delays of a busy machine.
             assert!((line.servos.time_s() - real_s).abs() < 0.5, "{real_s}");
         });
         let open = || OpenOptions::new().read(true).write(true).open(&link).unwrap();

@@ -1,4 +1,4 @@
-//! What is published of servos against what is simulated.
+//! Compares published figures of servos with simulated ones.
 
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::published::{page, sag_rad, table};
@@ -30,8 +30,8 @@ fn an_sts3215_holds_with_its_stiffness_give_or_take_its_friction() {
     let kind = Parameters::built_in("STS3215-7.4V").expect("it is built in");
     let (torque_nm, stiffness) = (0.3, kind.position_gain_nm_rad);
     let [sagging, lifted] = sag_rad(&kind, torque_nm).expect("it has registers");
-    // At rest the motor's torque is within friction of the load's, and friction grows with both: at most by what the
-    // larger of them makes.
+    // At rest the motor's torque differs from the load's by at most the friction, which grows with both torques: at
+    // most by the friction of the larger one.
     let most_nm = torque_nm + 2.0 * kind.friction_nm;
     let band = kind.friction_nm + kind.stribeck_nm + 2.0 * kind.load_friction * most_nm;
     let step = kind.resolution_rad;

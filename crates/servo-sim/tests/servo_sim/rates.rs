@@ -1,5 +1,5 @@
-//! What a schedule says of a bus against the time that its bytes take on a simulated wire: the table of
-//! `docs/buses.md`, printed by `cargo test -p sinew-servo-sim --test servo_sim rates -- --nocapture`.
+//! Compares the times of a schedule with the times of the bytes on a simulated wire: the table of `docs/buses.md`,
+//! printed by `cargo test -p sinew-servo-sim --test servo_sim rates -- --nocapture`.
 
 use sinew_servo_bus::dynamixel::table::MODELS;
 use sinew_servo_bus::dynamixel::{Bus, Mode, ServoSetup, Settings, traffic};
@@ -13,8 +13,8 @@ use sinew_servo_sim::supply::Supply;
 const TURNAROUND_US: u32 = 5;
 const TICKS: u32 = 20;
 
-/// How long a tick of so many XL330 takes on the wire, us: all are written and read, one's supply besides. From the
-/// bytes that went over it and the pauses of the servos; nothing of it is the schedule's.
+/// Returns the wire time of a tick with `servos` XL330, us: all are written and read, plus the supply of one servo.
+/// Computed from the bytes on the wire and the pauses of the servos, independently of the schedule.
 fn wire_us(servos: u8, baud: u32, fast: bool) -> f64 {
     let kind = Parameters::built_in("XL330-M288-T").unwrap();
     let mut memory = vec![[0; MEMORY_LEN]; servos.into()];
@@ -28,7 +28,7 @@ fn wire_us(servos: u8, baud: u32, fast: bool) -> f64 {
     let arms = vec![Arm::default(); servos.into()];
     let mut bench = Bench::new(on_line.collect(), arms, Supply::stiff(5.0));
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: TURNAROUND_US };
-    // Slow enough that all are read in every tick.
+    // The rate is low enough to read all servos in every tick.
     let schedule = Schedule::new(timing, &traffic(servos.into(), 4, fast), 20).unwrap();
     assert_eq!(schedule.groups(), 1);
     let setups: Vec<_> = (1..=servos)
@@ -53,7 +53,7 @@ fn wire_us(servos: u8, baud: u32, fast: bool) -> f64 {
             let (before, before_s) = (bench.traffic().wire_ns, bench.time_s());
             bench.exchange(&out[..asked.len], 40_000, |said| bus.reply(said));
             let talked_us = (bench.traffic().wire_ns - before) as f64 * 1e-3;
-            // Silence is what the servos wait; the controller takes its own time to turn the line round.
+            // The measured silence is that of the servos; the controller adds its own turnaround.
             waits_us += 1e6 * (bench.time_s() - before_s) - talked_us + f64::from(TURNAROUND_US);
             request = bus.plan_more(10_000, &mut out).unwrap();
         }

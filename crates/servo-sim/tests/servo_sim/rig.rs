@@ -1,4 +1,4 @@
-//! A rig on its servos, and one supply for all of them.
+//! Tests a rig on its servos, with one supply for all of them.
 
 use std::time::Instant;
 
@@ -18,7 +18,7 @@ use crate::common::{BAUD, Registers, master, registers};
 
 const SERVOS: usize = 6;
 
-/// The desk arm of six XL330.
+/// Creates a bench with the desk arm of six XL330.
 fn bench(memory: &mut Registers, mode: Mode, supply: Supply) -> Bench<'_, RigPlant> {
     let description = arm(SERVOS).unwrap();
     let mechanism = description.mechanism().unwrap();
@@ -28,7 +28,7 @@ fn bench(memory: &mut Registers, mode: Mode, supply: Supply) -> Bench<'_, RigPla
     let simulated = own.iter().zip(memory).map(|(own, memory)| {
         let mut servo = Servo::new(&own.kind, own.id().unwrap(), memory).unwrap();
         servo.set_baud(BAUD).unwrap();
-        // Return delay 2 us, no answers to writes, no shutdown but by heat.
+        // Return delay 2 us, no answers to writes, shutdown only by temperature.
         for (register, value) in
             [(9, 1), (68, 1), (63, 4), (11, if mode == Mode::Pwm { 16 } else { 3 })]
         {
@@ -40,8 +40,8 @@ fn bench(memory: &mut Registers, mode: Mode, supply: Supply) -> Bench<'_, RigPla
     Bench::new(simulated.collect(), plant, supply)
 }
 
-/// All servos drive their joints into the stops, at once: their currents add up in the supply's resistance, and each
-/// reads what is left.
+/// All servos drive their joints into the stops at the same time: the supply's resistance carries the sum of their
+/// currents, and each servo reads the remaining voltage.
 #[test]
 fn servos_that_stall_together_pull_the_supply_down_for_all() {
     const OPEN_V: f64 = 5.0;
@@ -60,28 +60,30 @@ fn servos_that_stall_together_pull_the_supply_down_for_all() {
         for servo in &bench.servos()[..stalled] {
             assert!(servo.shaft().velocity_rad_s.abs() < 0.1, "it does not stall");
         }
-        // Present input voltage, 0.1 V.
+        // Present input voltage, in 0.1 V.
         bench.servos().iter().map(|servo| servo.get(144)).collect()
     };
     let kind = sinew_servo_sim::model::Parameters::built_in("XL330-M288-T").unwrap();
     for stalled in [0, 1, SERVOS] {
         let volts = volts_of(stalled);
-        // Ohm's law, with motors at 25 °C; what each takes besides makes it no lower than a step of the register.
+        // Ohm's law, with motors at 25 °C. The standby currents change the voltage by less than one step of the
+        // register.
         let motors_s = stalled as f64 / kind.resistance_ohm;
         let left_v = OPEN_V / (1.0 + OHM * motors_s) - OHM * SERVOS as f64 * kind.standby_a;
         println!("{stalled} stalled: {volts:?}, {left_v:.2} V by Ohm's law");
         for volts in volts {
-            // A step of the register, and that windings warm in 2 s: 0.4 %/K, some 10 K, of the drop.
+            // Tolerance: one step of the register, plus the warming of the windings in 2 s: 0.4 %/K, some 10 K, of the
+            // drop.
             let warm_v = 0.04 * (OPEN_V - left_v);
             assert!((0.1 * f64::from(volts) - left_v).abs() < 0.06 + warm_v, "{volts} {left_v}");
         }
     }
 }
 
-/// Within the range of a joint of the arm.
+/// An angle within the range of a joint of the arm, rad.
 const RAISED_RAD: f64 = 1.0;
 
-/// Gravity is that of the pose: a shoulder holds more with the arm stretched out than with it folded.
+/// Gravity depends on the pose: a shoulder holds more with the arm stretched out than with the arm folded.
 #[test]
 fn a_servo_holds_what_the_pose_of_all_asks_for() {
     let mut sags = Vec::new();
@@ -111,12 +113,12 @@ fn a_servo_holds_what_the_pose_of_all_asks_for() {
     assert!(sags[1] < 0.9 * sags[0], "{sags:?}");
 }
 
-/// Servo of the arm whose torque is off, and one before it, which swings; both bend the arm.
+/// Index of the servo whose torque is off; and of an earlier servo that swings. Both bend the arm.
 const LIMP: usize = 4;
 const SWINGS: usize = 2;
 
-/// Runs an arm whose servos hang on these buses: all but one hold, and one goes to `goal`. Returns all shafts, and the
-/// lowest voltage that the limp one reads.
+/// Runs an arm whose servos are on these buses. All servos but one hold, and one moves to `goal`. Returns all shaft
+/// positions, and the lowest voltage that the servo with torque off reads.
 fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     let description = arm(SERVOS).unwrap();
     let mechanism = description.mechanism().unwrap();
@@ -155,10 +157,10 @@ fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     write(&mut lines, SWINGS, 116, &goal.to_le_bytes());
     let mut lowest = i32::MAX;
     for _ in 0..60 {
-        // A write to a register that does nothing: 5 ms pass.
+        // A write to a register without effect takes 5 ms.
         write(&mut lines, LIMP, 65, &[0]);
         let BusServo::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
-        // Its Present Input Voltage, 0.1 V.
+        // Present Input Voltage of this servo, in 0.1 V.
         lowest = lowest.min(branch.bench().servos()[LIMP].get(144));
     }
     let BusServo::Servos(branch) = &lines[0].servos else { panic!("they have physics") };
@@ -167,21 +169,21 @@ fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     shafts.chain([f64::from(lowest)]).collect()
 }
 
-/// One bus or three: bodies and supply are shared, bit by bit.
+/// With one bus or three buses, bodies and supply are shared, and the results have equal bits.
 #[test]
 fn servos_feel_each_other_whatever_their_bus() {
     let three = ["left", "left", "left", "tip", "tip", "hand"];
     let (still, moved) = (on_buses(three, 2048), on_buses(three, 2048 + 700));
     println!("{still:?}, {moved:?}");
-    // The servo on another bus is limp: it goes along, by more than its encoder's steps (without its neighbours it
-    // would do the same both times), and its supply gives way, by a step of its register or more.
+    // The servo on another bus has torque off. It is moved by more than its encoder's steps (without its neighbours,
+    // both runs would be equal), and its supply voltage falls by at least one step of its register.
     assert!((moved[LIMP] - still[LIMP]).abs() > 0.01, "{moved:?} {still:?}");
     assert!(moved[SERVOS] < still[SERVOS], "{moved:?} {still:?}");
     let one = on_buses(["main"; SERVOS], 2048 + 700);
     assert_eq!(moved, one);
 }
 
-/// Two runs are the same, bit by bit; and how long a second takes is printed.
+/// Two runs are equal, bit by bit. The test also prints the run time of a simulated second.
 #[test]
 fn a_rig_is_deterministic() {
     let run = || {

@@ -1,4 +1,4 @@
-//! A servo that is tapped: what is written to it, and read meanwhile.
+//! Taps a servo: writes to it, and reads its motion.
 
 use std::time::Duration;
 
@@ -13,51 +13,52 @@ use crate::quantity::{Quantity, Scale};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
-/// Position, with a limit of current: of Dynamixels.
+/// Operating mode of Dynamixels: position with a current limit.
 const MODE_CURRENT_POSITION: i32 = 5;
-/// It has begun to creep when it has moved by so many counts.
+/// Motion that counts as the start of creeping, in counts.
 const MOVES: i32 = 3;
-/// The limit of torque grows by so much every [`RAMP`] until it creeps.
+/// Step by which the torque limit grows every [`RAMP`] until the servo creeps, as a part of the full torque.
 const RAMP_PART: f64 = 0.005;
 const RAMP: Duration = Duration::from_millis(8);
-/// The most that friction may take, of its full torque.
+/// Maximum torque that friction may take, as a part of the full torque.
 const MOST_CREEP: f64 = 0.4;
-/// It brakes no longer than this, at a torque as large as the tap's.
+/// Maximum time to brake, with as much torque as the tap itself.
 const MOST_BRAKE: Duration = Duration::from_millis(400);
-/// No servo of these kinds turns faster.
+/// Maximum speed of these kinds of servos, deg/s.
 const MOST_DEG_S: f64 = 1500.0;
-/// A tap that moves a servo by fewer counts moved nothing.
+/// Minimum motion of a successful tap, counts.
 const LEAST_WAY: i32 = 10;
-/// A servo is looked at so often while it waits: its watchdog hears that.
+/// Interval of readings while the servo waits: they also keep its watchdog from expiring.
 const LOOK: Duration = Duration::from_millis(50);
-/// It comes back and stands.
+/// Wait after the way back, before the servo is checked for rest.
 const SETTLE: Duration = Duration::from_millis(200);
-/// It stands when it moves by no more than a count for so long; it is waited for no longer than [`MOST_SETTLE`].
+/// Time for which the position must stay within one count to be at rest. The wait for rest takes at most
+/// [`MOST_SETTLE`].
 const STANDS: Duration = Duration::from_millis(80);
 const MOST_SETTLE: Duration = Duration::from_secs(2);
 
-/// The taps as they were read.
+/// The recorded readings of all taps.
 pub(super) struct Recorded {
     pub(super) taps: Vec<Tap>,
-    /// How far it was from where it stood, rad.
+    /// Maximum distance from the start position, rad.
     pub(super) farthest_rad: f64,
 }
 
-/// Registers that a tap needs.
+/// The registers that a tap needs.
 struct Registers {
     goal: Item,
     present: Item,
-    /// The limit of its torque.
+    /// Limit of the torque.
     limit: Item,
-    /// The most that it may be, and what it is for the full torque, counts.
+    /// Present maximum of the limit, and its value for the full torque, counts.
     most: i32,
     full: f64,
-    /// Gain of position, as it is and as it is while tapped; none where it stays.
+    /// Position gain before and during the test; `None` if it does not change.
     gain: Option<(Item, [i32; 2])>,
     clock: Clock,
 }
 
-/// Taps, and gives what was read. Afterwards the servo is as before, as far as it still answers.
+/// Taps the servo, and returns the readings. Afterwards the servo's previous state is restored, if it still answers.
 pub(super) fn record<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -75,7 +76,7 @@ fn taps<E: Exchange>(guard: &mut Guard<'_, E>, plan: &Plan) -> Result<Recorded, 
     let registers = registers(client, servo, plan)?;
     ensure_strength(client, servo, &registers, plan)?;
     ensure_room(client, servo, plan, held)?;
-    // The limit of torque, the first that is lowered, is the last that is as before.
+    // The torque limit is lowered first, and therefore restored last.
     for (item, raw) in settings(client, servo, &registers, plan)? {
         guard.change(&item, raw)?;
     }
@@ -141,7 +142,7 @@ fn registers<E: Exchange>(
     })
 }
 
-/// Gain of position of a Dynamixel, as it is and as it is while tapped.
+/// Returns the position gain of a Dynamixel, before and during the test.
 fn gain<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -158,7 +159,7 @@ fn gain<E: Exchange>(
     Ok((gain, [before, raised]))
 }
 
-/// Returns the values that hold for the time of the test: no profile, and little torque.
+/// Returns the register values for the time of the test: no profile, and little torque.
 fn settings<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -183,7 +184,7 @@ fn settings<E: Exchange>(
     Ok(settings)
 }
 
-/// The most current of a servo in mode 5, position with a limit of current, in counts; none in other modes.
+/// Returns the maximum current of a servo in mode 5 (position with a current limit), in counts; `None` in other modes.
 fn current_limit<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -197,7 +198,7 @@ fn current_limit<E: Exchange>(
     client.read(servo, &table.register("Current Limit")?).map(Some)
 }
 
-/// Refuses to tap where its limits leave less than the tap takes: the step would be another.
+/// Refuses if the servo's limits are lower than the tap needs: the step would become smaller.
 fn ensure_strength<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -226,7 +227,7 @@ fn ensure_strength<E: Exchange>(
     Ok(())
 }
 
-/// Refuses to tap a servo whose writes are waited for in vain: the ring would be over by then.
+/// Refuses a servo that does not answer writes in time: the oscillation would be over before the first reading.
 fn ensure_it_answers_writes<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -238,12 +239,12 @@ fn ensure_it_answers_writes<E: Exchange>(
     if client.now() < begin + client.patience() {
         return Ok(());
     }
-    let what = "it answers no writes, or too late: its Status Return Level must be such that it does, 2 for a \
-                Dynamixel (`sinew servo apply`)";
+    let what = "it does not answer writes, or too late: set its Status Return Level so that it does, 2 for a Dynamixel \
+        (`sinew servo apply`)";
     Err(ServiceError::State { id: servo.id, what: what.to_owned() })
 }
 
-/// Refuses to tap where its limits of position leave no room.
+/// Refuses if the servo's position limits leave too little room.
 fn ensure_room<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -260,7 +261,7 @@ fn ensure_room<E: Exchange>(
     if least < most && (up || down) {
         let [at, from, to] = [held, least, most].map(|raw| scale.quantity(raw));
         let what = format!(
-            "it stands at {at}, and its limits are {from} and {to}: this tap needs {way_deg:.0} deg of room. Less \
+            "it is at {at}, and its limits are {from} and {to}: this tap needs {way_deg:.0} deg of room. Less \
              --strength needs less"
         );
         return Err(ServiceError::State { id: servo.id, what });
@@ -269,20 +270,20 @@ fn ensure_room<E: Exchange>(
 }
 
 impl Registers {
-    /// Counts of a part of the full torque.
+    /// Converts a part of the full torque to counts.
     fn counts(&self, part: f64) -> i32 {
         #[expect(clippy::cast_possible_truncation, reason = "a part of some thousand counts")]
         let counts = (part * self.full).round() as i32;
         counts
     }
 
-    /// The same as far as the servo may go.
+    /// Converts a part of the full torque to counts, limited to what the servo allows.
     fn part(&self, part: f64) -> i32 {
         self.counts(part).clamp(1, self.most.max(1))
     }
 }
 
-/// Writes without reading back: it must be quick.
+/// Writes quickly, without reading back.
 fn put<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -293,7 +294,7 @@ fn put<E: Exchange>(
     client.send(servo.id, &request)
 }
 
-/// Waits, and looks where it is meanwhile.
+/// Waits, and checks the position meanwhile.
 fn wait<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -310,7 +311,7 @@ fn wait<E: Exchange>(
     }
 }
 
-/// Reads where it is, counts.
+/// Reads and checks the position, in counts.
 fn position<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -321,7 +322,7 @@ fn position<E: Exchange>(
     Ok(now)
 }
 
-/// Taps once: creeps, steps, and comes back. Returns how far it went, too, in counts.
+/// Taps once: creeps, steps, and returns. The result is the tap, and the maximum distance in counts.
 fn one<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -337,7 +338,7 @@ fn one<E: Exchange>(
     }
     guard.go_to(held + sign * way)?;
     let mut part = creep(guard, registers, plan, (start, sign))?;
-    // Its teeth have met, and come to rest on each other. Then it speeds up, and keeps them so.
+    // The teeth have met. They must come to rest on each other; then the servo accelerates, which keeps them together.
     wait(guard, registers, Duration::from_secs_f64(plan.meet_s))?;
     part += plan.preload;
     put(guard.client(), servo, &registers.limit, registers.part(part))?;
@@ -363,14 +364,14 @@ fn one<E: Exchange>(
         .since(step, &readings)
         .into_iter()
         .map(|(time_s, counts)| [time_s, f64::from(sign * (counts - held)) * count_rad]);
-    // Near its goal it gives less than its limit.
+    // Near its goal, the servo gives less torque than its limit.
     let pushed_rad = plan.way_rad - Plan::lead_rad(part + plan.strength);
     let samples = samples.take_while(|[_, position_rad]| *position_rad < pushed_rad);
     let step = f64::from(after - before) / registers.full;
     Ok((Tap { samples: samples.collect(), step, meet_s: plan.meet_s }, reached))
 }
 
-/// Raises its torque until it moves. Returns the part of the full torque that this takes.
+/// Raises the torque until the servo moves. Returns the necessary part of the full torque.
 fn creep<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -388,10 +389,10 @@ fn creep<E: Exchange>(
         }
         part += RAMP_PART;
         if part > MOST_CREEP + plan.gravity_part {
-            // It may be limp, or too hot.
+            // The cause may be that torque is off, or that the servo is too hot.
             guard.look()?;
             let what = format!(
-                "it does not move with {:.0} % of its torque: blocked, or too weak for what hangs on it",
+                "it does not move with {:.0} % of its torque: blocked, or too weak for its load",
                 100.0 * part
             );
             return Err(ServiceError::State { id: servo.id, what });
@@ -401,7 +402,7 @@ fn creep<E: Exchange>(
     }
 }
 
-/// Brakes, goes back gently, and waits until it stands. Returns how far it was from there, in counts.
+/// Brakes, returns gently, and waits until the servo rests. Returns the maximum distance, in counts.
 fn back<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -427,8 +428,9 @@ fn back<E: Exchange>(
     Ok(reached)
 }
 
-/// Waits until it stands. Where its gear has much play it would swing round its goal for long: weak as it is at first,
-/// its friction stops it. Where it carries much, that is too weak to hold it: then it has the torque to go back.
+/// Waits until the servo rests. With much play in its gear, it would swing around its goal for long: at first, its
+/// torque is so low that friction stops it. If this torque is too low to hold the load, the servo gets the torque to
+/// return.
 fn settle<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -448,7 +450,7 @@ fn settle<E: Exchange>(
     Err(ServiceError::State { id: guard.servo().id, what })
 }
 
-/// Waits until it stands, for a while; says whether it does.
+/// Waits for a limited time until the servo rests, and returns whether it does.
 fn stands<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,

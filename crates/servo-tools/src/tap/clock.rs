@@ -1,4 +1,4 @@
-//! Readings of a position, each with its time.
+//! Reads positions with their times.
 
 use std::time::Duration;
 
@@ -7,20 +7,20 @@ use sinew_servo_bus::table::Item;
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table};
 
-/// Its own program measures no faster.
+/// Minimum interval of readings: the servo's own program does not measure faster.
 const PERIOD: Duration = Duration::from_micros(700);
-/// Realtime Tick of a Dynamixel counts milliseconds up to this.
+/// Realtime Tick of a Dynamixel, in ms, starts again at 0 after this number of counts.
 const TICKS: i32 = 32_768;
 
-/// How a servo's readings get their time.
+/// The clock that times the readings of a servo.
 pub(super) enum Clock {
-    /// Its own, in ms, in one read with the position: adapters and hosts may answer late.
+    /// The servo's own clock, in ms, read together with the position: adapters and hosts may answer late.
     Own(Item, Item),
-    /// The host's, where the servo has none.
+    /// The host's clock, for a servo without a clock.
     Host(Item),
 }
 
-/// One reading.
+/// One reading, in counts, with the host's time and the servo's own time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reading {
     pub(super) host: Duration,
@@ -37,7 +37,7 @@ impl Clock {
         })
     }
 
-    /// Reads as often as line and servo allow.
+    /// Reads as fast as line and servo allow.
     pub(super) fn read_until<E: Exchange>(
         &self,
         client: &mut Client<E>,
@@ -52,7 +52,7 @@ impl Clock {
             }
             next = client.now() + PERIOD;
             let reading = self.read(client, servo)?;
-            // A measurement that was read twice is one.
+            // A measurement that was read twice counts once.
             let is_new = match self {
                 Self::Own(..) => readings.last().is_none_or(|last| last.own_ms != reading.own_ms),
                 Self::Host(_) => true,
@@ -88,8 +88,8 @@ impl Clock {
         }
     }
 
-    /// Returns times since a moment of the host, s, and counts. The servo's own clock is set by the mean of all
-    /// readings.
+    /// Returns times, s, since a moment of the host's clock, with positions in counts. The offset of the servo's own
+    /// clock is the mean over all readings.
     pub(super) fn since(&self, moment: Duration, readings: &[Reading]) -> Vec<(f64, i32)> {
         let host_s = |reading: &Reading| reading.host.as_secs_f64() - moment.as_secs_f64();
         let mut times_s: Vec<f64> = readings.iter().map(host_s).collect();

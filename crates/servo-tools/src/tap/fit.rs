@@ -1,26 +1,26 @@
-//! Stiffness and damping out of recorded taps, by least squares (Levenberg and Marquardt).
+//! Fits stiffness and damping to recorded taps, by least squares (Levenberg and Marquardt).
 //!
-//! All taps share stiffness, damping, drag and torque. Each tap has numbers of its own: where the shaft was and how
-//! fast, how the gear was wound up and how fast, what torque was left over, and when the step came. A tap's own numbers
-//! are eliminated before the shared ones are solved for.
+//! All taps share stiffness, damping, drag and torque. Each tap also has its own numbers: position and speed of the
+//! shaft, windup of the gear and its speed, remaining torque, and time of the step. A tap's own numbers are eliminated
+//! before the shared numbers are solved.
 
 use nalgebra::{SMatrix, SVector};
 
 use super::joint::{Curves, Joint, Point};
 
-/// One tap: where the shaft was, round a step of torque.
+/// One tap: positions of the shaft before and after a step of torque.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Tap {
     /// Time since the step was sent, s, and position in the direction of the tap, rad.
     pub(super) samples: Vec<[f64; 2]>,
-    /// The step, a part of the full torque.
+    /// Step of torque, as a part of the full torque.
     pub(super) step: f64,
-    /// How long its teeth had to come to rest on each other, s.
+    /// Time that the teeth had to come to rest on each other, s.
     pub(super) meet_s: f64,
 }
 
 impl Tap {
-    /// Returns what was read until a time, s.
+    /// Returns the readings before a time, s.
     pub(super) fn until(&self, time_s: f64) -> Self {
         let samples = self.samples.iter().take_while(|[time, _]| *time < time_s);
         Self { samples: samples.copied().collect(), step: self.step, meet_s: self.meet_s }
@@ -30,46 +30,48 @@ impl Tap {
 /// Result of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
-    /// Rotor, load and gear.
+    /// Inertias, friction and gear of the joint.
     pub joint: Joint,
-    /// Torque of the motor at standstill with all of its supply, N m.
+    /// Stall torque of the motor at full supply, N m.
     pub full_nm: f64,
-    /// Standard errors of stiffness and damping, as parts of each.
+    /// Standard errors of stiffness and damping, relative to the values.
     pub errors: [f64; 2],
-    /// First swing of the shaft beside the way of a rigid gear, counts of the encoder.
+    /// First swing of the shaft, beyond the motion with a rigid gear, in counts of the encoder.
     pub ring_counts: f64,
-    /// Deviation of readings from the fit, counts.
+    /// Deviation of the readings from the fit, counts.
     pub noise_counts: f64,
 }
 
-/// Numbers that all taps share: logarithms of stiffness, damping, drag and torque, beside what is believed; and when
-/// the step comes.
+/// Number of values that all taps share: logarithms of stiffness, damping, drag and torque, relative to the expected
+/// values; and the delay of the step.
 const SHARED: usize = 5;
-/// A tap's own numbers, in the sizes that they may have: place, speed, windup, its speed, torque, and delay.
+/// Number of values of a single tap, each in units of its expected size: position, speed, windup, windup speed, torque,
+/// and delay.
 const OWN: usize = 6;
-/// Place among them.
+/// Index of the delay among a tap's own values.
 const DELAY: usize = 5;
-/// The sizes: 1 rad, 10 rad/s, half a count of ring, a third of the full torque, and half a millisecond: the packet
-/// comes at any time of the servo's own tick, and of a USB frame.
+/// Expected sizes of a tap's own values: 1 rad, 10 rad/s, half a count of oscillation, a third of the full torque, and
+/// half a millisecond. The delay varies because the packet arrives at any time of the servo's own tick, and of a USB
+/// frame.
 const RING_COUNTS: f64 = 0.5;
 const LEFT_OVER: f64 = 0.3;
 const DELAY_S: f64 = 5e-4;
-/// Size of the delay that all taps share, s.
+/// Expected size of the delay that all taps share, s.
 const SHARED_DELAY_S: f64 = 2e-3;
-/// How far the drag may be from what is believed, as a logarithm.
+/// Expected spread of the drag around its expected value, as a logarithm.
 const DRAG_SPREAD: f64 = 0.1;
-/// Deviation of a reading that is right, counts.
+/// Deviation of a correct reading, counts.
 const NOISE_COUNTS: f64 = 0.3;
-/// Factors on what is believed of stiffness and of damping, to begin with.
+/// Start values of the fit: factors on the expected stiffness and damping.
 const STARTS: [[f64; 2]; 6] =
     [[1.0, 1.0], [1.0, 0.35], [0.4, 1.0], [0.4, 0.35], [2.5, 1.0], [2.5, 0.35]];
-/// Step of a difference, as a logarithm.
+/// Step of a numerical difference, as a logarithm.
 const DIFFERENCE: f64 = 1e-3;
 
 type Shared = SVector<f64, SHARED>;
 type Own = SVector<f64, OWN>;
 
-/// Fits taps from scratch. `believed` has the inertias, and what is known of the rest.
+/// Fits taps without an earlier result. `believed` contains the inertias and the expected values of the rest.
 pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) -> Fitted {
     let problem = Problem { believed: *believed, full_nm, taps, count_rad };
     let starts = STARTS.map(|[stiffness, damping]| {
@@ -81,7 +83,7 @@ pub(super) fn fit(believed: &Joint, full_nm: f64, taps: &[Tap], count_rad: f64) 
     problem.result(problem.descend(state, 30))
 }
 
-/// Fits a part of the taps, beginning with what all came to.
+/// Fits some of the taps, starting at the result of all taps.
 pub(super) fn refit(believed: &Joint, all: &Fitted, taps: &[Tap], count_rad: f64) -> Fitted {
     let problem = Problem { believed: *believed, full_nm: all.full_nm, taps, count_rad };
     let logs = [
@@ -101,22 +103,22 @@ struct Problem<'t> {
     count_rad: f64,
 }
 
-/// Where a descent is.
+/// State of a descent.
 #[derive(Debug, Clone, Default)]
 struct State {
     shared: Shared,
-    /// By tap, in [`DELAY_S`].
+    /// Delay of each tap, in [`DELAY_S`].
     delays: Vec<f64>,
 }
 
 impl State {
-    /// When the step of a tap came, s.
+    /// Returns the time at which the step of a tap acted, s.
     fn delay_s(&self, index: usize) -> f64 {
         self.shared[4] * SHARED_DELAY_S + self.delays[index] * DELAY_S
     }
 }
 
-/// Sums of squares of one tap, in its own numbers and the shared ones.
+/// Sums of squares of one tap, for its own numbers and the shared numbers.
 struct Sums {
     own: SMatrix<f64, OWN, OWN>,
     mixed: SMatrix<f64, OWN, SHARED>,
@@ -125,7 +127,7 @@ struct Sums {
     shared_right: Shared,
 }
 
-/// Curves at a state, and how they change with stiffness, damping and drag.
+/// Curves at a state, and with a small change of stiffness, damping and drag.
 struct Tables {
     here: Curves,
     moved: [Curves; 3],
@@ -159,14 +161,15 @@ impl Problem<'_> {
         Tables { here: self.curves(shared), moved }
     }
 
-    /// The sizes of a tap's own numbers but the delay, rad per unit.
+    /// Returns the expected sizes of a tap's own numbers except the delay, rad per unit.
     fn sizes(&self, shared: &Shared) -> [f64; 5] {
         let joint = self.joint(shared);
         let windup = RING_COUNTS * self.count_rad / joint.rotor_part();
         [1.0, 10.0, windup, windup * joint.ring_rad_s(), LEFT_OVER * self.full_nm]
     }
 
-    /// A tap's own numbers but the delay as columns, and what the step does: value and speed.
+    /// Returns the coefficients of a tap's own numbers (except the delay) in its position, and the effect of the step:
+    /// position and speed.
     fn columns(
         &self,
         shared: &Shared,
@@ -187,7 +190,7 @@ impl Problem<'_> {
         (columns, [torque_nm * step.free[3], torque_nm * step.pushed_rad_s])
     }
 
-    /// Solves for a tap's own numbers but the delay, and returns what is left with priors, counts².
+    /// Solves for a tap's own numbers except the delay. Also returns the remaining error including priors, counts².
     fn own_of(&self, curves: &Curves, state: &State, index: usize) -> (f64, [f64; 5]) {
         let (tap, delay) = (&self.taps[index], state.delays[index]);
         let sizes = self.sizes(&state.shared);
@@ -222,7 +225,7 @@ impl Problem<'_> {
         taps + (state.shared[2] / DRAG_SPREAD).powi(2) + state.shared[4].powi(2)
     }
 
-    /// Sums of a tap round a state.
+    /// Computes the sums of a tap at a state.
     fn sums(&self, tables: &Tables, state: &State, index: usize) -> Sums {
         let (tap, delay) = (&self.taps[index], state.delays[index]);
         let sizes = self.sizes(&state.shared);
@@ -258,7 +261,7 @@ impl Problem<'_> {
                 }
             }
         }
-        // They are believed to be near 0.
+        // The own numbers have a prior around 0.
         for (at, own) in own.iter().chain([&delay]).enumerate() {
             sums[at][at] += 1.0;
             sums[at][OWN + SHARED] -= own;
@@ -272,7 +275,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Sums of all taps, with their own numbers eliminated.
+    /// Returns the sums of all taps, and the equations with the taps' own numbers eliminated.
     fn reduced(&self, state: &State) -> (Vec<Sums>, SMatrix<f64, SHARED, SHARED>, Shared) {
         let tables = self.tables(&state.shared);
         let sums: Vec<Sums> =
@@ -288,7 +291,7 @@ impl Problem<'_> {
         (sums, matrix, right)
     }
 
-    /// Goes downhill for so many steps at most.
+    /// Descends for at most `most` steps. Returns the cost and the state.
     fn descend(&self, start: State, most: u32) -> (f64, State) {
         let (mut state, mut caution) = (start, 1e-3);
         let mut cost = self.cost(&state);
@@ -299,7 +302,7 @@ impl Problem<'_> {
                 careful[(at, at)] *= 1.0 + caution;
             }
             let Some(solved) = careful.cholesky() else { break };
-            // No further than half as much again at once.
+            // Limits each step: a value changes by at most half.
             let step = solved.solve(&right).map(|step| step.clamp(-0.4, 0.4));
             let delays = state.delays.iter().zip(&sums).map(|(delay, tap)| {
                 let own =
@@ -353,7 +356,7 @@ mod tests {
 
     const COUNT_RAD: f64 = 1.533_98e-3;
 
-    /// Taps of a joint as an encoder sees them, none as another.
+    /// Simulates taps of a joint as an encoder measures them. All taps differ.
     fn taps(joint: &Joint, full_nm: f64) -> Vec<Tap> {
         let curves = joint.curves(0.2);
         let tap = |index: u32| {
@@ -397,7 +400,7 @@ mod tests {
                 assert!(off.abs() < 3.0 * error && error < 0.08, "{off} {fitted:?}");
             }
             assert!((fitted.full_nm / 2.6 - 1.0).abs() < 0.05, "{fitted:?}");
-            // Steps of the encoder, evenly spread: 1/sqrt(12) of a count.
+            // Evenly spread encoder steps have a deviation of 1/sqrt(12) of a count.
             assert!((fitted.noise_counts - 0.29).abs() < 0.02, "{fitted:?}");
         }
     }

@@ -1,62 +1,62 @@
-//! A rotor, a gear and what hangs on it, and how they ring.
+//! A rotor, a gear and a load, and their oscillation.
 
 use nalgebra::{SMatrix, SVector};
 
 /// Torques that push a joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Push {
-    /// Of the motor, before the step, N m.
+    /// Torque of the motor before the step, N m.
     pub(super) preload_nm: f64,
-    /// For how long, s.
+    /// Duration of the torque before the step, s.
     pub(super) preload_s: f64,
-    /// The step, N m.
+    /// Step of torque, N m.
     pub(super) step_nm: f64,
-    /// Torque by which friction and gravity resist at the shaft all the time, N m.
+    /// Constant torque by which friction and gravity resist at the shaft, N m.
     pub(super) held_nm: f64,
 }
 
-/// Two masses with a spring and a damper between them, all at the output shaft.
+/// Two masses with a spring and a damper between them, with all values at the output shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joint {
-    /// Inertia of the rotor as the gear shows it, kg m².
+    /// Inertia of the rotor at the output shaft, kg m².
     pub rotor_kg_m2: f64,
-    /// Inertia of what hangs on the shaft, kg m².
+    /// Inertia of the load on the shaft, kg m².
     pub load_kg_m2: f64,
     /// Stiffness of the gear, N m/rad.
     pub stiffness_nm_rad: f64,
-    /// Damping of the gear between its ends, N m s.
+    /// Damping between the two ends of the gear, N m s.
     pub damping_nm_s: f64,
-    /// Viscous friction and back-EMF at the rotor, N m s.
+    /// Viscous friction and back-EMF of the rotor, N m s.
     pub drag_nm_s: f64,
     /// Friction per torque of motor and gear, at the rotor and at the shaft.
     pub load_frictions: [f64; 2],
 }
 
-/// Part of the most with which the gear pushes below which it may push no more.
+/// Torque of the gear, relative to its maximum, below which its teeth may lose contact.
 const LEAST_PUSH: f64 = -0.1;
 
 impl Joint {
-    /// Returns the frequency of the ring without damping, rad/s.
+    /// Returns the undamped frequency of the oscillation, rad/s.
     pub fn ring_rad_s(&self) -> f64 {
         (self.stiffness_nm_rad * self.mobility()).sqrt()
     }
 
-    /// Returns the time of a swing to and fro, s.
+    /// Returns the undamped period of the oscillation, s.
     pub fn period_s(&self) -> f64 {
         2.0 * std::f64::consts::PI / self.ring_rad_s()
     }
 
-    /// Returns the part of the critical damping that the ring has.
+    /// Returns the damping ratio of the oscillation: 1 is critical.
     pub fn damping_ratio(&self) -> f64 {
         0.5 * self.damping_nm_s * self.mobility() / self.ring_rad_s()
     }
 
-    /// Returns the shaft's part of a ring after a step of torque, rad per N m.
+    /// Returns the shaft's amplitude after a step of torque, rad per N m.
     pub fn ring_rad_nm(&self) -> f64 {
         self.rotor_part() * (1.0 - self.rotor_part()) / self.stiffness_nm_rad
     }
 
-    /// Returns the part of all inertia that the rotor is.
+    /// Returns the rotor's share of the total inertia.
     pub fn rotor_part(&self) -> f64 {
         self.rotor_kg_m2 / (self.rotor_kg_m2 + self.load_kg_m2)
     }
@@ -65,12 +65,12 @@ impl Joint {
         1.0 / self.rotor_kg_m2 + 1.0 / self.load_kg_m2
     }
 
-    /// Returns how the shaft moves by itself and under a torque, from 0 to `until_s`.
+    /// Computes the motion of the shaft from 0 to `until_s`, free and under a torque.
     pub(super) fn curves(&self, until_s: f64) -> Curves {
         let [stiffness, damping] = [self.stiffness_nm_rad, self.damping_nm_s];
         let [rotor, load] = [self.rotor_kg_m2, self.load_kg_m2];
-        // Positions and speeds of rotor and shaft, and a torque of the motor that stays. All torques and speeds have
-        // one sign, so friction that grows with torques is a part of each.
+        // The state is position and speed of rotor and shaft, and a constant torque of the motor. All torques and
+        // speeds have one sign, so friction that grows with torque is a fixed share of each torque.
         let [at_rotor, at_shaft] = self.load_frictions;
         let [pushed, pulled] = [(1.0 - at_rotor) / rotor, (1.0 + at_rotor) / rotor];
         let [carried, rubbed] = [(1.0 - at_shaft) / load, -at_shaft / load];
@@ -84,7 +84,7 @@ impl Joint {
             0.0, 0.0, 0.0, 0.0, 0.0,
         ]);
         let step = (rates * Curves::STEP_S).exp();
-        // Either end turns so far that both together stay.
+        // The two ends turn in opposite directions, so that the total momentum is zero.
         let [ahead, behind] = [1.0 - self.rotor_part(), -self.rotor_part()];
         let starts: [SVector<f64, 5>; 4] = [
             [0.0, 1.0, 0.0, 1.0, 0.0],
@@ -107,8 +107,8 @@ impl Joint {
         Curves { points }
     }
 
-    /// Returns how long the gear pushes after the step of a push, s, at most `until_s`: then its teeth may part, since
-    /// the motor speeds up no more.
+    /// Returns the time for which the gear pushes after the step, s, at most `until_s`. After it the teeth may part,
+    /// since the motor no longer accelerates.
     pub(super) fn contact_s(&self, push: &Push, until_s: f64) -> f64 {
         let curves = self.curves(until_s + push.preload_s);
         let [mut most_nm, mut time_s]: [f64; 2] = [0.0; 2];
@@ -126,26 +126,27 @@ impl Joint {
     }
 }
 
-/// Motions of the shaft from time 0 on, tabulated.
+/// Motions of the shaft from time 0 on, as a table.
 pub(super) struct Curves {
     points: Vec<Point>,
 }
 
-/// The shaft at a time.
+/// Motion of the shaft at a time.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Point {
-    /// rad, after: 1 rad/s of rotor and shaft; 1 rad of windup; 1 rad/s of it; under 1 N m that begins.
+    /// Position, rad, for four unit starts: rotor and shaft at 1 rad/s; windup of 1 rad; windup speed of 1 rad/s; a
+    /// torque of 1 N m from time 0 on.
     pub(super) free: [f64; 4],
-    /// Speed of the last of these, rad/s.
+    /// Speed for the last of these, rad/s.
     pub(super) pushed_rad_s: f64,
-    /// Torque of the gear meanwhile, N m.
+    /// Torque of the gear for the last of these, N m.
     gear_nm: f64,
 }
 
 impl Curves {
     const STEP_S: f64 = 1e-4;
 
-    /// Returns the shaft at a time; at rest before 0.
+    /// Returns the motion at a time, interpolated; at rest before 0.
     pub(super) fn at(&self, time_s: f64) -> Point {
         if time_s <= 0.0 {
             return Point::default();

@@ -1,14 +1,14 @@
-//! Tap tests: how stiff a servo's gear is and how it damps, by the ring of its joint after a step of torque.
+//! Tap tests: measure stiffness and damping of a servo's gear by the oscillation of its joint after a step of torque.
 //!
-//! The servo creeps in its own mode of position, so weakly that friction hardly lets it move, then speeds up a little:
-//! its teeth touch, and all friction has one sign. Then the limit of its torque goes up at once. The goal is far away,
-//! so the motor gives all that the limit lets it give: a step of torque, which winds the gear up, and the shaft rings
-//! on top of its way. After a few swings it brakes, and goes back to where it was. Two masses, a spring and a damper
-//! are fitted to many such taps.
+//! The servo creeps in its own position mode, with so little torque that friction hardly lets it move; then it
+//! accelerates a little. Its teeth now touch, and all friction has one sign. Then the torque limit jumps up. The goal
+//! is far away, so the motor uses the whole limit: a step of torque. The step winds the gear up, and the shaft
+//! oscillates during its motion. After a few swings the servo brakes, and returns to its start. A model with two
+//! masses, a spring and a damper is fitted to many taps.
 //!
-//! The rotor does not stand while the shaft rings: a ring that an encoder can see takes more torque than friction
-//! holds. So inertias of rotor and load must be known. Play is not found: the encoder is at the shaft, and does not see
-//! the rotor cross it.
+//! The rotor also turns while the shaft oscillates: an oscillation that an encoder can see takes more torque than
+//! friction can hold. Therefore the inertias of rotor and load must be known. The test cannot measure play: the encoder
+//! is at the shaft, and does not see the rotor cross the play.
 
 mod act;
 mod clock;
@@ -27,12 +27,12 @@ pub use joint::Joint;
 use plan::Plan;
 pub use tapped::Tapped;
 
-/// The load that hangs on a servo.
+/// The load on a servo's shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Load {
     /// Inertia at the shaft, kg m².
     pub inertia_kg_m2: f64,
-    /// Torque of gravity at the shaft where it holds, N m, positive towards larger positions.
+    /// Torque of gravity at the shaft at the held position, N m, positive towards larger positions.
     pub gravity_nm: f64,
 }
 
@@ -41,18 +41,18 @@ pub struct Load {
 pub struct Settings {
     /// Number of taps.
     pub taps: u32,
-    /// Part of its full torque by which the servo steps, 0 to 0.6.
+    /// Step of torque, as a part of the full torque, 0 to 0.6.
     pub strength: f64,
-    /// The load that hangs on it.
+    /// Load on the shaft.
     pub load: Load,
 }
 
-/// Least inertia of what hangs on a servo, in inertias of its rotor.
+/// Minimum inertia of the load, relative to the rotor's inertia.
 const LEAST_LOAD: f64 = 0.3;
-/// Parts of the taps that are fitted each by itself, to see whether they agree.
+/// Number of groups of taps that are also fitted separately, to check whether they agree.
 pub const PARTS: usize = 5;
 
-/// A tap test of a servo, which has not moved yet.
+/// A planned tap test of a servo.
 #[derive(Debug, Clone)]
 pub struct TapTest {
     servo: Servo,
@@ -60,10 +60,10 @@ pub struct TapTest {
 }
 
 impl TapTest {
-    /// Plans a test, by what is known of the servo's kind and of what hangs on it. It only reads.
+    /// Plans a test from the data of the servo's kind and of its load. Only reads, and does not move the servo.
     ///
     /// # Errors
-    /// Those of [`Client::read_bytes`], and [`ServiceError::State`] if so little hangs on it that it cannot ring.
+    /// The errors of [`Client::read_bytes`], and [`ServiceError::State`] if the load is too small for an oscillation.
     pub fn new<E: Exchange>(
         client: &mut Client<E>,
         servo: &Servo,
@@ -73,8 +73,9 @@ impl TapTest {
         let [rotor, load] = [model.rotor_inertia_kg_m2.value, settings.load.inertia_kg_m2];
         if load < LEAST_LOAD * rotor {
             let what = format!(
-                "what hangs on it has an inertia of {load:.5} kg m2, and its rotor {rotor:.5}: with less than \
-                 {LEAST_LOAD} of that its ring is damped too soon. Fix a weight to it, and tell the inertia of both"
+                "its load has an inertia of {load:.5} kg m2, and its rotor {rotor:.5}: with less than {LEAST_LOAD} of \
+                 the rotor's, the oscillation is damped too soon. Fix a weight to it, and give the inertia of load and \
+                 weight together"
             );
             return Err(ServiceError::State { id: servo.id, what });
         }
@@ -83,22 +84,22 @@ impl TapTest {
         Ok(Self { servo: servo.clone(), plan })
     }
 
-    /// Returns how far the servo goes at most, rad.
+    /// Returns the maximum distance that the servo moves, rad.
     pub fn reach_rad(&self) -> f64 {
         self.plan.reach_rad()
     }
 
-    /// Returns the most of its torque at standstill that it takes, 0 to 1.
+    /// Returns the maximum torque of the test, as a part of the stall torque, 0 to 1.
     pub fn most_torque(&self) -> f64 {
         self.plan.most_part().min(1.0)
     }
 
-    /// Taps, and fits. Afterwards the servo stands where it stood, limp if it was limp, with all registers as before,
-    /// also where something fails or a signal ends it.
+    /// Taps, and fits the model. Afterwards the servo is at its previous position, with torque on or off as before and
+    /// all registers as before, even after an error or a signal.
     ///
     /// # Errors
-    /// Those of [`identify`](crate::identify::identify), and [`ServiceError::State`] if its limits leave no room for a
-    /// tap, or the ring tells too little.
+    /// The errors of [`identify`](crate::identify::identify), and [`ServiceError::State`] if the servo's limits leave
+    /// no room for a tap, or the oscillation is too weak for a result.
     pub fn run<E: Exchange>(&self, client: &mut Client<E>) -> Result<Tapped, ServiceError> {
         let Self { servo, plan } = self;
         let recorded = act::record(client, servo, plan)?;

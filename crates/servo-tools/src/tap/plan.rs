@@ -1,95 +1,95 @@
-//! How to tap a servo of a kind, by what is believed of it.
+//! Plans the taps of a servo, from the expected values of its kind.
 
 use sinew_rig::description::{MotorFigures, ServoModel};
 
 use super::joint::{Joint, Push};
 use super::{Load, Settings};
 
-/// Which way to tap.
+/// Direction of the taps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Direction {
     /// Towards larger positions.
     Up,
-    /// Towards smaller ones.
+    /// Towards smaller positions.
     Down,
-    /// In turn.
+    /// Alternating between both directions.
     Both,
 }
 
-/// How to tap.
+/// Parameters of the taps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Plan {
-    /// The joint as it is believed to be.
+    /// Joint with its expected values.
     pub(super) joint: Joint,
-    /// Torque of the motor at standstill with all of its supply, N m: the full torque.
+    /// Full torque: stall torque of the motor at full supply, N m.
     pub(super) full_nm: f64,
-    /// Current for it, A.
+    /// Current for the full torque, A.
     pub(super) full_a: f64,
     pub(super) taps: u32,
     pub(super) direction: Direction,
-    /// Step, of the full torque.
+    /// Step of torque, as a part of the full torque.
     pub(super) strength: f64,
-    /// It speeds up by so much of its full torque before.
+    /// Torque of the acceleration before the step, as a part of the full torque.
     pub(super) preload: f64,
-    /// Part of the full torque that gravity takes.
+    /// Torque of gravity, as a part of the full torque.
     pub(super) gravity_part: f64,
-    /// Least friction at the shaft, N m.
+    /// Minimum friction at the shaft, N m.
     friction_nm: f64,
-    /// How long it creeps before, s: at least.
+    /// Minimum time of creeping before the acceleration, s.
     pub(super) meet_s: f64,
-    /// How long it speeds up before the step, s.
+    /// Time of the acceleration before the step, s.
     pub(super) preload_s: f64,
-    /// How long to read before the step, s.
+    /// Time of reading before the step, s.
     pub(super) before_s: f64,
-    /// How long to read after the step, s.
+    /// Time of reading after the step, s.
     pub(super) window_s: f64,
-    /// Factor on the gain of position.
+    /// Factor on the position gain during a tap.
     pub(super) gain: f64,
-    /// How far away its goal is meanwhile, rad: it does not get there.
+    /// Distance of the goal during a tap, rad. The servo does not reach it.
     pub(super) way_rad: f64,
 }
 
-/// Part of its full torque with which a servo speeds up before the step.
+/// Torque of the acceleration before the step, as a part of the full torque.
 const PRELOAD: f64 = 0.1;
-/// Periods of the believed ring that it creeps for before, within these times, s.
+/// Time of creeping, in expected periods, limited to the times [`MEET_S`], s.
 const MEET_PERIODS: f64 = 2.0;
 const MEET_S: [f64; 2] = [0.04, 0.15];
-/// Periods of the believed ring that it speeds up for, within these times, s.
+/// Time of the acceleration, in expected periods, limited to the times [`PRELOAD_S`], s.
 const PRELOAD_PERIODS: f64 = 1.5;
 const PRELOAD_S: [f64; 2] = [0.03, 0.15];
-/// Part of a period that is read before the step, within these times, s.
+/// Time of reading before the step, in expected periods, limited to the times [`BEFORE_S`], s.
 const BEFORE_PERIODS: f64 = 0.8;
 const BEFORE_S: [f64; 2] = [0.02, 0.06];
-/// Periods of the believed ring that are read after it, within these times, s.
+/// Time of reading after the step, in expected periods, limited to the times [`WINDOW_S`], s.
 const WINDOW_PERIODS: f64 = 2.7;
 const WINDOW_S: [f64; 2] = [0.03, 0.2];
-/// Error of position at which a servo gives all it has, rad; its gain is raised for it where it can be.
+/// Position error at which a servo gives its full torque, rad. Its gain is raised for this if possible.
 const FULL_RAD: f64 = 0.12;
-/// How far it creeps at most until it is seen, and what it goes further meanwhile by the speed that it has then, rad.
+/// Maximum motion before the creeping is detected, plus the motion at that speed until the step, rad.
 const CREEP_RAD: f64 = 0.08;
 const WAY_MARGIN: f64 = 1.15;
-/// Factor of its way by which it goes further while it brakes.
+/// Factor on the motion of a tap, for the distance of braking.
 const BRAKE_MARGIN: f64 = 1.3;
-/// It goes back with so much more than gravity takes, of its full torque.
+/// Torque of the way back, in addition to gravity, as a part of the full torque.
 const BACK_PART: f64 = 0.3;
-/// It stands with so much more than twice what gravity takes: less than friction.
+/// Torque at rest, in addition to twice the torque of gravity, as a part of the full torque: less than friction.
 const CALM_PART: f64 = 0.02;
-/// Part of the full torque that friction takes as a rule.
+/// Usual friction, as a part of the full torque.
 const FRICTION_PART: f64 = 0.1;
-/// Part of what is believed of the friction at the shaft that is there for sure.
+/// Part of the expected shaft friction that is certain.
 const SURE_FRICTION: f64 = 0.5;
-/// Part by which taps differ from each other.
+/// Relative variation between taps.
 const VARIES: f64 = 0.2;
 
 impl Plan {
-    /// Plans. A servo that stands without torque has no more gravity than its friction holds.
+    /// Creates a plan. For a servo that rests with torque off, gravity is at most what its friction holds.
     pub(super) fn new(model: &ServoModel, settings: &Settings, was_on: bool) -> Self {
         let (joint, full_nm) = believed(model, &settings.load);
         let friction_nm = model.friction_nm.value;
         let most_nm = if was_on { f64::INFINITY } else { friction_nm };
         let gravity_nm = settings.load.gravity_nm.clamp(-most_nm, most_nm);
         let at_shaft_nm = SURE_FRICTION * model.output_friction_share() * friction_nm;
-        // With gravity, it would take the teeth apart that friction at the shaft keeps together.
+        // A tap in the direction of gravity would separate the teeth, unless friction at the shaft keeps them together.
         let direction = match (gravity_nm.abs() > at_shaft_nm, gravity_nm > 0.0) {
             (false, _) => Direction::Both,
             (true, true) => Direction::Down,
@@ -122,14 +122,14 @@ impl Plan {
         plan
     }
 
-    /// Returns how far a rigid joint without friction would go until the readings end, rad.
+    /// Returns the distance that a rigid joint without friction would move until the readings end, rad.
     fn rigid_way_rad(&self) -> f64 {
         const STEP_S: f64 = 5e-4;
         let inertia_kg_m2 = self.joint.rotor_kg_m2 + self.joint.load_kg_m2;
         let [mut time_s, mut speed_rad_s, mut way_rad] = [-self.preload_s, 0.0, 0.0];
         while time_s < self.window_s {
             let step = if time_s < 0.0 { 0.0 } else { self.strength };
-            // Implicit: stable whatever the drag.
+            // An implicit step, which is stable for any drag.
             speed_rad_s += STEP_S * (self.preload + step) * self.full_nm / inertia_kg_m2;
             speed_rad_s /= 1.0 + STEP_S * self.joint.drag_nm_s / inertia_kg_m2;
             way_rad += STEP_S * speed_rad_s;
@@ -138,9 +138,9 @@ impl Plan {
         way_rad
     }
 
-    /// Returns the plan of a tap: none is as another, so that steps of the encoder are averaged out.
+    /// Returns the plan of one tap. All taps differ, so that the steps of the encoder are averaged.
     pub(super) fn of_tap(&self, index: u32) -> Self {
-        // Parts of 1 that are spread evenly, whatever their number: those of irrational numbers.
+        // Multiples of irrational numbers modulo 1: they are spread evenly for any number of taps.
         let [time, torque, meet] =
             [0.618_034, 0.754_878, 0.819_173].map(|step| (f64::from(index) * step).fract());
         Self {
@@ -152,27 +152,27 @@ impl Plan {
         }
     }
 
-    /// Returns how far it goes at most, rad: past its goal, if it takes long to brake.
+    /// Returns the maximum distance that the servo moves, rad: beyond its goal, if braking takes long.
     pub(super) fn reach_rad(&self) -> f64 {
         BRAKE_MARGIN * self.way_rad
     }
 
-    /// Returns how far ahead its goal must be for a part of the full torque, rad.
+    /// Returns the distance between goal and position that gives this part of the full torque, rad.
     pub(super) fn lead_rad(part: f64) -> f64 {
         FULL_RAD * part
     }
 
-    /// Returns the most of the full torque that it takes, as a rule.
+    /// Returns the usual maximum torque, as a part of the full torque.
     pub(super) fn most_part(&self) -> f64 {
         self.gravity_part + self.preload + self.strength + FRICTION_PART
     }
 
-    /// Returns the part of the full torque with which it goes back.
+    /// Returns the torque of the way back, as a part of the full torque.
     pub(super) fn back_part(&self) -> f64 {
         (self.gravity_part + BACK_PART).min(1.0)
     }
 
-    /// Returns the part of the full torque with which it stands.
+    /// Returns the torque at rest, as a part of the full torque.
     pub(super) fn calm_part(&self) -> f64 {
         (2.0 * self.gravity_part + CALM_PART).min(self.back_part())
     }
@@ -188,12 +188,13 @@ impl Plan {
     }
 }
 
-/// Friction per torque where the maker's figures say nothing of it.
+/// Friction per torque, used if the maker's figures do not determine it.
 const LOAD_FRICTION: f64 = 0.1;
-/// The most that figures of a motor come to. More means that the servo's own program caps the speed.
+/// Maximum friction per torque that a motor's figures may give. A larger value means that the servo's own program
+/// limits the speed.
 const MOST_LOAD_FRICTION: f64 = 0.25;
 
-/// Returns what is believed of a joint before it is tapped, and its motor's torque at standstill, N m.
+/// Returns the expected values of a joint before the test, and its motor's stall torque, N m.
 fn believed(model: &ServoModel, load: &Load) -> (Joint, f64) {
     let [volts, amps] = [model.voltage_v.value, model.stall_current_a.value];
     let stall_nm = model.stall_torque_nm.value;

@@ -1,4 +1,4 @@
-//! The outcome of a tap test, and whether it is a result.
+//! The outcome of a tap test, and the check whether it is a valid result.
 
 use std::fmt;
 
@@ -7,44 +7,44 @@ use super::fit::{Fitted, fit, refit};
 use super::plan::Plan;
 use super::{Joint, PARTS, Tap};
 
-/// A ring whose first swing is smaller cannot be seen, counts of the encoder.
+/// Minimum first swing that can be measured, counts of the encoder.
 const LEAST_COUNTS: f64 = 0.2;
-/// A ring that is damped by more than this part of what is critical is none.
+/// Maximum damping ratio: above it there is no oscillation to measure.
 const MOST_DAMPING_RATIO: f64 = 0.8;
-/// Largest standard error of a result that is one, as a part.
+/// Maximum relative standard error of a valid result.
 const MOST_ERROR: f64 = 0.08;
-/// Readings that a period of the ring needs.
+/// Minimum number of readings in a period of the oscillation.
 const LEAST_READINGS: f64 = 4.0;
-/// Largest deviation of readings from what a rotor, a gear and a load do, counts: a time that is off by a millisecond
-/// makes no more.
+/// Maximum deviation of the readings from the model, counts. An error of a millisecond in the time stays below it.
 const MOST_NOISE_COUNTS: f64 = 1.0;
-/// Bounds of the motor's torque over that of its kind.
+/// Allowed range of the motor's torque, relative to that of its kind.
 const TORQUE_RATIOS: [f64; 2] = [0.75, 1.3];
 
 /// The outcome of a tap test.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tapped {
-    /// Stiffness and damping, of all taps.
+    /// Stiffness and damping, fitted to all taps.
     pub fitted: Fitted,
-    /// Standard errors of stiffness and damping, as parts: by the readings, or by how [`Self::parts`] differ if that is
-    /// more.
+    /// Relative standard errors of stiffness and damping: from the readings, or from the differences between
+    /// [`Self::parts`] if those are larger.
     pub errors: [f64; 2],
-    /// The same of each of [`PARTS`] parts of the taps.
+    /// Separate fits of the [`PARTS`] groups of taps.
     pub parts: Vec<Fitted>,
     /// Number of taps.
     pub taps: usize,
     /// Mean time between readings, s.
     pub reading_s: f64,
-    /// How far it was from where it stood, rad.
+    /// Maximum distance from the start position, rad.
     pub farthest_rad: f64,
-    /// Torque of the motor at standstill by what is known of its kind, N m.
+    /// Stall torque of the motor that its kind should have, N m.
     pub believed_full_nm: f64,
 }
 
 impl Tapped {
     pub(super) fn of(plan: &Plan, recorded: &Recorded, count_rad: f64) -> Self {
         let (fitted, taps) = while_it_pushes(plan, &recorded.taps, count_rad);
-        // Teeth that still bounced at the step would bounce less in one part than in another.
+        // The groups are sorted by the rest time of the teeth: teeth that still bounced at the step would make the
+        // groups differ.
         let mut by_rest = taps.clone();
         by_rest.sort_by(|a, b| a.meet_s.total_cmp(&b.meet_s));
         let parts: Vec<Fitted> = by_rest
@@ -75,13 +75,13 @@ impl Tapped {
         }
     }
 
-    /// Returns the least and the most of a number among the parts.
+    /// Returns the minimum and maximum of a value over the groups.
     pub fn ends(&self, of: fn(&Joint) -> f64) -> [f64; 2] {
         let all = || self.parts.iter().map(|part| of(&part.joint));
         [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
     }
 
-    /// Says why the ring tells nothing, if it does not.
+    /// Checks the result. Returns an explanation if the oscillation does not determine stiffness and damping.
     pub(super) fn check(&self) -> Result<(), String> {
         let Fitted { joint, ring_counts, noise_counts, full_nm, .. } = self.fitted;
         let period_s = joint.period_s();
@@ -97,21 +97,21 @@ impl Tapped {
         }
         if ring_counts < LEAST_COUNTS {
             return Err(format!(
-                "the shaft rings by {ring_counts:.2} counts of its encoder, which sees none below {LEAST_COUNTS}. A \
-                 load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength helps, \
-                 too"
+                "the shaft rings by {ring_counts:.2} counts of its encoder, and at least {LEAST_COUNTS} are needed. A \
+                 load as heavy as its rotor ({rotor:.5} kg m2; it has {load:.5}) rings most; a larger --strength \
+                 helps, too"
             ));
         }
         if ratio > MOST_DAMPING_RATIO {
             return Err(format!(
                 "the shaft does not ring: its damping is {ratio:.2} of what is critical, and more than \
-                 {MOST_DAMPING_RATIO} cannot be told from a soft gear. A heavier load is damped less"
+                 {MOST_DAMPING_RATIO} cannot be distinguished from a soft gear. A heavier load is damped less"
             ));
         }
         if noise_counts > MOST_NOISE_COUNTS {
             return Err(format!(
-                "readings are {noise_counts:.1} counts from what a rotor, a gear and a load do, where an encoder's \
-                 steps make 0.3: the load shakes by itself, or its other joints do; or replies come too irregularly"
+                "readings are {noise_counts:.1} counts off the model of rotor, gear and load, where the steps of an \
+                 encoder make 0.3: the load shakes by itself, or its other joints do; or replies come too irregularly"
             ));
         }
         let worst = self.errors[0].max(self.errors[1]);
@@ -123,17 +123,17 @@ impl Tapped {
                 "more than 100 %".to_owned()
             };
             return Err(format!(
-                "the taps tell too little, or disagree: the standard error of stiffness or damping is {found}, and a \
-                 result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. More \
-                 --taps help, a larger --strength, and a load of some times its rotor's inertia ({rotor:.5} kg m2; it \
-                 has {load:.5}) that nothing else shakes"
+                "the taps are not precise enough, or disagree: the standard error of stiffness or damping is {found}, \
+                 and a result has {percent:.0} % at most. The ring is {ring_counts:.1} counts of the encoder high. \
+                 More --taps help, a larger --strength, and a load of several times its rotor's inertia ({rotor:.5} kg \
+                 m2; it has {load:.5}) that nothing else shakes"
             ));
         }
         let torque = full_nm / self.believed_full_nm;
         if !(TORQUE_RATIOS[0]..=TORQUE_RATIOS[1]).contains(&torque) {
             return Err(format!(
-                "it speeds up as if its motor had {:.0} % of the torque that its kind has: the inertia of what hangs on \
-                 it is not {load:.5} kg m2, or its supply is not that of its kind. Stiffness would be wrong by about as \
+                "it speeds up as if its motor had {:.0} % of the torque that its kind has: the inertia of its load is \
+                 not {load:.5} kg m2, or its supply is not that of its kind. Stiffness would be wrong by about as \
                  much",
                 100.0 * torque
             ));
@@ -142,7 +142,7 @@ impl Tapped {
     }
 }
 
-/// Fits what was read while the gear pushed. How long that is follows from the fit, so it is fitted again.
+/// Fits the readings made while the gear pushed. This time depends on the fit, so the fit is repeated.
 fn while_it_pushes(plan: &Plan, taps: &[Tap], count_rad: f64) -> (Fitted, Vec<Tap>) {
     let longest_s = taps.iter().filter_map(|tap| tap.samples.last()).map(|last| last[0]);
     let longest_s = longest_s.fold(0.0, f64::max);
@@ -151,7 +151,7 @@ fn while_it_pushes(plan: &Plan, taps: &[Tap], count_rad: f64) -> (Fitted, Vec<Ta
         let within: Vec<Tap> = taps.iter().map(|tap| tap.until(contact_s)).collect();
         let fitted = fit(&plan.joint, plan.full_nm, &within, count_rad);
         let found_s = fitted.joint.contact_s(&plan.push(), longest_s);
-        // Shorter in each round, by a step of the curves at least.
+        // The time becomes shorter in each round, by at least one step of the curves.
         if found_s >= contact_s {
             return (fitted, within);
         }
@@ -159,7 +159,7 @@ fn while_it_pushes(plan: &Plan, taps: &[Tap], count_rad: f64) -> (Fitted, Vec<Ta
     }
 }
 
-/// Standard error of the mean of some numbers; not a number for fewer than two.
+/// Returns the standard error of the mean; NaN for fewer than two numbers.
 fn error_of_mean(numbers: &[f64]) -> f64 {
     let count = numbers.len() as f64;
     let mean = numbers.iter().sum::<f64>() / count;
@@ -167,7 +167,7 @@ fn error_of_mean(numbers: &[f64]) -> f64 {
     (squares / (count - 1.0) / count).sqrt()
 }
 
-/// How it rings, and how it was seen.
+/// Describes the oscillation and the quality of the readings.
 impl fmt::Display for Tapped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Fitted { joint, ring_counts, noise_counts, .. } = self.fitted;

@@ -1,4 +1,4 @@
-//! Tools that are ended half-way, by a signal, by a fault, by a kill: what is left of it on the servo.
+//! Tests tools that end early, by a signal, a fault or a kill: the traces that remain on the servo.
 
 use std::io;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use sinew_servo_tools::{
 use crate::common::{KINDS, SimLine};
 
 const BAUD: u32 = 1_000_000;
-/// Bus Watchdog and Torque Enable of a Dynamixel; Torque Enable and Torque Limit of a Feetech.
+/// Addresses: Bus Watchdog and Torque Enable of a Dynamixel; Torque Enable and Torque Limit of a Feetech.
 const WATCHDOG: u16 = 98;
 const TORQUE: u16 = 64;
 const FEETECH_TORQUE: u16 = 40;
@@ -32,7 +32,7 @@ const FEETECH_LIMIT: u16 = 48;
 enum End {
     Never,
     Signal(Arc<AtomicBool>),
-    /// Nothing runs any more.
+    /// The program is killed: no further packet is sent.
     Kill,
 }
 
@@ -77,7 +77,7 @@ impl Exchange for Line {
     }
 }
 
-/// The tools that touch servos.
+/// The tools that change servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Tool {
     Identify,
@@ -116,7 +116,7 @@ impl Tool {
                 TapTest::new(client, servo, &model(kind), &settings)?.run(client).map(|_| ())
             }
             Self::Apply => {
-                // In a mode of its own: it sets gains and goals back.
+                // The mode differs from the servo's, and a change of mode resets gains and goals.
                 let mode = if servo.table.has_current() { Mode::Current } else { Mode::Pwm };
                 let settings = desired(&rig_servo(kind), &servo.table, mode)?;
                 apply(client, servo, &settings, true).map(|_| ())
@@ -134,7 +134,7 @@ impl Tool {
     }
 }
 
-/// A client of one servo at [`BAUD`], which heard nothing yet.
+/// Creates a client of one servo at [`BAUD`], with no packets counted yet.
 fn client(kind: &str, is_on: bool) -> Client<Line> {
     let mut sim = SimLine::new(&[(kind, 1)]);
     let protocol = if kind.starts_with('S') { Protocol::Feetech } else { Protocol::Dynamixel };
@@ -147,7 +147,7 @@ fn client(kind: &str, is_on: bool) -> Client<Line> {
     Client::new(line, protocol, BAUD, Settings::default()).unwrap()
 }
 
-/// All that a controller can write, but goals of position: those of a limp servo move nothing.
+/// Returns all registers that a controller can write, except the goal position: with torque off, it has no effect.
 fn written(servo: &SimServo<'_>, table: &Table) -> Vec<(&'static str, i32)> {
     let is_one = |item: &sinew_servo_bus::table::Item| {
         item.access == Access::ReadWrite && item.name != "Goal Position"
@@ -164,13 +164,13 @@ fn sim(client: &mut Client<Line>) -> &mut SimLine {
     &mut client.line_mut().sim
 }
 
-/// Registers that differ, in words.
+/// Lists the registers that differ, in words.
 fn differ(before: &[(&str, i32)], after: &[(&str, i32)]) -> Vec<String> {
     let pairs = before.iter().zip(after).filter(|(before, after)| before != after);
     pairs.map(|((name, before), (_, after))| format!("{name}: {before} -> {after}")).collect()
 }
 
-/// The number of packets of a tool from its begin to its end.
+/// Returns the number of packets of a whole run of a tool.
 fn packets(tool: Tool, kind: &str, is_on: bool) -> usize {
     let mut client = client(kind, is_on);
     let servo = client.open(1, None).unwrap();
@@ -189,7 +189,8 @@ fn a_signal_leaves_nothing_whenever_it_comes() {
         ]) {
             let all = packets(tool, kind, is_on);
             let mut ended = 0;
-            // All of the first ones, in which registers change, and some of the others.
+            // Ends the tool after many of the first packets, which change registers, and after some of the later
+            // packets.
             let some = all.saturating_sub(80).div_ceil(12).max(1);
             for after in (0..all.min(80)).step_by(3).chain((80..all).step_by(some)) {
                 let mut client = client(kind, is_on);
@@ -208,7 +209,7 @@ fn a_signal_leaves_nothing_whenever_it_comes() {
                 let after = written(&servos[0], &servo.table);
                 let mut differ = differ(&before, &after);
                 if result.is_ok() {
-                    // What was begun was finished: an id that is written half is none.
+                    // The tool has finished its work: a half-written id would be invalid.
                     let finished = |what: &String| what.starts_with("ID: 1 -> 7");
                     assert!(
                         tool != Tool::SetId || differ.iter().all(finished),
@@ -221,7 +222,7 @@ fn a_signal_leaves_nothing_whenever_it_comes() {
                 ended += 1;
                 assert!(matches!(result, Err(ServiceError::Stopped)), "{place}");
                 if is_on && tool == Tool::Apply {
-                    // It was let go of, as it was asked for.
+                    // Torque was switched off, as requested.
                     differ.retain(|what| what != "Torque Enable: 1 -> 0");
                 }
                 assert!(differ.is_empty(), "{place} {differ:?}");
@@ -302,14 +303,14 @@ fn a_kill_ends_the_move_and_is_found_by_the_next_tool() {
                 let result = tool.run(&mut client, &servo, kind);
                 let place = format!("{kind} {tool:?} after {after} of {all}: {result:?}");
                 let bench = &mut sim(&mut client).bench;
-                // As long as a watchdog takes, and until it stands.
+                // Waits for the time of the watchdog, and until the servo rests.
                 bench.run_us(700_000);
                 let stands = bench.servos()[0].shaft().position_rad;
                 bench.run_us(2_000_000);
                 let sim_servo = &bench.servos()[0];
                 let moved = sim_servo.shaft().position_rad - stands;
                 let is_feetech = kind.starts_with('S');
-                // A Feetech has no watchdog: it creeps to its goal, weakly.
+                // A Feetech has no watchdog: it moves weakly to its goal.
                 let is_still = moved.abs().to_degrees() < 3.0;
                 assert!(is_feetech || is_still, "{place}: it went on by {moved} rad");
                 let torque = if is_feetech { FEETECH_TORQUE } else { TORQUE };
@@ -320,7 +321,7 @@ fn a_kill_ends_the_move_and_is_found_by_the_next_tool() {
                     assert_eq!(sim_servo.get(WATCHDOG), -1, "{place}");
                 }
                 let differ = differ(&before, &written(sim_servo, &servo.table));
-                // The next tool.
+                // Now the next tool runs.
                 client.line_mut().end = End::Never;
                 let id = if sim(&mut client).bench.servos()[0].get(if is_feetech { 5 } else { 7 })
                     == 7

@@ -1,4 +1,4 @@
-//! Tools for servos, with simulated ones.
+//! Tests of the servo tools with simulated servos.
 
 mod common;
 mod ended;

@@ -1,4 +1,4 @@
-//! A serial port as a line: a pseudo-terminal with a simulated servo behind it.
+//! Tests a serial port as a line: a pseudo-terminal with a simulated servo.
 #![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use std::fs::File;
@@ -16,7 +16,7 @@ use sinew_servo_tools::{
     Client, Exchange as _, Protocol, SerialLine, ServiceError, Settings, find,
 };
 
-/// A terminal, kept open, with XL330 number 3 behind it: registers without a motor, at any rate.
+/// Returns an open terminal with XL330 number 3 behind it: registers without a motor, at any baud rate.
 fn servo() -> (OwnedFd, PathBuf) {
     let pty = openpty(None, None).unwrap();
     let path = ttyname(&pty.slave).unwrap();
@@ -69,7 +69,7 @@ fn odd_rates_are_set_as_they_are() {
     let mut line = SerialLine::open(&path).unwrap();
     for baud in Protocol::ALL.into_iter().flat_map(Protocol::bauds) {
         line.set_baud(baud).unwrap();
-        // Another look at the same terminal, past the lock.
+        // Opens the same terminal again, despite the lock.
         let keep = |settings: serial2::Settings| Ok(settings);
         let other = serial2::SerialPort::open(&path, keep).unwrap();
         assert_eq!(other.get_configuration().unwrap().get_baud_rate().unwrap(), baud);

@@ -1,4 +1,4 @@
-//! What a rig file asks of its servos: compared, applied, calibrated.
+//! Tests the requirements of a rig file for its servos: compared, applied, calibrated.
 #![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![expect(clippy::cast_possible_truncation, reason = "a board computes in f32")]
 
@@ -18,7 +18,7 @@ use sinew_servo_tools::{Client, Registers, ServiceError, Servo, Table, rig_file}
 use crate::common;
 use crate::common::{SimLine, client};
 
-/// One joint, one servo.
+/// Returns a rig file with one joint and one servo.
 fn text(kind: &str) -> String {
     format!(
         r#"name = "arm"
@@ -102,7 +102,7 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
         let found = diff(&mut client, &servo, &settings).unwrap();
         assert_eq!(names(&found), missing, "{kind}");
         let limit = found.iter().find(|found| found.name == "Max Position Limit").unwrap();
-        // 90.05 deg is 1024.6 counts above the middle: rounded inwards.
+        // 90.05 deg is 1024.6 counts above the middle, rounded inwards.
         assert_eq!((limit.has.raw, limit.should.raw), (4095, 2048 + 1024));
 
         let before = client.line_mut().writes();
@@ -110,10 +110,10 @@ fn what_a_new_servo_lacks_is_named_applied_and_gone() {
         assert_eq!(names(&applied.written), missing);
         assert!(!applied.let_go);
         assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
-        // A Feetech's lock is opened and shut round each of the four in EEPROM.
+        // The lock of a Feetech is opened before and shut after each of the four EEPROM registers.
         let locks = if kind.starts_with("STS") { 8 } else { 0 };
         assert_eq!(client.line_mut().writes() - before, missing.len() + locks, "only what differs");
-        // Again: nothing to write.
+        // The second time there is nothing to write.
         let before = client.line_mut().writes();
         assert_eq!(apply(&mut client, &servo, &settings, false).unwrap().written, []);
         assert_eq!(client.line_mut().writes(), before);
@@ -135,7 +135,7 @@ fn after_a_reboot_all_is_as_it_was_applied_but_what_was_changed_in_ram_before() 
         assert_eq!(names(&found), [in_ram], "{kind}");
         assert!(!found[0].is_kept);
         client.reboot(&servo).unwrap();
-        // A Dynamixel forgets its P gain: a controller writes it anew.
+        // A Dynamixel loses its P gain: a controller writes it again.
         let forgotten: &[&str] = if kind.starts_with("XL") { &["Position P Gain"] } else { &[] };
         assert_eq!(names(&diff(&mut client, &servo, &settings).unwrap()), forgotten, "{kind}");
     }
@@ -153,7 +153,7 @@ fn a_servo_that_holds_something_is_not_let_go_unasked() {
         assert!(apply(&mut client, &servo, &settings, true).unwrap().let_go);
         assert!(!registers::torque_is_on(&mut client, &servo).unwrap());
         assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
-        // What is in RAM alone needs no rest.
+        // A difference in RAM alone can be corrected with torque on.
         registers::set_torque(&mut client, &servo, true).unwrap();
         let last = settings.last().unwrap();
         let other = if last.raw == 0 { 1 } else { last.raw - 1 };
@@ -172,7 +172,7 @@ fn a_change_of_mode_and_gains_ends_without_a_difference() {
     apply(&mut client, &servo, &settings, false).unwrap();
     assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
     assert_eq!(client.line_mut().bench.servos()[0].get(11), 5);
-    // 0.2 N m and friction, over 0.387 N m/A: 0.55 A.
+    // (0.2 N m + friction) / 0.387 N m/A = 0.55 A.
     assert_eq!(client.line_mut().bench.servos()[0].get(38), 550);
 }
 
@@ -254,7 +254,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
                     assert!((least..=most).contains(&setting.raw), "{} {name}", table.model());
                 }
             }
-            // One read has them all.
+            // One read covers all registers.
             assert!(span(&settings).1 < 128);
         }
     }
@@ -315,7 +315,7 @@ fn a_board_comes_to_the_same_counts() {
     }
 }
 
-/// Moves the shaft by hand, from the middle of its encoder.
+/// Moves the shaft by hand; angles are in deg from the middle of the encoder.
 fn hand(client: &mut Client<SimLine>, calibration: &mut Calibration, from_deg: f64, to_deg: f64) {
     for step in 0..=20 {
         let degrees = from_deg + (to_deg - from_deg) * f64::from(step) / 20.0;
@@ -336,7 +336,7 @@ fn a_range_found_by_hand_goes_into_the_rig_file() {
         hand(&mut client, &mut calibration, 0.0, -80.0);
         hand(&mut client, &mut calibration, -80.0, 100.0);
         let ranges = calibration.ranges(2.0).unwrap();
-        // Home is 20 deg of the joint: -1 times 1.5 times that is -30 deg of the servo.
+        // Home is 20 deg of the joint: times -1 times 1.5 that is -30 deg of the servo.
         hand(&mut client, &mut calibration, 100.0, -42.0);
         let rig = rig(kind);
         let offsets = calibrate::offsets(&rig, 0, &calibration.now_rad()).unwrap();
@@ -346,7 +346,7 @@ fn a_range_found_by_hand_goes_into_the_rig_file() {
         assert!(changed.contains("# by eye") && changed.contains("gear = 1.5   # belt"));
         let servo = sinew_rig::toml_file::read(&changed).unwrap().servos.remove(0);
         let [least, most] = servo.range_rad[0].map(f64::to_degrees);
-        // A count is 0.09 deg.
+        // One count is 0.09 deg.
         assert!((least + 78.0).abs() < 0.1 && (most - 98.0).abs() < 0.1, "{kind} {least} {most}");
         let offset = servo.offset_rad.unwrap().to_degrees();
         assert!((offset + 12.0).abs() < 0.1, "{kind} {offset}");

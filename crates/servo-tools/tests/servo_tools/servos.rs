@@ -1,4 +1,4 @@
-//! What one does with any servo: find it, read and write it, give it an id and a rate, see which one it is.
+//! Tests the tools for any servo: find it, read and write it, set id and baud rate, identify it.
 #![expect(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
 use std::io;
@@ -13,7 +13,7 @@ use sinew_servo_tools::{
 
 use crate::common::{KINDS, SimLine, client};
 
-/// A client, and its first servo.
+/// Returns a client and its first servo.
 fn one(kind: &str) -> (Client<SimLine>, Servo) {
     let mut client = client(&[(kind, 1)]);
     let servo = client.open(1, None).unwrap();
@@ -62,7 +62,7 @@ fn a_rate_that_the_adapter_does_not_do_is_told_and_the_scan_goes_on() {
     assert_eq!(refused, [2_000_000, 3_000_000, 4_000_000, 4_500_000]);
 }
 
-/// Two servos of one id talk at once: what comes is no packet.
+/// A line with two servos that have the same id and answer at the same time: the answer is not a packet.
 struct Collision(Protocol);
 
 impl Exchange for Collision {
@@ -165,7 +165,7 @@ fn writes_that_cannot_be_right_are_refused_before_they_are_sent() {
     assert!(refused("Goal PWM", Number::Value(f64::NAN)).contains("found NaN"));
     assert!(refused("Goal PWM", Number::Value(f64::INFINITY)).contains("found inf"));
     assert!(refused("Goal Position", Number::Raw(4096)).contains("0.00 deg to 359.91 deg"));
-    // It measures no current, so it has no such modes.
+    // The servo does not measure current, so it has no current modes.
     assert!(refused("Operating Mode", Number::Raw(5)).contains("one of 1, 3, 4, 16"));
     assert!(refused("Present Position", Number::Raw(1)).contains("only be read"));
     assert!(refused("ID", Number::Raw(2)).contains("set-id 1"));
@@ -209,7 +209,7 @@ fn lost_and_damaged_replies_are_asked_again_and_none_is_believed() {
             registers::write(&mut client, &servo, least, Number::Raw(count)).unwrap();
             assert_eq!(read(&mut client, &servo, least), count, "{kind}");
         }
-        // Each write is one to some packets: the line was as bad as it was told to be.
+        // Each write takes several packets: the line was really as bad as configured.
         assert!(client.line_mut().sent.len() > 400, "{}", client.line_mut().sent.len());
     }
 }
@@ -217,7 +217,7 @@ fn lost_and_damaged_replies_are_asked_again_and_none_is_believed() {
 #[test]
 fn late_answers_are_not_taken_for_those_to_the_next_question() {
     for kind in KINDS {
-        // One wait is 34 ms and the bytes' time: within one, two and three of them, and beyond.
+        // One wait is 34 ms plus the time of the bytes: the delays are within one, two and three waits, and longer.
         for late_us in [20_000, 50_000, 90_000, 130_000] {
             let mut client = client(&[(kind, 1)]);
             let servo = client.open(1, None).unwrap();
@@ -253,7 +253,7 @@ fn a_dead_line_is_silence_and_no_endless_wait() {
 fn a_servo_that_answers_pings_only_says_how_it_is_woken() {
     let (mut client, servo) = one("XL330-M288-T");
     registers::write(&mut client, &servo, "Status Return Level", Number::Raw(1)).unwrap();
-    // Writes are not answered now, and are read back.
+    // Writes are not answered now, but are verified by reading back.
     registers::write(&mut client, &servo, "LED", Number::Raw(1)).unwrap();
     client.line_mut().bench.servos_mut()[0].set(68, 0);
     let error = registers::read(&mut client, &servo, &["LED".to_owned()]).unwrap_err();
@@ -279,7 +279,7 @@ fn an_id_changes_unless_it_is_taken() {
         let moved = address::set_id(&mut client, &servo, 7).unwrap();
         assert_eq!(client.open(7, None).unwrap(), moved);
         assert!(client.open(1, None).is_err() && client.open(2, None).is_ok());
-        // It is kept, and nothing stays open.
+        // The id survives a reboot, and the EEPROM is shut.
         client.reboot(&moved).unwrap();
         if kind.starts_with("STS") {
             assert_eq!(read(&mut client, &moved, "Lock"), 1);
@@ -314,14 +314,15 @@ fn a_servo_shows_itself_and_is_as_it_was() {
         let (mut client, servo) = one(kind);
         for on in [false, true] {
             if on {
-                // It goes to its last goal first.
+                // The servo first moves to its last goal.
                 registers::set_torque(&mut client, &servo, true).unwrap();
                 client.line_mut().bench.run_us(1_000_000);
             }
             let before: Vec<_> = registers::read(&mut client, &servo, &[]).unwrap();
             let place = client.line_mut().bench.servos()[0].shaft().position_rad;
             let shown = identify::identify(&mut client, &servo).unwrap();
-            // Friction over its own stiffness is missing on both sides, 3.2 deg of an XL430; a bare STS swings past.
+            // Friction over the servo's stiffness shortens the motion on both sides, by 3.2 deg for an XL430; an STS
+            // without a load swings beyond.
             assert!((5.0..14.0).contains(&shown.moved_deg), "{kind} {on} {shown:?}");
             assert_eq!(shown.has_light, !kind.starts_with("STS"));
             let back = client.line_mut().bench.servos()[0].shaft().position_rad;
@@ -332,7 +333,7 @@ fn a_servo_shows_itself_and_is_as_it_was() {
                     || before.name.contains("Trajectory")
                     || ["Realtime Tick", "Moving", "Moving Status", "Target Position"]
                         .contains(&before.name);
-                // A goal of a limp servo moves nothing.
+                // With torque off, a goal has no effect.
                 let idle_goal = !on && before.name == "Goal Position";
                 assert!(
                     measures || idle_goal || before == after,

@@ -1,4 +1,4 @@
-//! Tap tests of simulated servos: what was put in is found, or refused with a reason.
+//! Tests taps of simulated servos: the simulated values are found, or the result is refused with a reason.
 
 use std::io;
 use std::sync::Arc;
@@ -17,25 +17,25 @@ use sinew_servo_tools::{Client, Exchange, Protocol, ServiceError, Settings as Pa
 
 use crate::common::SimLine;
 
-/// A servo, what hangs on it, and how it differs from its kind.
+/// A servo with its load, and its differences from its kind.
 #[derive(Clone, Copy)]
 struct Case {
     kind: &'static str,
-    /// Inertia of what hangs on it, in inertias of its rotor.
+    /// Inertia of the load, relative to the rotor's inertia.
     load: f64,
-    /// Torque of gravity where it holds, as a part of its stall torque; with any it is on, else limp.
+    /// Torque of gravity at the held position, as a part of the stall torque. Torque is on if it is not 0.
     gravity: f64,
     changes: &'static [&'static str],
 }
 
-/// Torque Enable and Operating Mode of a Dynamixel, Torque Enable of a Feetech.
+/// Addresses: Torque Enable and Operating Mode of a Dynamixel, Torque Enable of a Feetech.
 const TORQUE: u16 = 64;
 const MODE: u16 = 11;
 const FEETECH_TORQUE: u16 = 40;
-/// Goal Position of a Dynamixel.
+/// Address of Goal Position of a Dynamixel.
 const GOAL: u16 = 116;
 const BAUD: u32 = 1_000_000;
-/// Steps of the gear in one of the servo: it damps by no more than a per cent or two then.
+/// Steps of the gear in one step of the servo: numerical damping is then at most one or two per cent.
 const GEAR_STEPS: u32 = 20;
 
 impl Case {
@@ -43,7 +43,7 @@ impl Case {
         Self { kind, load, gravity: 0.0, changes }
     }
 
-    /// The kind as it is simulated.
+    /// Returns the kind with the changes that are simulated.
     fn simulated(&self) -> Parameters {
         let mut kind = Parameters::built_in(self.kind).unwrap();
         let changes: Vec<Change> = self.changes.iter().map(|word| word.parse().unwrap()).collect();
@@ -55,7 +55,7 @@ impl Case {
         ServoModel::built_in(self.kind).unwrap()
     }
 
-    /// The servo on a line, after registers were set as a person sets them.
+    /// Creates the servo on a line, with registers set as by a person.
     fn line(&self, registers: &[(u16, i32)]) -> SimLine {
         let (kind, model) = (self.simulated(), self.model());
         let arm = Arm {
@@ -100,7 +100,7 @@ impl Case {
         Ok(tapped)
     }
 
-    /// Found over put in, less 1: of stiffness and of damping.
+    /// Returns the relative errors of stiffness and damping against the simulated values.
     fn off(&self, tapped: &Tapped) -> [f64; 2] {
         let (found, simulated) = (tapped.fitted.joint, self.simulated());
         [
@@ -110,7 +110,7 @@ impl Case {
     }
 }
 
-/// Taps five servos of a kind with 150 taps each. Each is found within 20 %.
+/// Taps five servos of a kind with 150 taps each. Stiffness and damping must be within 20 %.
 fn found(kind: &'static str) {
     let cases = [
         Case::new(kind, 1.0, &[]),
@@ -166,7 +166,7 @@ fn the_gear_of_an_sts3215_is_found() {
     found("STS3215-7.4V");
 }
 
-/// Its program caps its speed: the maker's figures say nothing of its motor's friction.
+/// The servo's own program limits its speed, so the maker's figures do not give its motor's friction.
 #[test]
 fn the_gear_of_an_sts3215_of_12_v_is_found() {
     found("STS3215-12V");
@@ -177,7 +177,7 @@ fn a_servo_that_limits_its_current_is_tapped_as_others() {
     let case = Case::new("XL330-M288-T", 1.0, &[]);
     let tapped = case.tap_on(case.line(&[(MODE, 5)]), &case.settings(150)).unwrap();
     assert!(case.off(&tapped).iter().all(|off| off.abs() < 0.2), "{tapped}");
-    // With a limit of current that the tap would meet.
+    // Now with a current limit that is lower than the tap needs.
     let line = case.line(&[(MODE, 5), (38, 700)]);
     let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
     assert!(
@@ -186,7 +186,7 @@ fn a_servo_that_limits_its_current_is_tapped_as_others() {
     );
 }
 
-/// Its rotor is light, its gear stiff, and its motor brakes: the ring is over before an encoder sees it.
+/// The rotor is light, the gear stiff, and the motor brakes: the oscillation ends before an encoder can measure it.
 #[test]
 fn an_xm430_is_refused() {
     for (load, changes) in [(1.0, &[] as &[&str]), (4.0, &["damping=0.33"]), (10.0, &[])] {
@@ -194,7 +194,7 @@ fn an_xm430_is_refused() {
         for mode in [3, 5] {
             let line = case.line(&[(MODE, mode)]);
             let error = case.tap_on(line, &case.settings(150)).unwrap_err().to_string();
-            let is_said = ["tell too little", "rings by", "does not ring", "too seldom"]
+            let is_said = ["not precise enough", "rings by", "does not ring", "too seldom"]
                 .iter()
                 .any(|words| error.contains(words));
             assert!(is_said, "{load}: {error}");
@@ -205,37 +205,37 @@ fn an_xm430_is_refused() {
 #[test]
 fn what_makes_a_number_wrong_is_refused() {
     let case = Case::new("MX-64", 2.0, &[]);
-    // The rig's file has half of the inertia.
+    // The rig file has half of the real inertia.
     let mut settings = case.settings(150);
     settings.load.inertia_kg_m2 *= 0.5;
     let error = case.tap_on(case.line(&[]), &settings).unwrap_err().to_string();
     assert!(error.contains("it speeds up as if its motor had"), "{error}");
-    // Hardly anything hangs on it.
+    // The servo has almost no load.
     settings.load.inertia_kg_m2 = 1e-3;
     let error = case.tap_on(case.line(&[]), &settings).unwrap_err().to_string();
     assert!(error.contains("Fix a weight to it"), "{error}");
-    // Its position may not go so far: Min and Max Position Limit.
+    // Its position limits are too narrow: Min and Max Position Limit.
     let line = case.line(&[(52, 2000), (48, 2100)]);
     let error = case.tap_on(line, &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("deg of room"), "{error}");
-    // It gives no more than a quarter of its supply: PWM Limit.
+    // It gives at most a quarter of its supply: PWM Limit.
     let error = case.tap_on(case.line(&[(36, 221)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
-    // It answers reads only: Status Return Level.
+    // It answers only reads: Status Return Level.
     let error = case.tap_on(case.line(&[(68, 1)]), &case.settings(40)).unwrap_err().to_string();
-    assert!(error.contains("it answers no writes"), "{error}");
-    // A current mode has no goal to hold.
+    assert!(error.contains("it does not answer writes"), "{error}");
+    // A current mode has no goal position to hold.
     let error = case.tap_on(case.line(&[(MODE, 0)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("Set a mode of position first"), "{error}");
 }
 
-/// All that a test may change: by address.
+/// Returns all registers that a test may change, with their addresses.
 fn registers(servo: &SimServo<'_>) -> [(u16, i32); 7] {
-    // Torque, gain of position, Goal PWM and Current, profile, in this order.
+    // Torque, position gain, Goal PWM, Goal Current, profile, and mode, in this order.
     [TORQUE, 84, 100, 102, 108, 112, MODE].map(|address| (address, servo.get(address)))
 }
 
-/// A line on which a signal comes after some packets.
+/// A line on which a signal arrives after some packets.
 struct Signalled {
     line: SimLine,
     left: u32,
@@ -291,14 +291,14 @@ fn a_test_that_is_ended_leaves_all_as_it_was() {
         client.line_mut().line.bench.run_us(1_000_000);
         let servo = &client.line_mut().line.bench.servos()[0];
         assert_eq!(registers(servo), before);
-        // One that was limp stands where friction stopped it, after a tap of some 20 deg; one that held as far from its
-        // goal as friction holds it: 0.0128 N m of 0.55 N m/rad, and its play.
+        // A servo with torque off rests where friction stopped it, after a tap of some 20 deg. A servo that holds is as
+        // far from its goal as friction allows: 0.0128 N m / 0.55 N m/rad, plus its play.
         let off_rad = (servo.shaft().position_rad - std::f64::consts::PI).abs();
         assert!(off_rad < if is_on { 0.05 } else { 0.8 }, "{off_rad}");
     }
 }
 
-/// A line on which goals are lost once a tap is under way.
+/// A line on which goals are lost after the tap has begun.
 struct LosesGoals {
     line: SimLine,
     heard: u32,
@@ -314,7 +314,7 @@ impl Exchange for LosesGoals {
         let [low, high] = GOAL.to_le_bytes();
         if bytes.get(7..10) == Some(&[3, low, high]) {
             self.heard += 1;
-            // Where it stands, and where it is tapped to; not back.
+            // The goals of the start position and of the tap arrive; the goal of the way back is lost.
             if self.heard > 2 {
                 self.line.pause(wait);
                 return Ok(());

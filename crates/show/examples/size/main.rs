@@ -1,5 +1,5 @@
-//! How small a show is at which error: 10 minutes of the 20 joint angles that move most in each of CMU's fights, and of
-//! its walks, low-passed at 6 Hz.
+//! Prints the size of a show for several errors: 10 minutes of the 20 joint angles that move most in each of CMU's
+//! fights, and in its walks, low-passed at 6 Hz.
 //!
 //! `SINEW_DATA=.../data cargo run --release -p sinew-show --example size` prints rows of `docs/show-format.md`.
 
@@ -38,7 +38,7 @@ fn row(class: &str, q: &[f64], bound_deg: f64) -> Result<(), Box<dyn Error>> {
     let rate_hz = f64::from(RATE.hz());
     let mut player = Player::<CHANNELS>::new(Show::open(&bytes)?)?;
     let samples = q.len() / CHANNELS;
-    // Against central differences of the samples.
+    // Compared with central differences of the samples.
     let (mut squares, mut all) = (0.0, 0.0);
     let [mut p, mut v, mut a] = [[0.0; CHANNELS]; 3];
     for sample in 1..samples - 1 {
@@ -51,7 +51,7 @@ fn row(class: &str, q: &[f64], bound_deg: f64) -> Result<(), Box<dyn Error>> {
         }
     }
     let count = (CHANNELS * (samples - 2)) as f64;
-    // 500 ticks a second.
+    // 500 ticks per second.
     let pace = player.show().pace(0.002);
     let ticks = u32::try_from(samples)? / 120 * 500;
     let begun = Instant::now();

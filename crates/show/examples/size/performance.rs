@@ -19,10 +19,10 @@ pub(crate) const CHANNELS: usize = 20;
 pub(crate) const RATE: Rate = Rate { samples: 120, seconds: 1 };
 const RATE_HZ: f64 = 120.0;
 pub(crate) const SECONDS: f64 = 600.0;
-/// From the end of a clip to the beginning of the next one. It counts as bytes, not as time.
+/// Duration of the transition from the end of a clip to the start of the next. It counts in bytes, not in time.
 const BETWEEN_S: f64 = 0.5;
 
-/// The samples of a [`performance`] as the motion of a rig of hinges.
+/// Returns the samples of a [`performance`] as the motion of a rig of revolute joints.
 pub(crate) fn motion(q: &[f64]) -> Motion<'_> {
     Motion {
         joints: &[Joint::Revolute; CHANNELS],
@@ -36,12 +36,12 @@ pub(crate) fn motion(q: &[f64]) -> Motion<'_> {
     }
 }
 
-/// Samples of 20 joint angles: all clips of a class, one behind the other, until they are long enough.
+/// Returns samples of 20 joint angles: clips of a class, one after the other, until they are long enough.
 pub(crate) fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn Error>> {
     let mut clips = Vec::new();
     for line in std::fs::read_to_string(cmu.join("index.csv"))?.lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
-        // A description may have commas.
+        // A description may contain commas.
         let first_is_t_pose = fields[fields.len() - 4] == "1";
         if fields[0].starts_with(&format!("{class}/")) {
             clips.push(moving_angles(&read(&cmu.join(fields[0]), first_is_t_pose)?));
@@ -67,7 +67,7 @@ pub(crate) fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn E
     Ok((0..count).flat_map(|k| channels.iter().map(move |channel| channel[k])).collect())
 }
 
-/// A quintic from one value and slope to another, accelerations zero.
+/// Returns a quintic from one value and slope to another, with zero accelerations.
 fn bridge(to: &mut Vec<f64>, p0: f64, v0: f64, p1: f64, v1: f64, count: usize) {
     let n = count as f64;
     for k in 1..count {
@@ -83,13 +83,13 @@ fn bridge(to: &mut Vec<f64>, p0: f64, v0: f64, p1: f64, v1: f64, count: usize) {
     }
 }
 
-/// A clip, low-passed, and its joints that do not flip in it: no rig should be asked to follow a fault of a recording.
+/// Returns a low-passed clip, and its joints without a flip: no rig should follow a fault of a recording.
 fn read(file: &Path, skip_first: bool) -> Result<(Clip, Vec<usize>), Box<dyn Error>> {
     let mut recording = format::read(file)?.in_metres(1.0);
     if skip_first {
         recording.frames.remove(0);
     }
-    let frame_time_s = recording.frame_time_s.ok_or("the file does not tell its rate")?;
+    let frame_time_s = recording.frame_time_s.ok_or("the file does not state its rate")?;
     let (mut clip, _) = gaps::fill(recording, frame_time_s, 0.5)?;
     let joints = 1..clip.skeleton.joints.len();
     let flips = flips::find(&clip, &vec![true; joints.end]).0;
@@ -102,11 +102,11 @@ fn read(file: &Path, skip_first: bool) -> Result<(Clip, Vec<usize>), Box<dyn Err
     Ok((clip, sound))
 }
 
-/// The components of the joints' rotation vectors that move fastest, root mean square, at [`RATE`].
+/// Returns the components of the joints' rotation vectors with the highest root mean square speed, at [`RATE`].
 fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
     let mut angles: Vec<Vec<f64>> = Vec::new();
     for joint in joints.iter().copied() {
-        // From the mean rotation, which few joints are half a turn away from.
+        // Relative to the mean rotation, from which few joints are half a turn away.
         let mean = clip.frames.iter().fold(DQuat::from_array([0.0; 4]), |sum, frame| {
             let q = frame[joint].rotation;
             if sum.dot(q) < 0.0 { sum - q } else { sum + q }
@@ -117,7 +117,7 @@ fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
             let q = mean.conjugate() * frame[joint].rotation;
             let q = if q.w < 0.0 { -q } else { q };
             let mut vector = q.to_scaled_axis();
-            // The same rotation, next to the last one.
+            // This rotation in the form that is nearest to the last one.
             let turn = vector.normalize_or_zero() * TAU;
             if (vector - turn).distance(last) < vector.distance(last) {
                 vector -= turn;
@@ -135,7 +135,7 @@ fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
     angles.iter().map(|angle| resampled(angle, clip.rate_hz())).collect()
 }
 
-/// By cubics through four samples: what was low-passed has nothing that they miss.
+/// Resamples by cubics through four samples: low-passed data have nothing that they miss.
 fn resampled(angle: &[f64], rate_hz: f64) -> Vec<f64> {
     let last = angle.len() - 1;
     let count = (last as f64 * RATE_HZ / rate_hz) as usize;

@@ -1,11 +1,11 @@
-//! From joints to channels.
+//! Converts joints to channels.
 
 use super::curve::Samples;
 use super::refine::Bound;
 use super::settings::Settings;
 use crate::joint::Joint;
 
-/// The curves of a joint that have one error: four of a rotation, or one.
+/// Returns the curves of a joint in groups that share an error bound: four curves of a rotation, or one.
 pub(super) fn groups(
     joint: Joint,
     mut columns: Vec<Vec<f64>>,
@@ -31,8 +31,8 @@ pub(super) fn groups(
     groups
 }
 
-/// Signs and lengths of quaternions so that each is next to the one before it. Whether the first one's sign is another
-/// after the last.
+/// Normalises quaternions and chooses their signs, which brings each next to its predecessor. Returns `true` if the
+/// first quaternion would follow the last with the opposite sign.
 fn unwind(columns: &mut [Vec<f64>]) -> bool {
     let mut last: Option<Vec<f64>> = None;
     let count = columns.first().map_or(0, Vec::len);

@@ -1,4 +1,4 @@
-//! What a motion and settings must be.
+//! Checks a motion and the settings.
 
 use super::error::WriteError;
 use super::motion::Motion;
@@ -11,7 +11,7 @@ pub(super) fn per_sample(motion: &Motion<'_>) -> usize {
     motion.joints.iter().map(|joint| joint.coordinate_count()).sum()
 }
 
-/// Refuses what cannot be; says how many samples there are.
+/// Refuses invalid values; returns the number of samples.
 pub(super) fn check(motion: &Motion<'_>, settings: &Settings) -> Result<usize, WriteError> {
     let per_sample = per_sample(motion);
     let found = motion.q.len();
@@ -89,7 +89,7 @@ pub(super) fn check(motion: &Motion<'_>, settings: &Settings) -> Result<usize, W
         } else if name.len() > 255 {
             "has a name of more than 255 bytes"
         } else if *sample as usize > samples {
-            "is behind the end"
+            "is after the end"
         } else {
             last = *sample;
             continue;
@@ -99,7 +99,7 @@ pub(super) fn check(motion: &Motion<'_>, settings: &Settings) -> Result<usize, W
     Ok(samples)
 }
 
-/// Refuses angles that leap by half a turn, and loops whose last sample is not next to their first.
+/// Refuses angles that jump by more than half a turn, and loops whose last sample is not close to the first.
 fn check_steps(motion: &Motion<'_>, per_sample: usize) -> Result<(), WriteError> {
     let mut first = 0;
     for (joint, kind) in motion.joints.iter().enumerate() {

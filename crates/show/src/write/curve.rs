@@ -1,10 +1,10 @@
-//! Knots where the motion needs them, and control values in whole steps.
+//! Places knots where the motion needs them, and computes control values in whole steps.
 
 use super::fit::fit;
 use crate::span::Cubic;
 use crate::span_lengths::{RUNGS, span};
 
-/// One channel's samples. Those of a loop go on for ever, with the other sign in every other round if it `flips`.
+/// Samples of a channel. Those of a loop repeat forever, with the opposite sign in every other round if it `flips`.
 pub(super) struct Samples {
     pub(super) values: Vec<f64>,
     pub(super) is_loop: bool,
@@ -12,13 +12,13 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Samples to the end of the show, or of a round.
+    /// Returns the number of samples to the end of the show, or of a round.
     pub(super) fn length(&self) -> i32 {
         let samples = i32::try_from(self.values.len()).expect("checked by `encode`");
         if self.is_loop { samples } else { samples - 1 }
     }
 
-    /// Of a loop, in any round.
+    /// Returns a sample of a loop, in any round.
     fn value(&self, sample: i32) -> f64 {
         let count = i32::try_from(self.values.len()).expect("checked by `encode`");
         let value = self.values[sample.rem_euclid(count).unsigned_abs() as usize];
@@ -26,7 +26,8 @@ impl Samples {
         if flipped { -value } else { value }
     }
 
-    /// All before `end`: behind the last one they go straight on. Few do, in the last span alone.
+    /// Returns all samples before `end`. After the last sample they continue on a straight line, which only the last
+    /// span uses.
     fn continued(&self, end: i32) -> Vec<f64> {
         let count = self.values.len();
         let (before, last) = (self.values[count - 2], self.values[count - 1]);
@@ -39,15 +40,15 @@ impl Samples {
     }
 }
 
-/// Knots with their control values, from two before the beginning to two behind the end; those of a loop to where it
-/// begins again.
+/// Knots with their control values, from two before the start to two after the end; those of a loop up to its next
+/// round.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
     pub(super) knots: Vec<i32>,
     pub(super) controls: Vec<i32>,
 }
 
-/// How long spans should be, sample by sample.
+/// Desired lengths of spans, sample by sample.
 pub(super) struct Spans {
     pub(super) wanted: Vec<f64>,
     longest: i32,
@@ -58,7 +59,7 @@ impl Spans {
         Self { wanted: vec![first; samples.values.len()], longest }
     }
 
-    /// As long as they are between these knots.
+    /// Sets the desired lengths to those between these knots.
     pub(super) fn begin_with(&mut self, knots: &[i32]) {
         for span in knots.windows(2) {
             let [from, to] =
@@ -67,14 +68,14 @@ impl Spans {
         }
     }
 
-    /// Knots from 0 to the end or beyond; those of a loop end on it.
+    /// Returns knots from 0 to the end or beyond; those of a loop end exactly at its end.
     pub(super) fn knots(&self, samples: &Samples) -> Vec<i32> {
         let length = samples.length();
         let index = |sample: i32| (sample.unsigned_abs() as usize).min(self.wanted.len());
         let mut knots = vec![0];
         let mut at = 0;
         while at < length || (!samples.is_loop && at == length) {
-            // The longest span that is wanted all along it.
+            // The longest span that is desired at all its samples.
             let mut best = 1;
             let (mut least, mut seen) = (f64::INFINITY, at);
             for len in (0..RUNGS).map(span).take_while(|len| *len <= self.longest) {
@@ -97,7 +98,8 @@ impl Spans {
 }
 
 impl Curve {
-    /// The spline with these knots (from 0 on) that is nearest to the samples, in whole steps.
+    /// Returns the spline with these knots (from 0 on) that is nearest to the samples, with control values in whole
+    /// steps.
     pub(super) fn new(samples: &Samples, knots: &[i32], step: f64) -> Self {
         if samples.is_loop {
             Self::looped(samples, knots, step)
@@ -118,7 +120,7 @@ impl Curve {
     }
 
     fn looped(samples: &Samples, knots: &[i32], step: f64) -> Self {
-        // As many knots of the rounds before and after as reach too far to be felt.
+        // Enough knots of the rounds before and after that the effect of more is negligible.
         const APART: usize = 32;
         let spans = knots.len() - 1;
         let length = samples.length();
@@ -138,7 +140,7 @@ impl Curve {
         }
     }
 
-    /// Knots and control values as a player meets them, up to three behind the end.
+    /// Returns knots and control values in the order of a player, up to three after the end.
     fn unrolled(&self, samples: &Samples) -> (Vec<i32>, Vec<i32>) {
         let (mut knots, mut controls) = (self.knots.clone(), self.controls.clone());
         if samples.is_loop {
@@ -159,7 +161,7 @@ impl Curve {
         (knots, controls)
     }
 
-    /// The curve at all samples, as it will be played.
+    /// Returns the curve at all samples, as the player evaluates it.
     pub(super) fn played(&self, samples: &Samples, step: f32) -> Vec<f32> {
         let (knots, controls) = self.unrolled(samples);
         let count = samples.values.len();

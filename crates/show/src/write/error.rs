@@ -1,19 +1,19 @@
-//! Why there is no show of a motion.
+//! Errors of writing a show.
 
-/// Why there is no show of a motion.
+/// A reason for which a motion cannot be written as a show.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
-    /// The samples are not whole.
+    /// The numbers are not a whole number of samples, or there are too few samples.
     #[error(
         "{found} numbers are not whole samples of {per_sample} coordinates, or fewer than {least} of them"
     )]
     Count {
-        /// How many numbers there are.
+        /// Number of numbers.
         found: usize,
-        /// How many a sample has.
+        /// Numbers per sample.
         per_sample: usize,
-        /// How many samples there must be.
+        /// Minimum number of samples.
         least: usize,
     },
     /// A number is NaN or too large.
@@ -21,11 +21,11 @@ pub enum WriteError {
         "sample {sample}, coordinate {coordinate} is {value}; it must be a number from -1e6 to 1e6"
     )]
     Number {
-        /// Which sample.
+        /// Index of the sample.
         sample: usize,
-        /// Which coordinate.
+        /// Index of the coordinate.
         coordinate: usize,
-        /// The number.
+        /// The invalid number.
         value: f64,
     },
     /// A quaternion is not of length 1.
@@ -33,85 +33,85 @@ pub enum WriteError {
         "sample {sample}, joint {joint}: the quaternion has squared length {squared}; it must be a unit quaternion"
     )]
     NotUnit {
-        /// Which sample.
+        /// Index of the sample.
         sample: usize,
-        /// Which joint.
+        /// Index of the joint.
         joint: usize,
-        /// Its squared length.
+        /// Squared length of the quaternion.
         squared: f64,
     },
     /// An angle changes by more than half a turn from sample to sample.
     #[error(
-        "joint {joint}: the angle changes by {step} rad before sample {sample}; let it go on beyond a turn"
+        "joint {joint}: the angle changes by {step} rad before sample {sample}; do not wrap it at a full turn"
     )]
     Leap {
-        /// Which joint.
+        /// Index of the joint.
         joint: usize,
-        /// The sample behind the leap.
+        /// Index of the sample after the jump.
         sample: usize,
-        /// How far, rad.
+        /// Size of the jump, rad.
         step: f64,
     },
-    /// The end of a loop is not next to its beginning.
+    /// The end of a loop is not close to its start.
     #[error(
         "joint {joint}: the loop's last sample is {seam} from its first, its largest step is {largest}; blend them"
     )]
     Seam {
-        /// Which joint.
+        /// Index of the joint.
         joint: usize,
-        /// How far the first sample is from the last one, rad or m.
+        /// Distance from the last sample to the first, rad or m.
         seam: f64,
-        /// The largest step between samples, rad or m.
+        /// Largest step between samples, rad or m.
         largest: f64,
     },
-    /// A setting cannot be.
+    /// A setting is invalid.
     #[error("{name} is {value}; it must be {must}")]
     Setting {
-        /// Which one.
+        /// Name of the setting.
         name: &'static str,
-        /// The value that was found.
+        /// The invalid value.
         value: f64,
-        /// What it must be.
+        /// Description of the valid values.
         must: &'static str,
     },
-    /// A cue cannot be.
+    /// A cue is invalid.
     #[error("cue {cue} {why}")]
     Cue {
-        /// Which one.
+        /// Index of the cue.
         cue: usize,
-        /// Why.
+        /// Description of the problem.
         why: &'static str,
     },
-    /// The course of a slowed show goes back.
-    #[error("pair {pair} of the course is not behind the one before it, or beyond 2^30 samples")]
+    /// The time map of a slowed show goes back.
+    #[error("pair {pair} of the course is not after the one before it, or is beyond 2^30 samples")]
     Course {
-        /// Which one.
+        /// Index of the pair.
         pair: usize,
     },
-    /// The bound cannot be held.
+    /// The error bound cannot be reached.
     #[error(
         "joint {joint}: the error is {error} {unit} at sample {sample}, more than {bound}: too small for f32 there"
     )]
     Bound {
-        /// Which joint.
+        /// Index of the joint.
         joint: usize,
-        /// In which sample.
+        /// Index of the sample.
         sample: usize,
-        /// The error.
+        /// Smallest error that was reached.
         error: f64,
-        /// The largest error that was asked for.
+        /// Requested maximum error.
         bound: f64,
-        /// Of both.
+        /// Unit of both errors.
         unit: &'static str,
     },
-    /// There is too much of something.
+    /// A count is too large.
     #[error("the show has {found} {what}; a show holds {most}")]
     TooMuch {
-        /// Of what.
+        /// Name of the count.
         what: &'static str,
-        /// How much there is.
+        /// Actual count.
         found: usize,
-        /// How much there may be.
+        /// Maximum count.
         most: usize,
     },
 }

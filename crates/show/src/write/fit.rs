@@ -1,17 +1,18 @@
 //! Least squares: the control values of a cubic spline with given knots.
 
-/// Weight of the spans' jerks, beside 1 for a sample: it decides only what no sample does.
+/// Weight of the spans' jerks, relative to 1 for a sample: it only matters where no sample determines the curve.
 const SMOOTHING: f64 = 1e-10;
-/// The same of so many spans at both ends, where a curve may swing out between samples that are as noisy as the spans
-/// are short: three control values more than samples.
+/// Number of spans at each end with a larger weight, and that weight. At the ends there are three control values more
+/// than samples, and if spans are short and samples noisy, a curve could swing out between the samples.
 const AT_ENDS: (usize, f64) = (3, 1e-4);
 
-/// The weights of control values 1 to 4 of six knots between knots 2 and 3, as cubics of the way from knot 2: by power.
+/// The weights of control values 1 to 4 of six knots between knots 2 and 3, as cubics of the distance from knot 2, by
+/// power.
 struct Weights([[f64; 4]; 4]);
 
 impl Weights {
-    /// Of position, velocity, half of the acceleration and a sixth of the jerk at knot 2, as the decoder's `Cubic` has
-    /// them of control values.
+    /// Returns the weights of position, velocity, half the acceleration and a sixth of the jerk at knot 2, as the
+    /// decoder's `Cubic` computes them from control values.
     fn new(knots: [i32; 6]) -> Self {
         let [t0, t1, t2, t3, t4, t5] = knots.map(f64::from);
         let slopes = [3.0 / (t3 - t0), 3.0 / (t4 - t1), 3.0 / (t5 - t2)];
@@ -32,7 +33,7 @@ impl Weights {
     }
 }
 
-/// Sums of the powers 0 to 6 of the integers from 0 to before `count` (Faulhaber).
+/// Returns the sums of the powers 0 to 6 of the integers from 0 to `count` - 1 (Faulhaber).
 fn power_sums(count: i32) -> [f64; 7] {
     let n = f64::from(count);
     let p = n * (n - 1.0);
@@ -48,14 +49,15 @@ fn power_sums(count: i32) -> [f64; 7] {
     ]
 }
 
-/// The control values, one for each knot, whose spline is nearest to the samples: `values`, from `knots[2]` on and
-/// before the last knot but two. The first and the last are of no account, and repeat their neighbours.
+/// Returns the control values, one for each knot, whose spline is nearest to the samples. `values`: from `knots[2]`
+/// on and before the last knot but two. The first and the last control value have no effect, and repeat their
+/// neighbours.
 ///
-/// Sums of products of weights are those of powers, which are known, and of powers times values: O(1) for a sample, and
-/// the rest for a span.
+/// Sums of products of weights reduce to sums of powers, which have closed forms, and of powers times values: O(1)
+/// for a sample, and the rest for a span.
 pub(super) fn fit(knots: &[i32], values: &[f64]) -> Vec<f64> {
     let unknowns = knots.len() - 2;
-    // Rows of the normal equations: the diagonal and three places behind it, of knots from the second on.
+    // Rows of the normal equations: the diagonal and three elements after it, for the knots from the second on.
     let mut rows = vec![[0.0; 4]; unknowns];
     let mut right = vec![0.0; unknowns];
     let mut rest = values;
@@ -66,7 +68,7 @@ pub(super) fn fit(knots: &[i32], values: &[f64]) -> Vec<f64> {
         let (of_span, behind) = rest.split_at(length.unsigned_abs() as usize);
         rest = behind;
         let mut powers = power_sums(length);
-        // The jerk times the cube of the span: a third difference, where spans are equal.
+        // The jerk times the cube of the span: a third difference, if spans are equal.
         let is_at_end = first.min(unknowns - 4 - first) < AT_ENDS.0;
         let smoothing = if is_at_end { AT_ENDS.1 } else { SMOOTHING };
         let cubed = 6.0 * powers[0] * powers[0] * powers[0];
@@ -101,7 +103,7 @@ pub(super) fn fit(knots: &[i32], values: &[f64]) -> Vec<f64> {
     [first].into_iter().chain(right).chain([last]).collect()
 }
 
-/// Sums over a span's samples of their values times the powers 0 to 3 of their places in it.
+/// Returns the sums over a span's samples of their values times the powers 0 to 3 of their positions in it.
 fn powers_times(values: &[f64]) -> [f64; 4] {
     let mut sums = [0.0; 4];
     let mut place = 0.0;
@@ -116,7 +118,7 @@ fn powers_times(values: &[f64]) -> [f64; 4] {
     sums
 }
 
-/// Cholesky's factors of a band of three, in place: `right` becomes the solution.
+/// Solves a banded system with three off-diagonals by Cholesky's factors, in place: `right` becomes the solution.
 fn solve(rows: &mut [[f64; 4]], right: &mut [f64]) {
     let count = rows.len();
     for row in 0..count {
@@ -144,7 +146,7 @@ mod tests {
     use crate::span::Cubic;
     use crate::span_lengths::span;
 
-    /// The weights of control values 1 to 4 of six knots, at a place between knots 2 and 3.
+    /// Returns the weights of control values 1 to 4 of six knots, at a position between knots 2 and 3.
     fn weights(knots: [i32; 6], at: f64) -> [f64; 4] {
         let u = at - f64::from(knots[2]);
         let [a, b, c, d] = Weights::new(knots).0;
@@ -159,7 +161,7 @@ mod tests {
         };
         let mut pairs = jerk([0, 3, 6, 9, 12, 15]).into_iter().zip([-1.0, 3.0, -3.0, 1.0]);
         assert!(pairs.all(|(weight, third)| (weight - third).abs() < 1e-12));
-        // The control value at a knot of x²: the mean product of two of the three knots about it (blossom).
+        // The control value of x² at a knot: the mean product of two of the three knots around it (blossom).
         let knots = [-9, -2, 0, 1, 8, 9];
         let control = |k: usize| {
             let [a, b, c] = [knots[k - 1], knots[k], knots[k + 1]].map(f64::from);
@@ -217,7 +219,8 @@ mod tests {
                 weights.iter().zip(control).map(|(w, c)| w * f64::from(c)).sum::<f64>()
                     * f64::from(step)
             };
-            // Differences of a cubic by so much are exact, but for rounding and the third derivative's part in speed.
+            // Differences of a cubic over this step are exact, except for rounding and the third derivative's part in
+            // speed.
             let h = len * 1e-3;
             let shortest = knots.windows(2).map(|w| f64::from(w[1] - w[0])).fold(len, f64::min);
             for share in [0.0f32, 0.1, 0.5, 0.9, 1.0] {
@@ -227,7 +230,7 @@ mod tests {
                 let acceleration = (a - 2.0 * b + c) / (h * h);
                 let speed = (c - a) / (2.0 * h);
                 let at_middle = cubic.at(middle as f32).map(f64::from);
-                // Rounding of f32, of control values up to 2 over the shortest span.
+                // Tolerance: f32 rounding, for control values up to 2 over the shortest span.
                 let size = 2.0 * 8.0 * f64::from(f32::EPSILON);
                 assert!((f64::from(cubic.at(u_f32)[0]) - exact(u)).abs() < size);
                 assert!(

@@ -1,4 +1,4 @@
-//! How near a show is to its samples, as it is played.
+//! Measures the error of a show at its samples, as it is played.
 
 use super::error::WriteError;
 use super::motion::Motion;
@@ -12,9 +12,9 @@ use crate::show::Show;
 /// Errors at the samples, as the decoder plays them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
-    /// The largest one.
+    /// Maximum error.
     pub largest: f64,
-    /// The root of the mean square, over all joints and samples.
+    /// Root mean square error, over all joints and samples.
     pub rms: f64,
     squares: f64,
     count: usize,
@@ -29,7 +29,7 @@ impl Errors {
     }
 }
 
-/// Errors of a show at its samples.
+/// Measures the errors of a show at its samples.
 pub(super) fn measure(
     bytes: &[u8],
     motion: &Motion<'_>,

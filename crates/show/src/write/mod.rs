@@ -1,4 +1,4 @@
-//! Fitting and writing shows, in f64.
+//! Fits and writes shows, in f64.
 
 mod channels;
 mod check;
@@ -27,65 +27,65 @@ use pack::BitWriter;
 use refine::{Aim, Refined, refine};
 pub use settings::Settings;
 
-/// The fewest spans of a loop: a player looks three knots ahead, and no farther than the next round.
+/// Minimum number of spans of a loop: a player looks three knots ahead, and not beyond the next round.
 const LEAST_SPANS: i32 = 6;
 
-/// A show, and how near it is to its samples.
+/// A written show, and its errors.
 #[derive(Debug, Clone)]
 pub struct Written {
-    /// The show.
+    /// Content of the show.
     pub bytes: Vec<u8>,
-    /// Of angles and rotations, rad.
+    /// Errors of angles and rotations, rad.
     pub angles: Errors,
-    /// Of displacements and positions, m.
+    /// Errors of displacements and positions, m.
     pub lengths: Errors,
-    /// Knots of all channels.
+    /// Number of knots of all channels.
     pub knots: usize,
 }
 
-/// Writes a show of a motion, with as few knots as the largest errors allow.
+/// Writes a show of a motion, with few knots for the given error bounds.
 ///
 /// # Errors
-/// [`WriteError`] names what of the motion or the settings cannot be.
+/// [`WriteError`] with the invalid part of the motion or the settings.
 pub fn write(motion: &Motion<'_>, settings: &Settings) -> Result<Written, WriteError> {
     Writer::new(*motion, *settings)?.write()
 }
 
-/// Writes shows of one motion, each nearer to it than the one before in some places. What does not change is not made
-/// anew.
+/// A writer of successive shows of a motion, each closer to the motion than the previous one in some places.
+/// Unchanged parts are reused.
 pub struct Writer<'a> {
     motion: Motion<'a>,
     settings: Settings,
-    /// Of the show and of a block, in samples.
+    /// Length of the show and of a block, in samples.
     length: i32,
     block: i32,
     joints: Vec<JointCurves>,
 }
 
-/// What is written of a joint.
+/// The written curves of a joint.
 struct JointCurves {
-    /// The largest error at each sample, as a share of the bound; empty while that holds everywhere.
+    /// Maximum error at each sample, as a share of the bound; empty while the bound applies everywhere.
     shares: Vec<f64>,
     channels: Vec<Channel>,
-    /// Whether the channels are what the shares ask for.
+    /// Whether the channels fulfil the shares.
     is_written: bool,
 }
 
-/// A curve as it is written.
+/// A written curve.
 struct Channel {
     record: ChannelRecord,
-    /// Its bits, by block.
+    /// Bits of the channel, by block.
     streams: Vec<BitWriter>,
     knots: usize,
-    /// The knots from the beginning to the end: the next curve is searched from there.
+    /// Knots from the start to the end: the search for the next curve starts from them.
     laid: Vec<i32>,
 }
 
 impl<'a> Writer<'a> {
-    /// A writer of a motion that has written nothing yet.
+    /// Creates a writer of a motion, without any show yet.
     ///
     /// # Errors
-    /// [`WriteError`] names what of the motion or the settings cannot be.
+    /// [`WriteError`] with the invalid part of the motion or the settings.
     pub fn new(motion: Motion<'a>, settings: Settings) -> Result<Self, WriteError> {
         let samples = check(&motion, &settings)?;
         let length = if motion.is_loop { samples } else { samples - 1 };
@@ -99,9 +99,9 @@ impl<'a> Writer<'a> {
         Ok(Self { motion, settings, length, block, joints })
     }
 
-    /// Asks for less error of a joint at some samples: for a share of what was asked for before, and no less than
-    /// `least` of the bound. Over `beside` samples before and after, for less and less of it: where the error may
-    /// change at once, the curve would have to jump. Whether that is less anywhere among `samples`.
+    /// Reduces the error bound of a joint at some samples: to a share of the previous bound, but not below `least` of
+    /// the original bound. Over `beside` samples before and after, the reduction fades out: with a sudden change of
+    /// the bound, the curve would have to jump. Returns `true` if the bound is now lower anywhere among `samples`.
     pub fn bring_nearer(
         &mut self,
         joint: usize,
@@ -135,10 +135,10 @@ impl<'a> Writer<'a> {
         is_less
     }
 
-    /// The show.
+    /// Writes the show.
     ///
     /// # Errors
-    /// [`WriteError`] names what of the motion is too much for a show.
+    /// [`WriteError`] with the count that exceeds a show's limits.
     pub fn write(&mut self) -> Result<Written, WriteError> {
         let (length, block) = (self.length, self.block);
         let blocks = (length + block - 1) / block;
@@ -164,7 +164,7 @@ impl<'a> Writer<'a> {
         Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
     }
 
-    /// Makes the channels that are not what is asked for.
+    /// Recomputes the channels that do not fulfil the requested shares.
     fn refine(&mut self, longest: i32, blocks: i32) -> Result<(), WriteError> {
         let Self { motion, settings, block, .. } = *self;
         let per_sample = per_sample(&motion);
@@ -209,17 +209,17 @@ fn least_of(shares: &[f64]) -> f64 {
     shares.iter().copied().fold(1.0, f64::min)
 }
 
-/// What a file is put together from.
+/// The parts of a show file.
 struct Parts<'a> {
     motion: &'a Motion<'a>,
     records: &'a [ChannelRecord],
     blocks: &'a [Vec<u8>],
-    /// The largest ones, rad and m.
+    /// Maximum errors, rad and m.
     errors: [f32; 2],
 }
 
 impl Parts<'_> {
-    /// The show. `length` and `block` in samples.
+    /// Returns the show. `length` and `block` are in samples.
     fn bytes(&self, (length, block): (u32, u32)) -> Result<Vec<u8>, WriteError> {
         let Self { motion, records, blocks, errors: [error_rad, error_m] } = *self;
         let mut cues = Vec::new();

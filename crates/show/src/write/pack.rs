@@ -1,4 +1,4 @@
-//! Curves to bytes: blocks of channels, each from the knot two before its span.
+//! Packs curves into bytes: blocks of channels, each from the knot two before its span.
 
 use super::curve::Curve;
 use crate::channel::{Code, ESCAPE, RUNG_ESCAPE, RUNG_WIDTH, mapped};
@@ -6,7 +6,7 @@ use crate::layout::ChannelRecord;
 use crate::show::CHECKSUM;
 use crate::span_lengths::{RUNGS, span};
 
-/// Bits in the order of bytes, the most significant first.
+/// A writer of bits in the order of bytes, the most significant bit first.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BitWriter {
     pub(super) bytes: Vec<u8>,
@@ -21,7 +21,7 @@ impl BitWriter {
             if used == 0 {
                 self.bytes.push(0);
             }
-            // As many as the last byte has room for.
+            // The number of bits that the last byte has room for.
             let now = left.min(8 - used);
             left -= now;
             let bits = number >> left & ((1 << now) - 1);
@@ -54,7 +54,7 @@ fn rung_of(length: i32) -> u8 {
     (0..RUNGS).find(|rung| span(*rung) == length).expect("spans are laid from the ladder")
 }
 
-/// A channel's knots in a block that begins at `start`.
+/// Writes a channel's knots in a block that starts at `start`.
 fn stream(record: &ChannelRecord, knots: &[i32], controls: &[i32], start: i32, to: &mut BitWriter) {
     let whole = |control: i32| (control - record.least).unsigned_abs();
     let gap = knots.get(1).map_or(1, |next| next - knots[0]);
@@ -88,7 +88,7 @@ fn stream(record: &ChannelRecord, knots: &[i32], controls: &[i32], start: i32, t
     }
 }
 
-/// Where each block's knots begin: two before the span that the block begins in.
+/// Returns the index of each block's first knot: two before the span in which the block starts.
 fn firsts(curve: &Curve, block: i32, blocks: i32) -> Vec<usize> {
     let mut firsts: Vec<usize> = (0..blocks)
         .map(|k| curve.knots.partition_point(|knot| *knot <= k * block).saturating_sub(3))
@@ -97,7 +97,7 @@ fn firsts(curve: &Curve, block: i32, blocks: i32) -> Vec<usize> {
     firsts
 }
 
-/// Bits of a channel, by block.
+/// Returns the bits of a channel, by block.
 pub(super) fn streams(
     record: &ChannelRecord,
     curve: &Curve,
@@ -123,7 +123,7 @@ pub(super) fn streams(
         .collect()
 }
 
-/// The record of a channel that takes the fewest bits.
+/// Returns the parameters of a channel that give the fewest bits.
 pub(super) fn record(
     curve: &Curve,
     step: f32,
@@ -149,7 +149,7 @@ pub(super) fn record(
     with(trend, mean.unwrap_or(0))
 }
 
-/// One block of all channels' bits.
+/// Returns a block with the bits of all channels.
 pub(super) fn block(channels: &[&BitWriter]) -> Vec<u8> {
     let longest = channels.iter().map(|bits| bits.count).max().unwrap_or(0);
     let width = 32 - longest.leading_zeros();

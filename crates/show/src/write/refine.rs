@@ -1,31 +1,31 @@
-//! As few knots as the largest error allows.
+//! Finds few knots for a maximum error.
 
 use super::curve::{Curve, Samples, Spans};
 
-/// The largest error of a group of curves.
+/// Maximum error of a group of curves.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Bound {
-    /// Of one curve.
+    /// Error of a single curve, rad or m.
     Number(f64),
-    /// Of four that are a rotation: its angle, rad.
+    /// Error of four curves that are a rotation: its angle, rad.
     Rotation(f64),
 }
 
-/// Rounds in which spans grow and shrink; in those after them they shrink alone, so that there is an end.
+/// Number of rounds in which spans grow and shrink. Afterwards they only shrink, so that the search ends.
 const BALANCING: usize = 30;
 const MOST_ROUNDS: usize = 120;
-/// Rounds without fewer knots, after which no more are searched for. A walk and a fight on OP3, Poppy, Open Duck Mini
-/// and H1 come out the same as after all rounds; on an SO-100 they do not.
+/// Number of rounds without fewer knots, after which the search stops. A walk and a fight on OP3, Poppy, Open Duck
+/// Mini and H1 give the same result as all rounds; on an SO-100 they do not.
 const PATIENCE: usize = 8;
 
-/// How near curves shall be.
+/// Requirements on the curves of a group.
 pub(super) struct Aim<'a> {
     pub(super) bound: Bound,
-    /// The step of control values, in shares of the largest error.
+    /// Step of control values, as a share of the maximum error.
     pub(super) step: f64,
-    /// Of each sample the largest error as a share of the bound; empty where it is the bound.
+    /// Maximum error of each sample as a share of the bound; empty if the bound applies everywhere.
     pub(super) shares: &'a [f64],
-    /// The longest span, in samples.
+    /// Maximum length of a span, in samples.
     pub(super) longest: i32,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Refined {
     pub(super) curve: Curve,
     pub(super) step: f32,
     pub(super) flips: bool,
-    /// Its knots from the beginning to the end.
+    /// Knots from the start to the end.
     pub(super) laid: Vec<i32>,
 }
 
@@ -45,12 +45,12 @@ struct Candidate {
     round: usize,
 }
 
-/// Fits curves to a group of channels within the error bound, or as close as possible. `before`: knots of curves to
-/// begin with, if there are any. The fit adds knots where the bound requires them, and removes none.
+/// Fits curves to a group of channels within the error bound, or as close as possible. `before`: knots to start from,
+/// if there are any; the fit then adds knots where the bound requires them, and removes none.
 pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> Vec<Refined> {
     let (largest, of_curve) = match aim.bound {
         Bound::Number(largest) => (largest, largest),
-        // Half of the angle between two quaternions is the distance of their ends.
+        // Half the angle between two quaternions is the distance of their end points.
         Bound::Rotation(largest) => (largest, largest / 2.0),
     };
     let least_share = aim.shares.iter().copied().fold(1.0, f64::min);
@@ -61,7 +61,7 @@ pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> V
     spans.iter_mut().zip(before).for_each(|(spans, knots)| spans.begin_with(knots));
     let mut best: Option<Candidate> = None;
     let (mut knots, mut curves, mut errors) = (Vec::new(), Vec::new(), Vec::new());
-    // Where a curve is held already, it stays: spans shrink alone.
+    // Curves that already fulfil the bound are kept: spans only shrink.
     let first = if before.is_empty() { 0 } else { BALANCING };
     for round in first..MOST_ROUNDS {
         let wanted: Vec<Vec<i32>> =
@@ -106,8 +106,8 @@ pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> V
     curves.into_iter().zip(knots).zip(group).map(refined).collect()
 }
 
-/// Spans shorter where the error is too large, longer where it is small. The error of a cubic grows as the fourth
-/// power of its span.
+/// Shortens spans where the error is too large, and lengthens them where it is small. The error of a cubic grows with
+/// the fourth power of its span.
 fn balance(wanted: &mut [f64], knots: &[i32], errors: &[f64], is_loop: bool, round: usize) {
     const AIM: f64 = 0.9;
     let spans = knots.len() - 1;
@@ -122,7 +122,7 @@ fn balance(wanted: &mut [f64], knots: &[i32], errors: &[f64], is_loop: bool, rou
                 *wanted = (*wanted * factor.clamp(0.6, 1.25)).clamp(1.0, len * 1.6 + 1.0);
             }
         } else if error > 1.0 {
-            // What is as short as can be is helped by its neighbours, in the end by all.
+            // A span of minimum length needs shorter neighbours, finally all of them.
             let beside = usize::from(len <= 2.0).max((round - BALANCING) / 4);
             for wanted in &mut wanted[from..to] {
                 *wanted = wanted.min(len - 1.0).max(1.0);
@@ -142,7 +142,7 @@ fn balance(wanted: &mut [f64], knots: &[i32], errors: &[f64], is_loop: bool, rou
     }
 }
 
-/// Errors at all samples, in shares of the bound: what each curve has to do with it.
+/// Returns the errors at all samples, as shares of the bound: the part that each curve contributes.
 fn shares(group: &[Samples], played: &[Vec<f32>], bound: Bound, largest: f64) -> Vec<Vec<f64>> {
     let own = |scale: f64| -> Vec<Vec<f64>> {
         group
@@ -164,7 +164,7 @@ fn shares(group: &[Samples], played: &[Vec<f32>], bound: Bound, largest: f64) ->
                 let played: Vec<f64> =
                     played.iter().map(|played| f64::from(played[sample])).collect();
                 let error = angle_between(&played, &wanted) / largest;
-                // Each has its part in it, and the largest ones can be made smaller.
+                // Each curve contributes, and the largest contributions can be reduced.
                 let most = own.iter().fold(0.0, |most: f64, own| most.max(own[sample]));
                 for own in &mut own {
                     own[sample] =
@@ -179,9 +179,9 @@ fn shares(group: &[Samples], played: &[Vec<f32>], bound: Bound, largest: f64) ->
     }
 }
 
-/// The angle between two rotations, rad; the first may be of any length.
+/// Returns the angle between two rotations, rad. The first quaternion may have any length.
 pub(super) fn angle_between(a: &[f64], b: &[f64]) -> f64 {
-    // |a b̄ - 1|: exact for small angles, where the cosine is not.
+    // |a b̄ - 1| is exact for small angles, unlike the cosine.
     let length = |q: &[f64]| libm::sqrt(q.iter().map(|x| x * x).sum());
     let (la, lb) = (length(a), length(b));
     let along: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();

@@ -1,15 +1,15 @@
-//! Error bounds, block length and step of a show that is written.
+//! Settings of the writer: error bounds, block length and step.
 
-/// Settings of the writer: how near a show must be to its samples.
+/// Settings of the writer, which bound the error of a show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// The largest error of angles and rotations, rad. Default: 0.25°.
+    /// Maximum error of angles and rotations, rad. Default: 0.25°.
     pub angle_rad: f64,
-    /// The largest error of displacements and positions, along each axis, m. Default: 1 mm.
+    /// Maximum error of displacements and positions, along each axis, m. Default: 1 mm.
     pub length_m: f64,
-    /// How long a block is, s. Default: 4.
+    /// Length of a block, s. Default: 4.
     pub block_s: f64,
-    /// The step of control values, in shares of the largest error. Default: 1/2.
+    /// Step of control values, as a share of the maximum error. Default: 1/2.
     pub step: f64,
 }
 

@@ -1,5 +1,5 @@
-//! What is damaged is refused, or plays within its bounds: truncations, bit flips, and random changes with their CRCs
-//! made right, as a wrong writer or an attacker would.
+//! Damaged shows are refused, or play within their bounds: truncations, bit flips, and random changes with corrected
+//! CRCs, like those of a faulty writer or an attacker.
 
 #![expect(clippy::cast_possible_truncation, reason = "small numbers")]
 
@@ -10,7 +10,7 @@ use sinew_show::{Joint, Player, Position, Rate, Show, ShowError};
 
 const COORDS: usize = 16;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
-/// Random changes of a run: about 10 s on two cores.
+/// Number of random changes in a run: about 10 s on two cores.
 const MUTATIONS: u64 = 1_000_000;
 
 fn small(is_loop: bool) -> Vec<u8> {
@@ -22,14 +22,14 @@ fn small(is_loop: bool) -> Vec<u8> {
     write(&motion, &settings).expect("a motion that can be").bytes
 }
 
-/// Plays all of a show that opens. Refusals are fine; numbers that no joint can have are not.
+/// Plays a whole show, if it opens. Refusals are valid; numbers that no joint can have are not.
 fn play(bytes: &[u8]) -> Result<(), ShowError> {
     let show = Show::open(bytes)?;
     assert!(show.cues().all(|cue| cue.name.len() < 256));
     let mut player = Player::<COORDS>::new(show)?;
     let (mut q, mut qd, mut qdd) = ([0.0f32; COORDS], [0.0f32; COORDS], [0.0f32; COORDS]);
     let mut outcome = Ok(());
-    // Next to the borders of blocks and to the end, back, and far beyond.
+    // Positions near block borders and the end, backwards, and far beyond.
     let places = [0, 1, 11, 12, 23, 25, 34, 35, 36, 37, 5, 1 << 20];
     for sample in places {
         let played = player.state_at(Position::from_samples(sample), &mut q, &mut qd, &mut qdd);
@@ -88,7 +88,7 @@ fn every_flipped_bit_is_refused() {
     }
 }
 
-/// Makes the CRCs right of whatever can be found.
+/// Corrects all CRCs that can be found.
 fn seal(bytes: &mut [u8]) {
     let word = |bytes: &[u8], at: usize| -> Option<usize> {
         Some(u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?) as usize)
@@ -96,7 +96,7 @@ fn seal(bytes: &mut [u8]) {
     let Some(head_len) = word(bytes, 12).filter(|len| len.saturating_add(4) <= bytes.len()) else {
         return;
     };
-    // Blocks by the index of the whole show: it is the last part of the head.
+    // Finds blocks by the show's index, the last part of the head.
     let mut starts: Vec<usize> = Vec::new();
     let mut at = head_len;
     while let Some(start) = at.checked_sub(4).and_then(|at| word(bytes, at)) {
@@ -121,12 +121,12 @@ fn seal(bytes: &mut [u8]) {
     bytes[head_len..head_len + 4].copy_from_slice(&crc.to_le_bytes());
 }
 
-/// How many shows are refused, and how many play, of the random changes `first`, `first + step`, ...
+/// Returns how many shows are refused, and how many play, for the random changes `first`, `first + step`, ...
 fn mutate(wholes: &[Vec<u8>; 2], first: u64, step: usize) -> [u32; 2] {
     let [mut refused, mut played] = [0, 0];
     let mut bytes = Vec::new();
     for round in (first..MUTATIONS).step_by(step) {
-        // Of the round alone, so that each has the same change however many threads there are.
+        // The seed depends only on the round, so each change is the same for any number of threads.
         let mut random = round.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         let mut next = |below: usize| {
             random = random
@@ -143,7 +143,7 @@ fn mutate(wholes: &[Vec<u8>; 2], first: u64, step: usize) -> [u32; 2] {
                 _ => next(256) as u8,
             };
         }
-        // One in eight with its CRCs as they were.
+        // One change in eight keeps the CRCs.
         if round % 8 != 0 {
             seal(&mut bytes);
         }
@@ -166,7 +166,7 @@ fn random_changes_are_refused_or_harmless() {
         runs.into_iter().map(|run| run.join().expect("no panic")).collect()
     });
     let [refused, played] = [0, 1].map(|k| counts.iter().map(|count| count[k]).sum::<u32>());
-    // Both happen, or this test would look at nothing.
+    // Both must happen, or this test would check nothing.
     assert!(refused > 1000 && played > 1000, "{refused} {played}");
 }
 
@@ -177,7 +177,8 @@ fn refusals_are_in_words() {
     bytes[4] = 1;
     assert_eq!(
         words(&bytes),
-        "the show is of version 1, which is no longer read: make it anew from its clip, with `sinew bake CLIP --rig RIG`"
+        "the show is of version 1, which is no longer read: bake it again from its clip, with `sinew bake CLIP --rig \
+         RIG`"
     );
     bytes[4] = 3;
     assert_eq!(words(&bytes), "the show is of version 3; this program performs version 2");
@@ -231,13 +232,13 @@ fn the_time_code_of_a_slowed_show_follows_its_performance() {
     let (hours, minutes, seconds, frames) = (9, 59, 59, 20);
     let kind = TimeCodeKind::Whole;
     let begin = TimeCode { hours, minutes, seconds, frames, frames_per_second: 25, kind };
-    // At half speed from 0.4 s to 1.2 s; before and behind that as performed.
+    // Half speed from 0.4 s to 1.2 s; original speed before and after.
     let course = [(20, 20), (60, 40)];
     let motion = Motion { course: &course, time_code: Some(begin), ..example.motion() };
     let bytes = write(&motion, &Settings::default()).expect("a motion that can be").bytes;
     let show = Show::open(&bytes).expect("a show");
     assert_eq!(show.course().collect::<Vec<_>>(), course);
-    // Two samples a frame: 0, 10, 15, 20 and 30 frames of the performance.
+    // Two samples per frame: 0, 10, 15, 20 and 30 frames of the performance.
     for (sample, frames) in [(0, 0), (20, 10), (40, 15), (60, 20), (80, 30)] {
         assert_eq!(show.time_code_at(sample), Some(begin.after(frames)), "{sample}");
     }
@@ -245,7 +246,7 @@ fn the_time_code_of_a_slowed_show_follows_its_performance() {
     for course in [&[(0, 0)][..], &[(20, 20), (20, 30)], &[(20, 20), (30, 10)], &[(1 << 31, 0)]] {
         let motion = Motion { course, ..motion };
         assert!(write(&motion, &Settings::default()).is_err(), "{course:?}");
-        // And as a board reads it.
+        // Also as a board reads it.
         let mut bytes = bytes.clone();
         let at = usize::from(u16::from_le_bytes([bytes[40], bytes[41]])) + 56 + 1 + 16;
         let pairs: Vec<u8> = course

@@ -1,4 +1,4 @@
-//! A blend begins and ends in the states it is given, in position, speed and acceleration, and moves by its own speeds.
+//! A blend starts and ends in the given states, in position, speed and acceleration, and its speeds match its motion.
 
 use crate::examples::{any_example, example};
 use proptest::prelude::*;
@@ -32,7 +32,8 @@ fn at(blend: &Blend<'_, COORDS>, show: &Show<'_>, time_s: f32) -> Numbers {
     n
 }
 
-/// The largest difference of positions (a quaternion may have the other sign), and of speeds and accelerations.
+/// Returns the largest difference of positions (a quaternion may have the opposite sign), and of speeds and
+/// accelerations.
 fn apart(show: &Show<'_>, a: &Numbers, b: &Numbers) -> [f32; 3] {
     let most =
         |a: &[f32], b: &[f32]| a.iter().zip(b).fold(0.0f32, |m, (a, b)| m.max((a - b).abs()));
@@ -74,12 +75,12 @@ proptest! {
         };
         for (time_s, wanted) in [(0.0, &from), (-1.0, &from), (duration_s, &to), (9.0, &to)] {
             let [q, qd, qdd] = apart(&show, &at(&blend, &show, time_s), wanted);
-            // The rounding of f32, through the chart and back.
+            // Tolerance: f32 rounding, through the chart and back.
             let size = |numbers: &[f32]| 1.0 + numbers.iter().fold(0.0f32, |m, x| m.max(x.abs()));
             let (v, a) = (size(&wanted.qd), size(&wanted.qdd));
             prop_assert!(q < 1e-6 && qd < 1e-6 * v && qdd < 1e-6 * (a + v * v), "{q} {qd} {qdd} at {time_s}");
         }
-        // It has no jump: from look to look it moves by its speed, but for its acceleration.
+        // No jump: from step to step the position changes by the speed, up to the effect of the acceleration.
         let mut last = at(&blend, &show, 0.0);
         for look in 1..=200u8 {
             let now = at(&blend, &show, duration_s * f32::from(look) / 200.0);
@@ -87,7 +88,7 @@ proptest! {
             let fastest = now.qd.iter().chain(&last.qd).fold(0.0f32, |m, x| m.max(x.abs()));
             let most = now.qdd.iter().chain(&last.qdd).fold(0.0f32, |m, x| m.max(x.abs()));
             let dt_s = duration_s / 200.0;
-            // Of a free joint, three speeds may act on one coordinate.
+            // In a free joint, three speeds may act on one coordinate.
             prop_assert!(q <= 1.8 * (fastest + most * dt_s) * dt_s + 1e-5, "{q} {fastest} {most}");
             last = now;
         }
@@ -147,7 +148,7 @@ fn frames_rest_before_and_behind() {
     assert!(first.1.iter().any(|x| *x != 0.0));
     assert_eq!(before, (first.0, vec![0.0; 4], vec![0.0; 4]));
     assert_eq!(behind.1, vec![0.0; 4]);
-    // 200 ticks of 0.01 s in f32 are the end, but for its rounding.
+    // 200 ticks of 0.01 s in f32 are the end, within rounding.
     assert!(last.0.iter().zip(&behind.0).all(|(a, b)| (a - b).abs() < 1e-5));
     let mut broken = bytes.clone();
     *broken.last_mut().expect("bytes") ^= 1;

@@ -47,7 +47,7 @@ impl Example {
     }
 }
 
-/// A sum of sines, whole numbers of periods in a loop.
+/// Returns a sum of sines; in a loop, whole numbers of periods.
 fn wave(seed: u64, sample: f64, samples: usize, rate_hz: f64, is_loop: bool) -> f64 {
     let share = |k: u64| {
         let mixed =
@@ -68,7 +68,7 @@ fn wave(seed: u64, sample: f64, samples: usize, rate_hz: f64, is_loop: bool) -> 
         .sum()
 }
 
-/// The motion of these joints that a seed makes.
+/// Returns the motion of these joints for a seed.
 pub(crate) fn example(
     joints: Vec<Joint>,
     samples: usize,
@@ -109,7 +109,7 @@ pub(crate) fn example(
     Example { joints, samples, rate, is_loop, q, seed }
 }
 
-/// Any motion of at most `most` coordinates.
+/// Generates any motion of at most `most` coordinates.
 pub(crate) fn any_example(most: usize) -> impl Strategy<Value = Example> {
     let joint = prop_oneof![
         Just(Joint::Fixed),
@@ -134,7 +134,7 @@ pub(crate) fn any_example(most: usize) -> impl Strategy<Value = Example> {
             if count(&joints) == 0 {
                 joints.push(Joint::Revolute);
             }
-            // To the last place, often.
+            // Often exactly full.
             while seed.is_multiple_of(2) && count(&joints) < most {
                 joints.push(Joint::Revolute);
             }
@@ -143,7 +143,7 @@ pub(crate) fn any_example(most: usize) -> impl Strategy<Value = Example> {
     )
 }
 
-/// The angle between two rotations, rad.
+/// Returns the angle between two rotations, rad.
 pub(crate) fn angle_between(a: &[f32], b: &[f64]) -> f64 {
     let length = a.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
     let a: Vec<f64> = a.iter().map(|x| f64::from(*x) / length).collect();

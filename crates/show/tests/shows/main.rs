@@ -1,4 +1,4 @@
-//! Shows as they are written, played, blended, damaged and read by another program.
+//! Tests of shows: writing, playing, blending, damage, and reading by another program.
 
 mod attack;
 mod blend;

@@ -1,4 +1,4 @@
-//! A show is brought nearer to its motion in some places, and stays as it is elsewhere.
+//! A show is brought closer to its motion in some places, and is unchanged elsewhere.
 
 use sinew_show::write::{Settings, Writer};
 use sinew_show::{Joint, Player, Position, Rate, Show};
@@ -7,7 +7,7 @@ use crate::examples::example;
 
 const COORDS: usize = 2;
 
-/// Positions of both joints at all samples.
+/// Returns the positions of both joints at all samples.
 fn played(bytes: &[u8]) -> Vec<[f32; COORDS]> {
     let show = Show::open(bytes).expect("a show");
     let mut player = Player::<COORDS>::new(show).expect("room");
@@ -53,7 +53,7 @@ fn a_show_is_nearer_where_it_is_asked_to_be_and_the_same_elsewhere() {
     assert!(worst(&after, samples) <= share * settings.angle_rad);
     assert!(worst(&after, 0..SAMPLES) <= settings.angle_rad);
     assert!(nearer.knots > first.knots && nearer.knots < first.knots + 100);
-    // The other joint's curve is not made anew.
+    // The other joint's curve is not recomputed.
     assert!(
         before.iter().zip(&after).all(|(before, after)| before[0].to_bits() == after[0].to_bits())
     );

@@ -1,4 +1,4 @@
-//! What is written is what is played, within the bound, with its own derivatives, in any order.
+//! A played show equals the written motion within the bound, with its exact derivatives, in any order of positions.
 
 #![expect(
     clippy::cast_possible_truncation,
@@ -29,7 +29,7 @@ fn bits(played: &Played) -> Vec<u32> {
     [played.q, played.qd, played.qdd].iter().flatten().map(|x| x.to_bits()).collect()
 }
 
-/// The largest errors at all samples, by a way of its own: rad, m.
+/// Measures the largest errors at all samples independently: rad, m.
 fn errors(example: &Example, show: Show<'_>) -> (f64, f64) {
     let mut player = Player::new(show).expect("room");
     let (mut angle, mut length) = (0.0f64, 0.0f64);
@@ -67,7 +67,7 @@ proptest! {
         let (angle, length) = errors(&example, show);
         prop_assert!(angle <= settings.angle_rad, "{angle}");
         prop_assert!(length <= settings.length_m, "{length}");
-        // What it says of itself: equal but for the rounding of f32.
+        // The errors in the show itself: equal within f32 rounding.
         let (stated_rad, stated_m) = show.largest_error();
         prop_assert!((f64::from(stated_rad) - angle).abs() < 1e-6, "{stated_rad} {angle}");
         prop_assert!((f64::from(stated_m) - length).abs() < 1e-6, "{stated_m} {length}");
@@ -108,25 +108,26 @@ proptest! {
         let (mut at, mut v_at) = (0, 0);
         for joint in &example.joints {
             let (nq, nv) = (joint.coordinate_count(), joint.dof_count());
-            // The rate of speeds is the acceleration; a knot between bends it by a jerk times the step.
+            // The rate of speeds is the acceleration; a knot in between changes it by a jerk times the step.
             let angular = if joint.turns_freely() { 3 } else { nv };
             for k in v_at..v_at + angular {
                 let found = (f64::from(after.qd[k]) - f64::from(before.qd[k])) / twice_s;
                 let around = [&before, &now, &after].map(|p| f64::from(p.qdd[k]));
                 let (least, most) = around.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
-                // f32 speeds of a few rad/s, differences over 0.4 ms; the curvature of acceleration between.
+                // Tolerance: f32 speeds of a few rad/s, differences over 0.4 ms, and the curvature of the
+                // acceleration.
                 let rounding = 4e-7 * rate.max(60.0) / 60.0 * (1.0 + f64::from(now.qd[k].abs())) / twice_s;
                 let tolerance = rounding + 1e-3 * most.abs().max(least.abs()) + 0.02;
                 prop_assert!(found >= least - tolerance && found <= most + tolerance, "{joint} {found} {around:?}");
             }
-            // A chord over both steps is not the tangent: third derivatives, of the curve and of the way round.
+            // A chord over both steps differs from the tangent by third derivatives, of the curve and of the arc.
             let norm = |qd: &[f32]| qd.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>().sqrt();
             let numbers = v_at..v_at + nv;
             let spread = after.qdd[numbers.clone()].iter().zip(&before.qdd[numbers.clone()]);
             let spread = spread.fold(0.0f64, |most, (a, b)| most.max(f64::from((a - b).abs())));
             let (step_s, turning, speeding) = (twice_s / 2.0, norm(&now.qd[numbers.clone()]), norm(&now.qdd[numbers]));
             let chord = step_s * spread + step_s.powi(2) * turning * (turning.powi(2) + speeding);
-            // Positions of f32 over both steps.
+            // Tolerance: f32 positions over both steps.
             let tolerance = chord + 4e-7 * 2.0 / twice_s + 1e-6 * turning;
             if joint.turns_freely() {
                 let q = |p: &Played| [0, 1, 2, 3].map(|k| f64::from(p.q[at + k]));
@@ -167,7 +168,7 @@ proptest! {
         let end_s = f64::from(show.length()) / f64::from(samples) * f64::from(seconds);
         let end_us = (end_s * 1e6) as u64;
         let [end, begin] = [end_us - 1, end_us + 1].map(|at| play(&mut player, show.position_at_us(at)));
-        // 3 µs apart at most: what changes is the derivative times them, and rounding of f32 by the largest number.
+        // At most 3 µs apart: the change is the derivative times this, plus f32 rounding of the largest number.
         let most = |numbers: &[f32]| numbers.iter().fold(1.0f32, |most, x| most.max(x.abs()));
         let [speed, acceleration] = [most(&end.qd), most(&end.qdd)];
         let moved = 3e-6 * speed + 1e-6;
@@ -187,7 +188,7 @@ proptest! {
         for k in 0..show.dof_count() {
             let (a, b) = (end.qd[k], begin.qd[k]);
             prop_assert!((a - b).abs() < 6e-6 * acceleration + 4e-6 * speed, "{a} {b}");
-            // A jerk is at most an acceleration from sample to sample; what turns has that towards its centre too.
+            // A jerk is at most an acceleration per sample; a rotation also has the acceleration towards its centre.
             let acceleration = acceleration + speed * speed;
             let jerk = acceleration * show.rate().hz();
             let (a, b) = (end.qdd[k], begin.qdd[k]);
@@ -196,7 +197,7 @@ proptest! {
     }
 }
 
-/// At every sample, so at every knot and at every border of a block.
+/// At every sample, and therefore at every knot and every block border.
 #[test]
 fn accelerations_have_no_steps() {
     let joints = vec![Joint::Revolute, Joint::Spherical, Joint::Prismatic];
@@ -212,7 +213,7 @@ fn accelerations_have_no_steps() {
             [middle_us - 5000, middle_us - 1, middle_us + 1, middle_us + 5000].map(&mut at);
         for k in 0..show.dof_count() {
             let (a, b) = (before.qdd[k], after.qdd[k]);
-            // What it changes within 5 ms on each side, in proportion, and the rounding of f32.
+            // Tolerance: the change within 5 ms on each side, in proportion, and f32 rounding.
             let around = (long_before.qdd[k] - a).abs() + (long_after.qdd[k] - b).abs();
             let rounding = 2e-5 * (1.0 + a.abs());
             assert!((a - b).abs() <= around * 1e-3 + rounding, "{a} {b} at {sample}");
@@ -226,7 +227,7 @@ fn ten_minutes_lose_no_time() {
     let example = example(vec![Joint::Revolute], 2, rate, false, 1);
     let written = example.write(&Settings::default());
     let show = Show::open(&written.bytes).expect("a show");
-    // 300 000 ticks of 2 ms: 72 000 samples, but for the rounding of 0.002 to f32.
+    // 300 000 ticks of 2 ms: 72 000 samples, up to the rounding of 0.002 to f32.
     let dt_s = 0.002f32;
     let wanted = f64::from(dt_s) * 300_000.0 * 120.0;
     let found = show.pace(dt_s).position(300_000).sample();
@@ -248,8 +249,8 @@ fn a_half_turn_in_a_loop_is_held_at_the_seam() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// The end of a motion that was not low-passed: no sample lies behind it, and what decides there must be smooth in
-    /// time.
+    /// The end of a motion that was not low-passed: no sample follows it, and the term that decides there must be
+    /// smooth in time.
     #[test]
     fn no_speed_is_beyond_that_of_the_samples(
         steps in prop::collection::vec(-0.03f64..0.03, 40..200),
@@ -267,8 +268,9 @@ proptest! {
         let written = example.write(&settings);
         let mut player = Player::new(Show::open(&written.bytes).expect("a show")).expect("room");
         let widest = example.q.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        // Between two samples, each as far off as the bound allows, a cubic through noise is up to four times as steep
-        // as its chord. It was a hundred times at the ends, where third differences of control values were made small.
+        // Between two samples, each off by the whole bound, a cubic through noise is up to four times as steep as its
+        // chord. It was a hundred times as steep at the ends, when third differences of control values were
+        // minimised.
         let most = 6.0 * 120.0 * (widest + 2.0 * settings.angle_rad);
         for quarter in 0..=4 * (example.q.len() - 1) as u64 {
             let position = player.show().position_at_us(quarter * 1_000_000 / 480);

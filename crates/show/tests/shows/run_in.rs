@@ -1,4 +1,4 @@
-//! A run-in begins at rest in the first frame, moves by its own speeds, and ends in the show.
+//! A run-in starts at rest in the first frame, its speeds match its motion, and it ends in the show.
 
 use sinew_core::tracker::{Frame, FrameSource};
 use sinew_show::write::Settings;
@@ -7,7 +7,7 @@ use sinew_show::{Joint, Rate, Show, ShowFrames};
 use crate::examples::example;
 
 const COORDS: usize = 8;
-/// Ticks of the run-in, and their time.
+/// Number of ticks of the run-in, and their period.
 const TICKS: u32 = 400;
 const DT_S: f32 = 1.0 / 400.0;
 
@@ -31,9 +31,9 @@ fn it_moves_by_its_own_speeds_from_rest_into_the_show() {
         (0..=TICKS).map(|tick| numbers(frames.run_in(tick, TICKS))).collect();
     assert_eq!(all[0], [first[0].clone(), vec![0.0; 4], vec![0.0; 4]]);
     assert_eq!(all[TICKS as usize], numbers(frames.frame(TICKS.cast_signed() / 2)));
-    // A difference over two ticks is the derivative somewhere in them, so it is no farther from that in their middle
-    // than the derivative changes in a tick anywhere; and the rounding of f32, of positions and of speeds that are
-    // computed.
+    // A difference over two ticks equals the derivative somewhere in them. It deviates from the derivative in their
+    // middle by at most the largest change of the derivative in a tick, plus f32 rounding of positions and computed
+    // speeds.
     let dt_s = f64::from(DT_S);
     for (order, rounding) in [2e-6, 2e-5].into_iter().enumerate() {
         for joint in 0..4 {

@@ -1,4 +1,4 @@
-//! `decode.py` was written from the page of the format alone: it must read the same numbers.
+//! `decode.py` was written from the format's page alone, and must read the same numbers.
 
 use std::process::Command;
 
@@ -56,7 +56,7 @@ fn a_reader_of_the_page_reads_the_same() {
             let largest = wanted.iter().fold(1.0f64, |most, x| most.max(x.abs()));
             assert_eq!(wanted.len(), nq + 2 * nv);
             for (wanted, found) in wanted.iter().zip(found) {
-                // The rounding of f32, most of it in accelerations.
+                // Tolerance: f32 rounding, mostly in accelerations.
                 assert!(
                     (wanted - f64::from(*found)).abs() < 3e-6 * largest,
                     "{wanted} {found} at {us}"

@@ -1,4 +1,4 @@
-//! Flash that reads and writes 32 bytes at once, as an STM32H7's: all goes by its units.
+//! Flash that reads and writes 32 bytes at once, like an STM32H7's: the store respects its units.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, ReadNorFlash};
 use sinew_storage::{Area, BoardTable, Condition, Disarmed, Error, Kind, Store};
@@ -6,7 +6,7 @@ use sinew_storage::{Area, BoardTable, Condition, Disarmed, Error, Kind, Store};
 use crate::common::flash::{MockFlash, PowerFailed};
 use crate::common::{SMALL, content, describe, fault, rig};
 
-/// Larger sectors for the log: every fault takes 96 bytes here.
+/// Larger sectors for the log: every fault takes 96 bytes in this flash.
 const BOARD: BoardTable =
     BoardTable { log: Area { start: 0x1000, sector_len: 0x1800, sectors: 2 }, ..SMALL };
 

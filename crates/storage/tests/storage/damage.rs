@@ -1,4 +1,5 @@
-//! Newer settings, or a newer rig, that are damaged are not there, and the store says so until there are whole ones.
+//! Newer settings, or a newer rig, that are damaged are not used, and the store reports it until intact ones are
+//! written.
 
 use sinew_storage::{Condition, Kind, Store};
 
@@ -9,7 +10,7 @@ fn open(flash: &mut MockFlash) -> (Store<&mut MockFlash>, sinew_storage::Disarme
     Store::open(flash, SMALL).unwrap()
 }
 
-/// Old and new ones of a kind, with these contents.
+/// Creates a store with an old and a new item of a kind, with these contents.
 fn two(kind: Kind, [old, new]: [&[u8]; 2]) -> MockFlash {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = open(&mut flash);
@@ -18,7 +19,7 @@ fn two(kind: Kind, [old, new]: [&[u8]; 2]) -> MockFlash {
     flash
 }
 
-/// Settings or rig, as bytes.
+/// Returns settings or rig as bytes.
 fn stored(store: &mut Store<&mut MockFlash>, kind: Kind) -> Option<Vec<u8>> {
     let all = everything(store);
     if kind == Kind::Rig { all.rig } else { all.settings }
@@ -28,8 +29,8 @@ fn damaged(store: &mut Store<&mut MockFlash>) -> [bool; 2] {
     [Kind::Settings, Kind::Rig].map(|kind| store.is_damaged(kind).unwrap())
 }
 
-/// Any bit of the newer one but those of its head, which the next test has: the older one is there, and known as that,
-/// also when the log was compacted and opened again. The older one itself, sent once more, mends it.
+/// Any flipped bit of the newer item except in its head (the next test): the older item is used and the damage
+/// reported, also after a compaction and reopening. Writing the older item again clears the report.
 #[test]
 fn an_older_one_is_known_as_that_until_somebody_stands_for_it() {
     for kind in [Kind::Settings, Kind::Rig] {
@@ -44,7 +45,7 @@ fn an_older_one_is_known_as_that_until_somebody_stands_for_it() {
             let (mut store, disarmed) = open(&mut flash);
             assert_eq!(damaged(&mut store), of_kind, "bit {bit}");
             assert_eq!(stored(&mut store, kind).unwrap(), contents[0]);
-            // Two compactions: the note is taken along. For some bits of each part, for the time that it takes.
+            // Two compactions: the note is copied. Only for some bits of each part, to limit the test's time.
             if bit % 97 == 0 {
                 let mut number = 0;
                 for _ in 0..2 {
@@ -64,7 +65,7 @@ fn an_older_one_is_known_as_that_until_somebody_stands_for_it() {
     }
 }
 
-/// Behind a head that is none nobody knows what there was.
+/// After an invalid head, the content is unknown.
 #[test]
 fn a_damaged_head_hides_what_is_behind_it() {
     let contents = [content(1, 60), content(2, 60)];
@@ -85,7 +86,7 @@ fn a_damaged_head_hides_what_is_behind_it() {
     }
 }
 
-/// Settings that were damaged before any others: there are none, and that is known.
+/// Damaged settings without earlier ones: there are none, and the damage is reported.
 #[test]
 fn the_only_ones_that_are_damaged_are_missed() {
     let mut flash = MockFlash::new(&SMALL);
@@ -98,7 +99,7 @@ fn the_only_ones_that_are_damaged_are_missed() {
     assert_eq!((damaged(&mut store), stored(&mut store, Kind::Settings)), ([true, false], None));
 }
 
-/// An upload that is cut, but not within its seal, or that is given up, was never there.
+/// An upload that was interrupted before its seal, or given up, never existed.
 #[test]
 fn what_was_never_sealed_is_not_missed() {
     let mut base = two(Kind::Settings, [b"old", b"older"]);
@@ -116,7 +117,7 @@ fn what_was_never_sealed_is_not_missed() {
             assert!(put(&mut store, &disarmed, Kind::Settings, &content(3, 90)).is_err());
             flash.restart();
             let (mut store, _) = open(&mut flash);
-            // The last word is the seal: before it, and within it.
+            // The last word is the seal: cut before it, and within it.
             let is_damaged = damaged(&mut store)[0];
             assert!(!is_damaged || cut + 2 > steps, "cut at {cut} of {steps}");
             told += u32::from(is_damaged);

@@ -1,4 +1,4 @@
-//! Items and uploads: what goes in, what is refused, and where an upload goes on.
+//! Items and uploads: accepted content, refused content, and the continuation of uploads.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
 use sinew_rig::board::{BoardRig, BoardRigError};
@@ -31,7 +31,7 @@ fn items_are_read_back_in_place_and_by_block() {
     assert!(item.descriptor().check_schema(1).is_ok());
     let other = item.descriptor().check_schema(2).unwrap_err();
     assert_eq!(other.to_string(), "Show is of schema 1; this firmware reads 2");
-    // As memory.
+    // Read as memory.
     assert_eq!(item.content(&flash.bytes), Some(&show[..]));
     assert_eq!(item.content(&flash.bytes[..0x4100]), None);
 }
@@ -47,7 +47,7 @@ fn an_upload_goes_on_where_it_was_cut() {
         for from in (0..cut_at).step_by(256) {
             let block = &show[from..from + 256];
             store.write(&disarmed, &mut upload, from as u32, block).unwrap();
-            // The answer was lost: the host sends it again.
+            // The answer was lost, and the host repeats the block.
             store.write(&disarmed, &mut upload, from as u32, block).unwrap();
         }
         let erases = flash.erases.clone();
@@ -55,12 +55,12 @@ fn an_upload_goes_on_where_it_was_cut() {
         assert_eq!(store.show(0).unwrap(), None);
         let mut upload = store.begin(&disarmed, &descriptor).unwrap();
         let from = upload.received() as usize;
-        // At most the last chunk comes again.
+        // At most the last chunk is repeated.
         assert!(from <= cut_at && from + 64 >= cut_at, "{from} of {cut_at}");
         store.write(&disarmed, &mut upload, from as u32, &show[from..]).unwrap();
         let item = store.end(&disarmed, &upload).unwrap();
         assert_eq!(common::read(&mut store, &item), show);
-        // Whole: beginning it again finds it.
+        // A complete upload is found when it is started again.
         let again = store.begin(&disarmed, &descriptor).unwrap();
         assert_eq!(again.received(), 1500);
         assert_eq!(store.end(&disarmed, &again), Ok(item));
@@ -100,7 +100,7 @@ fn content_of_another_hash_is_dropped() {
         let other = store.put(&disarmed, &announced, &content(3, 300));
         assert_eq!(other, Err(Error::Hash));
         assert_eq!(everything(&mut store), before);
-        // The right content begins anew.
+        // The right content starts again.
         assert_eq!(store.begin(&disarmed, &announced).unwrap().received(), 0);
         store.put(&disarmed, &announced, &content(2, 300)).unwrap();
         assert_ne!(everything(&mut store), before);
@@ -168,7 +168,7 @@ fn a_rig_that_is_too_large_is_refused_by_number() {
     let len = baked.encode(&mut bytes).unwrap();
     bytes.truncate(len);
     let head: &[u8; Capacity::HEAD_LEN] = bytes.first_chunk().unwrap();
-    // What `sinew-rig` itself says of the same bytes.
+    // Bytes as `sinew-rig` itself encodes them.
     macro_rules! refused {
         ($bodies:literal, $dofs:literal, $servos:literal) => {{
             let capacity = Capacity { bodies: $bodies, dofs: $dofs, servos: $servos };
@@ -194,7 +194,7 @@ fn a_rig_that_is_too_large_is_refused_by_number() {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = Store::open(&mut flash, SMALL).unwrap();
     let too_large = Error::Capacity(CapacityError::TooLarge { what: "bodies", found: 7, holds: 4 });
-    // At the first block, or at the end where blocks are shorter than what is looked at.
+    // At the first block, or at the end if blocks are shorter than the checked part.
     for block in [4, 64] {
         assert_eq!(upload(&mut store, &disarmed, Kind::Rig, &bytes, block), Err(too_large));
     }
@@ -213,7 +213,7 @@ fn faults_are_recorded_without_an_erase_and_the_first_stays() {
     let mut last = 0;
     for run in 1..=5 {
         store.tidy(&disarmed).unwrap();
-        // Armed from here on: a tidy log has room for as many faults as are kept.
+        // Armed from now on: a tidy log has room for the number of faults that are kept.
         for _ in 0..FAULTS_KEPT {
             last += 1;
             assert_eq!(store.record_fault(&fault(last)), Ok(run));

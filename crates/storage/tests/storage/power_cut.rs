@@ -1,4 +1,4 @@
-//! Power is cut at every write and within it: what was asked for has happened or has not, and the store goes on.
+//! Power is cut at every write and within it: an operation has happened or has not, and the store remains usable.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 #![expect(
     clippy::redundant_closure_for_method_calls,
@@ -14,7 +14,7 @@ use crate::common::{
 
 type Flash<'a> = Store<&'a mut MockFlash>;
 
-/// Cuts an operation at every step, in several runs of chance. Says how many cuts there were.
+/// Cuts an operation at every step, in several random runs. Returns the number of cuts.
 fn cut(name: &str, start: &MockFlash, operation: impl Fn(&mut Flash<'_>, &Disarmed) -> Result<()>) {
     let see =
         |flash: &MockFlash| everything(&mut Store::open(&mut flash.clone(), SMALL).unwrap().0);
@@ -39,12 +39,12 @@ fn cut(name: &str, start: &MockFlash, operation: impl Fn(&mut Flash<'_>, &Disarm
             check_usable(&mut flash, &found, &new, &operation);
         }
     }
-    // Where old and new are the same, only the bytes differ.
+    // If old and new items are equal, only the bytes differ.
     let after = if old == new { "the same".into() } else { format!("{olds} old, {news} new") };
     is_on_page(&[format!("| {name} | {} | {after} |", whole.steps * 3)]);
 }
 
-/// After the cut, faults are recorded without an erase, and the operation is done again.
+/// After the cut, records faults without an erase, and repeats the operation.
 fn check_usable(
     flash: &mut MockFlash,
     found: &Everything,
@@ -64,7 +64,7 @@ fn check_usable(
     assert_eq!(store.faults().unwrap().last.back().unwrap().number, 999);
 }
 
-/// Settings, a rig, a show and two faults, after so many changes of the settings.
+/// Creates a store with settings, a rig, a show and two faults, after a number of changes of the settings.
 fn used(changes: u32) -> MockFlash {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = Store::open(&mut flash, SMALL).unwrap();
@@ -79,7 +79,7 @@ fn used(changes: u32) -> MockFlash {
     flash
 }
 
-/// A flash on which the next change of settings has to compact the log.
+/// Returns a flash on which the next change of settings must compact the log.
 fn full() -> MockFlash {
     let erases = |flash: &MockFlash| flash.erases.iter().map(|(_, count)| count).sum::<u32>();
     let first = erases(&used(0));
@@ -130,7 +130,7 @@ fn the_end_of_a_show() {
 #[test]
 fn a_fault() {
     cut("a fault is recorded", &used(2), |store, disarmed| match store.record_fault(&fault(77)) {
-        // After a cut within a record's head.
+        // After a power cut within a record's head.
         Err(sinew_storage::Error::Untidy) => {
             store.tidy(disarmed)?;
             store.record_fault(&fault(77)).map(drop)
@@ -156,7 +156,8 @@ fn faults_that_fill_the_sector() {
     cut("the log is tidied", &flash, |store, disarmed| store.tidy(disarmed));
 }
 
-/// Any order of operations, power that fails in most of them and again right after: a model of what may be there.
+/// Any order of operations, with power failures in most of them and again right after; compared with a model of the
+/// possible content.
 #[test]
 fn long_lives_with_many_cuts() {
     for life in 0..40_u32 {
@@ -183,7 +184,7 @@ fn long_lives_with_many_cuts() {
     }
 }
 
-/// One operation, and what it should make of all that is there.
+/// Performs an operation, and updates the model of the possible content.
 fn live(
     store: &mut Flash<'_>,
     disarmed: &Disarmed,

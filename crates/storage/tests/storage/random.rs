@@ -1,4 +1,4 @@
-//! Flash with any content: nothing panics, nothing bad is taken for good, and the store goes on.
+//! Flash with any content: nothing panics, no invalid content is accepted, and the store remains usable.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use sinew_storage::{Condition, Kind, Store};
 use crate::common::flash::MockFlash;
 use crate::common::{SMALL, content, everything, fault, put, rig};
 
-/// CRC-32 (ISO-HDLC), bit by bit: not the table that the product uses.
+/// Computes CRC-32 (ISO-HDLC) bit by bit, independently of the product's table.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -16,7 +16,7 @@ fn crc(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A used store: what it has, and what it ever had.
+/// A used store: its items, and all items it ever had.
 fn used() -> (MockFlash, Vec<Vec<u8>>) {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = Store::open(&mut flash, SMALL).unwrap();
@@ -36,7 +36,7 @@ fn used() -> (MockFlash, Vec<Vec<u8>>) {
     (flash, written)
 }
 
-/// Reads all, and uses the store as if nothing were wrong.
+/// Reads everything, and uses the store normally.
 fn go_on(flash: &mut MockFlash, is_good: impl Fn(&[u8]) -> bool) {
     let (mut store, disarmed) = Store::open(&mut *flash, SMALL).unwrap();
     let found = everything(&mut store);
@@ -98,7 +98,7 @@ proptest! {
         go_on(&mut flash, |item| written.iter().any(|known| known == item));
     }
 
-    /// Records as they are written, of payloads that nobody writes: heads and seals are right.
+    /// Writes records with correct heads and seals, but with payloads that no code writes.
     #[test]
     fn signed_nonsense_is_not_there(
         records in prop::collection::vec(
@@ -110,7 +110,7 @@ proptest! {
         let mut log = b"SNWL\x01\0\0\0\x05\0\0\0".to_vec();
         log.extend(crc(&log).to_le_bytes());
         for (kind, schema, payload, is_sealed, more) in records {
-            // Some end elsewhere than they say.
+            // Some records end at another address than their head says.
             let len = if more == 8 { u32::MAX - 3 } else { payload.len() as u32 + more / 4 };
             let mut head = vec![b'S', b'R', 1, kind];
             head.extend(schema.to_le_bytes().into_iter().chain([0, 0]).chain(len.to_le_bytes()));

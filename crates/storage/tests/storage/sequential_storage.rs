@@ -1,6 +1,6 @@
-//! Why the log is our own: the library that was weighed for it, on the same flash, with the same cuts.
+//! The reason for our own log: a test of an alternative library, on the same flash, with the same power cuts.
 //!
-//! If this test fails, the library has become better, and it may be time to weigh it again.
+//! If this test fails, the library has improved, and it may be time to evaluate it again.
 
 use core::pin::pin;
 use core::task::{Context, Poll, Waker};
@@ -13,7 +13,7 @@ use sequential_storage::map::{MapConfig, MapStorage};
 use crate::common::flash::{MockFlash, PowerFailed};
 use crate::common::{SMALL, content, is_on_page};
 
-/// The flash, behind the traits of the library.
+/// The flash with the traits of the library.
 struct Async<'a>(&'a mut MockFlash);
 
 impl ErrorType for Async<'_> {
@@ -62,7 +62,7 @@ fn store(flash: &mut MockFlash, key: u8, value: &[u8]) -> bool {
     now(map(flash).store_item(&mut [0; 2048], &key, &value)).is_ok()
 }
 
-/// A value, if there is one and the library can read.
+/// Returns a value, if there is one and the library can read it.
 fn fetch(flash: &mut MockFlash, key: u8) -> Option<Vec<u8>> {
     let mut buffer = [0; 2048];
     let value = now(map(flash).fetch_item::<&[u8]>(&mut buffer, &key));
@@ -93,7 +93,7 @@ fn it_loses_items_where_a_cut_erase_leaves_what_the_trait_allows() {
             let before = flash.erases.clone();
             neither += u32::from(fetch(&mut flash, 2).as_ref() != Some(&rig));
             read_erases += u32::from(flash.erases != before);
-            // The next change finds what the cut left.
+            // The next change meets the remains of the power cut.
             store(&mut flash, 1, &content(change, 90));
             twice += u32::from(flash.twice > 0);
             lost += u32::from(fetch(&mut flash, 2).as_ref() != Some(&rig));

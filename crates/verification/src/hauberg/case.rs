@@ -1,4 +1,4 @@
-//! Cases of `hauberg/1` as the file has them.
+//! Cases of `hauberg/1` as they are in the file.
 
 use glam::DQuat;
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use sinew_pose_metrics::geodesic::{Rig, RigJoint};
 use crate::error::CaseError;
 use crate::golden::Vector;
 
-/// The core's largest capacity.
+/// Largest capacity of the core.
 pub(super) const CAPACITY: usize = 128;
 
 #[derive(Deserialize)]
@@ -89,7 +89,7 @@ impl Case {
     }
 }
 
-/// The root is fixed, all else turns as it likes.
+/// Returns the kind of a joint: the root is fixed, all other joints are spherical.
 pub(super) fn kind(joint: usize) -> JointKind {
     if joint == 0 { JointKind::Fixed } else { JointKind::Spherical }
 }

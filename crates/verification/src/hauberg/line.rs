@@ -1,25 +1,25 @@
-//! The straight line between two poses, with its rounding.
+//! The straight line between two poses, with rounding.
 
 use super::case::{Case, kind};
 use crate::golden;
 use crate::rounding::{Number, Rotation, State, Vector};
 use sinew_core::JointKind;
 
-/// Points of the line, from the first pose to the last.
+/// A line: its points from the first pose to the last.
 pub(super) struct Line {
-    /// Of both ends, by joint.
+    /// Coordinates of both ends, by joint.
     ends: [Vec<Vector>; 2],
     coordinates: Vec<Vec<Vector>>,
-    /// Joints in the world, by point.
+    /// States of the joints in the world, by point.
     pub(super) places: Vec<Vec<State>>,
 }
 
-/// The core's coordinates of rotation vectors: by way of poses.
+/// Returns the core's coordinates of rotation vectors, which are converted by way of poses.
 pub(super) fn coordinates(vectors: &[golden::Vector]) -> Vec<Vector> {
     vectors.iter().map(|vector| Rotation::exp(Vector::given(vector.0)).log()).collect()
 }
 
-/// Joints in the world.
+/// Returns the states of the joints in the world.
 pub(super) fn placed(case: &Case, coordinates: &[Vector]) -> Vec<State> {
     places(case, coordinates, Rotation::exp, Rotation::unit)
 }
@@ -54,7 +54,7 @@ impl Line {
         Self::with(case, Rotation::exp, Rotation::unit)
     }
 
-    /// As the core computes four points at a time.
+    /// Computes the line with the operations of the core's code for four points at a time.
     pub(super) fn by_fours(case: &Case) -> Self {
         Self::with(case, exp_by_powers, |rotation| rotation)
     }
@@ -88,7 +88,7 @@ impl Line {
         root_of_squares(a.iter().zip(b).map(turn))
     }
 
-    /// Distance between two points.
+    /// Returns the distance between two points.
     pub(super) fn distance(&self, a: usize, b: usize) -> Number {
         let ways = self.places[a].iter().zip(&self.places[b]);
         root_of_squares(ways.map(|(a, b)| a.position - b.position))
@@ -106,7 +106,7 @@ impl Line {
         self.steps().fold(Number::ZERO, |sum, step| sum + step * step)
     }
 
-    /// Gradient of the energy at a point: over motions in body axes, and over rotation vectors.
+    /// Returns the gradient of the energy at a point: by motions in body axes, and by rotation vectors.
     pub(super) fn gradient(&self, case: &Case, point: usize) -> [Vec<Vector>; 2] {
         let [before, at, after] = [point - 1, point, point + 1].map(|k| &self.places[k]);
         let count = at.len();
@@ -138,13 +138,13 @@ fn root_of_squares(vectors: impl Iterator<Item = Vector>) -> Number {
     vectors.fold(Number::ZERO, |sum, vector| sum + vector.dot(vector)).sqrt()
 }
 
-/// The transpose of the exponential map's right Jacobian, times a vector.
+/// Multiplies a vector by the transpose of the exponential map's right Jacobian.
 fn in_vectors(at: Vector, of_motion: Vector) -> Vector {
     let angle = at.length();
     let (sine, cosine) = (angle.function(f64::sin), angle.function(f64::cos));
     let squared = angle * angle;
     let (of_cross, of_square) = if squared.exact() < 0.06 {
-        // Series, as the differences below have no digits left.
+        // A series is used, since the differences below have no significant digits left.
         (
             squared.function(|s| 0.5 - s * (1.0 / 24.0 - s / 720.0)),
             squared.function(|s| 1.0 / 6.0 - s * (1.0 / 120.0 - s / 5040.0)),
@@ -156,11 +156,11 @@ fn in_vectors(at: Vector, of_motion: Vector) -> Vector {
     of_motion + across * of_cross + at.cross(across) * of_square
 }
 
-/// The exponential map by powers of the angle up to π, without a case or a root.
+/// Computes the exponential map by powers of the angle up to π, without a branch or a root.
 fn exp_by_powers(vector: Vector) -> Rotation {
     let half = vector.doubled(0.5);
     let squared = half.dot(half);
-    // 1 - x² / (n (n + 1)) (1 - x² / ((n + 2) (n + 3)) ...), added up as powers.
+    // The series is 1 - x² / (n (n + 1)) (1 - x² / ((n + 2) (n + 3)) ...), summed as powers.
     let series = |first: f64| {
         let mut coefficients = vec![1.0];
         for k in 0..9 {

@@ -1,4 +1,5 @@
-//! Distances of poses, curves and geodesics (`hauberg/1`): the first two by the core, geodesics by the host in f64.
+//! Verifies distances of poses, curves and geodesics (`hauberg/1`): the first two in the core, geodesics in the
+//! host's f64 solver.
 
 mod case;
 mod line;
@@ -45,7 +46,7 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
     check_geodesic(name, case, tallies)
 }
 
-/// Distances, curve and gradient of the straight line, by the core.
+/// Checks distances, curve and gradient of the straight line in the core.
 fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let tree = case.tree()?;
     let space = PoseSpace::new(&tree);
@@ -137,7 +138,7 @@ fn check_core(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), Case
     Ok(())
 }
 
-/// The geodesic, by the host's solver.
+/// Checks the geodesic of the host's solver.
 fn check_geodesic(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
     let rig = case.rig()?;
     let pose = |vectors: &[Vector]| -> Vec<JointPosition> {
@@ -154,7 +155,7 @@ fn check_geodesic(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), 
     let mut number = |name: &str, unit, limit: f64, error: f64, scale: f64| {
         tallies.add_error(Quantity { name, unit, limit, scale }, at, error);
     };
-    // Lower is better, and no mistake.
+    // A lower energy is better, and not an error.
     let above = (geodesic.energy_m2 - case.geodesic.energy).max(0.0);
     let (length, energy) = (case.geodesic.length, case.geodesic.energy);
     let (path, least) = (limit::geodesic_path(), limit::geodesic_energy());

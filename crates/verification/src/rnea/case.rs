@@ -1,4 +1,4 @@
-//! Cases of `rnea/1` as the file has them.
+//! Cases of `rnea/1` as they are in the file.
 
 use glam::DVec3;
 use serde::Deserialize;
@@ -32,7 +32,7 @@ pub(super) struct State {
     pub(super) world: Option<Vec<WorldState>>,
 }
 
-/// What only a free root has.
+/// Fields that exist only for a free root.
 #[derive(Deserialize, Clone, Copy)]
 pub(super) struct RootMotion {
     pub(super) root_pos: Vector,
@@ -59,8 +59,8 @@ pub(super) struct WorldState {
     pub(super) vel: Vector,
 }
 
-/// Accelerations of the joints, angular and linear; a free root's is classical in the core, so it is turned from the
-/// world.
+/// Returns the accelerations of the joints, angular and linear. In the core, a free root's acceleration is
+/// classical: the world acceleration is rotated to body axes.
 pub(super) fn accelerations(state: &State) -> Vec<[DVec3; 2]> {
     let mut motions: Vec<_> = state.alpha.iter().map(|alpha| [alpha.0, DVec3::ZERO]).collect();
     if let Some(root) = &state.root {
@@ -69,8 +69,8 @@ pub(super) fn accelerations(state: &State) -> Vec<[DVec3; 2]> {
     motions
 }
 
-/// Accelerations of zero in the files' coordinates: the derivative of the components in body axes of a
-/// free root's velocity is zero, its classical acceleration is not.
+/// Returns the accelerations that are zero in the files' coordinates. For a free root the derivative of the
+/// velocity's components in body axes is zero, but the classical acceleration is not.
 pub(super) fn bias_accelerations(state: &State) -> Vec<[DVec3; 2]> {
     let mut motions = vec![[DVec3::ZERO; 2]; state.alpha.len()];
     if let Some(root) = &state.root {

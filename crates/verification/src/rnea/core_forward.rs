@@ -1,4 +1,5 @@
-//! Forward dynamics of the core: the accelerations that the files' torques make, and that their bias makes none.
+//! Verifies forward dynamics of the core: the accelerations under the files' torques, and zero acceleration under
+//! the bias.
 
 use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
 use sinew_core::glam::Vec3;
@@ -34,7 +35,7 @@ pub(super) fn check(
     let of_torques = run(&state.tau, root_force);
     let of_bias = run(&state.bias, bias_force);
 
-    // States of zero acceleration are compared on the scale of the others.
+    // States of zero acceleration are compared on the scale of the other states.
     let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
     for (name, got, rounded, expected) in [
         ("joint acceleration", of_torques, &rounded[0], accelerations(state)),
@@ -46,7 +47,7 @@ pub(super) fn check(
             let at = format_args!("{at}, body {body}");
             let quantity = |limit| Quantity { name, unit: "rad/s²", limit, scale };
             tallies.add(quantity(rounded.angular.limit()), at, got.angular, angular);
-            // Zero but for a free root.
+            // Zero, except for a free root.
             tallies.add(quantity(rounded.linear.limit()), at, got.linear, linear);
         }
     }

@@ -1,4 +1,4 @@
-//! Forward dynamics of the articulated plant, in f64: the accelerations that the files' torques make.
+//! Verifies forward dynamics of the articulated plant, in f64: the accelerations under the files' torques.
 
 use glam::{DMat3, DVec3};
 use sinew_figure::plant::{
@@ -19,7 +19,7 @@ pub(super) fn check(
     rounded: &[Motion],
     tallies: &mut Tallies,
 ) -> Result<(), CaseError> {
-    // A plant's root is free or bolted: one that turns about a point hangs on a bolted body.
+    // A plant's root is free or bolted: a root that turns about a point is attached to an additional bolted body.
     let hung = case.root == Root::Spherical;
     let still =
         MovingPose { pose: Pose::IDENTITY, angular_rad_s: DVec3::ZERO, linear_m_s: DVec3::ZERO };
@@ -55,7 +55,7 @@ pub(super) fn check(
         .with_gravity(case.gravity.0)
         .accelerations(&drive);
 
-    // States of zero acceleration are compared on the scale of the others.
+    // States of zero acceleration are compared on the scale of the other states.
     let scale = largest(case.states.iter().flat_map(|state| &state.alpha));
     // Both sides have been rounded, in f64.
     let limit = |rounded: f64| 2.0 * DOUBLE * rounded;
@@ -78,7 +78,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// A body that does not move; its mass is of no account.
+/// Returns a body that does not move. Its mass has no effect.
 fn bolted() -> Link {
     let mass = MassProperties {
         mass_kg: 1.0,

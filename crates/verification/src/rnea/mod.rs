@@ -1,4 +1,5 @@
-//! Inverse dynamics, mass matrix and kinematics (`rnea/1`), and forward dynamics, the core's and the plant's.
+//! Verifies inverse dynamics, mass matrix and kinematics (`rnea/1`), and forward dynamics of the core and of the
+//! plant.
 
 mod case;
 mod core_forward;
@@ -71,7 +72,7 @@ fn check_state(
     let bias = run(&joints, &twists(bias_accelerations(state)));
     let gravity = run(&still, &vec![Twist::ZERO; case.n]);
 
-    // The mount of a welded root is no joint: its reaction is the root wrench.
+    // The mount of a welded root is not a joint: its reaction is the root wrench.
     let jointed = usize::from(case.root == Root::Welded)..case.n;
     let tau_name = if state.kind == "negated_quat" { "tau, negated quaternions" } else { "tau" };
     for (name, got, rounded, expected) in [
@@ -148,7 +149,7 @@ impl Rounded {
         }
     }
 
-    /// Accelerations of the file's torques, and of its bias.
+    /// Returns the accelerations under the file's torques, and under its bias.
     fn forward(&self, state: &State) -> [Vec<Motion>; 2] {
         let bias_force = state.root.map_or(DVec3::ZERO, |root| root.bias_root_force_body.0);
         let of = |torques: &[Vector], root_force| {
@@ -158,7 +159,7 @@ impl Rounded {
         [of(&state.tau, state.root_wrench.force_body.0), of(&state.bias, bias_force)]
     }
 
-    /// Accelerations of the file's torques in a plant that has states and torques in the world.
+    /// Returns the accelerations under the file's torques in a plant whose states and torques are in the world.
     fn forward_by_world(&self, state: &State) -> Vec<Motion> {
         let joints = Joint::through_world(&self.links, &self.joints);
         let mut drives = drives(&state.tau, state.root_wrench.force_body.0);
@@ -255,7 +256,7 @@ fn check_root_wrench(
     }
 }
 
-/// Power of each joint: the file has it as torque and velocity.
+/// Checks the power of each joint, which the file gives as torque and velocity.
 fn check_power(
     state: &State,
     at: &str,
@@ -288,7 +289,7 @@ fn check_power(
     }
 }
 
-/// The mass matrix, and its columns as torques of unit accelerations, at rest and without gravity.
+/// Checks the mass matrix, and its columns as torques of unit accelerations, at rest and without gravity.
 fn check_mass_matrix(
     case: &Case,
     tree: &Tree,
@@ -314,7 +315,7 @@ fn check_mass_matrix(
     let mut matrix = vec![0.0; dof_count(tree.bodies()).pow(2)];
     let mut scratch = vec![CompositeBody::default(); tree.len()];
     let size = mass_matrix(tree.bodies(), still, &mut scratch, &mut matrix);
-    // The files have a free root's slides before its turns, the core has them after.
+    // In the files a free root's slides precede its rotations; in the core they follow them.
     let dof = |coordinate: usize| match (case.root, coordinate) {
         (Root::Free, 0..3) => coordinate + 3,
         (Root::Free, 3..6) => coordinate - 3,
@@ -330,7 +331,7 @@ fn check_mass_matrix(
         let wrenches = run(tree, still, &accelerations, Vec3::ZERO);
         for (row, (body, along)) in coordinates.iter().enumerate().skip(column) {
             let got = f64::from(wrenches[*body].power_w(*along));
-            // H is positive definite: no element exceeds the geometric mean of its two diagonal ones.
+            // H is positive definite: no element exceeds the geometric mean of its two diagonal elements.
             let scale = (expected(row, row) * expected(column, column)).sqrt();
             let of_matrix = f64::from(matrix[dof(row) * size + dof(column)]);
             for (name, rounded, got) in

@@ -1,4 +1,4 @@
-//! Inverse dynamics by the recursive Newton-Euler algorithm, and columns of the mass matrix by it.
+//! Inverse dynamics by the recursive Newton-Euler algorithm, and columns of the mass matrix with it.
 
 use sinew_core::JointKind;
 
@@ -14,8 +14,8 @@ struct BodyMotion {
     acceleration: Motion,
 }
 
-/// Wrench of each joint on its body about its origin, body axes, as
-/// [`inverse_dynamics`](sinew_core::dynamics::inverse_dynamics) has it.
+/// Computes the wrench of each joint on its body about its origin, body axes, like
+/// [`inverse_dynamics`](sinew_core::dynamics::inverse_dynamics).
 pub fn inverse_dynamics(
     links: &[Link],
     joints: &[Joint],
@@ -89,7 +89,7 @@ fn needed(link: &Link, motion: &BodyMotion) -> Motion {
     Motion { angular: about_center.plus_cross(link.center, force), linear: force }
 }
 
-/// The dofs of a rig: body and motion of each, in the order of the core's mass matrix.
+/// Returns the dofs of a rig: body and motion of each, in the order of the core's mass matrix.
 fn dofs(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Vec<(usize, Motion)> {
     let of_body = |(body, link): (usize, &Link)| {
         columns(body, link).into_iter().map(move |column| (body, column)).collect::<Vec<_>>()
@@ -97,7 +97,7 @@ fn dofs(links: &[Link], columns: impl Fn(usize, &Link) -> Vec<Motion>) -> Vec<(u
     links.iter().enumerate().flat_map(of_body).collect()
 }
 
-/// The mass matrix, column by column the wrenches of a unit acceleration at rest.
+/// Computes the mass matrix column by column, as the wrenches of a unit acceleration at rest.
 pub fn mass_matrix_by_torques(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     let still: Vec<_> = joints.iter().map(Joint::still).collect();
     let dofs = dofs(links, |body, link| link.columns(&joints[body]));
@@ -110,8 +110,8 @@ pub fn mass_matrix_by_torques(links: &[Link], joints: &[Joint]) -> Vec<Vec<Numbe
     dofs.iter().map(column).collect()
 }
 
-/// The mass matrix by the composite-rigid-body algorithm. Of rows and columns of which no joint carries the other's it
-/// is zero.
+/// Computes the mass matrix by the composite-rigid-body algorithm. It is zero where neither joint moves the
+/// other's body.
 pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     let matrices: Vec<_> = joints.iter().map(|joint| joint.rotation.matrix()).collect();
     let mut composites: Vec<_> = links.iter().map(Composite::of).collect();
@@ -121,7 +121,7 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
             composites[parent] = composites[parent].plus(&carried);
         }
     }
-    // To the axes of the root, which has no turn itself: bodies, and the ways from their parents.
+    // Converts bodies, and the vectors from their parents, to the axes of the root, whose own rotation is zero.
     let mut turns: Vec<Rotation> = Vec::with_capacity(links.len());
     let mut rotations: Vec<Matrix> = Vec::with_capacity(links.len());
     let mut arms = Vec::with_capacity(links.len());
@@ -161,7 +161,7 @@ pub fn mass_matrix(links: &[Link], joints: &[Joint]) -> Vec<Vec<Number>> {
     rows
 }
 
-/// Bodies that hold together, about an origin.
+/// Several rigidly connected bodies, with their inertia about an origin.
 #[derive(Clone, Copy)]
 struct Composite {
     mass: Number,
@@ -174,7 +174,7 @@ impl Composite {
         Self { mass: link.mass, moment: Vector::ZERO, inertia: link.inertia }.moved(link.center)
     }
 
-    /// At an origin that this one is `arm` away from.
+    /// Returns the inertia about an origin from which the present origin is `arm` away.
     fn moved(&self, arm: Vector) -> Self {
         let way = arm * self.mass;
         let halfway = self.moment + way.doubled(0.5);

@@ -14,32 +14,33 @@ type Inertia = [Six; 6];
 struct Body {
     matrix: Matrix,
     columns: Vec<Six>,
-    /// Of the joint, by what its axes move.
+    /// Acceleration from the motion of the joint's own axes.
     along_axes: Vector,
-    /// By velocities alone: of the body, from its parent's.
+    /// Acceleration of the body, relative to its parent's, that results from velocities alone.
     moving: Six,
     inertia: Inertia,
     wrench: Six,
     response: Response,
 }
 
-/// How a ball with a rotor does: absolute, by the acceleration of the origin, and what is held of the carried one.
+/// Response of a ball joint with a rotor: the constant part, the part per acceleration of the origin, and the part
+/// of the carried acceleration that is transmitted.
 struct Ball {
     turn: Vector,
     per_way: Matrix,
     held: Matrix,
 }
 
-/// How a joint gives way.
+/// Response of a joint.
 enum Response {
-    /// Along its dofs: the wrenches that they meet, and what they make of the rest.
+    /// Along its dofs: wrenches of unit accelerations, resistance of the dofs, and remaining push.
     Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
-    /// Any way, against a rotor.
+    /// About any axis, against a rotor.
     Ball(Box<Ball>),
 }
 
-/// Accelerations of the dofs of each joint that these wrenches of their drives make, as
-/// [`forward_dynamics`](sinew_core::dynamics::forward_dynamics) has them.
+/// Computes the accelerations of each joint's dofs under these wrenches of their drives, like
+/// [`forward_dynamics`](sinew_core::dynamics::forward_dynamics).
 pub fn forward_dynamics(
     links: &[Link],
     joints: &[Joint],
@@ -108,7 +109,7 @@ fn start(link: &Link, joint: &Joint, parent: Vector) -> (Vector, Body) {
     (velocity, body)
 }
 
-/// First moment, and the columns of the inertia about the origin.
+/// Returns the first moment, and the columns of the inertia about the origin.
 fn about_origin(link: &Link) -> (Vector, [Vector; 3]) {
     let (c, m) = (link.center, link.mass);
     let moment = c * m;
@@ -135,7 +136,7 @@ fn rigid(mass: Number, moment: Vector, inertia: [Vector; 3]) -> Inertia {
     ]
 }
 
-/// What a joint passes on: as much per acceleration of the parent, and so much anyway.
+/// The load that a joint transmits to its parent: a part per acceleration of the parent, and a constant part.
 struct Passed {
     inertia: Inertia,
     wrench: Six,
@@ -160,7 +161,7 @@ impl Body {
             .iter()
             .map(|column| dot(*column, drive) - dot(*column, self.wrench))
             .collect();
-        // Column by column of the inertia: what the dofs do about it.
+        // For each column of the inertia: the response of the dofs.
         let mut inertia = self.inertia;
         for column in 0..6 {
             let wanted: Vec<_> = met.iter().map(|met| met[column]).collect();
@@ -180,7 +181,7 @@ impl Body {
         Passed { inertia, wrench }
     }
 
-    /// As the core does it: with `r (I + r)⁻¹` of what a body resists with, which no difference makes.
+    /// Computes it like the core: with `r (I + r)⁻¹` of the body's resistance, which avoids a difference.
     fn turn_any_way_with_rotor(&mut self, drive: Vector, rotor: Number) -> Passed {
         let block = |row: usize, column: usize| {
             let of = |k: usize| Vector {
@@ -246,7 +247,7 @@ impl Body {
                     Motion { angular: *turn - per_way.turn(linear) + held.turn(angular), linear }
                 }
             };
-        // The joint's own is what the body has beyond what it was carried with.
+        // The joint's own acceleration is the body's minus the carried acceleration.
         let carried = motion(carried);
         let of_joint = Motion {
             angular: self.along_axes + (of_body.angular - carried.angular),
@@ -257,7 +258,7 @@ impl Body {
 }
 
 impl Passed {
-    /// The same in the parent's axes, about its origin.
+    /// Returns the load in the parent's axes, about its origin.
     fn in_parent(&self, matrix: &Matrix, arm: Vector) -> (Inertia, Six) {
         let wrench = |six: Six| {
             let Motion { angular, linear } = motion(six);
@@ -265,7 +266,7 @@ impl Passed {
             let moment = matrix.turn(angular).plus_cross(arm, force);
             Motion { angular: moment, linear: force }.components()
         };
-        // Columns as wrenches, then rows as such.
+        // Columns are converted as wrenches, then rows.
         let columns = transposed(&self.inertia).map(wrench);
         (transposed(&columns).map(wrench), wrench(self.wrench))
     }
@@ -291,7 +292,7 @@ fn times(matrix: &Inertia, v: Six) -> Six {
     std::array::from_fn(|row| dot(matrix[row], v))
 }
 
-/// By elimination; the matrix is positive definite, so no pivot is needed.
+/// Solves by elimination. The matrix is positive definite: no pivoting is needed.
 fn solve(mut matrix: Vec<Vec<Number>>, mut right: Vec<Number>) -> Vec<Number> {
     let count = right.len();
     for pivot in 0..count {

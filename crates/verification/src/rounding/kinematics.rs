@@ -1,10 +1,10 @@
-//! States of joints to states of bodies, and back.
+//! Converts states of joints to states of bodies, and back.
 
 use super::link::Link;
 use super::states::{Joint, State};
 
 impl Joint {
-    /// The same by way of the world: of bodies whose states are kept there.
+    /// Returns the joints converted to world states and back, as in a plant that stores states in the world.
     pub fn through_world(links: &[Link], joints: &[Self]) -> Vec<Self> {
         let states = body_states(links, joints);
         let joint = |(link, state): (&Link, &State)| {
@@ -14,7 +14,7 @@ impl Joint {
     }
 }
 
-/// States of all bodies in the world.
+/// Returns the states of all bodies in the world.
 pub fn body_states(links: &[Link], joints: &[Joint]) -> Vec<State> {
     let mut states: Vec<State> = Vec::with_capacity(links.len());
     for (link, joint) in links.iter().zip(joints) {

@@ -1,4 +1,4 @@
-//! Bodies of a rig.
+//! Bodies of a rig, with rounding.
 
 use sinew_core::{Body, JointKind};
 
@@ -7,27 +7,27 @@ use super::number::Number;
 use super::space::{Matrix, Rotation, Vector};
 use super::states::Joint;
 
-/// A body of a rig.
+/// A body of a rig and its joint.
 #[derive(Debug, Clone, Copy)]
 pub struct Link {
-    /// Its parent; `None`: the world.
+    /// Index of the parent; `None` for the world.
     pub parent: Option<usize>,
-    /// What its joint leaves free.
+    /// Kind of the joint.
     pub joint: JointKind,
-    /// kg.
+    /// Mass, kg.
     pub mass: Number,
     /// Centre of mass, m.
     pub center: Vector,
-    /// About the centre of mass, kg m².
+    /// Inertia about the centre of mass, kg m².
     pub inertia: Matrix,
-    /// Of the joint's drive.
+    /// Rotor inertia of the joint's drive.
     pub rotor: Number,
-    /// Rotation of the placement of the joint.
+    /// Rotation of the joint's placement.
     pub placement: Rotation,
 }
 
 impl Link {
-    /// A body of the core's, as f32 has it.
+    /// Creates a body from the core's, whose f32 numbers are exact.
     pub fn known(body: &Body) -> Self {
         let i = &body.inertia.rotational_kg_m2;
         let inertia = [i.xx, i.xy, i.xz, i.yy, i.yz, i.zz];
@@ -43,16 +43,17 @@ impl Link {
         }
     }
 
-    /// Columns of the motion subspace, angular and linear, as
-    /// [`JointKind::motion_subspace`](sinew_core::JointKind::motion_subspace) has them: the first axis of a universal
-    /// joint turned back by the rotation in the joint.
+    /// Returns the columns of the motion subspace, angular and linear, like
+    /// [`JointKind::motion_subspace`](sinew_core::JointKind::motion_subspace): the first axis of a universal joint
+    /// is rotated back by the rotation in the joint.
     pub fn columns(&self, joint: &Joint) -> Vec<Motion> {
         let in_joint = self.placement.inverse().after(joint.rotation);
         self.columns_by(|first| in_joint.inverse().turn(first))
     }
 
-    /// The same by way of the parent's axes, as the mass matrix and forward dynamics take that axis: what two
-    /// quaternions are not unit by cancels in their product, and not here.
+    /// Returns the columns by way of the parent's axes, as the mass matrix and forward dynamics compute that axis.
+    /// Errors in the lengths of two quaternions cancel in the product of the quaternions, but not in this
+    /// computation.
     pub fn columns_by_parent(&self, to_parent: &Matrix) -> Vec<Motion> {
         self.columns_by(|first| to_parent.turn_back(self.placement.turn(first)))
     }
@@ -66,7 +67,7 @@ impl Link {
                 linear: Vector::known(column.linear),
             })
             .collect();
-        // The first axis of a universal joint is fixed in the joint frame, all others in the body.
+        // The first axis of a universal joint is fixed in the joint frame, all other axes in the body.
         if let (JointKind::Universal { first, .. }, Some(column)) =
             (self.joint, columns.first_mut())
         {
@@ -76,7 +77,7 @@ impl Link {
     }
 }
 
-/// A symmetric matrix by its elements xx, xy, xz, yy, yz, zz.
+/// Creates a symmetric matrix from its elements xx, xy, xz, yy, yz, zz.
 pub fn symmetric([xx, xy, xz, yy, yz, zz]: [Number; 6]) -> Matrix {
     let column = |x, y, z| Vector { x, y, z };
     Matrix::of_columns([column(xx, xy, xz), column(xy, yy, yz), column(xz, yz, zz)])

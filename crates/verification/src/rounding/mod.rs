@@ -1,8 +1,9 @@
-//! What rounding does to the core's results: its formulas once more, in numbers that carry their rounding.
+//! The effect of rounding on the core's results: the core's formulas, evaluated with numbers that carry their
+//! rounding.
 //!
-//! A limit of an error is no number that was read off a run: it follows from what is added and multiplied on the way to
-//! a result, for the very case. The order of operations is the core's in the main; another order of the same sums is
-//! off by as much, to a factor that the limits have room for.
+//! An error limit is not read off a run: it follows from the additions and multiplications that lead to a result,
+//! in each case. The order of operations is mainly the core's. Another order of equal sums has errors of equal
+//! size, up to a factor for which the limits have room.
 
 mod dynamics;
 mod forward;

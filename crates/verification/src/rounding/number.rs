@@ -1,31 +1,31 @@
-//! A number with its rounding: as it is, and as f32 may have it, many times over.
+//! A number with its rounding: its exact value, and many random samples of its value in f32.
 
 use std::array;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// How many times a computation is done beside the exact one.
+/// Number of random computations beside the exact computation.
 const LANES: usize = 32;
 
-/// How many times its expected size a rounding error may be: λ in Higham & Mary, *A new approach to probabilistic
-/// rounding error analysis* (2019).
+/// Multiple of its expected size that a rounding error may have: λ in Higham & Mary, *A new approach to
+/// probabilistic rounding error analysis* (2019).
 ///
-/// A rounding is taken as a random number within half a unit of the last place. A sum of such is sub-Gaussian: it is
-/// above λ times its standard deviation σ with a probability below `2 exp(-λ² / 2)`, 3e-14 for 8. Known is not σ but
-/// what 32 tries say about it: with that it is Student's distribution of 32 degrees of freedom, 4e-9.
+/// A rounding is modelled as a random number within half a unit of the last place. A sum of roundings is
+/// sub-Gaussian: it exceeds λ times its standard deviation σ with a probability below `2 exp(-λ² / 2)`, 3e-14 for
+/// 8. σ is estimated from 32 samples; the distribution is then Student's with 32 degrees of freedom, and the
+/// probability 4e-9.
 pub const LAMBDA: f64 = 8.0;
 
-/// What a rounding error of f64 is of one of f32.
+/// Ratio of a rounding error of f64 to one of f32.
 pub const DOUBLE: f64 = 1.0 / (1u64 << 29) as f64;
 
-/// Half a unit in the last place of f32, as a fraction of the power of two below.
+/// Half a unit in the last place of f32, relative to the next lower power of two.
 const HALF_ULP: f64 = f32::EPSILON as f64 / 2.0;
 
-/// A number of a computation in f32: what it would be without rounding, and what it is with roundings drawn at random,
-/// by lane. What one rounding does to the result, by however many ways, a lane does too: nothing is linearised, and
-/// no independence is assumed but that of the roundings.
+/// A number in an f32 computation: its value without rounding, and in each lane its value with random roundings.
+/// The effect of one rounding on the result, on all paths, is included in a lane: nothing is linearised, and no
+/// independence is assumed except that of the roundings.
 ///
-/// The roundings are drawn from the numbers that are computed with: the same computation is rounded alike each time, as
-/// a machine does it.
+/// The roundings are drawn from the operands: a repeated computation is rounded equally, as on a real machine.
 #[derive(Debug, Clone, Copy)]
 pub struct Number {
     exact: f64,
@@ -33,83 +33,84 @@ pub struct Number {
 }
 
 impl Number {
-    /// Zero.
+    /// The number zero.
     pub const ZERO: Self = Self { exact: 0.0, lanes: [0.0; LANES] };
 
-    /// A number that f32 has as it is.
+    /// Creates a number that f32 represents exactly.
     pub fn known(value: f64) -> Self {
         Self { exact: value, lanes: [value; LANES] }
     }
 
-    /// An input, of which f32 has the nearest number.
+    /// Creates an input, which f32 represents by the nearest number.
     #[expect(clippy::cast_possible_truncation, reason = "the core's inputs are f32")]
     pub fn given(value: f64) -> Self {
         Self::near(value, value as f32)
     }
 
-    /// An input, of which f32 has this.
+    /// Creates an input with this representation in f32.
     pub(super) fn near(value: f64, in_f32: f32) -> Self {
         Self { exact: value, lanes: [f64::from(in_f32); LANES] }
     }
 
-    /// Without rounding.
+    /// Returns the value without rounding.
     pub fn exact(&self) -> f64 {
         self.exact
     }
 
-    /// Expected size of the error: the root of its mean square over the lanes.
+    /// Returns the expected size of the error: the root of its mean square over the lanes.
     pub fn spread(&self) -> f64 {
         let squares = self.lanes.iter().map(|lane| (lane - self.exact).powi(2));
         (squares.sum::<f64>() / LANES as f64).sqrt()
     }
 
-    /// What the error of f32 may be: [`LAMBDA`] times its expected size.
+    /// Returns the limit of the f32 error: [`LAMBDA`] times its expected size.
     pub fn limit(&self) -> f64 {
         LAMBDA * self.spread()
     }
 
-    /// An operation by lane, and the rounding of its result.
+    /// Applies an operation in each lane, and rounds its result.
     #[inline]
     fn rounded(exact: f64, key: u64, lane: impl Fn(usize) -> f64) -> Self {
         Self::rounded_more(exact, 1.0, key, lane)
     }
 
-    /// As [`Self::rounded`], `times` as much: of a function that takes the square of that many steps.
+    /// Rounds like [`Self::rounded`], but with `times` the standard deviation, for a function of `times` squared
+    /// rounding steps.
     #[inline]
     fn rounded_more(exact: f64, times: f64, key: u64, lane: impl Fn(usize) -> f64) -> Self {
-        // A number is uniform within half a unit: the standard deviation is that over the root of 3.
+        // A rounding is uniform within half a unit: its standard deviation is that divided by the root of 3.
         let deviation = times * HALF_ULP * power_of_two_below(exact) / 3f64.sqrt();
         let signs = signs_of(key, exact < 0.0);
         Self { exact, lanes: array::from_fn(|k| lane(k) + deviation * signs[k / 4][k % 4]) }
     }
 
-    /// What tells it from other numbers, but not from its negative: the first lane, without the last digits, which are
-    /// f64's own rounding; mixed as `SplitMix64` does it.
+    /// Returns a key that identifies the number, but not its sign: the first lane without its last digits, which
+    /// are f64's own rounding, mixed as in `SplitMix64`.
     #[inline]
     fn key(&self) -> u64 {
         mixed((self.lanes[0].to_bits() << 1) >> 17)
     }
 
-    /// Whether it is this in all lanes (which the first stands for).
+    /// Returns whether the number is exactly this value in all lanes (the first lane is checked for all).
     #[expect(clippy::float_cmp, reason = "what rounds nothing is exact")]
     #[inline]
     fn is(&self, value: f64) -> bool {
         self.exact == value && self.lanes[0] == value
     }
 
-    /// The square root.
+    /// Returns the square root.
     #[must_use]
     pub fn sqrt(self) -> Self {
         Self::rounded(self.exact.max(0.0).sqrt(), self.key(), |k| self.lanes[k].max(0.0).sqrt())
     }
 
-    /// An elementary function: a polynomial and what brings its argument into range, some four steps.
+    /// Applies an elementary function: a polynomial and a range reduction, about four steps.
     #[must_use]
     pub fn function(self, of: impl Fn(f64) -> f64) -> Self {
         Self::rounded_more(of(self.exact), 2.0, self.key(), |k| of(self.lanes[k]))
     }
 
-    /// An elementary function of two numbers.
+    /// Applies an elementary function of two numbers.
     #[must_use]
     pub fn function_with(self, other: Self, of: impl Fn(f64, f64) -> f64) -> Self {
         let exact = of(self.exact, other.exact);
@@ -117,20 +118,20 @@ impl Number {
         Self::rounded_more(exact, 2.0, key, |k| of(self.lanes[k], other.lanes[k]))
     }
 
-    /// Times a power of two, which rounds nothing.
+    /// Multiplies by a power of two, which does not round.
     #[must_use]
     pub fn doubled(self, times: f64) -> Self {
         Self { exact: self.exact * times, lanes: self.lanes.map(|lane| lane * times) }
     }
 }
 
-/// The largest power of two that is not above a number; 0 for 0.
+/// Returns the largest power of two that is not above a number; 0 for 0.
 #[inline]
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
-/// Well mixed bits of others.
+/// Mixes bits, to make all of them depend on all input bits.
 #[inline]
 fn mixed(bits: u64) -> u64 {
     let z = bits.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -139,7 +140,7 @@ fn mixed(bits: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// A random sign for each lane. A negative number is rounded the other way.
+/// Returns a random sign for each lane. The signs for a negative number are inverted.
 #[inline]
 fn signs_of(key: u64, negative: bool) -> [&'static [f64; 4]; LANES / 4] {
     const PLUS_MINUS: [[f64; 4]; 16] = {
@@ -166,7 +167,7 @@ fn signs_of(key: u64, negative: bool) -> [&'static [f64; 4]; LANES / 4] {
     })
 }
 
-/// An operation with a rounding, unless it leaves the one number or the other as it is.
+/// Implements an operation with rounding, unless the result is exactly one of the operands.
 macro_rules! rounded {
     ($operation:ident, $name:ident, $sign:tt, $stays:expr) => {
         impl $operation for Number {
@@ -178,7 +179,7 @@ macro_rules! rounded {
                 match stays(&self, &other) {
                     (true, _) => self,
                     (_, true) => other,
-                    // The other way round it is the same.
+                    // The sum of the keys does not depend on the order of the operands.
                     _ => {
                         let key = self.key().wrapping_add(other.key());
                         Self::rounded(self.exact $sign other.exact, key, |k| {
@@ -216,8 +217,8 @@ mod tests {
         assert_eq!(Number::given(0.5).limit().to_bits(), 0);
     }
 
-    /// A sum of n numbers next to 1 is off by the root of n; of n times the same number, by what n times that rounding
-    /// is.
+    /// The error of a sum of n numbers near 1 grows with the root of n; that of n equal numbers grows with n,
+    /// since their roundings are equal.
     #[test]
     fn errors_grow_with_the_root_of_their_number_unless_they_are_the_same() {
         let steps = 4096;

@@ -1,4 +1,4 @@
-//! Vectors and rotations of [`Number`]s, as the core computes with them.
+//! Vectors and rotations of [`Number`]s, with the core's operations.
 
 use std::f64::consts::PI;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -7,32 +7,32 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 
 use super::number::Number;
 
-/// Three numbers.
+/// A vector of three numbers.
 #[derive(Debug, Clone, Copy)]
 pub struct Vector {
-    /// Along x.
+    /// Component along x.
     pub x: Number,
-    /// Along y.
+    /// Component along y.
     pub y: Number,
-    /// Along z.
+    /// Component along z.
     pub z: Number,
 }
 
 impl Vector {
-    /// Zero.
+    /// The zero vector.
     pub const ZERO: Self = Self { x: Number::ZERO, y: Number::ZERO, z: Number::ZERO };
 
-    /// A vector that f32 has as it is.
+    /// Creates a vector that f32 represents exactly.
     pub fn known(v: Vec3) -> Self {
         Self::by(v.as_dvec3(), Number::known)
     }
 
-    /// An input, of which f32 has the nearest one.
+    /// Creates an input, which f32 represents by the nearest vector.
     pub fn given(v: DVec3) -> Self {
         Self::by(v, Number::given)
     }
 
-    /// A number along one axis.
+    /// Creates a vector along one axis.
     pub fn along(axis: usize, number: Number) -> Self {
         let o = Number::ZERO;
         match axis {
@@ -46,33 +46,33 @@ impl Vector {
         Self { x: number(v.x), y: number(v.y), z: number(v.z) }
     }
 
-    /// Its components.
+    /// Returns the components.
     pub fn components(self) -> [Number; 3] {
         [self.x, self.y, self.z]
     }
 
-    /// Without rounding.
+    /// Returns the vector without rounding.
     pub fn exact(&self) -> DVec3 {
         DVec3::new(self.x.exact(), self.y.exact(), self.z.exact())
     }
 
-    /// What the error of the whole vector may be.
+    /// Returns the limit of the error of the whole vector.
     pub fn limit(&self) -> f64 {
         DVec3::new(self.x.limit(), self.y.limit(), self.z.limit()).length()
     }
 
-    /// The dot product.
+    /// Returns the dot product.
     pub fn dot(self, other: Self) -> Number {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// The cross product.
+    /// Returns the cross product.
     #[must_use]
     pub fn cross(self, other: Self) -> Self {
         Self::ZERO.plus_cross(self, other)
     }
 
-    /// `self + a × b`.
+    /// Returns `self + a × b`.
     #[must_use]
     pub fn plus_cross(self, a: Self, b: Self) -> Self {
         Self {
@@ -82,12 +82,12 @@ impl Vector {
         }
     }
 
-    /// Its length.
+    /// Returns the length.
     pub fn length(self) -> Number {
         self.dot(self).sqrt()
     }
 
-    /// Times a power of two, which rounds nothing.
+    /// Multiplies by a power of two, which does not round.
     #[must_use]
     pub fn doubled(self, times: f64) -> Self {
         let [x, y, z] = self.components().map(|component| component.doubled(times));
@@ -135,23 +135,23 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// No turn.
+    /// Returns the identity.
     pub fn identity() -> Self {
         Self { v: Vector::ZERO, w: Number::known(1.0) }
     }
 
-    /// By its parts.
+    /// Creates a rotation from its vector part and its scalar part.
     pub fn of(v: Vector, w: Number) -> Self {
         Self { v, w }
     }
 
-    /// An input, of which f32 has the nearest one, made unit again.
+    /// Creates an input, which f32 represents by the nearest numbers, normalized.
     pub fn given(q: DQuat) -> Self {
         let number = Number::given;
         Self { v: Vector::given(DVec3::new(q.x, q.y, q.z)), w: number(q.w) }.unit()
     }
 
-    /// What f32 has of a rotation whose quaternion is unit but for its rounding.
+    /// Creates a rotation from its f32 quaternion, which is unit up to rounding.
     pub fn known(q: Quat) -> Self {
         let unit = q.as_dquat().normalize();
         let [x, y, z, w] = [(unit.x, q.x), (unit.y, q.y), (unit.z, q.z), (unit.w, q.w)]
@@ -159,31 +159,32 @@ impl Rotation {
         Self { v: Vector { x, y, z }, w }
     }
 
-    /// Without rounding.
+    /// Returns the rotation without rounding.
     pub fn exact(&self) -> DQuat {
         let v = self.v.exact();
         DQuat::from_xyzw(v.x, v.y, v.z, self.w.exact())
     }
 
-    /// What the angle may be off by: twice the vector part of a small turn.
+    /// Returns the limit of the angle's error: twice the vector part of a small rotation.
     pub fn limit(&self) -> f64 {
         2.0 * self.v.limit().hypot(self.w.limit())
     }
 
-    /// The way back.
+    /// Returns the inverse.
     #[must_use]
     pub fn inverse(self) -> Self {
         Self { v: -self.v, w: self.w }
     }
 
-    /// The product, `other` first. Added up so that products that cancel are no neighbours: the core may do so or not.
+    /// Returns the product, `other` first. The order of the sums keeps terms that cancel apart, since the core may
+    /// do so or not.
     #[must_use]
     pub fn after(self, other: Self) -> Self {
         let (a, b) = (self, other);
         Self { v: (b.v * a.w).plus_cross(a.v, b.v) + a.v * b.w, w: a.w * b.w - a.v.dot(b.v) }
     }
 
-    /// Of length 1 again.
+    /// Returns the rotation normalized.
     #[must_use]
     pub fn unit(self) -> Self {
         let number = Number::known;
@@ -192,16 +193,16 @@ impl Rotation {
         Self { v: self.v + self.v * share, w: self.w + self.w * share }
     }
 
-    /// A vector turned.
+    /// Rotates a vector.
     #[must_use]
     pub fn turn(self, v: Vector) -> Vector {
         let t = self.v.cross(v.doubled(2.0));
         (v + t * self.w).plus_cross(self.v, t)
     }
 
-    /// The rotation vector, its angle within [0, π].
+    /// Returns the rotation vector, with an angle within [0, π].
     pub fn log(self) -> Vector {
-        // The same name of the rotation in all lanes.
+        // All lanes use one of the two quaternions of the rotation.
         let Self { v, w } =
             if self.w.exact() < 0.0 { Self { v: -self.v, w: -self.w } } else { self };
         let scale = v.length().function_with(w, |sine, cosine| {
@@ -210,7 +211,7 @@ impl Rotation {
         v * scale
     }
 
-    /// The rotation of a rotation vector.
+    /// Returns the rotation of a rotation vector.
     pub fn exp(vector: Vector) -> Self {
         let half = vector.doubled(0.5);
         let angle = half.length();
@@ -218,7 +219,7 @@ impl Rotation {
         Self { v: half * share, w: angle.function(f64::cos) }
     }
 
-    /// Its matrix.
+    /// Returns the rotation matrix.
     pub fn matrix(self) -> Matrix {
         let Self { v: Vector { x, y, z }, w } = self;
         let [x2, y2, z2] = [x, y, z].map(|component| component.doubled(2.0));
@@ -235,37 +236,37 @@ impl Rotation {
     }
 }
 
-/// Three columns.
+/// A matrix of three columns.
 #[derive(Debug, Clone, Copy)]
 pub struct Matrix {
     columns: [Vector; 3],
 }
 
 impl Matrix {
-    /// A symmetric one by its columns.
+    /// Creates a matrix from its columns.
     pub fn of_columns(columns: [Vector; 3]) -> Self {
         Self { columns }
     }
 
-    /// A column by its index.
+    /// Returns a column by its index.
     pub fn column(&self, k: usize) -> Vector {
         self.columns[k]
     }
 
-    /// The product, `other` first.
+    /// Returns the product, `other` first.
     #[must_use]
     pub fn times(&self, other: &Self) -> Self {
         other.map_columns(|_, column| self.turn(column))
     }
 
-    /// Each column changed, with its index.
+    /// Applies a function to each column and its index.
     #[must_use]
     pub fn map_columns(&self, mut of: impl FnMut(usize, Vector) -> Vector) -> Self {
         let [x, y, z] = self.columns;
         Self { columns: [of(0, x), of(1, y), of(2, z)] }
     }
 
-    /// Rows as columns.
+    /// Returns the transpose.
     #[must_use]
     pub fn transposed(&self) -> Self {
         let [x, y, z] = self.columns.map(Vector::components);
@@ -273,20 +274,20 @@ impl Matrix {
         Self { columns: [column(0), column(1), column(2)] }
     }
 
-    /// The sum.
+    /// Returns the sum.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         self.map_columns(|k, column| column + other.columns[k])
     }
 
-    /// Times a vector.
+    /// Multiplies by a vector.
     #[must_use]
     pub fn turn(&self, v: Vector) -> Vector {
         let [x, y, z] = self.columns;
         x * v.x + y * v.y + z * v.z
     }
 
-    /// The transpose times a vector.
+    /// Multiplies the transpose by a vector.
     #[must_use]
     pub fn turn_back(&self, v: Vector) -> Vector {
         let [x, y, z] = self.columns.map(|column| column.dot(v));
@@ -294,8 +295,8 @@ impl Matrix {
     }
 }
 
-/// Length of the difference of two rotation vectors. Beside π a rounding may turn the axis round: the rotation is the
-/// same to that rounding, so the other vector of it counts too.
+/// Returns the length of the difference of two rotation vectors. Near π a rounding may invert the axis; the
+/// rotation is equal up to that rounding, and therefore its second rotation vector is compared too.
 pub fn turn_error(got: DVec3, expected: DVec3) -> f64 {
     if !got.is_finite() {
         return f64::INFINITY;

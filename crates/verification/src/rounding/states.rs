@@ -1,22 +1,22 @@
-//! States of bodies and joints, and the differences of them: state errors.
+//! States of bodies and joints, and their differences: state errors.
 
 use super::motion::Motion;
 use super::number::Number;
 use super::space::{Rotation, Vector};
 
-/// State of a joint relative to the parent.
+/// State of a joint relative to its parent.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint {
-    /// Of the body in the parent.
+    /// Rotation of the body in the parent.
     pub rotation: Rotation,
-    /// From the parent's origin to the body's, parent axes.
+    /// Vector from the parent's origin to the body's, parent axes.
     pub arm: Vector,
-    /// Body axes.
+    /// Velocity of the body relative to the parent, body axes.
     pub velocity: Motion,
 }
 
 impl Joint {
-    /// A state of the core's, as f32 has it.
+    /// Creates a state from the core's, whose f32 numbers are exact.
     pub fn known(state: &sinew_core::JointState) -> Self {
         let of = Vector::known;
         Self {
@@ -29,13 +29,13 @@ impl Joint {
         }
     }
 
-    /// The same pose at rest.
+    /// Returns the pose at rest.
     #[must_use]
     pub fn still(&self) -> Self {
         Self { velocity: Motion::ZERO, ..*self }
     }
 
-    /// As a body's state, seen from the parent and in its axes.
+    /// Returns the state as a body's state, seen from the parent and in its axes.
     #[must_use]
     pub fn in_parent(&self) -> State {
         State {
@@ -49,11 +49,11 @@ impl Joint {
 /// State of a body.
 #[derive(Debug, Clone, Copy)]
 pub struct State {
-    /// Its orientation.
+    /// Orientation of the body.
     pub rotation: Rotation,
-    /// m.
+    /// Position of its origin, m.
     pub position: Vector,
-    /// In the axes that it is seen from.
+    /// Velocity, in the axes from which the body is seen.
     pub velocity: Motion,
 }
 
@@ -62,12 +62,12 @@ fn turned(rotation: Rotation, motion: Motion) -> Motion {
 }
 
 impl State {
-    /// The world itself.
+    /// Returns the state of the world itself.
     pub fn world() -> Self {
         Self { rotation: Rotation::identity(), position: Vector::ZERO, velocity: Motion::ZERO }
     }
 
-    /// State of a body that hangs on this one.
+    /// Returns the state of a child body.
     #[must_use]
     pub fn child(&self, joint: &Joint) -> Self {
         let arm = self.rotation.turn(joint.arm);
@@ -84,7 +84,7 @@ impl State {
         }
     }
 
-    /// The same as a body sees it.
+    /// Returns the state as seen from another body.
     #[must_use]
     pub fn seen_from(&self, reference: &Self) -> Self {
         let back = reference.rotation.inverse();
@@ -101,7 +101,7 @@ impl State {
         }
     }
 
-    /// The same as a joint of that parent has it.
+    /// Returns the state as that of a joint of this parent.
     #[must_use]
     pub fn joint(&self, parent: &Self) -> Joint {
         let seen = self.seen_from(parent);
@@ -113,18 +113,18 @@ impl State {
 /// A state error.
 #[derive(Debug, Clone, Copy)]
 pub struct Difference {
-    /// Rotation vector.
+    /// Rotation error as a rotation vector.
     pub angular: Vector,
-    /// m.
+    /// Position error, m.
     pub linear: Vector,
-    /// rad/s.
+    /// Error of the angular velocity, rad/s.
     pub angular_rate: Vector,
-    /// m/s.
+    /// Error of the linear velocity, m/s.
     pub linear_rate: Vector,
 }
 
 impl Difference {
-    /// Of two states.
+    /// Returns the difference of two states.
     pub fn between(desired: &State, measured: &State) -> Self {
         Self::to_rotation(desired.rotation, desired, measured)
     }
@@ -139,27 +139,27 @@ impl Difference {
     }
 }
 
-/// Below this an angle and its sine differ by less than a rounding of f32.
+/// Angle below which an angle and its sine differ by less than a rounding of f32.
 const SMALL: f64 = 1e-4;
 
 /// Linear Compensation of a body with one goal.
 #[derive(Debug, Clone, Copy)]
 pub struct Compensated {
-    /// Of the body.
+    /// State error of the body.
     pub difference: Difference,
     /// Sine of the angle between the directions to the goal.
     pub sine: Number,
 }
 
 impl Compensated {
-    /// For a goal that is `arm` away from the desired origin.
+    /// Computes the compensation for a goal whose vector from the desired origin is `arm`.
     pub fn new(arm: Vector, beta: Number, desired: &State, measured: &State) -> Self {
         let world = Difference::between(desired, measured);
         let way = world.linear + arm;
         let axis = arm.cross(way);
         let (sine, cosine) = (axis.length(), arm.dot(way));
         let lengths = (arm.dot(arm) * way.dot(way)).sqrt();
-        // A small angle is its sine, also where both are zero.
+        // A small angle equals its sine, also if both are zero.
         let turned = if cosine.exact() > 0.0 && sine.exact() < SMALL * lengths.exact() {
             axis * (beta / lengths)
         } else {

@@ -1,4 +1,4 @@
-//! Cases of `errors/1` as the file has them, and with their rounding.
+//! Cases of `errors/1` as they are in the file, and with rounding.
 
 use serde::Deserialize;
 use sinew_core::{BodyState, Transform, Twist};
@@ -19,7 +19,7 @@ pub(crate) struct Case {
     pub(super) expected: Expected,
 }
 
-/// World states of all bodies.
+/// States of all bodies in the world.
 #[derive(Deserialize)]
 pub(super) struct States {
     pub(super) pos: Vec<Vector>,
@@ -86,7 +86,7 @@ impl States {
     }
 }
 
-/// An error as the files have it.
+/// A state error as in the files.
 #[derive(Deserialize, Clone, Copy)]
 pub(super) struct Difference {
     pub(super) e_rot: Vector,
@@ -95,7 +95,7 @@ pub(super) struct Difference {
     pub(super) ed_lin: Vector,
 }
 
-/// All bodies with one weight β.
+/// Errors of all bodies for one weight β.
 #[derive(Deserialize)]
 pub(super) struct Compensated {
     pub(super) beta: Scalar,
@@ -124,14 +124,14 @@ pub(super) enum Status {
     ZeroAim,
 }
 
-/// Only the rotation that the core makes; the file also has two to compare it with.
+/// Error of the tip for the core's rotation; the file also contains two other rotations for comparison.
 #[derive(Deserialize)]
 pub(super) struct TipError {
     pub(super) theta_prime: Scalar,
 }
 
 impl CompensatedBody {
-    /// Whether there are two directions to turn from and to.
+    /// Returns whether there are two directions between which the body is turned.
     pub(super) fn is_turned(&self) -> bool {
         matches!(self.status, Status::Ok | Status::Parallel | Status::Antiparallel)
     }

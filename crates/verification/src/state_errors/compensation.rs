@@ -1,4 +1,4 @@
-//! Linear Compensation against its golden numbers.
+//! Verifies Linear Compensation.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -17,7 +17,7 @@ use crate::golden::{angle_between, expect_count, largest};
 use crate::rounding::{self, Compensated as Turned, Number, turn_error};
 use crate::tally::{Quantity, Tallies};
 
-/// Sine of an angle below which the core takes two directions for one, or for opposites.
+/// Sine of an angle below which the core treats two directions as equal, or as opposite.
 const SMALLEST_SINE: f64 = 1e-6;
 
 pub(super) fn check_compensation(
@@ -117,7 +117,7 @@ pub(super) fn check_compensation(
     Ok(())
 }
 
-/// Compensation of one body, and what it should be.
+/// The compensation of one body, and its golden numbers.
 struct BodyCheck<'a> {
     method: String,
     at: &'a str,
@@ -126,15 +126,15 @@ struct BodyCheck<'a> {
     world: &'a Difference,
     got: &'a StateError,
     status: AimStatus,
-    /// Of the angle between the directions to the goal.
+    /// Sine of the angle between the directions to the goal.
     sine: &'a Number,
     limits: Limits,
     world_limits: Limits,
 }
 
 impl BodyCheck<'_> {
-    /// Whether the directions to the goal are opposite, or nearly: their turn has an axis that is off by the rounding
-    /// of the directions over the sine.
+    /// Returns whether the directions to the goal are opposite or nearly opposite. The error of the turn's axis is
+    /// then the rounding of the directions divided by the sine.
     fn opposite(&self) -> bool {
         let angle = self.expected.phi.0.length();
         self.expected.status == Status::Antiparallel
@@ -143,7 +143,7 @@ impl BodyCheck<'_> {
 
     fn check(&self, tallies: &mut Tallies) {
         let opposite = self.opposite();
-        // Whether f32 can tell that they are two directions, and no opposites.
+        // Whether f32 can distinguish the two directions, and distinguish them from opposites.
         let resolved =
             !self.expected.is_turned() || self.sine.exact() > SMALLEST_SINE + self.sine.limit();
 
@@ -168,7 +168,7 @@ impl BodyCheck<'_> {
         if !opposite || self.beta <= 0.0 {
             add_difference(&self.method, self.at, self.got, difference, &self.limits, tallies);
         } else if self.status == AimStatus::Antiparallel {
-            // Half a turn about an axis that f32 cannot know: the core takes the world error.
+            // Half a turn about an axis that f32 cannot determine: the core uses the world error.
             let method = "compensation, opposite to f32: world";
             add_difference(method, self.at, self.got, self.world, &self.world_limits, tallies);
         } else {
@@ -184,7 +184,7 @@ impl BodyCheck<'_> {
         }
     }
 
-    /// What the error says about the desired orientation after compensation.
+    /// Checks the desired orientation after compensation, derived from the error.
     fn check_turned(&self, case: &Case, body: usize, arm_m: DVec3, tallies: &mut Tallies) {
         if self.opposite() {
             return;
@@ -203,14 +203,14 @@ impl BodyCheck<'_> {
         }
         let phi = (turned * case.desired.quat[body].0.inverse()).normalize();
         let phi = if phi.w < 0.0 { -phi } else { phi }.to_scaled_axis();
-        // Near half a turn a rotation vector changes by π/2 times what the rotation does.
+        // Near half a turn a rotation vector changes by π/2 times the change of the rotation.
         let name = "compensation phi";
         let quantity = Quantity { name, unit: "rad", limit: FRAC_PI_2 * limit, scale: PI };
         tallies.add_error(quantity, at, turn_error(phi, self.expected.phi.0));
         let (Some(tip), Some(z)) = (&self.expected.tip_error, &self.expected.z) else { return };
         let got = (measured.pos[body].0 + turned * case.aim[body].0 - z.0).length();
-        // The distance is the least over all turns: with an angle δ between arm and way it is
-        // √(least² + 2 arm way (1 - cos δ)).
+        // The golden distance is the minimum over all rotations. With an angle δ between arm and path the distance
+        // is √(minimum² + 2 arm path (1 - cos δ)).
         let (least, arm) = (tip.theta_prime.0, arm_m.length());
         let grown = least.hypot((arm * (arm + least)).sqrt() * limit) - least;
         let name = "compensation tip error";

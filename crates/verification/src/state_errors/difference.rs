@@ -1,4 +1,4 @@
-//! One state error against its golden numbers.
+//! Compares a state error with its golden numbers.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use crate::golden::{Vector, largest};
 use crate::rounding::{self, turn_error};
 use crate::tally::{Quantity, Tallies};
 
-/// Limits of the parts of an error, and the largest inputs of their kinds.
+/// Limits of the parts of an error, and the largest inputs of each kind.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     rotation: f64,
@@ -35,12 +35,12 @@ impl Limits {
         }
     }
 
-    /// What a rotation may be off by.
+    /// Returns the limit of the rotation's error.
     pub(super) fn rotation(&self) -> f64 {
         self.rotation
     }
 
-    /// The same, and a turn that the core may leave out.
+    /// Returns the limits increased by a rotation that the core may omit.
     pub(super) fn with_turn_left_out(self, angle_rad: f64) -> Self {
         Self { rotation: self.rotation + angle_rad, ..self }
     }
@@ -62,7 +62,7 @@ pub(super) fn add_difference(
     add_rest(method, at, got, expected, limits, tallies);
 }
 
-/// All but the rotation.
+/// Compares all parts of an error except the rotation.
 pub(super) fn add_rest(
     method: &str,
     at: &str,

@@ -1,4 +1,4 @@
-//! State errors by every method (`errors/1`).
+//! Verifies state errors of every method (`errors/1`).
 
 mod case;
 mod compensation;
@@ -96,7 +96,7 @@ pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<()
     Ok(())
 }
 
-/// A tree without masses: state errors need none.
+/// Returns a tree without masses, since state errors need none.
 fn tree(case: &Case) -> Result<Tree, CaseError> {
     expect_count("parent", case.parent.len(), case.n)?;
     figure::expect_bodies(case.n)?;
@@ -130,7 +130,7 @@ fn check_metrics(
     };
     let degrees = leaves(&|body| errors[body].angular_rad.as_dvec3().length().to_degrees());
     let centimetres = leaves(&|body| errors[body].linear_m.as_dvec3().length() * 100.0);
-    // A mean, and a maximum, is off by no more than that of what they are made of.
+    // The limit of a mean, and of a maximum, is at most the mean or maximum of the values' limits.
     let degrees_off = leaves(&|body| rounded[body].angular.limit().to_degrees());
     let centimetres_off = leaves(&|body| rounded[body].linear.limit() * 100.0);
     let metrics = &case.expected.metrics;

@@ -1,11 +1,11 @@
-//! States of both sides with their rounding, and their differences.
+//! States of the desired and the measured side with their rounding, and their differences.
 
 use sinew_core::state_error::References;
 
 use super::case::Case;
 use crate::rounding::{self, State};
 
-/// States of both sides with their rounding.
+/// States of the desired and the measured side with their rounding.
 pub(super) struct Rounded {
     pub(super) desired: Vec<State>,
     pub(super) measured: Vec<State>,
@@ -36,7 +36,7 @@ impl Rounded {
         (0..self.desired.len()).map(difference).collect()
     }
 
-    /// As the parent sees them, by way of joint states.
+    /// Returns the differences as the parent sees them, by way of joint states.
     pub(super) fn through_joints(&self, parents: &References<128>) -> Vec<rounding::Difference> {
         let seen = |states: &[State], body: usize| {
             let parent = parents.as_slice()[body];

@@ -1,4 +1,4 @@
-//! Cases of `weights/1` as the file has them.
+//! Cases of `weights/1` as they are in the file.
 
 use serde::Deserialize;
 
@@ -16,7 +16,7 @@ pub(crate) struct Case {
     pub(super) mesh: Mesh,
 }
 
-/// Weights, as summed and with a sum of 1.
+/// Weights before and after normalization to a sum of 1.
 #[derive(Deserialize)]
 pub(super) struct Expected {
     pub(super) raw: Vec<f64>,
@@ -41,7 +41,7 @@ pub(super) struct Cylinders {
 #[derive(Deserialize)]
 pub(super) struct Samples {
     pub(super) base: Scalar,
-    /// The same for every bone.
+    /// Sample points, used for every bone.
     pub(super) uv: Vec<[Scalar; 2]>,
     #[serde(flatten)]
     pub(super) expected: Expected,
@@ -52,7 +52,7 @@ pub(super) struct Mesh {
     pub(super) base: Scalar,
     pub(super) vertices: Vec<Vector>,
     pub(super) vertex_area: Vec<Scalar>,
-    /// Joints and skinning weights, by vertex.
+    /// Joints of each vertex. The next field contains their skinning weights.
     pub(super) bind: Vec<Vec<usize>>,
     pub(super) weight: Vec<Vec<Scalar>>,
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! Importance of joints (`weights/1`).
+//! Verifies the importance of joints (`weights/1`).
 
 mod case;
 mod rounded;
@@ -17,10 +17,10 @@ use super::tally::{Quantity, Tallies};
 use case::{Case, Expected, Mesh};
 use rounded::Rounded;
 
-/// What the core's rule for the surface of a cylinder leaves out, over the mean distance.
+/// Error of the core's quadrature for the surface of a cylinder, relative to the mean distance.
 const LEFT_OUT: f64 = 1.6e-7;
 
-/// The largest skeleton that is taken: what the core's sets hold.
+/// Maximum number of joints: the capacity of the core's sets.
 const JOINTS: usize = 128;
 
 pub(super) fn check(name: &str, case: &Case, tallies: &mut Tallies) -> Result<(), CaseError> {
@@ -86,9 +86,9 @@ impl Mesh {
     }
 }
 
-/// What is compared, and the raw weights with their rounding.
+/// A method under comparison, and the raw weights with their rounding.
 struct Comparison<'a> {
-    /// Of the case.
+    /// Name of the case.
     name: &'a str,
     method: &'a str,
     rounded: Vec<Number>,
@@ -111,7 +111,7 @@ impl Comparison<'_> {
         ] {
             let field = format!("{method} {form}");
             expect_count(&field, expected.len(), got.as_slice().len())?;
-            // The rule of the exact surface leaves out as much of every weight.
+            // The quadrature for the exact surface has the same relative error for every weight.
             let left_out = if *method == "cylinder_exact" { LEFT_OUT } else { 0.0 };
             for (joint, (got, expected)) in got.as_slice().iter().zip(expected).enumerate() {
                 let limit = rounded[joint].limit() + left_out * expected;

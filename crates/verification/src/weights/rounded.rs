@@ -26,12 +26,12 @@ impl<'a> Rounded<'a> {
         vec![Number::given(base.0); self.parents.len()]
     }
 
-    /// A joint's ancestors, the nearest first.
+    /// Returns a joint's ancestors, the nearest first.
     fn ancestors(&self, joint: usize) -> impl Iterator<Item = usize> {
         std::iter::successors(self.parents[joint], |joint| self.parents[*joint])
     }
 
-    /// Joints from the leaves inwards: parents may have any place in a file.
+    /// Returns the joints from the leaves inwards, since parents may have any index in a file.
     fn inwards(&self) -> Vec<usize> {
         let mut joints: Vec<_> = (0..self.parents.len()).collect();
         joints.sort_by_key(|joint| std::cmp::Reverse(self.ancestors(*joint).count()));
@@ -49,8 +49,8 @@ impl<'a> Rounded<'a> {
         weights
     }
 
-    /// By points of the surface, of which a few stand for all: the rounding of more of them, or of a rule, is in the
-    /// mean less.
+    /// Computes the weights from a few points of the surface, which represent all: the mean rounding of more
+    /// points, or of a quadrature, is smaller.
     pub(super) fn by_surface(&self, base: Scalar) -> Vec<Number> {
         let mut weights = self.start(base);
         for joint in 0..self.parents.len() {

@@ -1,4 +1,5 @@
-//! An image of what the audit must find, each once, so that it is known to look. On a host there is nothing to run.
+//! An image with one example of each fault that the audit must find, to test the audit. On a host there is nothing to
+//! run.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -22,27 +23,27 @@ mod image {
         }
     }
 
-    /// A panic.
+    /// Contains a panic.
     #[inline(never)]
     pub(crate) fn index() {
         let items: &[u32] = slice();
         black_box(items[black_box(3)]);
     }
 
-    /// 64-bit floats.
+    /// Contains arithmetic with 64-bit floats.
     #[inline(never)]
     pub(crate) fn double() {
         black_box(black_box(1.5f64) * black_box(2.5f64));
     }
 
-    /// A fused multiply-add, which no code of Rust's becomes by itself. It may use these registers: their callers keep
-    /// them.
+    /// Contains a fused multiply-add, which the compiler never generates from Rust code. It may use these registers:
+    /// callers save them.
     #[unsafe(naked)]
     pub(crate) extern "C" fn fused() {
         core::arch::naked_asm!("vfma.f32 s0, s1, s2", "bx lr")
     }
 
-    /// Formatting.
+    /// Contains formatting.
     #[inline(never)]
     pub(crate) fn text() {
         struct Sink;
@@ -55,7 +56,7 @@ mod image {
         let _ = write!(Sink, "{}", black_box(1.5f32));
     }
 
-    /// Recursion, and not of a kind that becomes a loop.
+    /// Contains a recursion that cannot become a loop.
     #[inline(never)]
     pub(crate) fn recursion() {
         black_box(factorial(black_box(5)));
@@ -65,7 +66,7 @@ mod image {
         if n == 0 { 1 } else { black_box(factorial(black_box(n.wrapping_sub(1)))).wrapping_mul(n) }
     }
 
-    /// A call by pointer.
+    /// Contains a call by pointer.
     #[inline(never)]
     pub(crate) fn pointer() {
         let function: fn() = black_box(double);

@@ -1,4 +1,4 @@
-//! Servo buses: codecs, both sides of a line, and a rig's side of each protocol, with any bytes.
+//! Servo buses: codecs, both sides of a bus line, and a rig's side of each protocol, with arbitrary bytes.
 
 use core::hint::black_box;
 
@@ -14,7 +14,7 @@ use super::{slice, slice_mut};
 /// Servos of a rig.
 const SERVOS: usize = 20;
 
-/// What a rig asks of a servo's registers.
+/// Returns the requirements of a rig for a servo's registers.
 fn requirements() -> ServoRequirements {
     black_box(ServoRequirements {
         mode: Mode::Current,
@@ -28,7 +28,7 @@ fn requirements() -> ServoRequirements {
     })
 }
 
-/// What a rig asks of any bus.
+/// Calls everything that a rig may ask of any bus.
 fn serve(mut bus: impl ServoBus) {
     let commands = [
         Command::Torque(black_box(true)),
@@ -73,7 +73,7 @@ fn item(item: Option<Item>) {
     black_box(item.bytes(black_box(1), black_box(ByteOrder::Big)));
 }
 
-/// What simulated devices do on a line.
+/// Calls everything that simulated devices do on a line.
 fn exchange(devices: &mut [impl BusDevice]) {
     let mut line = Line::new(devices);
     line.exchange(slice(), slice_mut(), |bytes, delay_us| _ = black_box((bytes.len(), delay_us)));

@@ -1,4 +1,4 @@
-//! What is made and checked before the loop.
+//! Values that are built and checked before the loop.
 
 use core::hint::black_box;
 use core::num::NonZeroU16;
@@ -57,7 +57,7 @@ fn method() -> Method<N> {
     }
 }
 
-/// A controller with every setting, none of which the compiler knows.
+/// Returns a controller with every setting, all unknown to the compiler.
 pub(crate) fn controller() -> Option<TorqueController<N>> {
     let tree = tree();
     let inertias = reflected_inertia(&tree, &measured(), black_box(OuterJoints::Free));
@@ -76,7 +76,7 @@ pub(crate) fn controller() -> Option<TorqueController<N>> {
         .map(black_box)
 }
 
-/// A supply with weights, none of which the compiler knows.
+/// Returns a supply with weights, all unknown to the compiler.
 pub(crate) fn supply() -> Option<TorqueSupply<N>> {
     let supply = TorqueSupply::new(&tree(), black_box(1.0)).ok()?;
     if black_box(true) { supply.with_weights(slice()).ok() } else { Some(supply) }.map(black_box)

@@ -1,4 +1,4 @@
-//! The controller: any rig, any show, any stream, any bus.
+//! The controller with any rig, show, stream and bus.
 
 use core::hint::black_box;
 
@@ -17,7 +17,7 @@ pub(crate) const DOFS: usize = 24;
 pub(crate) const SERVOS: usize = 20;
 pub(crate) const COORDINATES: usize = 28;
 
-/// A line that answers anything.
+/// A line with arbitrary answers.
 pub(crate) struct Anything;
 
 impl Wire for Anything {

@@ -1,4 +1,4 @@
-//! What reads bytes and numbers from outside.
+//! Functions that read bytes and numbers from outside.
 
 use core::hint::black_box;
 

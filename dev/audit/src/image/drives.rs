@@ -1,4 +1,4 @@
-//! Drives of servos: a rig of any drives, asked for anything.
+//! Drives of servos: a rig with any drives, and arbitrary commands.
 
 use core::hint::black_box;
 

@@ -1,4 +1,4 @@
-//! The kernels on their own, with slices of any lengths: in the tick they are all of one length.
+//! The kernels alone, with slices of different lengths: in the tick all have the same length.
 
 use core::hint::black_box;
 

@@ -1,4 +1,5 @@
-//! The link: any bytes as messages, any message as bytes, both sides of a session, live frames, telemetry.
+//! The host link: arbitrary bytes as messages, arbitrary messages as bytes, both sides of a session, live frames,
+//! telemetry.
 
 use core::hint::black_box;
 
@@ -12,13 +13,13 @@ use sinew_link::{
 
 use super::{slice, slice_mut};
 
-/// Numbers of a rig's pose.
+/// Coordinates of a rig's pose.
 const COORDINATES: usize = 40;
 
-/// Frames that the live buffer keeps.
+/// Frames in the live buffer.
 const FRAMES: usize = 16;
 
-/// Any message.
+/// Returns an arbitrary message.
 fn message<M: Message>() -> Option<M> {
     black_box(Decoder::new()).push(black_box(1))
 }

@@ -1,12 +1,13 @@
-//! Image for `cargo xtask audit`: all that a board's program may call of the library, linked but never run.
+//! Image for `cargo xtask audit`: everything that a board's program may call of the libraries, linked but never run.
 //!
-//! Every input is hidden from the compiler, so that no check can be left out for a value that happens to stand here. A
-//! panic that could be reached calls a function that does not exist, and the image does not link. `cargo xtask audit`
-//! says where, and reads from the image what else must not be in it.
+//! Every input is hidden from the compiler, so that no check is removed for a constant value. A reachable panic calls
+//! a function that does not exist, so the image does not link. `cargo xtask audit` reports where, and finds other
+//! forbidden content in the image.
 
 mod bus;
 mod construct;
 mod controller;
+mod coordinates;
 mod decode;
 mod drives;
 mod kernels;
@@ -25,10 +26,10 @@ use sinew_audit::{slice, slice_mut};
 use sinew_core::control::Gains;
 use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
 
-/// Bodies of the figure, as the boards have it.
+/// Bodies of the figure on the boards.
 const N: usize = 18;
 
-/// Calls every part of the audit, which `cargo xtask audit` finds by their names.
+/// Calls every part of the audit. `cargo xtask audit` finds the parts by their names.
 #[entry]
 fn main() -> ! {
     loop {
@@ -39,6 +40,9 @@ fn main() -> ! {
         construct::observers();
         construct::importance();
         construct::pose_space();
+        coordinates::bodies();
+        coordinates::dynamics();
+        coordinates::controller();
         targets::trajectories();
         targets::differences();
         tick::controller();

@@ -1,4 +1,4 @@
-//! A node: any bytes of a host, any flash, any orders.
+//! A node with arbitrary bytes from a host, arbitrary flash, and arbitrary commands.
 
 use core::cell::Cell;
 use core::hint::black_box;
@@ -19,7 +19,7 @@ use super::controller::{Anything, BODIES, COORDINATES, DOFS, SERVOS};
 use super::storage::Flash;
 use super::{slice, slice_mut};
 
-/// A board of which nobody knows what it says.
+/// A board with arbitrary inputs.
 struct Board;
 
 impl Safety for Board {
@@ -64,7 +64,7 @@ impl Port<'static> for Board {
 
 type Letters = Mail<'static, DOFS, SERVOS, COORDINATES>;
 
-/// The mail is taken out while somebody reads it.
+/// A mailbox whose content is taken out during an access.
 struct Locked(Cell<Option<Letters>>);
 
 impl Shared<Letters> for Locked {
@@ -104,7 +104,7 @@ pub(crate) fn nodes() {
         settings.with(black_box(1), black_box(1.0)).is_ok(),
         settings.read(slice()).is_ok(),
     ));
-    // Of a rig that stays: what was found is moved into a static on a board.
+    // For a rig that lives forever: a board moves it into a static.
     let Some(rig) = black_box(None) else { return };
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     let Some(ToHost::Welcome(Welcome { about, .. })) = black_box(None) else { return };

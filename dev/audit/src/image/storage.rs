@@ -1,4 +1,4 @@
-//! Storage in flash of any content, which may refuse anything, with the finest granule and the coarsest.
+//! Storage in flash with arbitrary content and arbitrary errors, with the smallest and the largest granule.
 
 use core::hint::black_box;
 
@@ -9,7 +9,7 @@ use sinew_storage::{
 
 use super::{slice, slice_mut};
 
-/// Flash that writes so many bytes at once. Nobody knows what it holds.
+/// Flash with a write granule of `GRANULE` bytes, and arbitrary content.
 pub(crate) struct Flash<const GRANULE: usize>;
 
 impl<const GRANULE: usize> ErrorType for Flash<GRANULE> {

@@ -1,4 +1,4 @@
-//! The supervisor, its detectors, and the guard: asked for anything.
+//! The supervisor, its detectors, and the guard, with arbitrary inputs.
 
 use core::hint::black_box;
 

@@ -1,4 +1,4 @@
-//! From frames of a performance to targets.
+//! The path from frames of a performance to targets.
 
 use core::hint::black_box;
 

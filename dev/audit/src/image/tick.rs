@@ -1,4 +1,4 @@
-//! What runs in every tick.
+//! Code that runs in every tick.
 
 use core::hint::black_box;
 
@@ -36,7 +36,7 @@ pub(crate) fn controller() {
     black_box((controller.gains(), controller.method(), controller.law(), controller.limits()));
 }
 
-/// The tick without room for resolved acceleration.
+/// The tick with a workspace that has no room for resolved acceleration.
 #[inline(never)]
 pub(crate) fn controller_of_little_room() {
     let Some(controller) = construct::controller() else { return };
@@ -97,7 +97,7 @@ pub(crate) fn tracker() {
     black_box(indicator::duty(black_box(Some(1)), black_box(1)));
 }
 
-/// What stands in for servos where bits are compared.
+/// The stand-in for servos in bit comparisons.
 #[inline(never)]
 pub(crate) fn replay() {
     let Ok(show) = Show::open(slice()) else { return };
@@ -114,7 +114,7 @@ pub(crate) fn replay() {
     black_box((hash.value(), replay::ticks(&show)));
 }
 
-/// What makes a run that is compared with other machines'.
+/// A run for the comparison with other machines.
 #[inline(never)]
 pub(crate) fn parity() {
     let read = |bytes: &mut [u8]| {

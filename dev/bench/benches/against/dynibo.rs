@@ -1,5 +1,6 @@
-//! The crate `dynibo`: f64, models from URDF, so a spherical joint is three revolute ones with massless links
-//! between them. Its documented fast way: a robot with its own workspace, output into a slice, no allocation.
+//! The crate `dynibo`. It uses f64 and models from URDF, so a spherical joint is three revolute joints with massless
+//! links between them. It is called in its fastest documented way: a robot with its own workspace, output into a
+//! slice, no allocation.
 
 use std::fmt::Write as _;
 use std::hint::black_box;
@@ -14,7 +15,7 @@ use crate::motion::{RigMotion, Turn, axes};
 pub(crate) struct Dynibo {
     robot: FloatingRobot,
     base: BaseState,
-    /// By the crate's own order of joints: our joint, and which of its turns.
+    /// For each joint in the crate's order: our joint, and the number of the turn.
     order: Vec<(usize, usize)>,
     q: Vec<f64>,
     qd: Vec<f64>,
@@ -91,7 +92,7 @@ impl Contender for Dynibo {
     }
 }
 
-/// The rig as URDF: link `b3` is our body 3; joint `j3_1` its second turn.
+/// Writes the rig as URDF: link `b3` is our body 3; joint `j3_1` is its second turn.
 fn urdf(bodies: &[Body]) -> Result<String, std::fmt::Error> {
     let mut text = String::from("<robot name=\"rig\">\n");
     for (index, body) in bodies.iter().enumerate() {
@@ -149,7 +150,7 @@ fn write_joint(
     )
 }
 
-/// Our joint and its turn from a name that [`urdf`] gave.
+/// Returns our joint and its turn from a name of [`urdf`].
 fn indices(name: &str) -> Result<(usize, usize), Box<dyn std::error::Error>> {
     let (joint, turn) = name
         .strip_prefix('j')

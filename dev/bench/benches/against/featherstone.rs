@@ -1,5 +1,5 @@
-//! The crate `featherstone`: f32, spherical and floating joints of its own. Its only inverse dynamics allocates
-//! its result and scratch in each call, so that is timed too.
+//! The crate `featherstone`. It uses f32, and has spherical and floating joints. Its only inverse dynamics allocates
+//! its result and scratch in each call, so the allocation is timed, too.
 
 use std::hint::black_box;
 
@@ -39,7 +39,7 @@ impl Featherstone {
                 ]
                 .into(),
             );
-            // Its transforms lead from the parent's axes to the child's, with the offset in the latter.
+            // Its transforms convert from the parent's axes to the child's, with the offset in the child's axes.
             let back = body.placement.rotation.conjugate();
             let columns = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (back * axis).to_array());
             let placement = SpatialTransform::from_rotation_translation(
@@ -64,7 +64,7 @@ impl Contender for Featherstone {
         let to_body = root.rotation.conjugate();
         let in_body = |v: DVec3| to_body * v;
         let (spin, speed) = (in_body(root.angular_velocity), in_body(root.linear_velocity));
-        // Spatial acceleration: the classical one without that of the turning axes.
+        // Spatial acceleration: the classical acceleration minus the part of the turning axes.
         let linear = in_body(root.linear_acceleration) - spin.cross(speed);
         let angular = in_body(root.angular_acceleration);
         let mut position = root.translation_m.as_vec3().to_array().to_vec();
@@ -73,7 +73,7 @@ impl Contender for Featherstone {
         let mut accelerations: Vec<f32> = numbers([linear, angular]).collect();
         for turns in &motion.turns {
             if let [turn] = turns.as_slice() {
-                // From the parent's axes to the child's, about the same axis: the other way round.
+                // From the parent's axes to the child's, about the same axis: the opposite sign.
                 position.push(-single(turn.angle_rad));
                 rates.push(single(turn.velocity_rad_s));
                 accelerations.push(single(turn.acceleration_rad_s2));
@@ -115,7 +115,7 @@ impl Contender for Featherstone {
     }
 }
 
-/// Its quaternions, w first, are those that lead from the parent's axes to the child's.
+/// Converts a rotation to its quaternion, w first, from the parent's axes to the child's.
 fn from_parent(rotation: DQuat) -> [f32; 4] {
     let back = rotation.conjugate().as_quat();
     [back.w, back.x, back.y, back.z]

@@ -1,18 +1,18 @@
-//! Our inverse dynamics (RNEA) against that of the crates `dynibo` and `featherstone`, on the same rig in the same
-//! motion and in one run: first whether all agree, then the time of each.
+//! Compares our inverse dynamics (RNEA) with that of the crates `dynibo` and `featherstone`, on the same rig with the
+//! same motion in one run: first whether all agree, then the time of each.
 //!
-//! What is equal and what is not:
-//! - All get the same state and give the torques of all joints and the wrench of the root, in release code for any
-//!   machine of the target.
-//! - `dynibo` computes in f64 and has no spherical joints: three revolute ones stand for each, with two massless links.
-//!   On the rig of revolute joints it has as many links as the others.
+//! Similarities and differences:
+//! - All get the same state and return the torques of all joints and the wrench of the root, in release code for a
+//!   generic machine of the target.
+//! - `dynibo` computes in f64 and has no spherical joints: each is replaced by three revolute joints with two
+//!   massless links. On the rig of revolute joints it has as many links as the others.
 //! - `featherstone` computes in f32 and has all joints, but allocates in each call.
-//! - Ours computes in f32 from states (rotations, not angles). The others begin with coordinates of joints; what that
-//!   adds, with the checks that our states have passed, has a line of its own.
+//! - Ours computes in f32 from states (rotations, not angles). The others start from joint coordinates. The
+//!   additional time for the conversion and the checks of our states has a line of its own.
 //!
-//! With `SINEW_PEERS`, which `cargo xtask peers` sets, four kernels are compared with Pinocchio's and MuJoCo's, too.
-//! Both have all joints and start from coordinates. Pinocchio is compiled as its users do it, for any machine of the
-//! target. MuJoCo's kernels are the stages of its pipeline that they need, without contacts.
+//! With `SINEW_PEERS`, which `cargo xtask peers` sets, four kernels are also compared with Pinocchio's and MuJoCo's.
+//! Both have all joints and start from coordinates. Pinocchio is compiled as by its users, for a generic machine of
+//! the target. MuJoCo's kernels are the stages of its pipeline that are needed, without contacts.
 
 mod dynibo;
 mod featherstone;
@@ -35,27 +35,27 @@ use sinew_core::{JointKind, Tree};
 use interleaved::{Median, medians};
 use motion::RigMotion;
 
-/// Bodies of the rigs.
+/// Number of bodies of the rigs.
 const BODIES: usize = 18;
-/// As `dynibo` has it.
+/// Gravity, as in `dynibo`.
 const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, 0.0, -9.806_65);
-/// Largest difference of a torque, as a part of the largest one: the roundings of f32 along the deepest branch.
+/// Largest difference of a torque, as a share of the largest torque: rounding of f32 along the deepest branch.
 const TOLERANCE: f64 = 1e-5;
-/// What the ratio to the faster of the others must be at most, on the first rig.
+/// Largest allowed ratio to the faster of the other crates, on the first rig.
 const BOUND: f64 = 0.4;
 
-/// An implementation of inverse dynamics with a rig in it.
+/// An implementation of inverse dynamics with a rig.
 trait Contender {
     fn name(&self) -> &'static str;
 
-    /// Takes a motion over, in its own form: not timed.
+    /// Converts a motion to its own form. Not timed.
     fn set(&mut self, motion: &RigMotion);
 
-    /// Inverse dynamics of that motion.
+    /// Computes inverse dynamics of that motion.
     fn run(&mut self);
 
-    /// What the last [`Self::run`] found: moment and force on the root in world axes about its origin, in N m and N;
-    /// then the torque of each turn of the motion, in N m.
+    /// Returns the result of the last [`Self::run`]: moment and force on the root in world axes about its origin, in
+    /// N m and N; then the torque of each turn of the motion, in N m.
     fn torques(&self, motion: &RigMotion) -> Vec<f64>;
 }
 
@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Prints a table, and returns our ratio to the faster of the others.
+/// Prints a table, and returns our ratio to the faster of the other crates.
 fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
     let mut contenders: Vec<Box<dyn Contender>> = vec![
         Box::new(sinew::Sinew::new(tree)),
@@ -118,8 +118,8 @@ fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
     Ok(others.map(|other| 1.0 / other.to_first).fold(0.0, f64::max))
 }
 
-/// The largest difference between any two: of the torque of a joint as a part of the largest of the motion, of what
-/// acts on the root likewise. Infinite if one has not found numbers, or not as many.
+/// Returns the largest difference between any two: of a joint's torque as a share of the largest torque of the
+/// motion, and of the root's wrench likewise. Infinite if a result is not a number, or has another length.
 fn disagreement(contenders: &mut [Box<dyn Contender>], motions: &[RigMotion]) -> f64 {
     let mut worst = 0.0_f64;
     for motion in motions {

@@ -1,19 +1,19 @@
-//! One motion of a rig for all contenders: every joint as a row of turns about single axes, in f64.
+//! A motion of a rig for all contenders: every joint as a sequence of turns about single axes, in f64.
 
 use sinew_core::glam::{DQuat, DVec3};
 use sinew_core::{Body, JointKind};
 
-/// A turn about one axis: what a revolute joint does, and a third of what a spherical one does.
+/// A turn about one axis: the motion of a revolute joint, or a third of that of a spherical joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turn {
-    /// Unit axis, in the frame that the turns before it lead to.
+    /// Unit axis, in the frame after the earlier turns.
     pub(crate) axis: DVec3,
     pub(crate) angle_rad: f64,
     pub(crate) velocity_rad_s: f64,
     pub(crate) acceleration_rad_s2: f64,
 }
 
-/// A free root's motion in the world; classical acceleration of the origin, all in world axes.
+/// Motion of a free root in the world; classical acceleration of the origin, all in world axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RootMotion {
     pub(crate) rotation: DQuat,
@@ -28,12 +28,12 @@ pub(crate) struct RootMotion {
 #[derive(Debug, Clone)]
 pub(crate) struct RigMotion {
     pub(crate) root: RootMotion,
-    /// Turns of joints 1.. in the order in which they turn.
+    /// Turns of joints 1.., each in the order in which they turn.
     pub(crate) turns: Vec<Vec<Turn>>,
 }
 
 impl RigMotion {
-    /// A motion drawn at will: angles up to 1 rad (so that cardan angles stay clear of their singular pose),
+    /// Returns a random motion: angles up to 1 rad (so that cardan angles are not near their singular pose),
     /// velocities up to 3 rad/s, accelerations up to 20 rad/s².
     pub(crate) fn random(bodies: &[Body], seed: u64) -> Self {
         let mut numbers = Numbers(seed);
@@ -61,7 +61,7 @@ impl RigMotion {
     }
 }
 
-/// A joint's rotation, and angular velocity and acceleration relative to the parent in body axes.
+/// Rotation of a joint, and its angular velocity and acceleration relative to the parent, in body axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turned {
     pub(crate) rotation: DQuat,
@@ -69,7 +69,7 @@ pub(crate) struct Turned {
     pub(crate) acceleration: DVec3,
 }
 
-/// What a row of turns makes together.
+/// Combines a sequence of turns.
 pub(crate) fn together(turns: &[Turn]) -> Turned {
     let start =
         Turned { rotation: DQuat::IDENTITY, velocity: DVec3::ZERO, acceleration: DVec3::ZERO };
@@ -80,14 +80,15 @@ pub(crate) fn together(turns: &[Turn]) -> Turned {
         Turned {
             rotation: inner.rotation * rotation,
             velocity: carried + spin,
-            // The components of what is carried change as the axes turn on.
+            // The components of the earlier turns' velocity change as the axes turn.
             acceleration: back * inner.acceleration - spin.cross(carried)
                 + turn.axis * turn.acceleration_rad_s2,
         }
     })
 }
 
-/// Torques about the axes of a row of turns from the moment of the joint, both in body axes at the end.
+/// Returns the torques about the axes of a sequence of turns from the moment of the joint, both in body axes at the
+/// end.
 pub(crate) fn torques(turns: &[Turn], moment_nm: DVec3) -> Vec<f64> {
     let mut moment = moment_nm;
     let mut torques: Vec<f64> = turns
@@ -103,7 +104,7 @@ pub(crate) fn torques(turns: &[Turn], moment_nm: DVec3) -> Vec<f64> {
     torques
 }
 
-/// The axes a joint turns about: Cardan's for a spherical one.
+/// Returns the axes about which a joint turns: cardan axes for a spherical joint.
 pub(crate) fn axes(joint: JointKind) -> Vec<DVec3> {
     match joint {
         JointKind::Spherical => vec![DVec3::X, DVec3::Y, DVec3::Z],
@@ -112,7 +113,7 @@ pub(crate) fn axes(joint: JointKind) -> Vec<DVec3> {
     }
 }
 
-/// Rounds to f32.
+/// Rounds a number to f32.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is meant")]
 pub(crate) fn single(value: f64) -> f32 {
     value as f32

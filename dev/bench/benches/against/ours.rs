@@ -1,4 +1,4 @@
-//! The core's kernels on one rig, asked as [`Peer`](crate::peer::Peer) is.
+//! The core's kernels on one rig, with the interface of [`Peer`](crate::peer::Peer).
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -35,7 +35,7 @@ impl Ours {
         }
     }
 
-    /// Takes a motion over; forward dynamics have the wrenches that it needs.
+    /// Sets a motion. Forward dynamics gets the wrenches that the motion needs.
     pub(crate) fn set(&mut self, motion: &RigMotion) {
         self.inverse.set(motion);
         self.inverse.run();
@@ -62,7 +62,7 @@ impl Ours {
         black_box(self);
     }
 
-    /// Time of a call, ns.
+    /// Returns the time of a call, ns.
     pub(crate) fn time_ns(&mut self, kernel: Kernel, calls: u32) -> f64 {
         let start = Instant::now();
         for _ in 0..calls {
@@ -71,7 +71,7 @@ impl Ours {
         start.elapsed().as_secs_f64() * 1e9 / f64::from(calls)
     }
 
-    /// As a peer finds it: `dev/bench/peers/peer.hpp`.
+    /// Returns the result of a kernel in the form of a peer: `dev/bench/peers/peer.hpp`.
     pub(crate) fn found(&mut self, kernel: Kernel) -> Vec<f64> {
         self.run(kernel);
         match kernel {
@@ -88,7 +88,7 @@ impl Ours {
         }
     }
 
-    /// All six numbers of the root, and those of other joints along their dofs.
+    /// Returns all six numbers of the root, and the numbers of other joints along their dofs.
     fn by_joint(&self, motions: &[Twist]) -> Vec<f64> {
         let mut all = Vec::new();
         for (body, motion) in self.inverse.tree.bodies().iter().zip(motions) {
@@ -104,7 +104,7 @@ impl Ours {
         all
     }
 
-    /// Kinetic energy by the mass matrix.
+    /// Returns the kinetic energy, computed with the mass matrix.
     fn energy(&self) -> f64 {
         let speeds =
             self.by_joint(&self.inverse.joints.iter().map(|j| j.velocity).collect::<Vec<_>>());

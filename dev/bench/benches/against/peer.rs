@@ -1,5 +1,6 @@
-//! Programs of other people's libraries (`dev/bench/peers`), which `cargo xtask peers` builds: a process each, asked
-//! line by line, as these libraries are C and C++. They time themselves; what asking takes is not in it.
+//! Programs with foreign libraries (`dev/bench/peers`), which `cargo xtask peers` builds. Each is a process that
+//! answers line by line, because these libraries are written in C and C++. They measure their own time, so
+//! communication is not included.
 
 use std::fmt::Write as _;
 use std::io::{BufRead as _, BufReader, Write as _};
@@ -13,7 +14,7 @@ use crate::motion::{RigMotion, together};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// What is timed.
+/// A kernel that is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kernel {
     /// Inverse dynamics.
@@ -27,7 +28,7 @@ pub(crate) enum Kernel {
 }
 
 impl Kernel {
-    /// All of them, by their numbers.
+    /// All kernels, by their numbers.
     pub(crate) const ALL: [Self; 4] = [Self::Rnea, Self::Aba, Self::Crba, Self::Kinematics];
 
     pub(crate) fn name(self) -> &'static str {
@@ -40,7 +41,7 @@ impl Kernel {
     }
 }
 
-/// A program with a rig in it.
+/// A peer program with a rig.
 pub(crate) struct Peer {
     pub(crate) name: String,
     child: Child,
@@ -49,7 +50,7 @@ pub(crate) struct Peer {
 }
 
 impl Peer {
-    /// Starts a program; its name is that of its file.
+    /// Starts a program. Its name is that of its file.
     pub(crate) fn new(program: &Path, bodies: &[Body]) -> Result<Self, Failure> {
         let cannot = |error| format!("cannot start {}: {error}", program.display());
         let mut child = Command::new(program)
@@ -70,14 +71,14 @@ impl Peer {
         self.ask(&numbers_of(motion)?).map(|_| ())
     }
 
-    /// What a kernel finds: see `dev/bench/peers/peer.hpp`.
+    /// Returns the result of a kernel: see `dev/bench/peers/peer.hpp`.
     pub(crate) fn found(&mut self, kernel: Kernel) -> Result<Vec<f64>, Failure> {
         let answer = self.ask(&format!("found {}", kernel as usize))?;
         let numbers = answer.split_whitespace().skip(1).map(str::parse);
         Ok(numbers.collect::<Result<_, _>>()?)
     }
 
-    /// Time of a call, ns.
+    /// Returns the time of a call, ns.
     pub(crate) fn time_ns(&mut self, kernel: Kernel, calls: u32) -> Result<f64, Failure> {
         let answer = self.ask(&format!("time {} {calls}", kernel as usize))?;
         Ok(answer.trim().parse()?)
@@ -96,7 +97,7 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // It would end by itself once its input does, which is after this.
+        // The program would end by itself when its input ends, but that is later.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,5 +1,5 @@
-//! The core's kernels beside those of libraries in other languages, in one run: first whether all find the same, then
-//! the time of each.
+//! Compares the core's kernels with those of libraries in other languages, in one run: first whether all results
+//! agree, then the time of each.
 
 use std::error::Error;
 use std::ffi::OsStr;
@@ -12,12 +12,12 @@ use crate::ours::Ours;
 use crate::peer::{Kernel, Peer};
 use crate::{BODIES, TOLERANCE, apart, options};
 
-/// What each ratio to Pinocchio in double must be at most.
+/// Largest allowed ratio of each kernel to Pinocchio in double precision.
 const BOUNDS: [(Kernel, f64); 3] = [(Kernel::Rnea, 0.2), (Kernel::Aba, 0.5), (Kernel::Crba, 0.5)];
-/// The peer that bounds are of.
+/// The peer to which the bounds refer.
 const BOUND_BY: &str = "Pinocchio, double";
 
-/// Prints a table of all kernels, one column for each peer; `programs` as in PATH.
+/// Prints a table of all kernels with a column for each peer; `programs` has the format of PATH.
 pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<dyn Error>> {
     let mut ours = Ours::new(tree);
     let mut peers = std::env::split_paths(programs)
@@ -63,14 +63,15 @@ pub(crate) fn compare(tree: &Tree<BODIES>, programs: &OsStr) -> Result<(), Box<d
     Ok(())
 }
 
-/// That a peer finds what we do.
+/// Checks that a peer has the same results.
 fn agree(ours: &mut Ours, peer: &mut Peer) -> Result<(), Box<dyn Error>> {
     for kernel in Kernel::ALL {
         let (expected, found) = (ours.found(kernel), peer.found(kernel)?);
-        // A root's moment and force, and angular and linear acceleration, are compared each by their own size.
+        // Moment and force of a root, and angular and linear acceleration, are compared separately, each relative to
+        // its own size.
         let parts =
             if matches!(kernel, Kernel::Rnea | Kernel::Aba) { vec![0, 3, 6] } else { vec![0] };
-        // Accelerations are off by more: wrenches that were rounded make them.
+        // Accelerations have larger errors: they are computed from rounded wrenches.
         let tolerance = if kernel == Kernel::Aba { 100.0 * TOLERANCE } else { TOLERANCE };
         for (index, start) in parts.iter().enumerate() {
             let end = parts.get(index + 1).copied().unwrap_or(expected.len());

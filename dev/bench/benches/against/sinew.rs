@@ -1,4 +1,4 @@
-//! Our own inverse dynamics, f32.
+//! Our inverse dynamics, f32.
 
 use std::hint::black_box;
 
@@ -8,7 +8,7 @@ use sinew_core::{JointState, JointStates, Transform, Tree, Twist, Wrench};
 use crate::motion::{RigMotion, Turn, single, together, torques};
 use crate::{BODIES, Contender, GRAVITY_M_S2};
 
-/// `inverse_dynamics` on states that are there already, as a tick has them.
+/// `inverse_dynamics` with existing states, as in a tick.
 pub(crate) struct Sinew {
     pub(crate) tree: Tree<BODIES>,
     pub(crate) joints: Vec<JointState>,
@@ -88,12 +88,12 @@ impl Contender for Sinew {
     }
 }
 
-/// The same from the coordinates of the joints through the entrances that check and convert them, which is
-/// part of each call of the others.
+/// `inverse_dynamics` from the coordinates of the joints, with their check and conversion, which each call of the
+/// other crates includes.
 pub(crate) struct FromCoordinates {
     inner: Sinew,
     states: JointStates<BODIES>,
-    /// Position and speed of each joint but the root, as `JointKind::state` takes them.
+    /// Position and speed of each joint except the root, as for `JointKind::state`.
     coordinates: Vec<(Vec<f32>, Vec<f32>)>,
 }
 

@@ -1,9 +1,9 @@
-//! Wall time of several things in one run, fair on a machine that others use too.
+//! Measures the wall time of several functions in one run, fairly even if other programs use the machine.
 
 use std::convert::Infallible;
 use std::time::Instant;
 
-/// Median time of one call of each of `runs`, and of each against the first one, in ns and as ratios.
+/// Returns for each of `runs` the median time of a call, ns, and the median ratio to the first.
 pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Median> {
     let batches: Vec<u32> = runs.iter_mut().map(|run| batch(run)).collect();
     let count = runs.len();
@@ -12,11 +12,12 @@ pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Media
     found
 }
 
-/// The same of what times itself: `time_ns` runs a batch of the one of an index, and returns the time of a call.
+/// Returns the medians of functions that measure their own time: `time_ns` runs a batch of the function with an
+/// index, and returns the time of a call.
 ///
-/// All take turns, a batch of calls each, and another one begins every round: what slows the machine down for longer
-/// than a round slows all of them, and what interrupts one batch is no median. Ratios are medians of those of the
-/// rounds.
+/// The functions take turns with a batch of calls each, and another one begins every round. A slow phase of the
+/// machine that is longer than a round affects all of them; an interruption of one batch does not change the median.
+/// Ratios are medians of the ratios of the rounds.
 pub(crate) fn in_turns<E>(
     rounds: usize,
     count: usize,
@@ -37,17 +38,18 @@ pub(crate) fn in_turns<E>(
     Ok(of_all.collect())
 }
 
-/// What [`medians`] found of one.
+/// Result of [`medians`] for one function.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Median {
     pub(crate) time_ns: f64,
     pub(crate) to_first: f64,
 }
 
-/// How many calls take some 10 µs: much longer than reading the clock, much shorter than a time slice.
+/// Returns the number of calls that take about 10 µs: much longer than reading the clock, much shorter than a time
+/// slice.
 fn batch(run: &mut dyn FnMut()) -> u32 {
     let mut count = 1;
-    // The first call fills caches.
+    // The first call fills the caches.
     run();
     while time_ns(count, run) * f64::from(count) < 10_000.0 {
         count *= 2;

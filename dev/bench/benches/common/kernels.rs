@@ -1,4 +1,4 @@
-//! The kernels of the core and the ticks they make, on rigs of any size, ready to be run.
+//! The kernels of the core and its ticks, ready to run on rigs of any size.
 
 use std::error::Error;
 use std::hint::black_box;
@@ -26,21 +26,21 @@ use sinew_core::{
 /// Numbers of bodies.
 pub(crate) const SIZES: [usize; 6] = [1, 6, 18, 32, 64, 128];
 
-/// Something to run again and again.
+/// A function that is run repeatedly.
 pub(crate) struct Kernel {
     pub(crate) name: &'static str,
     pub(crate) run: Box<dyn FnMut()>,
 }
 
-/// Frames of the motion that ticks go through, over and over.
+/// Frames of the motion of ticks, which is repeated.
 const FRAMES: usize = 64;
-/// The rig is so many frames behind.
+/// Number of frames by which the rig is late.
 const LAG_FRAMES: usize = 4;
-/// The performer of the show is as much larger than the rig.
+/// Scale of the show's performer relative to the rig.
 const LARGER: f32 = 1.1;
 const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
-/// All kernels for a rig of one of [`SIZES`].
+/// Returns all kernels for a rig of one of [`SIZES`].
 pub(crate) fn of_size(bodies: usize) -> Result<Vec<Kernel>, Box<dyn Error>> {
     match bodies {
         1 => all::<1>(),
@@ -53,8 +53,8 @@ pub(crate) fn of_size(bodies: usize) -> Result<Vec<Kernel>, Box<dyn Error>> {
     }
 }
 
-/// All kernels for a rig of `N` bodies with a free root and spherical joints; capacity and size are the same, as on a
-/// board.
+/// Returns all kernels for a rig of `N` bodies with a free root and spherical joints. Capacity and size are equal, as
+/// on a board.
 fn all<const N: usize>() -> Result<Vec<Kernel>, Box<dyn Error>> {
     let tree = figure::<N>(N, Root::Floating)?;
     let frames: Vec<[Transform; N]> = (0..FRAMES)
@@ -77,7 +77,7 @@ fn kernel(name: &'static str, run: impl FnMut() + 'static) -> Kernel {
     Kernel { name, run: Box::new(run) }
 }
 
-/// States of the joints at a frame.
+/// Returns the states of the joints at a frame.
 fn at<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
@@ -215,7 +215,7 @@ fn differences<const N: usize>(tree: &Tree<N>, frames: &[[Transform; N]]) -> Vec
     ]
 }
 
-/// A sweep for each frame of a performer who is larger.
+/// Returns the projection: one sweep for each frame of a larger performer.
 fn projection<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
@@ -232,12 +232,12 @@ fn projection<const N: usize>(
     }))
 }
 
-/// How far two poses are apart: on the straight line between them in ten steps, directly, and by angles.
+/// Returns the distances of two poses: on the straight line between them in ten steps, directly, and by angles.
 fn distances<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
 ) -> Result<Vec<Kernel>, Box<dyn Error>> {
-    // A kernel owns what it works on, and a space borrows its rig.
+    // A kernel owns its data, but a space borrows its rig, so the rig is leaked.
     let space = PoseSpace::<'static, N>::new(Box::leak(Box::new(tree.clone())));
     let (a, b) = (space.coordinates(&frames[0])?, space.coordinates(&frames[FRAMES - 1])?);
     let places = (space.body_poses(&a), space.body_poses(&b));
@@ -256,7 +256,8 @@ fn distances<const N: usize>(
     ])
 }
 
-/// Whole ticks, from poses to torques: of the core with each method, and as boards run the setting for real rigs.
+/// Returns whole ticks, from poses to torques: of the core with each method, and of boards with the setting for real
+/// rigs.
 fn ticks<const N: usize>(
     tree: &Tree<N>,
     frames: &[[Transform; N]],
@@ -283,7 +284,7 @@ fn ticks<const N: usize>(
         }));
     }
 
-    // An application borrows its frames from flash, for ever.
+    // An application borrows its frames from flash forever.
     let performance = enlarged(&frames[LAG_FRAMES..]).leak();
     let timing = Timing { dt_s: DT_S, latency_ticks: 0 };
     let mut tracker = Tracker::<N, 8>::new(tree.clone(), &Settings::recommended(), timing)?;
@@ -305,7 +306,7 @@ fn enlarged<const N: usize>(frames: &[[Transform; N]]) -> Vec<[Transform; N]> {
     frames
 }
 
-/// What is refused takes no time: the bench would show less than there is.
+/// Checks that nothing was refused: a refused call takes no time, and the bench would show too little.
 fn done<T, E: std::fmt::Debug>(result: Result<T, E>) {
     black_box(result.expect("the bench's own motion is not refused"));
 }

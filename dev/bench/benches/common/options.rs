@@ -1,6 +1,7 @@
-//! What was asked for on the command line.
+//! Options of the command line.
 
-/// Whether a rough answer is wanted soon: `--quick` after `--`, or a run as a test, without cargo's `--bench`.
+/// Whether a quick, rough result is enough: with `--quick` after `--`, or when run as a test, without cargo's
+/// `--bench`.
 pub(crate) fn quick() -> bool {
     let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
     has("--quick") || !has("--bench")

@@ -1,9 +1,8 @@
-//! How fast clips are evaluated: `cargo bench -p sinew-host-bench --bench evaluation`.
+//! Measures the speed of evaluation: `cargo bench -p sinew-host-bench --bench evaluation`.
 //!
-//! Three tables: controlled steps per second on one core for every plant, and the share of the plant in it; how
-//! the evaluation of all built-in clips gains from a second thread; time and memory of runs of 10³ to 10⁶
-//! frames. Machines are noisy: every number is the best of several rounds, and the rounds of what is
-//! compared take turns.
+//! Three tables: controlled steps per second on one core for every plant, and the share of the plant in that time;
+//! the gain of the evaluation of all built-in clips from a second thread; time and memory of runs of 10³ to 10⁶
+//! frames. Machines are noisy: every number is the best of several rounds, and compared functions take turns.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -46,21 +45,21 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
 }
 
-/// Time on the wall, for work on several threads.
+/// Measures wall time, for work on several threads.
 fn on_the_wall(work: &mut dyn FnMut()) -> Duration {
     let start = Instant::now();
     work();
     start.elapsed()
 }
 
-/// Time of the processor, which other programs do not take.
+/// Measures processor time, which other programs do not affect.
 fn of_the_processor(work: &mut dyn FnMut()) -> Duration {
     let start = ProcessTime::now();
     work();
     start.elapsed()
 }
 
-/// The best time of each piece of work, which take turns.
+/// Returns the best time of each function; the functions take turns.
 fn best<const K: usize>(
     rounds: usize,
     clock: fn(&mut dyn FnMut()) -> Duration,
@@ -106,7 +105,7 @@ fn plants(motions: &[FigureMotion]) {
     }
 }
 
-/// Steps a plant of the figure's tree and nothing else. A new start now and then keeps it from falling far.
+/// Only steps a plant of the figure's tree. It is restarted now and then, so that it does not fall far.
 fn fall(settings: PlantSettings, steps: usize) {
     let mass = MassProperties {
         mass_kg: 4.0,
@@ -170,7 +169,7 @@ fn threads(motions: &[FigureMotion]) {
     }
 }
 
-/// The clip there and back again, till it has enough frames.
+/// Returns the clip played forwards and backwards until it has enough frames.
 fn repeated(motion: &FigureMotion, frames: usize) -> FigureMotion {
     let last = motion.rotation.len() - 1;
     let there_and_back = (0..=last).chain((1..last).rev()).cycle().take(frames);

@@ -1,11 +1,11 @@
-//! Times a geodesic, against an optimiser that knows nothing of it: `cargo bench -p sinew-host-bench --bench
+//! Measures the time of a geodesic, compared with a general optimizer: `cargo bench -p sinew-host-bench --bench
 //! geodesic`.
 //!
-//! Pairs of poses of the built-in clips, far apart in time and in different clips, curves of ten steps. All start
-//! from the same straight line, and all take turns on each pair, so that what slows the machine down slows all. Ours
-//! are in their own coordinates and end by their own gradient; `argmin`'s L-BFGS works on rotation vectors, with cost
-//! and gradient written here in the plainest way that is O(n), and no code in common with ours. So what all are
-//! judged by is the energy: how far it is above the least that any found for the pair.
+//! The cases are pairs of poses of the built-in clips, far apart in time and in different clips, with curves of ten
+//! steps. All methods start from the same straight line, and take turns on each pair, so that a slow phase of the
+//! machine affects all. Ours use their own coordinates and stop by their own gradient. `argmin`'s L-BFGS uses
+//! rotation vectors, with cost and gradient written here in the simplest O(n) form, without code of ours. Therefore
+//! all are compared by energy: its excess over the lowest energy that any method found for the pair.
 
 use std::error::Error;
 use std::time::Instant;
@@ -22,12 +22,12 @@ use sinew_pose_metrics::geodesic::{self, JointPosition, Options, Rig, RigJoint};
 
 /// Steps of a curve, as in the paper.
 const STEPS: usize = 10;
-/// All may iterate as often.
+/// Largest number of iterations of every method.
 const ITERATIONS: u64 = 5_000;
-/// An energy so little above the least, relative to it, is the same minimum.
+/// Largest relative excess of an energy over the lowest at which both count as the same minimum.
 const SAME: f64 = 1e-6;
 
-/// A way to find the curve, and the numbers that it came to.
+/// A method to find the curve, with its results.
 struct Contender {
     name: &'static str,
     solve: fn(&Pair) -> Result<Found, Box<dyn Error>>,
@@ -118,7 +118,7 @@ fn pairs(count: usize) -> Result<Vec<Pair>, Box<dyn Error>> {
         .collect();
     (0..count)
         .map(|pair| {
-            // Spread over all by a large prime, the second half a round ahead.
+            // A large prime spreads the pairs over all poses; the second pose is half the list ahead.
             let place = |ahead: usize| poses[(7919 * pair + ahead) % poses.len()].clone();
             Pair::new(&skeleton, place(0), place(poses.len() / 2))
         })
@@ -138,7 +138,7 @@ impl Pair {
         let rig = Rig::new(&skeleton.joints.iter().map(joint).collect::<Vec<_>>())?;
         let parents = skeleton.joints.iter().map(|joint| joint.parent).collect();
         let offsets_m = skeleton.joints.iter().map(|joint| joint.offset_m).collect();
-        // The root is left out; the shorter way round for the others.
+        // The root is left out; the other joints turn the shorter way.
         let mut pair = Self { parents, offsets_m, rig, from, to };
         (pair.from[0], pair.to[0]) = (DVec3::ZERO, DVec3::ZERO);
         for (from, to) in pair.from.iter().zip(&mut pair.to) {
@@ -150,7 +150,7 @@ impl Pair {
         Ok(pair)
     }
 
-    /// World rotations and positions of all joints.
+    /// Returns world rotations and positions of all joints.
     fn place(&self, pose: &[DVec3]) -> (Vec<DQuat>, Vec<DVec3>) {
         let (mut rotations, mut positions_m) = (Vec::new(), Vec::<DVec3>::new());
         for (joint, vector) in pose.iter().enumerate() {
@@ -168,7 +168,7 @@ impl Pair {
         (rotations, positions_m)
     }
 
-    /// All poses of a curve: both ends, and what is between them from one vector of numbers.
+    /// Returns all poses of a curve: both ends, and the poses between them from a vector of numbers.
     fn curve(&self, between: &[f64]) -> Vec<Vec<DVec3>> {
         let vectors: Vec<DVec3> = between.chunks_exact(3).map(DVec3::from_slice).collect();
         let mut curve = vec![self.from.clone()];
@@ -192,7 +192,7 @@ impl CostFunction for &Pair {
     type Param = Vec<f64>;
     type Output = f64;
 
-    /// Energy, eq. (6).
+    /// Returns the energy, eq. (6).
     fn cost(&self, between: &Vec<f64>) -> Result<f64, argmin::core::Error> {
         let placed: Vec<_> = self.curve(between).iter().map(|pose| self.place(pose).1).collect();
         let steps = placed.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
@@ -204,7 +204,7 @@ impl Gradient for &Pair {
     type Param = Vec<f64>;
     type Gradient = Vec<f64>;
 
-    /// Eq. (7), its sign corrected.
+    /// Returns the gradient, eq. (7) with corrected sign.
     fn gradient(&self, between: &Vec<f64>) -> Result<Vec<f64>, argmin::core::Error> {
         let curve = self.curve(between);
         let placed: Vec<_> = curve.iter().map(|pose| self.place(pose)).collect();
@@ -246,7 +246,8 @@ fn ours(pair: &Pair, options: Options) -> Result<Found, Box<dyn Error>> {
     Ok(Found { energy_m2: found.energy_m2, iterations: found.course.len() as u64, time_ms })
 }
 
-/// Ends when the gradient's norm is below a share of the energy at the start, or nothing gets better.
+/// Minimizes by L-BFGS. Stops when the gradient's norm is below a share of the energy at the start, or nothing
+/// improves.
 fn l_bfgs(pair: &Pair, tolerance: f64) -> Result<Found, Box<dyn Error>> {
     let start = Instant::now();
     let line = pair.line();
@@ -262,13 +263,13 @@ fn l_bfgs(pair: &Pair, tolerance: f64) -> Result<Found, Box<dyn Error>> {
     Ok(Found { energy_m2: state.get_best_cost(), iterations: state.get_iter(), time_ms })
 }
 
-/// At most half a turn.
+/// Returns the rotation vector of at most half a turn.
 fn rotation_vector(rotation: DQuat) -> DVec3 {
     let shorter = if rotation.w < 0.0 { -rotation } else { rotation };
     shorter.to_scaled_axis()
 }
 
-/// How the rotation turns in its own axes as its vector changes (Solà et al. 2018, eq. 143).
+/// Returns the change of a rotation in its own axes per change of its vector (Solà et al. 2018, eq. 143).
 fn right_jacobian(vector: DVec3) -> DMat3 {
     let angle = vector.length();
     let skew = DMat3::from_cols(

@@ -1,7 +1,8 @@
-//! Times one step of each plant, without a controller: `cargo bench -p sinew-host-bench --bench plant`.
+//! Measures the time of one step of each plant, without a controller: `cargo bench -p sinew-host-bench --bench
+//! plant`.
 //!
-//! The time is that of 100 steps of the figure of 18 bodies under small constant torques, from the start pose
-//! of a built-in clip; the rate counts single steps.
+//! The time is that of 100 steps of the figure of 18 bodies under small constant torques, from the start pose of a
+//! built-in clip; the rate counts single steps.
 
 use std::hint::black_box;
 
@@ -43,7 +44,7 @@ fn steps(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The figure in the first pose of a clip.
+/// Returns the figure in the first pose of a clip.
 fn at_rest(motion: &FigureMotion) -> (Mechanism, Vec<MovingPose>) {
     let model = BodyModel::from_motion(motion).expect("a figure of the clip's dimensions");
     let mechanism = model.mechanism(Root::Driven);

@@ -1,1 +1,1 @@
-//! Holds nothing: the benches are programs.
+//! This library is empty: the benches are programs.

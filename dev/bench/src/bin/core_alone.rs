@@ -1,5 +1,5 @@
-//! Image with nothing but the core in it: World and Linear Compensation over inverse dynamics, for 18 bodies, and what
-//! they are made with. `cargo xtask budget` looks at how much flash it takes; it can be run, but says nothing.
+//! Image that contains only the core: World and Linear Compensation with inverse dynamics, for 18 bodies, and their
+//! construction. `cargo xtask budget` measures its flash. The image can run, but prints nothing.
 
 #![no_std]
 #![no_main]
@@ -66,7 +66,7 @@ fn rigs() -> Option<(Rig<BODIES>, Rig<BODIES>)> {
     Some((rig(Method::World)?, rig(Method::LinearCompensation { aims, settings })?))
 }
 
-/// What a board would have from its flash and its sensors.
+/// Returns poses that a board would read from its flash and its sensors.
 fn poses() -> [[Transform; BODIES]; 3] {
     black_box([[Transform::IDENTITY; BODIES]; 3])
 }

@@ -1,7 +1,8 @@
-//! Counting on QEMU's `mps2-an386`: what the images that `cargo xtask budget` runs have in common.
+//! Counts on QEMU's `mps2-an386`: shared by the images that `cargo xtask budget` runs.
 //!
-//! With `-icount shift=0` one instruction takes 1 ns of the machine's time, and its 25 MHz `SysTick` counts once in 40
-//! instructions. The command counts them one by one in QEMU's trace, between [`begin`] and [`end`], and compares.
+//! With `-icount shift=0` one instruction takes 1 ns of the machine's time, and its 25 MHz `SysTick` counts once in
+//! 40 instructions. The command counts instructions individually in QEMU's trace, between [`begin`] and [`end`], and
+//! compares.
 
 mod stack;
 
@@ -20,25 +21,25 @@ use sinew_core::{JointState, TorqueController, Transform, Tree, Twist, Wrench};
 
 use crate::states;
 
-/// How often each is run, after a first time that is not counted. Ticks are of successive frames.
+/// Number of counted runs, after a first run that is not counted. Ticks use successive frames.
 const RUNS: u16 = 16;
 
-/// So many frames come before the first that is asked for: the rig is late.
+/// Number of frames before the first requested frame: the rig is late.
 pub const LAG_FRAMES: usize = 4;
 
-/// As many as the ticks look at, and one more of the rig's.
+/// Number of frames that the ticks use, plus one for the rig.
 pub const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
 
-/// The performer of shows is as much larger than the rig.
+/// Scale of the shows' performer relative to the rig.
 const LARGER: f32 = 1.1;
 
-/// Gravity of all rigs, world axes.
+/// Gravity for all rigs, in world axes, m/s².
 pub const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
 const INSTRUCTIONS_PER_COUNT: u32 = 40;
 const COUNTER_MASK: u32 = 0x00ff_ffff;
 
-/// Measures, and ends the emulation.
+/// Runs measurements, and ends the emulation.
 pub fn run(measure: impl FnOnce() -> Result<(), &'static str>) -> ! {
     match start_counter().and_then(|()| measure()) {
         Ok(()) => debug::exit(debug::EXIT_SUCCESS),
@@ -61,25 +62,26 @@ fn start_counter() -> Result<(), &'static str> {
     Ok(())
 }
 
-/// What is executed after this is counted.
+/// Marks the start of the counted instructions.
 #[inline(never)]
 fn begin() {
     asm::nop();
 }
 
-/// What is executed after this is not counted. Of another length than [`begin`], or the compiler makes one of both.
+/// Marks the end of the counted instructions. Its length differs from that of [`begin`]; otherwise the compiler would
+/// merge both.
 #[inline(never)]
 fn end() {
     asm::nop();
     asm::nop();
 }
 
-/// Runs a kernel on rigs of `N` bodies; its argument counts the runs.
+/// Counts a kernel on rigs of `N` bodies. Its argument is the number of the run.
 pub fn count<const N: usize>(name: &str, kernel: impl FnMut(usize)) {
     count_runs::<N, RUNS>(name, kernel);
 }
 
-/// The same `TIMES` times.
+/// Counts a kernel with `TIMES` runs.
 #[inline(never)]
 pub fn count_runs<const N: usize, const TIMES: u16>(name: &str, mut kernel: impl FnMut(usize)) {
     kernel(0);
@@ -89,14 +91,14 @@ pub fn count_runs<const N: usize, const TIMES: u16>(name: &str, mut kernel: impl
         begin();
         kernel(usize::from(run));
         end();
-        // The counter runs down and wraps at 24 bits.
+        // The counter counts down and wraps at 24 bits.
         counted += start.wrapping_sub(SYST::get_current()) & COUNTER_MASK;
     }
     let instructions = counted * INSTRUCTIONS_PER_COUNT / u32::from(TIMES);
     hprintln!("kernel={} bodies={} runs={} instructions={}", name, N, TIMES, instructions);
 }
 
-/// A kind of tick: what it executes, and how much stack it has taken.
+/// Counts the instructions of a kind of tick, and measures its stack.
 ///
 /// # Errors
 /// If a tick fails.
@@ -107,7 +109,7 @@ pub fn count_tick<const N: usize, E: Copy>(
     count_ticks::<N, RUNS, E>(name, tick)
 }
 
-/// The same `TIMES` times.
+/// Counts a kind of tick with `TIMES` runs, and measures its stack.
 ///
 /// # Errors
 /// If a tick fails.
@@ -118,7 +120,7 @@ pub fn count_ticks<const N: usize, const TIMES: u16, E: Copy>(
     let mut result = Ok(());
     let mut checked = |run| result = result.and(tick(run));
     count_runs::<N, TIMES>(name, &mut checked);
-    // Once more from the first frame: what is remembered from tick to tick starts anew.
+    // Runs once more from the first frame: the state between ticks starts anew.
     let painted = stack::high_water_bytes(|| (0..=usize::from(TIMES)).for_each(&mut checked));
     hprintln!("stack={} bodies={} bytes={}", name, N, painted);
     result.map_err(|_| "a tick was refused")
@@ -139,17 +141,17 @@ pub fn inverse<const N: usize>(name: &str, tree: &Tree<N>) {
     black_box(wrenches);
 }
 
-/// Poses of a performer who is larger than the rig.
+/// Scales poses to a performer who is larger than the rig.
 pub fn enlarge(poses: &mut [Transform]) {
     for pose in poses.iter_mut().skip(1) {
         pose.translation_m *= LARGER;
     }
 }
 
-/// A controller with the paper's gain.
+/// Returns a controller with the paper's gain.
 ///
 /// # Errors
-/// If the method is not one of the tree.
+/// If the method does not fit the tree.
 pub fn controller<const N: usize>(
     tree: &Tree<N>,
     method: Method<N>,

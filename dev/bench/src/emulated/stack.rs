@@ -1,12 +1,12 @@
-//! How deep the stack gets, by painting it.
+//! Measures the depth of the stack by painting it.
 
-/// Above what is unlikely to be on the stack by chance.
+/// A pattern that is unlikely to be on the stack by chance.
 const PAINT: u32 = 0xa5c3_3c5a;
 
-/// As far below the caller's frame it is painted.
+/// Number of bytes that are painted below the caller's frame.
 const PAINTED_BYTES: usize = 64 * 1024;
 
-/// Bytes that `run` and what it calls have at most on the stack, below the caller's frame.
+/// Returns the largest number of bytes that `run` and its callees have on the stack, below the caller's frame.
 #[inline(never)]
 #[expect(unsafe_code, reason = "the stack below the stack pointer is no variable of anyone")]
 pub(super) fn high_water_bytes(mut run: impl FnMut()) -> usize {

@@ -1,4 +1,4 @@
-//! Whether the image has all that boards may call: the public functions, by the sources.
+//! Checks that the image contains every public function that boards may call, according to the sources.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use crate::elf::{Elf, Lines, last_part};
 use sinew_steps::step;
 
-/// Where what boards may call is written, seen from the workspace.
+/// Folders of the code that boards may call, relative to the workspace.
 const SOURCES: [&str; 7] = [
     "crates/servo-bus/src",
     "core/src",
@@ -20,17 +20,17 @@ const SOURCES: [&str; 7] = [
     "crates/storage/src",
 ];
 
-/// What of it is for hosts alone.
+/// A folder in them whose code is for hosts only.
 const OF_HOSTS: &str = "crates/show/src/write/";
 
-/// Where the image is written.
+/// Folder of the image's sources.
 const IMAGE: &str = "dev/audit/src/image";
 
-/// A public function: its file, seen from the workspace, and its name.
+/// A public function: its file, relative to the workspace, and its name.
 type Public = (String, String);
 
-/// The public functions of which the image has no instruction and which it does not name. Those that only hand out a
-/// field do not count.
+/// Returns the public functions that have no instruction in the image and are not named in its sources. Functions
+/// that only return a field do not count.
 pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
     let mut public = BTreeSet::new();
     for folder in SOURCES {
@@ -57,7 +57,7 @@ pub(super) fn left_out(elf: &Elf, lines: &Lines) -> Result<Vec<String>> {
         .collect())
 }
 
-/// The functions of which an instruction is in the image, inlined or not.
+/// Returns the functions with an instruction in the image, inlined or not.
 fn in_image(elf: &Elf, lines: &Lines) -> BTreeSet<Public> {
     elf.functions()
         .iter()
@@ -67,7 +67,7 @@ fn in_image(elf: &Elf, lines: &Lines) -> BTreeSet<Public> {
         .collect()
 }
 
-/// The names of the public functions in a source, but for those that only hand out a field, and for tests.
+/// Returns the names of the public functions in a source, except those that only return a field, and tests.
 fn functions(text: &str) -> impl Iterator<Item = String> + '_ {
     let product = text.split("\n#[cfg(test)]").next().unwrap_or_default();
     product.lines().zip(product.lines().skip(1)).filter_map(|(line, body)| {
@@ -82,7 +82,7 @@ fn functions(text: &str) -> impl Iterator<Item = String> + '_ {
     })
 }
 
-/// All sources in a folder.
+/// Returns all source files in a folder.
 fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     let entries = fs::read_dir(folder).with_context(|| folder.display().to_string())?;
@@ -101,7 +101,7 @@ fn read(file: &Path) -> Result<String> {
     fs::read_to_string(file).with_context(|| file.display().to_string())
 }
 
-/// A file as seen from the workspace.
+/// Returns a file's path relative to the workspace.
 fn shown(file: &Path) -> String {
     file.strip_prefix(step::root()).unwrap_or(file).display().to_string()
 }

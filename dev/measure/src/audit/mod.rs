@@ -1,4 +1,4 @@
-//! Looks for what must not be in a board's program: in an image of all that one may call, see `audit/`.
+//! Searches for forbidden content in an image of everything that a board's program may call, see `audit/`.
 
 mod coverage;
 mod report;
@@ -12,23 +12,26 @@ use sinew_steps::step;
 
 use rules::{Finding, Rule};
 
-/// The image.
+/// Image of everything that a board may call.
 const IMAGE: Image = Image::AUDIT;
 
-/// One of faults that must be found, and of nothing else.
+/// Image that contains only faults, each of which must be found.
 const FAULTY: Image = Image { name: "faults", ..IMAGE };
 
-/// What a panic calls in the image, and nobody has.
+/// The missing function that a panic calls in the image.
 const MISSING: &str = "a_panic_can_be_reached";
 
-/// The parts of the image. Each must be there, or nothing was looked at.
-const PARTS: [&str; 46] = [
+/// The parts of the image. Each must be in the image; otherwise the search would be incomplete.
+const PARTS: [&str; 49] = [
     "audit::image::decode::coordinates",
     "audit::image::construct::trees",
     "audit::image::construct::controllers",
     "audit::image::construct::projections",
     "audit::image::construct::observers",
     "audit::image::construct::importance",
+    "audit::image::coordinates::bodies",
+    "audit::image::coordinates::dynamics",
+    "audit::image::coordinates::controller",
     "audit::image::targets::trajectories",
     "audit::image::targets::differences",
     "audit::image::tick::controller",
@@ -71,7 +74,7 @@ const PARTS: [&str; 46] = [
     "audit::image::node::nodes",
 ];
 
-/// What must be found in the image of faults, and in which function.
+/// Faults that must be found in the image of faults, each with its function.
 const FAULTS: [(Rule, &str); 6] = [
     (Rule::Panic, "faults::image::index"),
     (Rule::DoublePrecision, "faults::image::double"),
@@ -81,7 +84,7 @@ const FAULTS: [(Rule, &str); 6] = [
     (Rule::IndirectCall, "faults::image::pointer"),
 ];
 
-/// Links the image, reads it, and fails if anything is in it that must not be.
+/// Links the image, reads it, and fails if it has forbidden content.
 pub(crate) fn run() -> Result<()> {
     let links = build(IMAGE)?;
     let path = IMAGE.path();
@@ -131,8 +134,8 @@ pub(crate) fn self_test() -> Result<()> {
     Ok(())
 }
 
-/// Builds an image; `false` if it does not link for a panic that can be reached. Then it is there all the
-/// same, linked with a handler, so that it can be looked at.
+/// Builds an image. Returns `false` if it does not link because of a reachable panic. Then it is linked with a
+/// handler, so that it can be examined.
 fn build(image: Image) -> Result<bool> {
     eprintln!("\n== link {} without a panic handler", image.name);
     let output = image.cargo("rustc")?.output()?;

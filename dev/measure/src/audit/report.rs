@@ -1,4 +1,4 @@
-//! What was read and found, as text of aligned columns.
+//! Formats results as text in aligned columns.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -8,10 +8,10 @@ use super::rules::{Finding, Rule};
 use crate::elf::{Elf, Lines, SourceLine};
 use sinew_steps::step;
 
-/// How many instructions of one function are shown that break a rule in the same way.
+/// Largest number of instructions that are shown for one function and one violation.
 const SHOWN: usize = 3;
 
-/// What each part of the image can run.
+/// Formats the code that each part of the image can run.
 pub(super) fn contents(elf: &Elf, parts: &[&str]) -> String {
     let mut text = row("part", ["functions", "instructions", "bytes"]);
     for part in parts {
@@ -37,7 +37,7 @@ fn row<T: AsRef<str>>(name: &str, [a, b, c]: [T; 3]) -> String {
     format!("{name:<40} {:>10} {:>13} {:>9}\n", a.as_ref(), b.as_ref(), c.as_ref())
 }
 
-/// How often each rule is broken.
+/// Formats the number of violations of each rule.
 pub(super) fn verdict(elf: &Elf, findings: &[Finding]) -> String {
     let mut text = String::from("must not be there                             found\n");
     for rule in Rule::ALL {
@@ -58,8 +58,8 @@ pub(super) fn verdict(elf: &Elf, findings: &[Finding]) -> String {
     text
 }
 
-/// What was found, by rule and function: where it stands in the source, and by which calls a part of the image gets
-/// there.
+/// Formats the findings by rule and function: the place in the source, and the calls that lead to it from a part of
+/// the image.
 pub(super) fn findings(findings: &[Finding], elf: &Elf, lines: &Lines, parts: &[&str]) -> String {
     let mut groups = BTreeMap::<_, Vec<u64>>::new();
     for Finding { rule, function, what, at } in findings {
@@ -91,7 +91,7 @@ pub(super) fn findings(findings: &[Finding], elf: &Elf, lines: &Lines, parts: &[
     text
 }
 
-/// The fewest calls from a part of the image, or from where it starts, to a function.
+/// Returns the shortest path of calls from a part of the image, or from its start, to a function.
 fn way(elf: &Elf, parts: &[&str], function: usize) -> String {
     let from = |root: &str| elf.path_from(elf.named(root)?, function);
     let path = parts
@@ -104,7 +104,7 @@ fn way(elf: &Elf, parts: &[&str], function: usize) -> String {
     names.join(" > ")
 }
 
-/// A file as seen from the workspace, from the library's sources, or from its crate's folder.
+/// Shortens a file's path: relative to the workspace, to the standard library's sources, or to its crate's folder.
 fn short(file: &str) -> &str {
     if let Some(start) = file.rfind("/library/") {
         return &file[start + 1..];

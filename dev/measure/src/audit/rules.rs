@@ -1,25 +1,25 @@
-//! What must not be in an image that holds all that boards may call.
+//! Rules for the content of an image of everything that boards may call.
 
 use crate::elf::{Elf, Function, Target, last_part};
 
-/// Why something must not be there.
+/// A reason why something is forbidden.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rule {
     /// A panic can be reached.
     Panic,
-    /// 64-bit floats: by software on a Cortex-M4F, 10 to 50 times as slow, and other bits.
+    /// 64-bit floats: a Cortex-M4F computes them in software, 10 to 50 times slower, and with other bits.
     DoublePrecision,
-    /// Fused multiply-add rounds once where multiplication and addition round twice: other bits than the host's.
+    /// Fused multiply-add rounds once, multiplication and addition round twice: the bits differ from the host's.
     FusedMultiplyAdd,
-    /// Text is put together.
+    /// Text is formatted.
     Formatting,
-    /// Memory comes from a heap.
+    /// Memory is allocated from a heap.
     Allocation,
     /// A function calls itself: the stack has no bound.
     Recursion,
-    /// A call by pointer: nobody knows what it runs, or how much stack that takes.
+    /// A call by pointer: the called function and its stack are unknown.
     IndirectCall,
-    /// A call to where no function is.
+    /// A call to an address without a function.
     Nowhere,
 }
 
@@ -49,19 +49,19 @@ impl Rule {
     }
 }
 
-/// What was found.
+/// A violation of a rule.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Finding {
     pub(super) rule: Rule,
-    /// The symbol, instruction or circle of calls.
+    /// The symbol, instruction or cycle of calls.
     pub(super) what: String,
-    /// The function where it stands.
+    /// Index of the function that contains it.
     pub(super) function: usize,
-    /// The instruction.
+    /// Address of the instruction.
     pub(super) at: u64,
 }
 
-/// All that breaks a rule, by rule and then by address.
+/// Returns all violations, by rule and then by address.
 pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (index, function) in elf.functions().iter().enumerate() {
@@ -70,7 +70,7 @@ pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
             let found = match call.to {
                 Target::Function(callee) => {
                     let callee = &elf.functions()[callee];
-                    // Within the library that panics or formats, only the way in counts.
+                    // Within library code that panics or formats, only the first call counts.
                     of_function(callee)
                         .filter(|(rule, _)| {
                             of_function(function).is_none_or(|(own, _)| own != *rule)
@@ -80,7 +80,8 @@ pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
                 Target::Indirect => {
                     Some(finding(Rule::IndirectCall, "by a register".to_owned(), call.at))
                 }
-                // Where a panic goes, linked for a look: what leads there is found anyway.
+                // The target of a panic, in an image that was linked only for examination: calls that lead there are
+                // found anyway.
                 Target::Nowhere(_) if of_function(function).is_some() => None,
                 Target::Nowhere(address) => {
                     Some(finding(Rule::Nowhere, format!("{address:#x}"), call.at))
@@ -101,7 +102,7 @@ pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
                 circle.iter().map(|at| elf.functions()[*at].name.as_str()).collect();
             findings.push(finding(Rule::Recursion, names.join(" > "), function.address));
         }
-        // What nobody calls by name is in the image all the same: an interrupt, or by pointer.
+        // A function without callers by name is in the image nevertheless: an interrupt, or called by pointer.
         if let Some((rule, name)) = of_function(function)
             && elf.callers_of(index).is_empty()
         {
@@ -112,13 +113,13 @@ pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
     findings
 }
 
-/// The rule that a function breaks by being there, and the name that says so.
+/// Returns the rule that a function violates by its presence, and the name that shows it.
 fn of_function(function: &Function) -> Option<(Rule, &str)> {
     function.names().find_map(|name| Some((of_name(name)?, name)))
 }
 
 fn of_name(name: &str) -> Option<Rule> {
-    // Of `<T as core::fmt::Debug>::fmt` and `core::option::Option<T>::expect` the method alone.
+    // Only the method of names such as `<T as core::fmt::Debug>::fmt` and `core::option::Option<T>::expect`.
     let last = last_part(name);
     let is_of = |library: &str| name.starts_with(library) || name.contains(&format!("<{library}"));
     let panics = ["panic", "begin_unwind"].iter().any(|part| last.contains(part))
@@ -141,8 +142,7 @@ fn of_name(name: &str) -> Option<Rule> {
     }
 }
 
-/// Whether this is one of the functions that compute with f64 where the processor cannot: by the names of Arm's
-/// run-time ABI, chapter 4.1, or by those of GCC.
+/// Whether this is a function for f64 in software: by the names of Arm's run-time ABI, chapter 4.1, or those of GCC.
 fn is_of_doubles(name: &str) -> bool {
     if let Some(of_abi) = name.strip_prefix("__aeabi_") {
         return of_abi.starts_with('d')

@@ -1,4 +1,4 @@
-//! The boards' own images: what they take of flash and RAM, and what QEMU counts of the one that it can run.
+//! The boards' own images: their flash and RAM, and the instructions that QEMU counts in the one that it can run.
 
 use std::fs;
 
@@ -11,10 +11,10 @@ use super::printed::{field, number};
 use super::trace::qemu;
 use super::{images, tables};
 
-/// Instructions of ticks over the whole show of the image for QEMU.
+/// Instructions of the ticks over the whole show of the image for QEMU.
 const SECTION: &str = "show_instructions";
 
-/// Prints what the images of boards take, by their names; of all without a name. They must have been built.
+/// Prints the sizes of the named boards' images; without names, of all. They must have been built.
 pub(crate) fn sizes(names: &[&str]) -> Result<()> {
     let is_meant = |board: &Board| names.is_empty() || names.contains(&board.name);
     let boards: Vec<Board> = BOARDS.iter().copied().filter(is_meant).collect();
@@ -26,12 +26,12 @@ pub(crate) fn sizes(names: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Returns what the images of all boards take.
+/// Returns the sizes of all boards' images.
 pub(super) fn all() -> Result<Figures> {
     of(BOARDS)
 }
 
-/// Returns what the images of boards take, without the files that are built into that of an emulated board.
+/// Returns the sizes of boards' images, without the files that are built into that of an emulated board.
 fn of(boards: &[Board]) -> Result<Figures> {
     let mut figures = Figures::default();
     for &board in boards {
@@ -44,14 +44,14 @@ fn of(boards: &[Board]) -> Result<Figures> {
             figures.extend(images::node(board.name, &image)?);
         }
     }
-    // One board's are enough: the instructions are those of the processor.
+    // One board is enough: the instructions depend only on the processor.
     if boards.contains(&EMULATED) {
         figures.extend(instructions(EMULATED)?);
     }
     Ok(figures)
 }
 
-/// Runs a board's image in QEMU, and returns the instructions of its ticks, on average and the most.
+/// Runs a board's image in QEMU, and returns the mean and largest number of instructions of its ticks.
 fn instructions(board: Board) -> Result<Vec<(FigureKey, u64)>> {
     let output = qemu(board, &Image::of(board).path(), &["-icount", "shift=0"])?
         .output()

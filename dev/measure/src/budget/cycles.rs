@@ -1,21 +1,21 @@
-//! Cycles of a Cortex-M4F, estimated from the instructions that are executed.
+//! Estimates the cycles of a Cortex-M4F from the executed instructions.
 //!
-//! After the instruction timings of Arm's Cortex-M4 Technical Reference Manual (DDI 0439), with 2 cycles to refill
-//! the pipeline after a branch (the manual says 1 to 3), and 7 for an integer division (2 to 12). Left out: wait
-//! states of the flash and what its prefetch and cache make of them, the cycle that an arithmetic instruction waits
-//! for the floating-point result right before it, the integer work that goes on beside a division or a square root,
-//! instructions that an `it` block skips, and interrupts.
+//! The timings are those of Arm's Cortex-M4 Technical Reference Manual (DDI 0439), with 2 cycles to refill the
+//! pipeline after a branch (the manual says 1 to 3), and 7 for an integer division (2 to 12). Not included: wait
+//! states of the flash and the effect of its prefetch and cache, the cycle that an arithmetic instruction waits for
+//! the floating-point result right before it, integer work in parallel with a division or a square root, instructions
+//! that an `it` block skips, and interrupts.
 
 use crate::elf::Instruction;
 
-/// What an instruction does.
+/// Kind of an instruction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
     Load,
     Store,
-    /// Addition, subtraction, multiplication, and the like of floats.
+    /// Addition, subtraction, multiplication, and similar operations on floats.
     Float,
-    /// Product and sum in one instruction, rounded once or (`vmla`) twice: as dear as three.
+    /// Product and sum in one instruction, rounded once or (`vmla`) twice: costs as much as three.
     FloatProductSum,
     /// Division and square root of floats.
     FloatDivision,
@@ -26,7 +26,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// All, with their names in tables.
+    /// All kinds, with their names in tables.
     pub(crate) const ALL: [(Self, &'static str); 8] = [
         (Self::Load, "load"),
         (Self::Store, "store"),
@@ -55,29 +55,29 @@ impl Kind {
     }
 }
 
-/// Cycles to fetch and decode anew after a branch that is taken.
+/// Cycles to refill the pipeline after a branch that is taken.
 pub(crate) const REFILL: u64 = 2;
 
-/// Cycles of instructions one after the other, no branch among them taken.
+/// Returns the cycles of consecutive instructions without a taken branch.
 pub(crate) fn of_block(instructions: &[&Instruction]) -> u64 {
     let mut cycles = 0;
     let mut follows_access = false;
     for instruction in instructions {
         let is_access = is_single_access(instruction);
-        // The address of one goes with the data of the one before.
+        // The address phase overlaps with the data phase of the previous access.
         cycles += if is_access && follows_access { 1 } else { of(instruction) };
         follows_access = is_access;
     }
     cycles
 }
 
-/// Cycles of an instruction that nothing holds up and that goes on to the next.
+/// Returns the cycles of an instruction without stalls and taken branches.
 fn of(instruction: &Instruction) -> u64 {
     let operation = instruction.operation.as_str();
     match operation {
         "sdiv" | "udiv" => 7,
         "it" | "nop" => 1,
-        // Between two core registers and a double, or two singles.
+        // Moves between two core registers and a double, or two singles.
         "vmov" => words_moved(instruction),
         "ldrd" | "strd" => 3,
         "mla" | "mls" | "tbb" | "tbh" => 2,
@@ -94,13 +94,13 @@ fn of(instruction: &Instruction) -> u64 {
     }
 }
 
-/// Whether it loads or stores one word or less.
+/// Whether an instruction loads or stores at most one word.
 fn is_single_access(instruction: &Instruction) -> bool {
     let operation = instruction.operation.as_str();
     let is_word = is_any(operation, &["ldr", "str", "vldr", "vstr"])
         && !matches!(operation, "ldrd" | "strd")
         && !has_doubles(instruction);
-    // A jump through memory ends what could go beside it.
+    // A jump through memory prevents the overlap.
     is_word && !instruction.operands.starts_with("pc")
 }
 
@@ -112,14 +112,15 @@ fn has_doubles(instruction: &Instruction) -> bool {
     instruction.operands.starts_with('d')
 }
 
-/// Words that a list of registers such as `r0!, {r4, d8}` stands for.
+/// Returns the number of words in a register list such as `r0!, {r4, d8}`.
 fn words_listed(instruction: &Instruction) -> u64 {
     let operands = instruction.operands.as_str();
     let list = operands.split_once('{').map_or("", |(_, list)| list.trim_end_matches('}'));
     list.split(',').map(|register| if register.trim_start().starts_with('d') { 2 } else { 1 }).sum()
 }
 
-/// Two where three registers are named: two core registers, and a double or a pair of singles.
+/// Returns the number of words that a move transfers: two if it has three registers (two core registers, and a double
+/// or a pair of singles).
 fn words_moved(instruction: &Instruction) -> u64 {
     if instruction.operands.split(',').count() > 2 { 2 } else { 1 }
 }

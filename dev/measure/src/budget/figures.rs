@@ -1,15 +1,15 @@
-//! What was measured: numbers by section, row and column.
+//! Measured numbers by section, row and column.
 
 use std::fmt;
 
-/// Where a number stands: `instructions.rnea_free_root.18`.
+/// Key of a number: `instructions.rnea_free_root.18`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct FigureKey {
-    /// What it counts, with its unit.
+    /// The counted quantity, with its unit.
     pub(crate) section: String,
-    /// What was measured.
+    /// Name of the measured code.
     pub(crate) row: String,
-    /// Of what size, or which part.
+    /// Size of the rig, or part of the whole.
     pub(crate) column: String,
 }
 
@@ -18,7 +18,7 @@ impl FigureKey {
         Self { section: section.to_owned(), row: row.to_owned(), column: column.to_owned() }
     }
 
-    /// Reads what [`Display`](fmt::Display) writes.
+    /// Parses the format that [`Display`](fmt::Display) writes.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         let [section, row, column] = text.split('.').collect::<Vec<_>>().try_into().ok()?;
         Some(Self::new(section, row, column))
@@ -31,12 +31,12 @@ impl fmt::Display for FigureKey {
     }
 }
 
-/// Numbers in the order in which they were measured.
+/// Numbers in the order of their measurement.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct Figures(Vec<(FigureKey, u64)>);
 
 impl Figures {
-    /// Adds a number to what stands at a place, if anything does.
+    /// Adds to the number with a key, or inserts it.
     pub(crate) fn add(&mut self, place: FigureKey, number: u64) {
         match self.0.iter_mut().find(|(known, _)| *known == place) {
             Some((_, sum)) => *sum += number,
@@ -52,7 +52,7 @@ impl Figures {
         self.0.iter().map(|(place, number)| (place, *number))
     }
 
-    /// Sections, or rows of one, or columns, each once, in order.
+    /// Returns the names of sections, of rows or of columns, each once, in order.
     pub(crate) fn names<'a>(
         &'a self,
         name: impl Fn(&'a FigureKey) -> Option<&'a str>,

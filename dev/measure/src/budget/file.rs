@@ -1,4 +1,4 @@
-//! The committed file: what is promised, and what was measured when it was last accepted.
+//! The committed file: the promises, and the numbers that were last accepted.
 
 use std::collections::BTreeMap;
 
@@ -8,33 +8,33 @@ use toml_edit::{DocumentMut, InlineTable, Item, Table, value};
 
 use super::figures::{FigureKey, Figures};
 
-/// Its place in the workspace.
+/// Path of the file in the workspace.
 pub(crate) const FILE: &str = "dev/bench/budget.toml";
 
-/// From which share on a change is named.
+/// Relative change from which a number is reported.
 const NOTABLE_CHANGE: f64 = 0.02;
 
-/// A bound that holds whatever was measured before.
+/// A bound that is independent of earlier measurements.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Promise {
-    /// The figure's place.
+    /// Key of the figure.
     figure: String,
-    /// Its bound; in units of `times`, if that is given.
+    /// Bound of the figure; in units of `times`, if that is given.
     at_most: f64,
-    /// The place of the figure that the bound is a multiple of.
+    /// Key of the figure of which the bound is a multiple.
     times: Option<String>,
-    /// Why it must hold.
+    /// Reason for the bound.
     reason: String,
 }
 
-/// A promise beside what was measured.
+/// A promise with the measured number.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Verdict<'a> {
     pub(crate) promise: &'a Promise,
     pub(crate) place: FigureKey,
     pub(crate) measured: u64,
-    /// In the units of `measured`.
+    /// Bound in the units of `measured`.
     pub(crate) bound: f64,
 }
 
@@ -43,7 +43,7 @@ impl Verdict<'_> {
         self.measured as f64 <= self.bound
     }
 
-    /// The bound as the file has it.
+    /// Formats the bound as in the file.
     pub(crate) fn bound_text(&self) -> String {
         match &self.promise.times {
             None => self.promise.at_most.to_string(),
@@ -56,7 +56,7 @@ impl Verdict<'_> {
     }
 }
 
-/// The file.
+/// Content of the committed file.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Budget {
@@ -66,7 +66,7 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// Reads the text of [`FILE`].
+    /// Parses the text of [`FILE`].
     pub(crate) fn parse(text: &str) -> Result<Self> {
         let budget: Self = toml::from_str(text).context(FILE)?;
         for promise in &budget.promises {
@@ -86,15 +86,15 @@ impl Budget {
         Ok(budget)
     }
 
-    /// What was accepted last at a place.
+    /// Returns the number that was last accepted for a key.
     pub(crate) fn accepted(&self, place: &FigureKey) -> Option<u64> {
         self.measured.get(&place.section)?.get(&place.row)?.get(&place.column).copied()
     }
 
-    /// Every promise beside what was measured.
+    /// Compares every promise with the measured number.
     ///
     /// # Errors
-    /// If one is of a figure that was not measured: it would hold unseen.
+    /// If a promised figure was not measured: its promise would never be checked.
     pub(crate) fn verdicts<'a>(&'a self, measured: &Figures) -> Result<Vec<Verdict<'a>>> {
         let figure = |name: &str| -> Result<(FigureKey, u64)> {
             let place = FigureKey::parse(name).with_context(|| format!("`{name}` is no figure"))?;
@@ -116,7 +116,8 @@ impl Budget {
             .collect()
     }
 
-    /// Returns what is no longer as accepted by more than 2 %, is new, or was not measured again: a line for each.
+    /// Returns a line for each number that differs from the accepted one by more than 2 %, is new, or was not
+    /// measured again.
     pub(crate) fn changes(&self, measured: &Figures) -> Vec<String> {
         let mut changes = Vec::new();
         for (place, now) in measured.iter() {
@@ -143,12 +144,12 @@ impl Budget {
     }
 }
 
-/// By how much a number has changed, in per cent.
+/// Formats the relative change of a number in per cent.
 pub(crate) fn change(before: u64, now: u64) -> String {
     format!("{:+.1} %", (now as f64 / before as f64 - 1.0) * 100.0)
 }
 
-/// The text of the file with these figures as accepted; its promises and comments stay.
+/// Returns the text of the file with these figures as accepted. Promises and comments stay.
 pub(crate) fn accepting(text: &str, measured: &Figures) -> Result<String> {
     let mut document: DocumentMut = text.parse().context(FILE)?;
     let all = table_in(document.as_table_mut(), "measured")?;
@@ -167,7 +168,7 @@ pub(crate) fn accepting(text: &str, measured: &Figures) -> Result<String> {
                     columns.insert(&place.column, number.into());
                 }
             }
-            // Where the row is known, the comments above it are its key's.
+            // In an existing row, the comments above belong to its key and are kept.
             match rows.get_mut(name) {
                 Some(row) => *row = value(columns),
                 None => _ = rows.insert(name, value(columns)),
@@ -177,7 +178,7 @@ pub(crate) fn accepting(text: &str, measured: &Figures) -> Result<String> {
     Ok(document.to_string())
 }
 
-/// The table of that name, made if there is none.
+/// Returns the table with a name, and inserts it if it is missing.
 fn table_in<'a>(within: &'a mut Table, name: &str) -> Result<&'a mut Table> {
     within
         .entry(name)

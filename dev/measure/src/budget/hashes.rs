@@ -1,10 +1,11 @@
-//! Whether an image computes the same bits as the host: hashes of what both compute.
+//! Checks whether an image computes the same bits as the host, by hashes of the results.
 
 use anyhow::{Context, Result, ensure};
 
 use super::printed::field;
 
-/// Fails if the hashes that an image printed, such as `hash=show_frames bits=0123456789abcdef`, are not the host's.
+/// Fails if the hashes that an image printed, such as `hash=show_frames bits=0123456789abcdef`, differ from the
+/// host's.
 pub(super) fn compare(printed: &str, host: &[(&str, u64)]) -> Result<()> {
     let mut lines = printed.lines().filter(|line| line.starts_with("hash="));
     for (name, bits) in host {

@@ -1,4 +1,4 @@
-//! The bench crate's images, and what images take of flash and RAM.
+//! The bench crate's images, and the flash and RAM of images.
 
 use std::fs;
 use std::path::Path;
@@ -12,52 +12,52 @@ use crate::elf::Elf;
 use sinew_steps::image::Image;
 use sinew_steps::step;
 
-/// What images take beside their shows.
+/// Sizes of images without their shows.
 pub(crate) const SECTION: &str = "image_bytes";
 
-/// Every kernel and every kind of tick, measured one by one.
+/// Image with every kernel and every kind of tick, each measured separately.
 pub(super) const KERNELS: Image =
     Image { package: "sinew-bench", name: "kernels", feature: Some("mps2_an386") };
 
-/// Ticks of rigs of servos.
+/// Image with ticks of rigs of servos.
 pub(super) const SERVOS: Image = Image { name: "servos", ..KERNELS };
 
-/// A show of 20 servos.
+/// Image with a show of 20 servos.
 pub(super) const SHOW: Image = Image { name: "show", ..KERNELS };
 
-/// A cycle of buses of 18 servos.
+/// Image with a cycle of buses of 18 servos.
 pub(super) const BUS: Image = Image { name: "bus", ..KERNELS };
 
-/// A tick of drives of 18 servos.
+/// Image with a tick of the drives of 18 servos.
 pub(super) const DRIVES: Image = Image { name: "drives", ..KERNELS };
 
-/// A tick of the whole loop.
+/// Image with a tick of the whole loop.
 pub(super) const WHOLE_LOOP: Image = Image { name: "whole_loop", ..KERNELS };
 
-/// World, Linear Compensation and inverse dynamics, and nothing else.
+/// Image with World, Linear Compensation and inverse dynamics only.
 const CORE_ALONE: Image = Image { name: "core_alone", ..KERNELS };
 
 /// All images of the bench.
 pub(crate) const IMAGES: [Image; 7] = [KERNELS, SERVOS, SHOW, BUS, DRIVES, WHOLE_LOOP, CORE_ALONE];
 
-/// Names that tell the instances of a generic function apart, and frame sizes in the image.
+/// Flags for names that distinguish instances of a generic function, and for frame sizes in the image.
 const FLAGS: &str = "-C symbol-mangling-version=v0 -Z emit-stack-sizes";
 
-/// Builds the images, all at once: each is optimized as a whole, on one core.
+/// Builds all images in one command: each is optimized as a whole, on one core.
 pub(crate) fn build() -> Result<()> {
     let mut cargo = KERNELS.cargo("build")?;
     for image in IMAGES.iter().filter(|image| image.name != KERNELS.name) {
         cargo.args(["--bin", image.name]);
     }
-    // The frame sizes are a flag of nightly compilers.
+    // The flag for frame sizes needs a nightly compiler, or this variable.
     cargo.env("RUSTFLAGS", FLAGS).env("RUSTC_BOOTSTRAP", "1");
     step::run(&format!("build {}", IMAGES.map(|image| image.name).join(", ")), &mut cargo)
 }
 
-/// The tick of the core alone, of 18 bodies and without room for resolved acceleration.
+/// Name of the tick of the core alone, of 18 bodies and without room for resolved acceleration.
 const CORE_TICK: &str = "<sinew_bench::rig::Rig<18>>::tick";
 
-/// What the core alone takes: as an image, and of it what a tick can execute, with all constants.
+/// Returns the sizes of the core alone: the image, and the part that a tick can execute, with all constants.
 pub(crate) fn core_alone() -> Result<impl Iterator<Item = (FigureKey, u64)>> {
     let Image { name, .. } = CORE_ALONE;
     let image = CORE_ALONE.path();
@@ -65,8 +65,9 @@ pub(crate) fn core_alone() -> Result<impl Iterator<Item = (FigureKey, u64)>> {
     Ok(size(name, &image, 0)?.chain([tick]))
 }
 
-/// What a tick of the whole loop can execute, with its constants, by the number of servos. Constants are those of all
-/// sizes together, without the rigs and shows that the image has among `figures`.
+/// Returns the size of the code that a tick of the whole loop can execute, with its constants, by the number of
+/// servos. Constants are those of all sizes together, without the rigs and shows of the image, whose sizes are among
+/// `figures`.
 pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(FigureKey, u64)>> {
     let Image { name, .. } = WHOLE_LOOP;
     let files = ["loop_rig_file", "loop_show_file"];
@@ -80,7 +81,7 @@ pub(super) fn whole_loop(sizes: &[&str], figures: &Figures) -> Result<Vec<(Figur
     sizes.iter().map(of_size).collect()
 }
 
-/// Code that a function can reach, and all constants of its image.
+/// Returns the size of the code that a function can reach, plus all constants of its image.
 fn reachable_bytes(image: &Path, function: &str) -> Result<u64> {
     let elf = Elf::load(image)?;
     let root = elf.named(function).with_context(|| format!("the image has no `{function}`"))?;
@@ -93,10 +94,10 @@ fn reachable_bytes(image: &Path, function: &str) -> Result<u64> {
 
 const STATIC_RAM: &str = "static_ram";
 
-/// Where the Cortex-M architecture has SRAM.
+/// Addresses of SRAM in the Cortex-M architecture.
 const SRAM: std::ops::Range<u64> = 0x2000_0000..0x4000_0000;
 
-/// What of an image is stored beside its show, and what RAM is static. The stack takes what RAM is left.
+/// Returns the stored size of an image without its show, and its static RAM. The stack uses the remaining RAM.
 pub(crate) fn size(
     name: &str,
     image: &Path,
@@ -119,8 +120,8 @@ pub(crate) fn size(
     Ok(columns.map(|(column, bytes)| (FigureKey::new(SECTION, name, column), bytes)).into_iter())
 }
 
-/// What RAM the image of a board that runs the node takes: the deepest that its stack can be, and all together with
-/// what is static.
+/// Returns the RAM of the image of a board that runs the node: the largest depth of its stack, and the sum with
+/// static RAM.
 pub(crate) fn node(name: &str, image: &Path) -> Result<[(FigureKey, u64); 2]> {
     let of_stack = stack::of_image(image)?;
     let is_static = |(place, _): &(FigureKey, u64)| place.column == STATIC_RAM;

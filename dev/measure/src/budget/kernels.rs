@@ -1,4 +1,4 @@
-//! What each kernel and each kind of tick takes, from the images `kernels`, `servos`, `show`, `bus`, `drives` and
+//! Measures each kernel and each kind of tick, with the images `kernels`, `servos`, `show`, `bus`, `drives` and
 //! `whole_loop`.
 
 use std::collections::BTreeMap;
@@ -17,10 +17,10 @@ use super::trace::{Mix, Trace, qemu, trace};
 use crate::elf::Elf;
 use sinew_steps::image::Image;
 
-/// Instructions of the whole kernel, the mean of its runs.
+/// Instructions of the whole kernel, mean of its runs.
 const INSTRUCTIONS: &str = "instructions";
 
-/// The longest run of a tick.
+/// Instructions of the longest run of a tick.
 const WORST: &str = "worst_instructions";
 
 /// Cycles of the mean run.
@@ -30,11 +30,11 @@ const STATIC_STACK: &str = "static_stack_bytes";
 const PAINTED_STACK: &str = "painted_stack_bytes";
 const TYPES: &str = "type_bytes";
 
-/// Types that are added up: the row of the sum, and its parts.
+/// Sums of types: the row of the sum, and its parts.
 const SUMS: [(&str, &[&str]); 2] = [
-    // What a tick changes: the RAM that it needs beside the controller, which could lie in flash.
+    // Data that a tick changes: the RAM that it needs besides the controller, which could be in flash.
     ("state_and_workspace", &["JointTargets", "JointStates", "Workspace"]),
-    // All that the loop has in RAM beside its stack.
+    // All RAM of the loop except its stack.
     ("loop_ram", &["loop_controller", "loop_rig", "loop_bus"]),
 ];
 
@@ -42,20 +42,20 @@ const SUMS: [(&str, &[&str]); 2] = [
 struct Measured {
     image: Image,
     callers: &'static [Caller],
-    /// The numbers of bodies of its rigs.
+    /// Numbers of bodies of its rigs.
     sizes: &'static [&'static str],
-    /// Hashes that the image prints, as the host computes them.
+    /// Returns the hashes that the image prints, computed by the host.
     hashes: fn() -> Result<Vec<(&'static str, u64)>>,
 }
 
-/// A function that whole ticks are called by: what it has on the stack is the tick's.
+/// A function that calls whole ticks: its stack is that of the tick.
 struct Caller {
     name: &'static str,
-    /// What the rows of its ticks begin with.
+    /// Prefix of the rows of its ticks.
     rows: &'static str,
 }
 
-/// No two of them have a row or a caller of the same name.
+/// All measured images. No two have a row or a caller of the same name.
 const MEASURED: [Measured; 6] = [
     Measured {
         image: KERNELS,
@@ -81,7 +81,7 @@ const MEASURED: [Measured; 6] = [
         sizes: &["20"],
         hashes: || Ok(sinew_bench::show::hashes()?.to_vec()),
     },
-    // The tests of the crate `bus` look at what it says; here it counts alone.
+    // The tests of the crate `bus` check its results; here it is only counted.
     Measured { image: BUS, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
     Measured { image: DRIVES, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
     Measured {
@@ -95,35 +95,35 @@ const MEASURED: [Measured; 6] = [
 /// Numbers of servos of the whole loop.
 pub(super) const LOOPS: [&str; 3] = ["6", "20", "40"];
 
-/// What the image's own closures may have on the stack between where it is painted and the tick, which the call graph
-/// does not count.
+/// Largest stack of the image's own closures between the painted area and the tick, which the call graph does not
+/// count, bytes.
 const CLOSURES_BYTES: u64 = 128;
 
-/// How far `SysTick` may be from the trace, in instructions: it also counts the marks themselves (about 20), and each
-/// of its readings is up to 40 off.
+/// Largest difference between `SysTick` and the trace, in instructions: `SysTick` also counts the marks (about 20),
+/// and each reading is up to 40 off.
 const SYSTICK_TOLERANCE: u64 = 80;
 
-/// What was measured, and what it consists of.
+/// Measured numbers of an image, and their parts.
 pub(crate) struct Kernels {
     pub(crate) elf: Elf,
     pub(crate) figures: Figures,
     pub(crate) executed: Vec<Kernel>,
-    /// The deepest stack of each kind of tick.
+    /// Deepest stack of each kind of tick.
     pub(crate) stacks: Vec<(FigureKey, Depth)>,
 }
 
-/// What the runs of a kernel executed.
+/// Instructions that the runs of a kernel executed.
 pub(crate) struct Kernel {
-    /// Of its instructions.
+    /// Key of its instructions.
     pub(crate) place: FigureKey,
     pub(crate) runs: u64,
-    /// All runs together, by function.
+    /// Executed instructions of all runs together, by function.
     pub(crate) mixes: BTreeMap<usize, Mix>,
     /// Instructions of the longest run.
     worst: u64,
 }
 
-/// Measures all images, side by side: a QEMU uses one core.
+/// Measures all images in parallel: each QEMU uses one core.
 pub(crate) fn measure() -> Result<Vec<Kernels>> {
     thread::scope(|scope| {
         let measuring = MEASURED.each_ref().map(|measured| scope.spawn(|| measured.kernels()));
@@ -163,7 +163,7 @@ impl Measured {
         Ok(Kernels { elf, figures, executed, stacks })
     }
 
-    /// That of a row of whole ticks, of successive frames; none of what does the same work again and again.
+    /// Returns the caller for a row of whole ticks with successive frames; `None` for rows that repeat the same work.
     fn caller(&self, row: &str) -> Option<&Caller> {
         self.callers.iter().find(|caller| row.starts_with(caller.rows))
     }
@@ -183,7 +183,7 @@ impl Measured {
         Ok(stacks)
     }
 
-    /// That no tick was seen to take more stack than it can by the call graph.
+    /// Checks that no tick used more stack than the call graph allows.
     fn check_stacks(&self, figures: &Figures) -> Result<()> {
         for (place, painted) in figures.iter().filter(|(at, _)| at.section == PAINTED_STACK) {
             let caller = self.caller(&place.row);
@@ -198,7 +198,8 @@ impl Measured {
     }
 }
 
-/// What the runs of each kernel executed, checked against the counts of the other run.
+/// Returns the instructions that the runs of each kernel executed, after a comparison with the counts of the other
+/// run.
 fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
     let lines = |text: &str| -> Vec<String> {
         text.lines().filter(|line| line.starts_with("kernel=")).map(str::to_owned).collect()
@@ -231,7 +232,7 @@ fn executed(elf: &Elf, trace: &Trace, counted: &str) -> Result<Vec<Kernel>> {
     Ok(kernels)
 }
 
-/// What the image printed of stacks and types.
+/// Parses the stacks and types that the image printed.
 fn printed(text: &str) -> Result<Figures> {
     let (mut figures, mut sums) = (Figures::default(), Figures::default());
     for line in text.lines() {
@@ -255,12 +256,12 @@ fn printed(text: &str) -> Result<Figures> {
 }
 
 impl Kernel {
-    /// Of one run, the mean.
+    /// Returns the mean number of instructions of a run.
     fn instructions(&self) -> u64 {
         Mix::sum(self.mixes.values()).instructions.div_ceil(self.runs)
     }
 
-    /// The same of cycles.
+    /// Returns the mean number of cycles of a run.
     fn cycles(&self) -> u64 {
         Mix::sum(self.mixes.values()).cycles.div_ceil(self.runs)
     }

@@ -1,4 +1,4 @@
-//! What the core and the images take, compared with the committed file.
+//! Measures the core and the images, and compares the numbers with the committed file.
 
 mod boards;
 mod cycles;
@@ -26,11 +26,11 @@ pub(crate) use boards::sizes;
 use figures::{FigureKey, Figures};
 use file::{Budget, FILE};
 
-/// The rig that promises are about.
+/// Number of bodies of the rig to which promises refer.
 const BODIES: &str = "18";
 
-/// Measures everything, and holds it to the promises of the committed file; or makes it the new one. The boards' images
-/// must have been built.
+/// Measures everything and checks the promises of the committed file. With `accept`, updates the file. The boards'
+/// images must have been built.
 pub(crate) fn run(accept: bool) -> Result<()> {
     let path = step::root().join(FILE);
     let text = fs::read_to_string(&path).with_context(|| FILE.to_owned())?;
@@ -69,7 +69,7 @@ pub(crate) fn run(accept: bool) -> Result<()> {
         fs::write(step::root().join(page::PAGE), page::print(&text)?)?;
         println!("{FILE} and {} have these figures now.", page::PAGE);
     } else {
-        // A figure that drifted breaks nothing: who changes code reads it here, and accepts it.
+        // A changed number is not an error: the author of a change sees it here, and accepts it.
         for change in budget.changes(&figures) {
             println!("{change}");
         }
@@ -103,10 +103,11 @@ fn print(figures: &Figures, budget: &Budget, measured: &[Kernels]) {
     println!("{}", tables::mixes(&title, rows));
 }
 
-/// How many functions are named that a promise was missed by.
+/// Number of functions that are listed for a broken promise.
 const LARGEST: usize = 25;
 
-/// Where what was promised less of goes, function by function: instructions of a kernel, or bytes of an image.
+/// Prints the largest contributions to a number that breaks a promise, by function: instructions of a kernel, or
+/// bytes of an image.
 fn explain(place: &FigureKey, measured: &[Kernels]) -> Result<()> {
     let FigureKey { section, row, column } = place;
     if section == images::SECTION {

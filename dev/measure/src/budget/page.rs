@@ -1,4 +1,4 @@
-//! The committed figures as a page of the documentation.
+//! Writes the committed figures as a page of the documentation.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use toml_edit::{DocumentMut, Item, TableLike};
 
 use super::file::FILE;
 
-/// The page's place in the workspace.
+/// Path of the page in the workspace.
 pub(crate) const PAGE: &str = "docs/figures.md";
 
 const HEAD: &str = "\
@@ -28,7 +28,7 @@ core](speed.md) explains the figures.
   upper bound from frames and calls.
 ";
 
-/// Prints the promises and the figures of the file.
+/// Formats the promises and the figures of the file.
 pub(crate) fn print(budget: &str) -> Result<String> {
     let document: DocumentMut = budget.parse().context(FILE)?;
     let mut page = HEAD.to_owned();
@@ -46,7 +46,7 @@ pub(crate) fn print(budget: &str) -> Result<String> {
     let measured = document.get("measured").and_then(Item::as_table_like).context(FILE)?;
     for (section, rows) in measured.iter() {
         writeln!(page, "\n## {}", capitalized(section))?;
-        // A table ends where the columns change.
+        // A new table begins where the columns change.
         let mut known = Vec::new();
         for (row, columns) in rows.as_table_like().context(FILE)?.iter() {
             let columns = columns.as_table_like().context(FILE)?;
@@ -78,7 +78,7 @@ fn capitalized(section: &str) -> String {
     first.to_uppercase() + rest
 }
 
-/// Returns a number as the file has it, so that it can be searched there.
+/// Returns a number in the format of the file, so that it can be searched there.
 fn number(item: &Item) -> String {
     let whole = item.as_integer().map(|number| number.to_string());
     whole.or_else(|| item.as_float().map(|number| number.to_string())).unwrap_or_default()

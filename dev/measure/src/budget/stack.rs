@@ -1,4 +1,4 @@
-//! The deepest stack of a function and all that it calls, from the compiler's frame sizes and the call graph.
+//! Computes the deepest stack of a function with all its callees, from the compiler's frame sizes and the call graph.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,15 +9,15 @@ use object::{Object, ObjectSection};
 
 use crate::elf::{Elf, Function, Target};
 
-/// Frame sizes by the function's address, as `-Z emit-stack-sizes` leaves them in the image.
+/// Frame sizes by the function's address, as `-Z emit-stack-sizes` stores them in the image.
 #[derive(Debug)]
 pub(crate) struct Frames(BTreeMap<u64, u64>);
 
-/// The deepest way of calls.
+/// The deepest path of calls.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Depth {
     pub(crate) bytes: u64,
-    /// Functions from the outermost on, with their frames in bytes.
+    /// Functions from the outermost inwards, with their frames in bytes.
     pub(crate) path: Vec<(usize, u64)>,
 }
 
@@ -31,7 +31,7 @@ impl Frames {
         Self::parse(section.data()?)
     }
 
-    /// Entries of four bytes of address and a number in LEB128.
+    /// Parses entries of a 4-byte address and a number in LEB128.
     fn parse(mut bytes: &[u8]) -> Result<Self> {
         let mut frames = BTreeMap::new();
         while let Some((address, rest)) = bytes.split_first_chunk::<4>() {
@@ -46,7 +46,7 @@ impl Frames {
                 }
                 ensure!(length < 5, ".stack_sizes has a frame beyond 2^32");
             }
-            // The lowest bit says that it is Thumb code.
+            // The lowest bit marks Thumb code.
             frames.insert(u64::from(u32::from_le_bytes(*address) & !1), frame);
             bytes = &rest[length..];
         }
@@ -54,14 +54,14 @@ impl Frames {
         Ok(Self(frames))
     }
 
-    /// Bytes that a function itself has on the stack at most.
+    /// Returns the largest frame of a function, bytes.
     fn of(&self, function: &Function) -> u64 {
         self.0.get(&function.address).copied().unwrap_or_else(|| pushed_by(function))
     }
 }
 
-/// What a function that came without a frame size, as those of the standard library do, pushes and takes off the stack
-/// pointer, all added up.
+/// Returns the frame of a function without a known frame size, such as those of the standard library: the sum of all
+/// bytes that it pushes and subtracts from the stack pointer.
 fn pushed_by(function: &Function) -> u64 {
     function
         .instructions
@@ -84,7 +84,7 @@ fn pushed_by(function: &Function) -> u64 {
         .sum()
 }
 
-/// The number at the end of operands such as `sp, sp, #0x18`.
+/// Returns the number at the end of operands such as `sp, sp, #0x18`.
 fn immediate(operands: &str) -> Option<u64> {
     let number = operands.rsplit('#').next()?;
     match number.strip_prefix("0x") {
@@ -93,20 +93,20 @@ fn immediate(operands: &str) -> Option<u64> {
     }
 }
 
-/// The deepest stack from `root` on.
+/// Returns the deepest stack from `root`.
 ///
 /// # Errors
-/// If something on the way recurs or calls through a pointer: there is then no bound.
+/// If a function on the path recurs or calls through a pointer: then there is no bound.
 pub(crate) fn deepest(elf: &Elf, frames: &Frames, root: usize) -> Result<Depth> {
     Search { elf, frames, pointers: &[], known: BTreeMap::new() }.depth(root, &mut Vec::new())
 }
 
-/// The deepest stack of a whole image: that of its program, and on it those of the two deepest interrupts, one of
-/// which may come amid the other.
+/// Returns the deepest stack of a whole image: that of its program, plus those of the two deepest interrupts, one of
+/// which may interrupt the other.
 ///
 /// # Errors
-/// If something recurs by name. What is called by a pointer is any function that data names; that none of them comes
-/// to call itself is not looked at.
+/// If a function recurs by name. A call by pointer may go to any function whose address is in data; recursion through
+/// such a call is not checked.
 pub(crate) fn of_image(image: &Path) -> Result<u64> {
     let elf = Elf::load(image)?;
     let mut search = Search {
@@ -127,13 +127,14 @@ pub(crate) fn of_image(image: &Path) -> Result<u64> {
     Ok(program.bytes + of_interrupts)
 }
 
-/// What the processor stacks for an exception, with the registers of its FPU and where it aligns (ARMv7-M, B1.5.7).
+/// Largest number of bytes that the processor pushes for an exception, with FPU registers and alignment (ARMv7-M,
+/// B1.5.7).
 const EXCEPTION_BYTES: u64 = 26 * 4 + 4;
 
 struct Search<'a> {
     elf: &'a Elf,
     frames: &'a Frames,
-    /// What a pointer may be to; none: it may be to anything.
+    /// Possible targets of a pointer; if empty, any function.
     pointers: &'a [usize],
     known: BTreeMap<usize, Depth>,
 }
@@ -200,7 +201,7 @@ mod tests {
         }
     }
 
-    /// `outer` calls `middle`, which ends in a jump to `inner`.
+    /// Makes an image in which `outer` calls `middle`, which ends in a jump to `inner`.
     fn image() -> Elf {
         let (call, jump) = (branch(2, 8, true), branch(10, 16, false));
         let halves = [
@@ -215,7 +216,7 @@ mod tests {
     #[test]
     fn the_deepest_way_is_that_of_frames_and_tail_calls_leave_theirs() {
         let elf = image();
-        // What the compiler does not say is taken from the instructions: `inner` pushes 8 bytes and takes 16.
+        // Missing frame sizes are derived from the instructions: `inner` pushes 8 bytes and subtracts 16.
         let frames = Frames(BTreeMap::from([(0, 8), (8, 12)]));
         let depth = deepest(&elf, &frames, 0).unwrap();
         assert_eq!(depth, Depth { bytes: 8 + 24, path: vec![(0, 8), (1, 0), (2, 24)] });
@@ -233,17 +234,17 @@ mod tests {
         assert_eq!(error.to_string(), "again calls itself: its stack has no bound");
     }
 
-    /// What loads `r3` from the word behind the next two instructions.
+    /// Loads `r3` from the word after the next two instructions.
     const LDR_R3_PC: u16 = 0x4b00;
 
-    /// The pointer to a function at `address`: bit 0 says that it is Thumb code.
+    /// Returns the pointer to a function at `address`: bit 0 marks Thumb code.
     const fn thumb(address: u16) -> u16 {
         address | 1
     }
 
     #[test]
     fn a_pointer_from_amid_the_code_is_a_name() {
-        // outer: what `r3` is loaded with is `inner`.
+        // outer: `r3` is loaded with the address of `inner`.
         let halves = [PUSH_R4_LR, NOP, LDR_R3_PC, BLX_R3, thumb(12), 0, PUSH_R4_LR, POP_R4_PC];
         let symbols = [(0, "$t"), (0, "outer"), (8, "$d"), (12, "$t"), (12, "inner")];
         let elf = Elf::parse(&object(&symbols, &halves)).unwrap();
@@ -253,7 +254,7 @@ mod tests {
 
     #[test]
     fn any_other_pointer_is_to_what_data_names() {
-        // outer calls what its caller gave; a word behind `inner` names that.
+        // outer calls a pointer from its caller; a word after `inner` contains its address.
         let halves = [PUSH_R4_LR, BLX_R3, POP_R4_PC, NOP, PUSH_R4_LR, SUB_SP_16, thumb(8), 0];
         let symbols = [(0, "$t"), (0, "outer"), (8, "inner"), (12, "$d")];
         let elf = Elf::parse(&object(&symbols, &halves)).unwrap();

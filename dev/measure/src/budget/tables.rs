@@ -1,4 +1,4 @@
-//! What was measured, as tables of aligned columns.
+//! Formats measured numbers as tables with aligned columns.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use super::file::{Budget, Verdict, change};
 use super::trace::Mix;
 use crate::elf::Elf;
 
-/// A table: its first column to the left, all others to the right.
+/// Formats a table: the first column is left-aligned, all others right-aligned.
 pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or_default();
     let width = |column: usize| {
@@ -33,7 +33,7 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// All figures of a section, and how each has changed since it was accepted.
+/// Formats all figures of a section, and the change of each since it was accepted.
 pub(crate) fn section(figures: &Figures, budget: Option<&Budget>, section: &str) -> String {
     let columns = figures.names(|place| (place.section == section).then_some(&place.column));
     let mut rows = vec![vec![section.replace('_', " ")]];
@@ -56,7 +56,7 @@ pub(crate) fn section(figures: &Figures, budget: Option<&Budget>, section: &str)
     aligned(&rows)
 }
 
-/// Every promise, and whether it holds.
+/// Formats every promise, and whether it holds.
 pub(crate) fn promises(verdicts: &[Verdict<'_>]) -> String {
     let mut rows = vec![["promise", "measured", "bound", ""].map(str::to_owned).to_vec()];
     rows.extend(verdicts.iter().map(|verdict| {
@@ -70,7 +70,7 @@ pub(crate) fn promises(verdicts: &[Verdict<'_>]) -> String {
     aligned(&rows)
 }
 
-/// What kernels execute in one run, by kind of instruction.
+/// Formats the instructions of kernels in one run, by kind of instruction.
 pub(crate) fn mixes<'a>(
     title: &str,
     mixes: impl IntoIterator<Item = (String, u64, &'a Mix)>,
@@ -86,7 +86,7 @@ pub(crate) fn mixes<'a>(
     aligned(&rows)
 }
 
-/// The last part of a function's path, with what it is a method of.
+/// Returns the last part of a function's path, with the type of a method.
 pub(crate) fn short_name(elf: &Elf, function: usize) -> String {
     let name = &elf.functions()[function].name;
     let parts: Vec<&str> = name.split("::").collect();

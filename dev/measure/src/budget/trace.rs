@@ -1,4 +1,4 @@
-//! What an image executes between two marks, instruction by instruction, from QEMU's log.
+//! Reads the instructions that an image executes between two marks, from QEMU's log.
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{BufRead, BufReader, Read};
@@ -13,41 +13,42 @@ use sinew_image::{Board, EMULATED};
 use super::cycles::{self, Kind};
 use crate::elf::{Elf, Instruction};
 
-/// A run from one mark to the other.
+/// A run from the first mark to the second.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Run {
     pub(crate) instructions: u64,
-    /// By the address of their first instruction.
+    /// Executed blocks, by the address of their first instruction.
     blocks: BTreeMap<u64, Executed>,
 }
 
-/// How often a block of instructions, which only its last can leave, was executed, and how often that one jumped.
+/// Number of executions of a block of instructions, which only its last instruction can leave, and number of jumps of
+/// that instruction.
 #[derive(Debug, Clone, Copy, Default)]
 struct Executed {
     times: u64,
     jumps: u64,
 }
 
-/// The addresses of the instructions of blocks, by their first.
+/// Addresses of the instructions of blocks, by their first.
 type Blocks = HashMap<u64, Vec<u64>>;
 
-/// What some runs executed together.
+/// Instructions of several runs together.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Mix {
     pub(crate) instructions: u64,
     pub(crate) cycles: u64,
-    /// In the order of [`Kind::ALL`].
+    /// Numbers in the order of [`Kind::ALL`].
     pub(crate) kinds: [u64; Kind::ALL.len()],
 }
 
-/// What QEMU says of an image: its standard output, and the runs.
+/// Output of QEMU for an image: its standard output, and the runs.
 pub(crate) struct Trace {
     pub(crate) output: String,
     pub(crate) runs: Vec<Run>,
     blocks: Blocks,
 }
 
-/// QEMU as a board, with an image.
+/// Returns the command of QEMU for a board, with an image.
 ///
 /// # Errors
 /// If QEMU has no such machine.
@@ -65,7 +66,7 @@ pub(crate) fn qemu(board: Board, image: &Path, arguments: &[&str]) -> Result<Com
     Ok(command)
 }
 
-/// Runs an image and logs what it executes from each return of function `begin` to the next call of `end`.
+/// Runs an image and logs the executed instructions from each return of function `begin` to the next call of `end`.
 pub(crate) fn trace(image: &Path, elf: &Elf, [begin, end]: [&str; 2]) -> Result<Trace> {
     let mark = |name: &str| {
         let index = elf.named(name).with_context(|| format!("the image has no `{name}`"))?;
@@ -92,7 +93,7 @@ pub(crate) fn trace(image: &Path, elf: &Elf, [begin, end]: [&str; 2]) -> Result<
     Ok(Trace { output, runs, blocks })
 }
 
-/// The runs in a log, and its blocks; instructions are as wide as `width` says.
+/// Returns the runs in a log, and its blocks; `width` returns the length of an instruction.
 fn read(
     log: impl BufRead,
     begin: Range<u64>,
@@ -125,13 +126,13 @@ fn read(
 }
 
 enum State {
-    /// Before a mark, or after both.
+    /// Outside of a run.
     Between,
-    /// The block that is being executed, if it counts.
+    /// Inside a run: the block that is being executed.
     Running { last: Option<u64> },
 }
 
-/// QEMU's log: blocks as they are translated, and which are executed.
+/// Reader for QEMU's log: blocks as they are translated, and the executed blocks.
 struct Log<R> {
     lines: R,
     line: String,
@@ -139,7 +140,7 @@ struct Log<R> {
 }
 
 impl<R: BufRead> Log<R> {
-    /// The address of the next block that is executed, or none at the end.
+    /// Returns the address of the next executed block, or `None` at the end.
     fn next_block(&mut self) -> Result<Option<u64>> {
         let mut translated: Vec<u64> = Vec::new();
         loop {
@@ -160,7 +161,7 @@ impl<R: BufRead> Log<R> {
                 let address = address.and_then(|address| u64::from_str_radix(address, 16).ok());
                 translated.push(address.with_context(|| format!("QEMU's log: {line}"))?);
             } else if let Some(first) = translated.first() {
-                // What follows the last instruction of a block.
+                // Address after the last instruction of a block.
                 self.blocks.insert(*first, std::mem::take(&mut translated));
             }
             if line.starts_with("qemu") {
@@ -170,12 +171,12 @@ impl<R: BufRead> Log<R> {
     }
 }
 
-/// Bytes of the instruction at an address.
+/// Returns the length of the instruction at an address, bytes.
 fn width(elf: &Elf, address: u64) -> u64 {
     instruction_at(elf, address).map_or(0, |(_, instruction)| instruction.bytes.len() as u64)
 }
 
-/// The instruction at an address, and the function's index.
+/// Returns the instruction at an address, and the function's index.
 fn instruction_at(elf: &Elf, address: u64) -> Option<(usize, &Instruction)> {
     let functions = elf.functions();
     let index = functions.partition_point(|function| function.address <= address).checked_sub(1)?;
@@ -185,7 +186,7 @@ fn instruction_at(elf: &Elf, address: u64) -> Option<(usize, &Instruction)> {
 }
 
 impl Trace {
-    /// What runs executed, by function.
+    /// Returns the instructions that runs executed, by function.
     pub(crate) fn mixes(&self, elf: &Elf, runs: &[Run]) -> Result<BTreeMap<usize, Mix>> {
         let mut executed: BTreeMap<u64, Executed> = BTreeMap::new();
         for (address, block) in runs.iter().flat_map(|run| &run.blocks) {
@@ -232,7 +233,7 @@ impl Mix {
 mod tests {
     use super::*;
 
-    /// As QEMU 7.2 writes it: a block as it is translated, then each that is executed.
+    /// Log in the format of QEMU 7.2: each block as it is translated, then each executed block.
     const LOG: &str = "\
 ----------------
 IN: begin

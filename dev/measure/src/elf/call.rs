@@ -5,25 +5,25 @@
 pub(crate) struct Call {
     /// Address of the instruction.
     pub(crate) at: u64,
-    /// What is called.
+    /// Function that is called.
     pub(crate) to: Target,
-    /// Whether it does not come back here: the caller's frame is off the stack by then.
+    /// Whether the call does not return here: the caller's frame is already removed from the stack.
     pub(crate) is_tail: bool,
 }
 
-/// What is called.
+/// Target of a call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Target {
-    /// The function of that index.
+    /// The function with that index.
     Function(usize),
-    /// Whatever a register holds: a function pointer, or a method of a `dyn`.
+    /// The content of a register: a function pointer, or a method of a `dyn`.
     Indirect,
-    /// An address where no function lies.
+    /// An address without a function.
     Nowhere(u64),
 }
 
 impl Target {
-    /// The function, if it is known.
+    /// Returns the index of the function, if it is known.
     pub(crate) fn function(self) -> Option<usize> {
         match self {
             Self::Function(index) => Some(index),

@@ -1,10 +1,10 @@
-//! Who calls whom, from the instructions.
+//! Finds calls in the instructions.
 
 use super::call::{Call, Target};
 use super::disassembly::Instruction;
 use super::function::Function;
 
-/// Where an address lies among all functions, in the order of theirs.
+/// Returns the function at an address. `all` must be in the order of addresses.
 fn target_at(all: &[Function], address: u64) -> Target {
     let behind = all.partition_point(|function| function.address <= address);
     let index = behind.checked_sub(1).filter(|index| {
@@ -14,7 +14,7 @@ fn target_at(all: &[Function], address: u64) -> Target {
     index.map_or(Target::Nowhere(address), Target::Function)
 }
 
-/// All calls of a function. `all` is in the order of addresses; `word`: what lies at an address.
+/// Returns all calls of a function. `all` is in the order of addresses; `word` returns the word at an address.
 pub(super) fn of(
     function: &Function,
     all: &[Function],
@@ -37,7 +37,7 @@ pub(super) fn of(
                 }
                 "b" => {
                     let target = instruction.branch_target()?;
-                    // A loop or a branch, or self-recursion that was made one.
+                    // A loop or a branch, or a self-recursion that became a loop.
                     if is_within(target) {
                         return None;
                     }
@@ -51,8 +51,8 @@ pub(super) fn of(
         .collect()
 }
 
-/// The address of code that a register holds before an instruction, if the nearest one before that writes it reads it
-/// from among the instructions: so compilers call what they call often, when code is to be small.
+/// Returns the address of code in a register before an instruction, if the nearest earlier write of the register
+/// loads it from a constant among the instructions. Compilers call frequent functions in this way to make code small.
 fn held(
     function: &Function,
     before: usize,
@@ -78,14 +78,14 @@ fn held(
         Some(hexadecimal) => u64::from_str_radix(hexadecimal, 16).ok()?,
         None => offset.parse().ok()?,
     };
-    // The program counter is four bytes on, and on a word.
+    // The program counter is four bytes ahead, and aligned to a word.
     let found = word(((address + 4) & !3) + offset).filter(|_| operation == "ldr")?;
-    // The lowest bit says that it is Thumb code.
+    // The lowest bit marks Thumb code.
     (found & 1 == 1).then_some(u64::from(found & !1))
 }
 
-/// What the register of a jump holds that is the caller's: outlined ends of functions have such. `None`: not of all
-/// callers is it known.
+/// Returns the targets of a jump to a register that the callers have loaded, as in outlined ends of functions. `None`
+/// if the value is unknown for a caller.
 pub(super) fn of_callers(
     to: usize,
     call: &Call,
@@ -108,7 +108,7 @@ pub(super) fn of_callers(
     (!found.is_empty()).then_some(found)
 }
 
-/// Whether it goes where a register says, and this is neither a return nor a jump table.
+/// Whether an instruction jumps to the address in a register, and is neither a return nor a jump table.
 fn jumps_to_a_register(instruction: &Instruction) -> bool {
     instruction.operation == "bx" && instruction.operands != "lr"
 }

@@ -1,4 +1,4 @@
-//! Instructions of a Cortex-M with an FPU, from their bytes.
+//! Decodes instructions of a Cortex-M with an FPU.
 
 use anyhow::{Result, anyhow, ensure};
 use capstone::Capstone;
@@ -6,29 +6,29 @@ use capstone::arch::BuildsCapstone;
 use capstone::arch::BuildsCapstoneExtraMode;
 use capstone::arch::arm::{ArchExtraMode, ArchMode};
 
-/// An instruction.
+/// A decoded instruction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Instruction {
-    /// Of its first byte.
+    /// Address of its first byte.
     pub(crate) address: u64,
-    /// What it does, without condition, width and type: `vmla` of `vmlaeq.f32`, `b` of `bne.w`.
+    /// Operation without condition, width and type: `vmla` for `vmlaeq.f32`, `b` for `bne.w`.
     pub(crate) operation: String,
-    /// As assemblers write it: `vmlaeq.f32`.
+    /// Mnemonic in assembler notation: `vmlaeq.f32`.
     pub(crate) mnemonic: String,
-    /// As assemblers write them: `s0, s1, s2`; targets of branches as `#0x1f0`.
+    /// Operands in assembler notation: `s0, s1, s2`; targets of branches as `#0x1f0`.
     pub(crate) operands: String,
-    /// Its bytes, 2 or 4 of them, as they lie in memory.
+    /// Bytes of the instruction, 2 or 4, in the order of memory.
     pub(crate) bytes: Vec<u8>,
 }
 
 impl Instruction {
-    /// The address that a direct branch or call goes to: its last operand.
+    /// Returns the target address of a direct branch or call: its last operand.
     pub(crate) fn branch_target(&self) -> Option<u64> {
         if !matches!(self.operation.as_str(), "b" | "bl" | "blx" | "cbz" | "cbnz") {
             return None;
         }
         let address = self.operands.rsplit(' ').next()?.strip_prefix('#')?;
-        // Below ten it is written in decimal.
+        // Addresses below ten are written in decimal.
         match address.strip_prefix("0x") {
             Some(hexadecimal) => u64::from_str_radix(hexadecimal, 16).ok(),
             None => address.parse().ok(),
@@ -49,7 +49,7 @@ impl Disassembler {
         Ok(Self(capstone))
     }
 
-    /// The instructions of pieces of code.
+    /// Decodes pieces of code.
     pub(super) fn instructions(&self, pieces: &[(u64, Vec<u8>)]) -> Result<Vec<Instruction>> {
         let mut all = Vec::new();
         for (start, bytes) in pieces {

@@ -1,9 +1,9 @@
-//! Objects made by hand, instruction by instruction, for tests.
+//! Objects for tests, made instruction by instruction.
 
 use object::write::{Object, StandardSection, Symbol, SymbolSection};
 use object::{Architecture, BinaryFormat, Endianness, SymbolFlags, SymbolKind, SymbolScope};
 
-/// Where functions and data begin (with their names), and all that lies there from address 0 on.
+/// Makes an object. `symbols`: start addresses and names of functions and data; `halves`: the content from address 0.
 pub(crate) fn object(symbols: &[(u64, &str)], halves: &[u16]) -> Vec<u8> {
     object_for(Architecture::Arm, symbols, halves)
 }
@@ -33,7 +33,7 @@ pub(crate) fn object_for(
     object.write().unwrap()
 }
 
-/// `bl`, or with `false` `b.w`, from one address to another.
+/// Encodes `bl`, or with `links = false` `b.w`, from one address to another.
 pub(crate) fn branch(from: i32, to: i32, links: bool) -> [u16; 2] {
     let offset = (to - from - 4) / 2;
     let bits = |count: u32, shift: u32| {

@@ -3,27 +3,27 @@
 use super::call::Call;
 use super::disassembly::Instruction;
 
-/// A function as it lies in flash.
+/// A function in flash.
 #[derive(Debug, Clone)]
 pub(crate) struct Function {
-    /// Demangled, without the compiler's hash.
+    /// Demangled name, without the compiler's hash.
     pub(crate) name: String,
-    /// Further names of the same code: the linker folds functions that are equal, and libraries give aliases.
+    /// Other names of the same code: the linker merges equal functions, and libraries define aliases.
     pub(crate) aliases: Vec<String>,
-    /// The symbol as the linker knows it.
+    /// Symbol of the linker.
     pub(crate) symbol: String,
-    /// Of the first instruction, without the Thumb bit.
+    /// Address of the first instruction, without the Thumb bit.
     pub(crate) address: u64,
-    /// Bytes, literal pools among them.
+    /// Size in bytes, including literal pools.
     pub(crate) size: u64,
-    /// In rising order, without the data between them.
+    /// Instructions in the order of addresses, without the data between them.
     pub(crate) instructions: Vec<Instruction>,
-    /// In the order of their addresses.
+    /// Calls in the order of their addresses.
     pub(crate) calls: Vec<Call>,
 }
 
 impl Function {
-    /// Its name and aliases.
+    /// Returns its name and aliases.
     pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
         std::iter::once(&self.name).chain(&self.aliases).map(String::as_str)
     }

@@ -1,4 +1,4 @@
-//! Which line of the source an instruction comes from.
+//! Finds the source line of an instruction.
 
 use std::path::Path;
 
@@ -11,11 +11,11 @@ pub(crate) struct Lines(Loader);
 /// A place in the source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct SourceLine {
-    /// The function, demangled.
+    /// Demangled name of the function.
     pub(crate) function: String,
-    /// As the compiler was given it.
+    /// Path of the file, as it was given to the compiler.
     pub(crate) file: String,
-    /// From 1 on; 0 for code that has no line of its own.
+    /// Line number from 1; 0 for code without a line.
     pub(crate) line: u32,
 }
 
@@ -29,8 +29,8 @@ impl Lines {
         Ok(Self(loader))
     }
 
-    /// Where the instruction at an address comes from: the innermost function first, then those that it was inlined in.
-    /// Nothing where the compiler has left no information.
+    /// Returns the source lines of the instruction at an address: first the innermost function, then those into which
+    /// it was inlined. Empty if there is no debugging information.
     pub(crate) fn at(&self, address: u64) -> Vec<SourceLine> {
         let mut places = Vec::new();
         let Ok(mut frames) = self.0.find_frames(address) else { return places };

@@ -1,4 +1,4 @@
-//! What an image for Arm holds: its functions, their Thumb-2 instructions, and who calls whom.
+//! Reads an image for Arm: its functions, their Thumb-2 instructions, and their calls.
 
 mod call;
 mod calls;
@@ -25,7 +25,7 @@ pub(crate) use name::last_part;
 use disassembly::Disassembler;
 use text::Words;
 
-/// A linked image, read once. Functions are known by their index, which rises with their address.
+/// A linked image. Functions are identified by their index, in the order of addresses.
 #[derive(Debug)]
 pub(crate) struct Elf {
     functions: Vec<Function>,
@@ -37,13 +37,13 @@ impl Elf {
     /// Reads an image.
     ///
     /// # Errors
-    /// If it is no ELF file for Arm with symbols, or holds what is not Thumb-2.
+    /// If the file is not an ELF file for Arm with symbols, or contains code other than Thumb-2.
     pub(crate) fn load(path: &Path) -> Result<Self> {
         let name = || path.display().to_string();
         Self::parse(&fs::read(path).with_context(name)?).with_context(name)
     }
 
-    /// The same of a file in memory.
+    /// Reads an image in memory.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self> {
         let file = object::File::parse(bytes)?;
         ensure!(file.architecture() == Architecture::Arm, "it is for {:?}", file.architecture());
@@ -96,41 +96,43 @@ impl Elf {
         Ok(Self { functions, named_by_data, handlers })
     }
 
-    /// Functions whose address some data holds, what lies amid code too: a pointer can be to no other one.
+    /// Returns the functions whose address is in data, including data among the code: a pointer can have no other
+    /// target.
     pub(crate) fn named_by_data(&self) -> &[usize] {
         &self.named_by_data
     }
 
-    /// Functions of the vector table: what resets, exceptions and interrupts begin with.
+    /// Returns the functions in the vector table: handlers of reset, exceptions and interrupts.
     pub(crate) fn handlers(&self) -> &[usize] {
         &self.handlers
     }
 
-    /// All functions, in the order of their addresses.
+    /// Returns all functions, in the order of their addresses.
     pub(crate) fn functions(&self) -> &[Function] {
         &self.functions
     }
 
-    /// The function that has this name, symbol or alias.
+    /// Returns the function with this name, symbol or alias.
     pub(crate) fn named(&self, name: &str) -> Option<usize> {
         self.functions.iter().position(|function| {
             function.symbol == name || function.names().any(|known| known == name)
         })
     }
 
-    /// The functions that `function` calls by name, without repetition, in rising order.
+    /// Returns the functions that `function` calls by name, each once, in rising order.
     pub(crate) fn callees_of(&self, function: usize) -> BTreeSet<usize> {
         self.functions[function].calls.iter().filter_map(|call| call.to.function()).collect()
     }
 
-    /// The functions that call `function` by name, in rising order.
+    /// Returns the functions that call `function` by name, in rising order.
     pub(crate) fn callers_of(&self, function: usize) -> Vec<usize> {
         (0..self.functions.len())
             .filter(|caller| self.callees_of(*caller).contains(&function))
             .collect()
     }
 
-    /// What can run once `roots` are called, themselves included; indirect calls are not followed.
+    /// Returns the functions that may run when `roots` are called, including the roots; indirect calls are not
+    /// followed.
     pub(crate) fn reachable_from(&self, roots: &[usize]) -> BTreeSet<usize> {
         let mut reached: BTreeSet<usize> = roots.iter().copied().collect();
         let mut pending: Vec<usize> = roots.to_vec();
@@ -141,7 +143,7 @@ impl Elf {
         reached
     }
 
-    /// A shortest way of calls from `root` to `function`, both included.
+    /// Returns a shortest path of calls from `root` to `function`, including both.
     pub(crate) fn path_from(&self, root: usize, function: usize) -> Option<Vec<usize>> {
         let mut came_from = vec![None; self.functions.len()];
         let mut pending = VecDeque::from([root]);
@@ -164,7 +166,7 @@ impl Elf {
         None
     }
 
-    /// A shortest way of calls from `function` back to itself, if it recurs: both ends are itself.
+    /// Returns a shortest path of calls from `function` back to itself, if it recurs; both ends are the function.
     pub(crate) fn cycle_through(&self, function: usize) -> Option<Vec<usize>> {
         self.callees_of(function)
             .into_iter()

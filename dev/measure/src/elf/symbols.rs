@@ -1,4 +1,4 @@
-//! Where functions lie, and which of their bytes are instructions.
+//! Finds the addresses of functions, and which of their bytes are instructions.
 
 use std::collections::BTreeMap;
 
@@ -16,14 +16,14 @@ pub(super) struct Found {
     pub(super) code: Vec<(u64, Vec<u8>)>,
 }
 
-/// A function's symbols: they may be several for one address.
+/// Symbols of a function: there may be several for one address.
 #[derive(Default)]
 struct Symbols {
     size: u64,
     symbols: Vec<String>,
 }
 
-/// All functions, in the order of their addresses.
+/// Returns all functions, in the order of their addresses.
 pub(super) fn functions(file: &File<'_>) -> Result<Vec<Found>> {
     let mut all = Vec::new();
     for section in file.sections().filter(|section| section.kind() == SectionKind::Text) {
@@ -32,7 +32,7 @@ pub(super) fn functions(file: &File<'_>) -> Result<Vec<Found>> {
         let end_of_section = section.address() + section.size();
         let starts: Vec<u64> = named.keys().copied().collect();
         for (index, (address, Symbols { size, symbols })) in named.into_iter().enumerate() {
-            // Assembly need not give a size: it then goes on to the next symbol.
+            // A symbol of assembly code may have no size: then the function ends at the next symbol.
             let next = starts.get(index + 1).copied().unwrap_or(end_of_section);
             let size = if size == 0 { next - address } else { size };
             let mut code = Vec::new();
@@ -58,7 +58,7 @@ pub(super) fn functions(file: &File<'_>) -> Result<Vec<Found>> {
     Ok(all)
 }
 
-/// The symbols of a section's functions, by address without the Thumb bit.
+/// Returns the symbols of a section's functions, by address without the Thumb bit.
 fn named(file: &File<'_>, section: SectionIndex) -> Result<BTreeMap<u64, Symbols>> {
     let mut named = BTreeMap::<u64, Symbols>::new();
     for symbol in file.symbols() {
@@ -78,14 +78,14 @@ fn named(file: &File<'_>, section: SectionIndex) -> Result<BTreeMap<u64, Symbols
     Ok(named)
 }
 
-/// Whether a symbol marks what lies at its address (ELF for the Arm Architecture, mapping symbols).
+/// Whether a symbol marks the kind of content at its address (ELF for the Arm Architecture, mapping symbols).
 fn is_mapping(name: &str) -> bool {
     ["$a", "$t", "$d"].iter().any(|kind| {
         name.strip_prefix(kind).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
     })
 }
 
-/// From which address on a section holds instructions (true) or data.
+/// Returns the addresses from which a section has instructions (true) or data.
 fn mapping(file: &File<'_>, section: SectionIndex) -> Result<BTreeMap<u64, bool>> {
     let mut mapping = BTreeMap::new();
     for symbol in file.symbols() {
@@ -102,7 +102,7 @@ fn mapping(file: &File<'_>, section: SectionIndex) -> Result<BTreeMap<u64, bool>
     Ok(mapping)
 }
 
-/// The pieces of a function that are instructions, as start and end.
+/// Returns the start and end of the pieces of a function that are instructions.
 fn code_of(start: u64, end: u64, mapping: &BTreeMap<u64, bool>) -> Vec<(u64, u64)> {
     let at_start = mapping.range(..=start).next_back().is_none_or(|(_, is_code)| *is_code);
     let mut pieces = Vec::new();
@@ -116,7 +116,7 @@ fn code_of(start: u64, end: u64, mapping: &BTreeMap<u64, bool>) -> Vec<(u64, u64
     if is_code && from < end {
         pieces.push((from, end));
     }
-    // One piece for what follows on: a mark amid instructions says nothing new.
+    // Joins adjacent pieces: a mark among instructions has no meaning.
     pieces.dedup_by(|next, piece| {
         let joins = piece.1 == next.0;
         if joins {

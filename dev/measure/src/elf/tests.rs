@@ -1,11 +1,11 @@
-//! Images made by hand.
+//! Tests with handmade images.
 
 use object::Architecture;
 
 use super::fixture::*;
 use super::*;
 
-/// `root` calls `middle`, which ends in `leaf`; `again` calls itself by way of `root`; `open` calls pointers.
+/// Makes an image: `root` calls `middle`, which ends in `leaf`; `again` recurs through `root`; `open` calls pointers.
 fn graph() -> Elf {
     let symbols =
         [(0, "$t"), (0, "root"), (8, "middle"), (12, "leaf"), (14, "again"), (18, "open")];

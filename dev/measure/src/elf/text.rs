@@ -1,12 +1,12 @@
-//! What lies in an image, word by word.
+//! Reads the content of an image word by word.
 
 use anyhow::Result;
 use object::{File, Object, ObjectSection, SectionKind};
 
-/// Where Cortex-M processors find the addresses of their handlers.
+/// Name of the section with the addresses of a Cortex-M's handlers.
 const VECTOR_TABLE: &str = ".vector_table";
 
-/// The bytes of sections that come to lie in memory.
+/// Bytes of the sections that are loaded into memory.
 pub(super) struct Words {
     sections: Vec<Section>,
 }
@@ -36,7 +36,7 @@ impl Words {
         Ok(Self { sections })
     }
 
-    /// The word at an address.
+    /// Returns the word at an address.
     pub(super) fn at(&self, address: u64) -> Option<u32> {
         self.sections.iter().find_map(|section| {
             let from = usize::try_from(address.checked_sub(section.address)?).ok()?;
@@ -44,7 +44,7 @@ impl Words {
         })
     }
 
-    /// All words of the vector table, or all others.
+    /// Returns all words of the vector table, or all other words.
     pub(super) fn all(&self, of_table: bool) -> impl Iterator<Item = u32> {
         let sections = self.sections.iter().filter(move |it| it.is_vector_table == of_table);
         sections.flat_map(|section| {

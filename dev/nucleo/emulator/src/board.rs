@@ -1,4 +1,4 @@
-//! The board: rigless's STM32F427 with what of the F446RE differs, and a host at the far end of two serial ports.
+//! The board: rigless's STM32F427 with the differences of the F446RE, and a host at the far end of two serial ports.
 
 use std::num::{NonZeroU32, NonZeroU64};
 
@@ -15,24 +15,25 @@ use rigless::soc::{Error, Region};
 use crate::flash::{ARRAY, BASE, LEN};
 use crate::wire::Wire;
 
-/// ST-Link's clock on the oscillator's pin.
+/// Clock of the ST-Link on the oscillator's pin, Hz.
 const HSE: Crystal = Crystal(8_000_000);
 const SUPPLY_MV: u32 = 3300;
 const CORE_HZ: NonZeroU64 = NonZeroU64::new(180_000_000).unwrap();
-/// 8 ns each: 1.44 cycles at 180 MHz. A guess of a Cortex-M4 that runs from flash by ART; nothing here counts cycles.
+/// Instructions per second: 8 ns each, 1.44 cycles at 180 MHz. A guess for a Cortex-M4 that runs from flash through
+/// the ART cache. Cycles are not counted.
 const INSTRUCTIONS_PER_S: NonZeroU64 = NonZeroU64::new(125_000_000).unwrap();
 
-/// A serial port that a host is at: its place in rigless's list.
+/// A serial port with a host: its index in rigless's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Port {
-    /// USART1: servos, half duplex.
+    /// USART1: the bus line of the servos, half duplex.
     Bus = 0,
-    /// USART2: ST-Link's virtual port.
+    /// USART2: the virtual port of the ST-Link.
     Link = 1,
 }
 
 impl Port {
-    /// As lines name it.
+    /// Returns the name of the port in lines of text.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bus => "bus",
@@ -41,20 +42,20 @@ impl Port {
     }
 }
 
-/// NUCLEO-F446RE. The F427 has all of the F446 that our image uses, at the same addresses; it has more flash and RAM
-/// than the image is linked for.
+/// The NUCLEO-F446RE. The F427 has all parts of the F446 that our image uses, at the same addresses. It has more
+/// flash and RAM, which the image does not use.
 #[derive(Debug)]
 pub struct Nucleo {
     pub mcu: Stm32f427,
-    /// Whether the core finds the array where flash is. A session refuses two regions at one place when it is made; a
-    /// run asks again, and what it maps last is what the core sees.
+    /// Whether the array is mapped at the address of flash. A session refuses two regions at one address when it is
+    /// created; a run asks again, and the last mapping is the one that the core uses.
     pub is_array_in_place: bool,
 }
 
 impl Nucleo {
     pub fn new() -> Result<Self, Error> {
         let mut mcu = Stm32f427::new()?;
-        // Flash that the image can program: rigless's own of this part only reads.
+        // Flash that the image can program: rigless's model of this part is read-only.
         mcu.bus_mut().add_region(Region::ram("array", ARRAY, LEN as u64).erased_to(0xFF))?;
         mcu.rcc.attach_crystals(HSE.0, Crystal::NONE.0);
         mcu.set_supply(SUPPLY_MV);
@@ -64,7 +65,7 @@ impl Nucleo {
         Ok(Self { mcu, is_array_in_place: false })
     }
 
-    /// Bits per second that USART1 is set to.
+    /// Returns the rate of USART1, bit/s.
     pub fn bus_baud(&mut self) -> u64 {
         let (_, registers) = self.mcu.serial_port(Port::Bus as usize);
         // `USARTDIV` in sixteenths, or in eighths.
@@ -77,7 +78,7 @@ impl Nucleo {
         clocks.pclk2(registers) / divider.max(1)
     }
 
-    /// The far end of a port.
+    /// Returns the far end of a port.
     pub fn wire(&mut self, port: Port) -> &mut Wire {
         self.mcu.usart[port as usize].chip_mut().expect("`new` attaches it")
     }

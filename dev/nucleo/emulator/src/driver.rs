@@ -1,4 +1,4 @@
-//! Lock-step: the machine runs when the host says so, and stands still while it thinks.
+//! Lockstep with the host: the machine runs when the host says so, and stops while the host computes.
 
 use std::io::{BufRead, Write};
 
@@ -14,28 +14,28 @@ use crate::board::{Nucleo, Port};
 use crate::flash::{self, Eraser};
 use crate::protocol::{Command, Line, hex};
 
-/// Where they begin.
+/// First address of the peripherals.
 const PERIPHERALS: u64 = 0x4000_0000;
-/// The light.
+/// Port and pin of the light.
 const LIGHT: (usize, u8) = (0, 5);
 
 pub struct Lockstep<I, O> {
     input: I,
     output: O,
-    /// The flash at power-on; none after that.
+    /// Content of flash at power-on; `None` after that.
     flash: Option<Vec<u8>>,
     eraser: Eraser,
-    /// Whether the core stands still until a reset.
+    /// Whether the core stops until a reset.
     is_hung: bool,
-    /// How far the host lets it run.
+    /// Time until which the host lets the machine run, ns.
     goal_ns: u64,
     resets: usize,
-    /// Levels on pins from outside, which a reset does not change.
+    /// Levels that the host puts on pins. A reset does not change them.
     pins: Vec<((usize, u8), bool)>,
     light: Level,
-    /// Whether it was told that the core reaches for what is not there.
+    /// Whether an access outside of memory was reported.
     is_stray_told: bool,
-    /// What it tells at its next stop.
+    /// Lines to print at the next stop.
     told: Vec<String>,
 }
 
@@ -59,7 +59,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         }
     }
 
-    /// What the firmware has sent since the last stop.
+    /// Reports the bytes that the firmware has sent since the last stop.
     fn hear(&mut self, board: &mut Nucleo, now_ns: u64) {
         if is_over(board, now_ns) {
             let baud = board.bus_baud();
@@ -81,7 +81,8 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         }
     }
 
-    /// Tells the host what was, and does what it says until it lets the machine run on. `None`: it is done.
+    /// Reports events to the host, and executes its commands until it lets the machine run. Returns `None` when the
+    /// host is done.
     fn converse(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -125,12 +126,12 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         }
     }
 
-    /// The core stands still while flash is erased, and while it hangs.
+    /// Stops the core while flash is erased, and while it hangs.
     fn hold(&self, host: &mut dyn Host) {
         host.hold(self.is_hung || self.eraser.is_busy());
     }
 
-    /// It was reset.
+    /// Restores flash, pins and state after a reset.
     fn begin_anew(
         &mut self,
         session: &mut Session<Nucleo>,
@@ -144,14 +145,14 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         self.drive_pins(session, at);
     }
 
-    /// The models of pins forget at a reset what drives them.
+    /// Drives the pins again: their models forget levels at a reset.
     fn drive_pins(&self, session: &mut Session<Nucleo>, at: VirtualNanos) {
         for (pin, level) in &self.pins {
             drive(session, at, *pin, *level);
         }
     }
 
-    /// Until when it runs: to where the host says something, at most.
+    /// Returns the time until which the machine runs: at most until the host's next bytes.
     fn until(&self, board: &mut Nucleo, now_ns: u64) -> VirtualNanos {
         let says = [Port::Bus, Port::Link].map(|port| board.wire(port).next_ns(now_ns));
         let wire = board.wire(Port::Bus);
@@ -161,7 +162,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
         VirtualNanos(all.fold(self.goal_ns, u64::min).max(now_ns + 1))
     }
 
-    /// What resets, flash and the light have come to.
+    /// Reports changes of resets, flash and the light.
     fn look(&mut self, session: &mut Session<Nucleo>, stop: Stop, host: &mut dyn Host) {
         let now_ns = stop.at.0;
         let resets = session.resets().len();
@@ -193,7 +194,7 @@ impl<I: BufRead + Send, O: Write + Send> Lockstep<I, O> {
 impl<I: BufRead + Send, O: Write + Send> Driver<Nucleo> for Lockstep<I, O> {
     fn on_settled(&mut self, session: &mut Session<Nucleo>, host: &mut dyn Host, now: Settled) {
         match now {
-            // Memory is answered without us: who comes here below the peripherals has left it.
+            // Memory is emulated elsewhere: an access below the peripherals that arrives here is outside of memory.
             Settled::Access { access, .. }
                 if access.address < PERIPHERALS && !self.is_stray_told =>
             {
@@ -245,7 +246,7 @@ impl<I: BufRead + Send, O: Write + Send> Driver<Nucleo> for Lockstep<I, O> {
     }
 }
 
-/// Who has reset the part: the button, the core itself, or the watchdog.
+/// Returns the cause of a reset: the button, the core itself, or the watchdog.
 fn cause(cause: ResetCause) -> String {
     match cause {
         ResetCause::Pin => "pin".to_owned(),
@@ -255,9 +256,11 @@ fn cause(cause: ResetCause) -> String {
     }
 }
 
-/// Whether what the firmware began on the bus has left: all of it, or what the transmitter had time for.
+/// Whether the bytes that the firmware sent on the bus have left: all of them, or those for which the transmitter had
+/// time.
 ///
-/// The transmitter says so if somebody has cleared its flag since it said so last. Else silence does.
+/// The transmitter's flag shows it if the firmware has cleared the flag since the last time. Otherwise silence shows
+/// it.
 fn is_over(board: &mut Nucleo, now_ns: u64) -> bool {
     let (_, registers) = board.mcu.serial_port(Port::Bus as usize);
     let (status, control) = (registers.get(Register::Sr), registers.get(Register::Cr1));
@@ -271,12 +274,12 @@ fn is_over(board: &mut Nucleo, now_ns: u64) -> bool {
     !is_on || is_told || now_ns >= since_ns + silence_ns(board)
 }
 
-/// After so long without a byte a burst is over, ns: one and a half.
+/// Returns the silence after which a burst is over, ns: one and a half bytes.
 fn silence_ns(board: &mut Nucleo) -> u64 {
     15_000_000_000 / board.bus_baud().max(1)
 }
 
-/// Puts a level on a pin from outside.
+/// Puts an external level on a pin.
 fn drive(session: &mut Session<Nucleo>, at: VirtualNanos, (port, pin): (usize, u8), level: bool) {
     let Some(pin) = Pin::new(pin) else { return };
     session.board_mut().mcu.drive_port(at, port, |gpio, registers, context| {

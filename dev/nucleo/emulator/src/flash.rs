@@ -1,39 +1,39 @@
-//! The F446's flash array, which rigless leaves out: what is programmed stays, what is erased is all ones, and the core
-//! stands still meanwhile.
+//! The flash array of the F446, which rigless does not model: programmed data stays, erased data is all ones, and the
+//! core stops during an erase.
 //!
-//! The array is RAM that the core finds where flash is. So programming is a plain store, and takes no time.
+//! The array is RAM at the address of flash. Programming is therefore a plain store, and takes no time.
 
 use rigless::emulator::{Host, Memory};
 use rigless::soc::Width;
 
-/// Where the core finds it.
+/// Address of the array for the core.
 pub const BASE: u64 = 0x0800_0000;
-/// Where nothing is on this part: the runtime's own door to it.
+/// An address that is unused on this part: the emulator accesses the array there.
 pub const ARRAY: u64 = 0x9000_0000;
-/// Bytes of the F446RE.
+/// Size of the F446RE's flash, bytes.
 pub const LEN: usize = 512 << 10;
-/// `FLASH_CR`.
+/// Address of `FLASH_CR`.
 pub const CR: u64 = 0x4002_3C10;
 
 const SER: u64 = 1 << 1;
 const STRT: u64 = 1 << 16;
 const BSY: u64 = 1 << 16;
 
-/// Of each sector of 16, 64 and 128 kB: its bytes.
+/// Sizes of the sectors of 16, 64 and 128 kB, bytes.
 const SECTORS: [usize; 8] =
     [16 << 10, 16 << 10, 16 << 10, 16 << 10, 64 << 10, 128 << 10, 128 << 10, 128 << 10];
 
-/// An erase that is under way.
+/// An erase in progress.
 #[derive(Debug, Default)]
 pub struct Eraser {
     sector: Option<usize>,
 }
 
 impl Eraser {
-    /// The firmware writes `FLASH_CR`. Which sector it erases, if it does.
+    /// Handles a write of `FLASH_CR`. Returns the sector, if the write starts an erase.
     ///
-    /// The first half is erased at once, the other at its end: a reset between them leaves neither what was there, nor
-    /// an empty sector.
+    /// The first half of the sector is erased at once, the second half at the end. A reset in between leaves neither
+    /// the old content nor an empty sector.
     pub fn begin(&mut self, cr: u64, host: &mut dyn Host) -> Option<usize> {
         let sector = usize::try_from(cr >> 3 & 15).ok()?;
         if cr & SER == 0 || cr & STRT == 0 || sector >= SECTORS.len() || self.sector.is_some() {
@@ -45,7 +45,7 @@ impl Eraser {
         Some(sector)
     }
 
-    /// Ends it when `FLASH_SR` says that it is over. Which sector it was.
+    /// Ends the erase when `FLASH_SR` reports its end. Returns the sector.
     pub fn end(&mut self, sr: u64, host: &mut dyn Host) -> Option<usize> {
         if sr & BSY != 0 {
             return None;
@@ -56,12 +56,12 @@ impl Eraser {
         Some(sector)
     }
 
-    /// A reset: what was not erased stays.
+    /// Cancels the erase at a reset: the rest of the sector stays.
     pub fn cut(&mut self) {
         self.sector = None;
     }
 
-    /// Whether one is under way: the core stands still.
+    /// Whether an erase is in progress: the core stops.
     pub fn is_busy(&self) -> bool {
         self.sector.is_some()
     }
@@ -75,7 +75,7 @@ fn clear(host: &mut dyn Host, from: u64, len: usize) {
     fill(host, from, &vec![0xFF; len]);
 }
 
-/// Puts bytes into the array, whole words.
+/// Writes bytes into the array, whole words only.
 pub fn fill(host: &mut dyn Host, from: u64, bytes: &[u8]) {
     let (words, _) = bytes.as_chunks::<8>();
     for (address, word) in (ARRAY + from..).step_by(8).zip(words) {
@@ -83,7 +83,7 @@ pub fn fill(host: &mut dyn Host, from: u64, bytes: &[u8]) {
     }
 }
 
-/// All that the array holds.
+/// Returns the content of the array.
 pub fn read(memory: &mut dyn Host) -> Vec<u8> {
     let words = (ARRAY..ARRAY + LEN as u64).step_by(8);
     let word = |address| Memory::read(memory, address, Width::W64).expect("the array is RAM");

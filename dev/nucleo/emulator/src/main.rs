@@ -1,12 +1,12 @@
 //! The emulated NUCLEO-F446RE: `sinew-emulator IMAGE [FLASH]`.
 //!
-//! It runs an image, unmodified, over rigless's models, and talks with a host in lines of text over standard input and
-//! output: see `README.md` beside this. Times are ns since power-on, bytes are digits.
+//! It runs an unmodified image on rigless's models, and communicates with a host in lines of text over standard input
+//! and output: see `README.md` in this folder. Times are ns since power-on, bytes are hexadecimal digits.
 //!
 //! # Files
-//! - `board`, `flash`: the F446RE as a difference to rigless's F427; its flash.
+//! - `board`, `flash`: the differences of the F446RE to rigless's F427; its flash.
 //! - `wire`: the far end of a serial line.
-//! - `protocol`, `driver`: the lines of text; lock-step with the host.
+//! - `protocol`, `driver`: the lines of text; lockstep with the host.
 
 mod board;
 mod driver;
@@ -45,7 +45,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs an image; `kept`: what flash held when power was lost.
+/// Runs an image; `kept`: file with the content of flash from before the last power loss.
 fn emulate(image: &Path, kept: Option<&Path>) -> Result<(), Box<dyn std::error::Error>> {
     let image = Image::read(image, None)?;
     let mut flash = match kept {

@@ -1,30 +1,30 @@
-//! What the host says, a line each.
+//! Parses the host's commands, one per line.
 
 use std::io::BufRead;
 
 use crate::board::Port;
 
-/// What a host can ask for.
+/// A command of the host.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Command {
-    /// To run until a time, or until something has been said on the bus.
+    /// Runs until a time, or until the firmware has sent a burst on the bus.
     Run(u64),
-    /// To say bytes on a line from a time on.
+    /// Sends bytes on a line, starting at a time.
     Say(Port, u64, Vec<u8>),
-    /// To put a level on a pin, by port (0: A) and number.
+    /// Puts a level on a pin, by port (0: A) and number.
     Pin(usize, u8, bool),
-    /// To press the reset button.
+    /// Presses the reset button.
     Reset,
-    /// To hang: the core stands still until a reset, and all else goes on.
+    /// Stops the core until a reset; everything else continues.
     Hang,
-    /// To tell what flash holds.
+    /// Prints the content of flash.
     Flash,
 }
 
 pub struct Line;
 
 impl Line {
-    /// The next command, or why a line is none. `None`: the host is done.
+    /// Reads the next command, or returns an error for an invalid line. `None`: the host is done.
     pub fn read(input: &mut impl BufRead) -> Option<Result<Command, String>> {
         let mut line = String::new();
         if input.read_line(&mut line).ok()? == 0 {
@@ -57,7 +57,7 @@ fn from_hex(text: &str) -> Option<Vec<u8>> {
     digits.map(|pair| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok()).collect()
 }
 
-/// Bytes as digits.
+/// Formats bytes as hexadecimal digits.
 pub fn hex(bytes: &[u8]) -> String {
     use std::fmt::Write as _;
     bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {

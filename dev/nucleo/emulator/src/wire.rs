@@ -1,5 +1,5 @@
-//! The far end of a serial line: what the firmware sends is kept with its time, what the host gives is said at its
-//! time.
+//! The far end of a serial line: bytes of the firmware are stored with their time, bytes of the host are sent at
+//! their time.
 
 use std::collections::VecDeque;
 
@@ -8,32 +8,32 @@ use rigless::chip::uart::Peer;
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 
-/// A byte that nobody listened to for so long has passed, ns: two at 115,200 bit/s.
+/// Time after which a byte without a receiver is lost, ns: two bytes at 115,200 bit/s.
 const PASSED_NS: u64 = 180_000;
 
-/// A line to the host.
+/// A serial line to the host.
 #[derive(Debug, Default)]
 pub struct Wire {
-    /// What the firmware has sent, and when the last of it had left.
+    /// Bytes that the firmware has sent, and the time at which the last of them had left.
     pub sent: Vec<u8>,
     pub sent_ns: u64,
     /// Whether the transmitter's flag was cleared since then.
     pub is_flag_cleared: bool,
-    /// What the host says: from when, and what of it is left.
+    /// Bytes of the host: start time and remaining bytes of each burst.
     to_say: VecDeque<(u64, VecDeque<u8>)>,
-    /// When it said a byte last.
+    /// Time at which it sent the last byte.
     said_ns: u64,
-    /// Bytes of the host that nobody listened to.
+    /// Number of the host's bytes that had no receiver.
     pub unheard: u64,
 }
 
 impl Wire {
-    /// Says bytes one behind the other, the first from `from_ns` on.
+    /// Sends bytes one after the other, the first not before `from_ns`.
     pub fn say(&mut self, from_ns: u64, bytes: Vec<u8>) {
         self.to_say.push_back((from_ns, bytes.into()));
     }
 
-    /// When the next burst begins that has not begun.
+    /// Returns the start of the next burst that has not begun.
     pub fn next_ns(&self, now_ns: u64) -> Option<u64> {
         self.to_say.iter().map(|(from_ns, _)| *from_ns).find(|from_ns| *from_ns > now_ns)
     }
@@ -55,12 +55,12 @@ impl Peer for Wire {
             }
             let late_ns = now.0 - (*from_ns).max(self.said_ns);
             if late_ns > PASSED_NS || bytes.is_empty() {
-                // It was said to a receiver that was off.
+                // The receiver was off while these bytes were sent.
                 self.unheard += bytes.len() as u64;
                 self.to_say.pop_front();
                 continue;
             }
-            // The next one comes right behind it.
+            // The next byte follows immediately.
             self.said_ns = now.0;
             return bytes.pop_front().map(u16::from);
         }

@@ -1,6 +1,6 @@
-//! A ping to servo 1 every 2 ms while the emergency stop is not pressed, the watchdog fed, and orders of one letter
-//! over the link: `e` erases the last sector of flash, `w` programs a word of it, `h` hangs, `p` panics. It says what
-//! it did.
+//! Pings servo 1 every 2 ms while the emergency stop is not pressed, feeds the watchdog, and accepts commands of one
+//! letter over the host link: `e` erases the last sector of flash, `w` programs a word of it, `h` hangs, `p` panics.
+//! It reports each action.
 
 use core::fmt::Write as _;
 use core::panic::PanicInfo;
@@ -26,21 +26,21 @@ bind_interrupts!(struct Irqs {
     DMA2_STREAM7 => dma::InterruptHandler<peripherals::DMA2_CH7>;
 });
 
-/// Servo 1, are you there?
+/// A ping to servo 1.
 const PING: [u8; 10] = [0xFF, 0xFF, 0xFD, 0, 1, 3, 0, 1, 0x19, 0x4E];
 const ANSWER_LEN: usize = 14;
 const TICK: Duration = Duration::from_millis(2);
-/// Longer than the longest erase of the last sector takes.
+/// Watchdog time, µs: longer than the longest erase of the last sector.
 const WATCHDOG_US: u32 = 5_000_000;
-/// The last sector, from the start of flash.
+/// Start and end of the last sector, from the start of flash.
 const SECTOR: u32 = 0x6_0000;
 const SECTOR_END: u32 = 0x8_0000;
-/// Every so many ticks it says how many pings were answered.
+/// Number of ticks between reports of answered pings.
 const REPORT_TICKS: u32 = 50;
 
 #[panic_handler]
 fn panic(_: &PanicInfo<'_>) -> ! {
-    // The watchdog ends it.
+    // The watchdog resets the board.
     loop {
         cortex_m::asm::nop();
     }
@@ -54,14 +54,14 @@ fn baud(baudrate: u32) -> usart::Config {
 
 async fn say(link: &mut UartTx<'_, Async>, line: core::fmt::Arguments<'_>) {
     let mut text: String<96> = String::new();
-    // What does not fit is not said.
+    // Text that does not fit is cut off.
     let _ = text.write_fmt(line);
     let _ = link.write(text.as_bytes()).await;
 }
 
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
-    // One task does all.
+    // A single task does all the work.
     let _: Spawner = spawner;
     let board = embassy_stm32::init(clocks());
     let mut watchdog = IndependentWatchdog::new(board.IWDG, WATCHDOG_US);
@@ -80,7 +80,7 @@ async fn main(spawner: Spawner) {
     let Ok(link) = link else { return };
     let (mut link, orders) = link.split();
     let mut room = [0; 64];
-    // It listens all the time: what comes between two looks is kept.
+    // It receives continuously: bytes between two reads are stored.
     let mut orders = orders.into_ring_buffered(&mut room);
     let bus = Uart::new_half_duplex(
         board.USART1,
@@ -104,7 +104,7 @@ async fn main(spawner: Spawner) {
         ticks.next().await;
         watchdog.pet();
         count = count.wrapping_add(1);
-        // Normally closed: low is pressed, unplugged or cut.
+        // Normally closed: low means pressed, unplugged or cut.
         if stop.is_high() {
             light.set_high();
             #[cfg(not(feature = "stale-tc"))]
@@ -146,7 +146,7 @@ async fn main(spawner: Spawner) {
     }
 }
 
-/// Hangs on purpose: the watchdog ends it.
+/// Hangs on purpose: the watchdog resets the board.
 fn hang() -> ! {
     loop {
         cortex_m::asm::nop();

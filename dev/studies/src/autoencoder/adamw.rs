@@ -1,5 +1,5 @@
-//! `AdamW` (Loshchilov and Hutter, *Decoupled Weight Decay Regularization*, 2019) whose moments can be saved, which
-//! those of `candle-nn` cannot.
+//! `AdamW` (Loshchilov and Hutter, *Decoupled Weight Decay Regularization*, 2019). Its moments can be saved, unlike
+//! those of `candle-nn`.
 
 use candle_core::backprop::GradStore;
 use candle_core::{Result, Tensor, Var};
@@ -20,8 +20,8 @@ impl Moments {
         Ok(Self { first: parameter.zeros_like()?, second: parameter.zeros_like()? })
     }
 
-    /// Moves a parameter by its gradient in step `step`, counted from 1; `decay` is the share that it loses per unit
-    /// of `rate`. A parameter without a gradient stays.
+    /// Moves a parameter by its gradient in step `step`, counted from 1; `decay` is the share of the parameter that
+    /// is lost per unit of `rate`. A parameter without a gradient is unchanged.
     pub(super) fn update(
         &mut self,
         parameter: &Var,
@@ -31,11 +31,11 @@ impl Moments {
         decay: f64,
     ) -> Result<()> {
         let Some(gradient) = gradients.get(parameter) else { return Ok(()) };
-        // A gradient remembers how it came about; the moments would keep that of all steps.
+        // A gradient keeps its computation graph; without this, the moments would keep those of all steps.
         let gradient = &gradient.detach();
         self.first = ((&self.first * BETA1)? + (gradient * (1.0 - BETA1))?)?;
         self.second = ((&self.second * BETA2)? + (gradient.sqr()? * (1.0 - BETA2))?)?;
-        // Both means begin at zero: what they lack at first.
+        // Both means begin at zero: this is the correction for the first steps.
         let lack = |beta: f64| 1.0 - libm::pow(beta, step as f64);
         let scale = (self.second.affine(lack(BETA2).recip(), 0.0)?.sqrt()? + EPSILON)?;
         let change = (self.first.affine(rate / lack(BETA1), 0.0)? / scale)?;

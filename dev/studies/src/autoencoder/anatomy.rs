@@ -1,4 +1,4 @@
-//! What the study knows of a joint by its name: its group, how thick its bones are, and its counterpart in Geno.
+//! Knowledge about a joint by its name: its group, the radius of its bones, and its counterpart in Geno.
 
 use serde::Serialize;
 
@@ -21,11 +21,11 @@ pub enum Group {
 }
 
 impl Group {
-    /// All groups, as tables list them.
+    /// All groups, in the order of tables.
     pub const ALL: [Self; 6] =
         [Self::Spine, Self::Head, Self::Arms, Self::Hands, Self::Legs, Self::Feet];
 
-    /// The group as tables name it.
+    /// Returns the group's name in tables.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Spine => "spine",
@@ -38,30 +38,30 @@ impl Group {
     }
 }
 
-/// A joint by its name.
+/// Properties of a joint.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Anatomy {
     pub(super) group: Group,
-    /// Radius of the cylinder from the parent to this joint.
+    /// Radius of the cylinder from the parent to this joint, m.
     pub(super) radius_m: f64,
-    /// Radius of the cylinder from this joint to its end site.
+    /// Radius of the cylinder from this joint to its end site, m.
     pub(super) end_radius_m: f64,
-    /// The joints of Geno whose importance this one has, as a sum; empty where there is none.
+    /// Joints of Geno whose summed importance is that of this joint; empty if there is no counterpart.
     pub(super) geno: Vec<String>,
 }
 
 type Row = (&'static str, Group, f64, f64, &'static [&'static str]);
 
-/// The 31 joints of CMU's skeleton without their sides. A bone has the radius that the article's list of cylinder
-/// weights back-solves to for the bone of Geno that ends in the joint of the same name, save where the skeletons
-/// differ:
+/// The 31 joints of CMU's skeleton without their sides. The radius of a bone follows from the article's list of
+/// cylinder weights, for the bone of Geno that ends in the joint of the same name, except where the skeletons differ:
 ///
-/// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean of Geno's
-///   over the same third of the way, by length and to 5 mm; counterparts are those at the nearest share of the way.
-/// - Palm and fingers are one chain for four of Geno, each with a radius of 1 cm: with 4 cm it has their surface. Its
-///   knuckle moves four fingers of Geno.
-/// - `HipJoint` and `LowerBack` lie on the hips: bones without a length, which need no radius. What hangs on a hip
-///   joint is the thigh's.
+/// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean radius of
+///   Geno's over the same third of the distance, weighted by length and rounded to 5 mm; counterparts are the joints
+///   at the nearest share of the distance.
+/// - Palm and fingers are one chain instead of four in Geno, each with a radius of 1 cm: with 4 cm it has their
+///   surface. Its knuckle moves four fingers of Geno.
+/// - `HipJoint` and `LowerBack` are at the hips: bones without a length, which need no radius. Everything on a hip
+///   joint belongs to the thigh.
 const CMU: [Row; 19] = [
     ("Hips", Group::Spine, 0.0, 0.0, &["Hips"]),
     ("HipJoint", Group::Legs, 0.0, 0.0, &["UpLeg"]),
@@ -96,7 +96,7 @@ const CMU: [Row; 19] = [
     ("Thumb", Group::Hands, 0.01, 0.01, &["HandThumb1"]),
 ];
 
-/// The built-in figure without its sides, after the same radii: its neck begins in the thorax, its foot has no toes. It
+/// The built-in figure without its sides, with similar radii: its neck begins in the thorax, its foot has no toes. It
 /// is not compared with Geno.
 const FIGURE: [Row; 11] = [
     ("pelvis", Group::Spine, 0.0, 0.0, &[]),
@@ -113,7 +113,7 @@ const FIGURE: [Row; 11] = [
 ];
 
 impl Anatomy {
-    /// The joint called `name`, of CMU's skeleton or the built-in figure.
+    /// Returns the joint with a name, of CMU's skeleton or the built-in figure.
     pub(super) fn of(name: &str) -> Option<Self> {
         let of_figure = name.strip_suffix("_l").or(name.strip_suffix("_r")).unwrap_or(name);
         if let Some(row) = FIGURE.iter().find(|row| row.0 == of_figure) {

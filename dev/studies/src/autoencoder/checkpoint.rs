@@ -1,4 +1,4 @@
-//! Trainings on disk: parameters, moments and step as safetensors, and whose they are.
+//! Trainings on disk: parameters, moments and step as safetensors, with the identity of the training.
 
 use std::collections::HashMap;
 use std::fs;
@@ -9,48 +9,48 @@ use candle_core::{DType, Device, Tensor, WithDType, safetensors};
 use super::adamw::Moments;
 use super::training::Training;
 
-/// A training cannot be saved or taken up again.
+/// Error of a training that cannot be saved or resumed.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckpointError {
     /// The file cannot be written.
     #[error("{}: cannot be written: {source}", file.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// The file is no complete training.
+    /// The file is not a complete training.
     #[error("{}: {source}: expected the parameters of a training that was stopped", file.display())]
     Tensors {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Error of the reader.
         source: candle_core::Error,
     },
-    /// A tensor cannot be of a training.
+    /// A tensor is invalid for a training.
     #[error("{}: tensor {tensor}: expected {expected}, found {found}; delete the file", file.display())]
     Tensor {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The tensor's name.
+        /// Name of the tensor.
         tensor: String,
-        /// What would be right.
+        /// Description of valid content.
         expected: String,
-        /// What is there.
+        /// Description of the content in the file.
         found: String,
     },
-    /// The training is another one.
+    /// The file belongs to another training.
     #[error(
         "{}: is of another training: expected {expected}, found {found}; take another folder, or delete the file",
         file.display()
     )]
     Other {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is to be trained.
+        /// Identity of the training that should be resumed.
         expected: String,
-        /// What was.
+        /// Identity in the file.
         found: String,
     },
 }
@@ -58,7 +58,7 @@ pub enum CheckpointError {
 const IDENTITY: &str = "identity";
 const STEP: &str = "step";
 
-/// Writes a training; `identity` says what it is. The file is complete or as it was before.
+/// Writes a training with its `identity`. The file is complete, or unchanged after a failure.
 pub(super) fn save(
     training: &Training,
     identity: &str,
@@ -88,8 +88,8 @@ pub(super) fn save(
     fs::rename(&unfinished, file).map_err(unwritten)
 }
 
-/// Takes a training up where `file` has it, or leaves it at its beginning if there is no such file. A file that is
-/// refused leaves it as it was.
+/// Resumes a training from `file`; without such a file, the training stays at its beginning. A refused file leaves
+/// the training unchanged.
 pub(super) fn take_up(
     training: &mut Training,
     identity: &str,
@@ -123,11 +123,11 @@ pub(super) fn take_up(
     Ok(())
 }
 
-/// What a tensor's numbers must be.
+/// Requirement for a tensor's numbers.
 #[derive(Debug, Clone, Copy)]
 enum Numbers {
     Finite,
-    /// And not below zero: means of squares, whose root is taken.
+    /// Finite and not negative: means of squares, whose root is taken.
     NotNegative,
 }
 
@@ -144,7 +144,7 @@ impl Numbers {
     }
 }
 
-/// What a file holds, by name.
+/// Content of a file, by name.
 struct Saved<'a> {
     file: &'a Path,
     tensors: HashMap<String, Tensor>,
@@ -160,7 +160,7 @@ impl Saved<'_> {
         }
     }
 
-    /// The tensor called `name`, if it is of the type and, where there is one, of the shape.
+    /// Returns the tensor with a name, if it has the type and, if given, the shape.
     fn tensor(
         &self,
         name: &str,
@@ -181,7 +181,7 @@ impl Saved<'_> {
         }
     }
 
-    /// The numbers of a tensor of the type and shape, in order.
+    /// Returns the numbers of a tensor with the type and shape, in order.
     fn values<T: WithDType>(
         &self,
         name: &str,
@@ -201,7 +201,7 @@ impl Saved<'_> {
         Ok(usize::try_from(steps[0]).unwrap_or(usize::MAX))
     }
 
-    /// Numbers of the shape of `like`.
+    /// Returns a tensor with the shape of `like`, whose numbers fulfil `must`.
     fn numbers(&self, name: &str, like: &Tensor, must: Numbers) -> Result<Tensor, CheckpointError> {
         let numbers: Vec<f32> = self.values(name, Some(like.dims()))?;
         match numbers.iter().position(|number| !must.holds(*number)) {
@@ -220,7 +220,7 @@ mod tests {
 
     use super::*;
 
-    /// What is said of a file in which one tensor is another.
+    /// Returns the message for a file in which one tensor is replaced.
     fn refusal(name: &str, tensor: Option<Tensor>) -> String {
         let new = || Training::new(12, 3, 1).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -301,7 +301,8 @@ mod tests {
         );
     }
 
-    /// Damage to a file: what is put where, in place of how many bytes; then its length.
+    /// Damage to a file: for each change, its place, the number of replaced bytes, and the new bytes; then the file's
+    /// length.
     fn damage() -> impl Strategy<Value = (Vec<(usize, usize, Vec<u8>)>, usize)> {
         let odd = prop_oneof![
             prop::collection::vec(any::<u8>(), 0..9),
@@ -311,7 +312,7 @@ mod tests {
             Just(u64::MAX.to_le_bytes().to_vec()),
             Just(f32::NAN.to_le_bytes().to_vec()),
         ];
-        // The head, where sizes and places are, is a part of the file.
+        // The head, with sizes and offsets, is a part of the file.
         let place = prop_oneof![0_usize..64, 0_usize..1 << 12];
         (
             prop::collection::vec((place, 0_usize..9, odd), 1..4),

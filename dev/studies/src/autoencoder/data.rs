@@ -1,4 +1,4 @@
-//! Poses to train on and to be judged by.
+//! Poses for training and for testing.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,32 +8,32 @@ use sinew_mocap::{JointSample, Skeleton};
 
 use crate::recordings::{DataError, Pose, Recordings, Sequence};
 
-/// CMU's subjects that are only tested on: their walks, runs, jumps, punches, swordplay, dances and cartwheels have
-/// counterparts among the others', which climb and play basketball beside.
+/// CMU's subjects that are used only for testing. Their walks, runs, jumps, punches, swordplay, dances and cartwheels
+/// have counterparts among those of the other subjects, who also climb and play basketball.
 const TEST_SUBJECTS: [&str; 3] = ["02", "16", "49"];
 
 /// Poses of one skeleton, the root's rotation without its heading, split by subject.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
-    /// The one skeleton of all poses, in metres.
+    /// The common skeleton of all poses, in metres.
     pub skeleton: Skeleton,
-    /// Poses to train on.
+    /// Poses for training.
     pub train: Vec<Pose>,
-    /// Poses to be judged by.
+    /// Poses for testing.
     pub test: Vec<Pose>,
-    /// Whose poses are trained on.
+    /// Subjects of the training poses.
     pub train_subjects: BTreeSet<String>,
-    /// Whose poses are tested; none is trained on.
+    /// Subjects of the test poses; none is used for training.
     pub test_subjects: BTreeSet<String>,
-    /// Recordings that the poses are from.
+    /// Number of recordings with these poses.
     pub recordings: usize,
 }
 
 impl Poses {
-    /// All trials of CMU's 31-joint skeleton in a folder with its `index.csv`, each once, at 12 Hz.
+    /// Reads all trials of CMU's 31-joint skeleton in a folder with its `index.csv`, each once, at 12 Hz.
     ///
     /// # Errors
-    /// [`DataError`] if a file is missing or is not what the index says.
+    /// [`DataError`] if a file is missing or does not match the index.
     pub fn cmu(folder: &Path) -> Result<Self, DataError> {
         let Recordings { skeleton, sequences } = Recordings::cmu(folder)?;
         let mut poses = Self::none(skeleton);
@@ -50,7 +50,8 @@ impl Poses {
         Ok(poses)
     }
 
-    /// The built-in clips at 12 Hz, in place of subjects: every sixth is tested on. Frames with gaps are left out.
+    /// Returns the built-in clips at 12 Hz, used like subjects: every sixth is for testing. Frames with gaps are left
+    /// out.
     pub fn built_in() -> Self {
         let Recordings { skeleton, sequences } = Recordings::built_in();
         let mut poses = Self::none(skeleton);
@@ -86,14 +87,14 @@ impl Poses {
     }
 }
 
-/// A rotation without its turn about the vertical y: the twist of its swing-twist decomposition taken out on the
-/// left. Upside down it has none, and keeps what it has.
+/// Removes the turn about the vertical y from a rotation: the twist of its swing-twist decomposition, on the left. An
+/// upside-down rotation has no defined twist and is unchanged.
 fn without_heading(rotation: DQuat) -> DQuat {
     let twist = DQuat::from_xyzw(0.0, rotation.y, 0.0, rotation.w);
     if twist.length() < 1e-9 { rotation } else { twist.normalize().inverse() * rotation }
 }
 
-/// Positions of the joints with the root at the origin, in metres, and their global rotations.
+/// Returns positions of the joints with the root at the origin, in metres, and their global rotations.
 pub(super) fn forward_kinematics(skeleton: &Skeleton, pose: &[DQuat]) -> Vec<JointSample> {
     let local = skeleton.joints.iter().zip(pose).map(|(joint, rotation)| JointSample {
         rotation: *rotation,
@@ -116,7 +117,7 @@ mod tests {
             let turned = without_heading(DQuat::from_rotation_y(heading) * lean);
             assert!(turned.dot(bare).abs() > 1.0 - 1e-12);
         }
-        // Which way is down stays as it was.
+        // The direction of down is unchanged.
         let down = |rotation: DQuat| rotation.inverse() * DVec3::NEG_Y;
         assert!((down(lean) - down(bare)).length() < 1e-12);
     }
@@ -137,7 +138,7 @@ mod tests {
         assert!(poses.train_subjects.is_disjoint(&poses.test_subjects));
         assert_eq!(poses.test_subjects.len(), TEST_SUBJECTS.len());
         assert_eq!(poses.skeleton.joints.len(), 31);
-        // As the study's document has them: what is published is of these.
+        // The numbers in the study's document: the published results are those of these poses.
         assert_eq!((poses.recordings, poses.train.len(), poses.test.len()), (178, 15_128, 3_995));
     }
 }

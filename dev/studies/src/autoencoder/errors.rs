@@ -1,4 +1,4 @@
-//! How far reconstructed poses are from the original ones.
+//! Errors of reconstructed poses.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -8,10 +8,10 @@ use super::anatomy::Group;
 use super::data::forward_kinematics;
 use crate::recordings::Pose;
 
-/// Mean errors of every joint over many poses, with the root where it should be.
+/// Mean errors of every joint over many poses, with the root at its true place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Errors {
-    /// Distances of the joints' positions, in centimetres; `None` where a joint has no lever from the root.
+    /// Distances of the joints' positions, in centimetres; `None` if a joint always coincides with the root.
     pub position_cm: Vec<Option<f64>>,
     /// Angles between rotations relative to the parents, in degrees.
     pub local_deg: Vec<f64>,
@@ -22,11 +22,11 @@ pub struct Errors {
 /// Means over joints.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Means {
-    /// Of positions, in centimetres; `None` if none of the joints can move.
+    /// Mean distance of positions, in centimetres; `None` if none of the joints can move.
     pub position_cm: Option<f64>,
-    /// Of rotations relative to the parents, in degrees.
+    /// Mean angle of rotations relative to the parents, in degrees.
     pub local_deg: f64,
-    /// Of rotations in the world, in degrees.
+    /// Mean angle of rotations in the world, in degrees.
     pub global_deg: f64,
 }
 
@@ -53,7 +53,7 @@ impl Errors {
         }
     }
 
-    /// Means over all joints, or over those of a group.
+    /// Returns the means over all joints, or over those of a group.
     pub fn means(&self, groups: &[Group], group: Option<Group>) -> Means {
         let joints = || {
             let is_in = |joint: &usize| group.is_none_or(|group| groups[*joint] == group);
@@ -69,15 +69,15 @@ impl Errors {
     }
 }
 
-/// Mean distance of a pose's joints from those of the original, in centimetres, of those that have a lever from
-/// the root.
+/// Returns the mean distance of a pose's joints from those of the original, in centimetres, over the joints that can
+/// move relative to the root.
 pub fn distance_cm(skeleton: &Skeleton, original: &Pose, pose: &Pose) -> f64 {
     let errors = Errors::new(skeleton, std::slice::from_ref(original), std::slice::from_ref(pose));
     let distances: Vec<f64> = errors.position_cm.into_iter().flatten().collect();
     distances.iter().sum::<f64>() / distances.len().max(1) as f64
 }
 
-/// Which joints are not always where the root is.
+/// Returns which joints can be at another place than the root.
 fn moving(skeleton: &Skeleton) -> Vec<bool> {
     let mut moves: Vec<bool> = Vec::new();
     for joint in &skeleton.joints {

@@ -1,4 +1,4 @@
-//! What trainings make small: means of absolute differences.
+//! Losses of the trainings: means of absolute differences.
 
 use candle_core::{Device, Result, Tensor};
 use sinew_mocap::Skeleton;
@@ -11,21 +11,21 @@ use super::two_columns;
 /// A loss of reconstructed columns.
 #[derive(Debug, Clone)]
 pub(super) struct Loss {
-    /// `[1, numbers]`: each joint's weight at each of its six numbers.
+    /// Weights, `[1, numbers]`: each joint's weight at each of its six numbers.
     weights: Tensor,
     global: Option<Global>,
 }
 
-/// What a loss counts beside the local rotations.
+/// Part of a loss besides the local rotations.
 #[derive(Debug, Clone)]
 struct Global {
     kinematics: Kinematics,
-    /// `[1, numbers]`: factors on global positions and columns.
+    /// Factors on global positions and columns, `[1, numbers]`.
     factors: Tensor,
 }
 
 impl Loss {
-    /// The loss of a method: `weights` by joint have a mean of 1; a metre of global position counts as
+    /// Returns the loss of a method: `weights` by joint have a mean of 1; a metre of global position costs as much as
     /// `position_per_m` of a column's number.
     pub(super) fn new(
         skeleton: &Skeleton,
@@ -42,7 +42,7 @@ impl Loss {
         };
         let of_joint = |weight: &f64| [*weight; two_columns::NUMBERS];
         let global = (method == Method::ForwardKinematics).then(|| {
-            // Means over three numbers for positions and six for rotations, of a mean over nine.
+            // Means over three numbers for positions and six for rotations, from a mean over nine.
             let (position, column) = (3.0 * position_per_m, 1.5);
             let [p, c] = [position, column];
             let of_joint: [f64; kinematics::NUMBERS] = [p, p, p, c, c, c, c, c, c];
@@ -57,7 +57,7 @@ impl Loss {
         })
     }
 
-    /// The mean over a batch.
+    /// Returns the mean over a batch.
     pub(super) fn mean(&self, columns: &Tensor, target: &Rows) -> Result<Tensor> {
         let local = (columns - &target.columns)?.abs()?.broadcast_mul(&self.weights)?.mean_all()?;
         let Some(Global { kinematics, factors }) = &self.global else { return Ok(local) };

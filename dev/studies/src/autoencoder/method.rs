@@ -1,29 +1,29 @@
-//! The five ways of training.
+//! The five methods of training.
 
 use serde::Serialize;
 
-/// What a training's loss counts.
+/// Differences that a training's loss counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Differences of local rotations, all joints alike.
+    /// Differences of local rotations, with equal weights of all joints.
     Uniform,
-    /// The same, and differences of global positions and rotations.
+    /// Differences of local rotations, and of global positions and rotations.
     ForwardKinematics,
-    /// Local differences, weighted by the length of what hangs on a joint.
+    /// Local differences, weighted by the length of the bones beyond a joint.
     Lengths,
-    /// Local differences, weighted by the surface of cylinders around the bones that hang on a joint.
+    /// Local differences, weighted by the surface of cylinders around the bones beyond a joint.
     Cylinders,
-    /// Local differences, weighted by the skin that hangs on a joint.
+    /// Local differences, weighted by the skin that a joint moves.
     Mesh,
 }
 
 impl Method {
-    /// All methods, as tables list them.
+    /// All methods, in the order of tables.
     pub const ALL: [Self; 5] =
         [Self::Uniform, Self::ForwardKinematics, Self::Lengths, Self::Cylinders, Self::Mesh];
 
-    /// The method's key in JSON and in file names.
+    /// Returns the method's key in JSON and in file names.
     pub const fn as_str(self) -> &'static str {
         match self {
             Self::Uniform => "uniform",
@@ -34,7 +34,7 @@ impl Method {
         }
     }
 
-    /// The method as tables and pictures name it.
+    /// Returns the method's name in tables and pictures.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Uniform => "uniform",

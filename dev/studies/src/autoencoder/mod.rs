@@ -1,7 +1,7 @@
-//! D. Holden, *Joint Error Propagation* (2025): what a loss on local rotations should count.
+//! D. Holden, *Joint Error Propagation* (2025): weights for a loss on local rotations.
 //!
-//! An auto-encoder of poses is trained in five ways that differ in the loss alone, and judged by the joint positions
-//! and rotations that it reconstructs of subjects it never saw.
+//! An auto-encoder of poses is trained in five ways that differ only in the loss. It is judged by the joint positions
+//! and rotations that it reconstructs for subjects that are not in the training data.
 
 mod adamw;
 mod anatomy;

@@ -1,4 +1,4 @@
-//! The auto-encoder: one layer in, one layer out.
+//! The auto-encoder: one encoder layer and one decoder layer.
 
 use candle_core::{Device, Result, Tensor, Var};
 
@@ -12,7 +12,7 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// With weights uniform within one over the root of a layer's inputs, and biases zero.
+    /// Creates a network. Weights are uniform within one over the root of a layer's inputs, and biases are zero.
     pub(super) fn new(numbers: usize, latent: usize, seed: u64) -> Result<Self> {
         let mut random = Random::new(seed, Subject::Network);
         let mut weights = |inputs: usize, outputs: usize| {
@@ -37,7 +37,7 @@ impl Network {
         &self.parameters
     }
 
-    /// The reconstruction of a batch `[poses, numbers]`.
+    /// Returns the reconstruction of a batch `[poses, numbers]`.
     pub(super) fn forward(&self, input: &Tensor) -> Result<Tensor> {
         let [encoder, encoder_bias, decoder, decoder_bias] =
             self.parameters.each_ref().map(|(_, value)| value.as_tensor());

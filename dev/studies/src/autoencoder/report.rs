@@ -1,4 +1,4 @@
-//! The study as tables and as JSON.
+//! Formats the study as tables and as JSON.
 
 use std::fmt::Write as _;
 
@@ -12,14 +12,14 @@ use super::run::{Outcome, Plan, Study};
 use super::timing::StepTime;
 use crate::tables::{aligned, table};
 
-/// Why writing does not fail.
+/// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
 /// Mean and standard deviation over seeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Spread {
     mean: f64,
-    /// `None` of one sample.
+    /// `None` for a single sample.
     deviation: Option<f64>,
 }
 
@@ -41,7 +41,7 @@ impl Spread {
 }
 
 impl Study {
-    /// Outcomes of a method, one a seed.
+    /// Returns the outcomes of a method, one for each seed.
     fn of(&self, latent: usize, method: Method) -> impl Iterator<Item = &Outcome> {
         self.outcomes.iter().filter(move |o| o.latent == latent && o.method == method)
     }
@@ -58,8 +58,8 @@ impl Study {
         self.means(outcome, group).position_cm.unwrap_or(0.0)
     }
 
-    /// Mean distance of a group's joints of each method, in centimetres, over the seeds; `None` where no joint of
-    /// the group can move.
+    /// Returns the mean distance of a group's joints for each method, in centimetres, over the seeds; `None` if no
+    /// joint of the group can move.
     pub fn distances_cm(&self, latent: usize, group: Option<Group>) -> Vec<(Method, Option<f64>)> {
         let mean = |method: Method| {
             let distances = self.of(latent, method).map(|o| self.means(o, group).position_cm);
@@ -69,7 +69,7 @@ impl Study {
     }
 }
 
-/// The tables: errors and losses, differences seed by seed, times.
+/// Formats the tables: errors and losses, differences seed by seed, times.
 pub fn tables(plan: &Plan<'_>, study: &Study, times: &[StepTime]) -> String {
     let mut text = about(plan);
     for latent in &plan.latents {
@@ -130,7 +130,7 @@ fn errors(study: &Study, latent: usize) -> Table {
     aligned(table)
 }
 
-/// How much smaller a row's error is than a column's, and on how many seeds.
+/// Formats by how much a row's error is smaller than a column's, and for how many seeds.
 fn differences(study: &Study, latent: usize) -> Table {
     let against = [Method::Uniform, Method::ForwardKinematics];
     let heading = |method: Method| format!("less {}", method.label());
@@ -167,7 +167,7 @@ fn time_table(times: &[StepTime]) -> Table {
     aligned(table)
 }
 
-/// Everything as JSON: what was set, errors of every joint of every network, and times if there are any.
+/// Returns everything as JSON: settings, errors of every joint of every network, and times if there are any.
 pub fn json(plan: &Plan<'_>, study: &Study, times: &[StepTime]) -> Value {
     let poses = plan.poses;
     let outcomes: Vec<Value> = study

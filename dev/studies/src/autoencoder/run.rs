@@ -1,4 +1,4 @@
-//! All trainings of a study.
+//! Runs all trainings of a study.
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -22,40 +22,41 @@ use super::two_columns;
 use super::weights::{WeightsError, anatomy, weights};
 use crate::recordings::Pose;
 
-/// Raised when network, loss or optimiser change: a training that began under others must not go on.
+/// Must be raised when network, loss or optimizer change: then a training that began with the old version must not be
+/// resumed.
 const FORMAT: u32 = 1;
 /// Steps between two checkpoints.
 const CHECKPOINT_STEPS: usize = 1_000;
-/// Test poses that are shown.
+/// Number of test poses that are shown.
 const EXAMPLES: usize = 3;
 
-/// What to train.
+/// A study: the data, the networks and their training.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// The data.
+    /// Poses for training and testing.
     pub poses: &'a Poses,
-    /// Importance by joint of a character with a mesh; without, the mesh's weights are left out.
+    /// Importance by joint of a character with a mesh; if `None`, the method with the mesh's weights is left out.
     pub character: Option<&'a [(String, f64)]>,
     /// Latent units of the networks.
     pub latents: Vec<usize>,
-    /// Every network is trained with seeds from 1 to this.
+    /// Every network is trained with the seeds from 1 to this number.
     pub seeds: u64,
-    /// How.
+    /// Settings of the training.
     pub schedule: Schedule,
-    /// Folder of the checkpoints; without, a training that is stopped is lost.
+    /// Folder of the checkpoints; if `None`, an interrupted training is lost.
     pub checkpoints: Option<PathBuf>,
-    /// How many trainings run at once; the result does not depend on it.
+    /// Number of trainings in parallel. The result does not depend on it.
     pub threads: usize,
 }
 
-/// A trained network and what it is worth.
+/// A trained network with its errors.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
-    /// Latent units.
+    /// Number of latent units of the network.
     pub latent: usize,
-    /// What its loss counted.
+    /// Method of its loss.
     pub method: Method,
-    /// Where it began.
+    /// Seed of the training.
     pub seed: u64,
     /// Its own loss, over all training poses.
     pub train_loss: f64,
@@ -65,48 +66,48 @@ pub struct Outcome {
     pub errors: Errors,
 }
 
-/// A test pose and what the networks of the first seed make of it.
+/// A test pose with its reconstructions by the networks of the first seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Example {
     /// Index among the test poses.
     pub index: usize,
-    /// The pose.
+    /// The original test pose.
     pub original: Pose,
     /// Latent units, method and reconstruction.
     pub reconstructions: Vec<(usize, Method, Pose)>,
 }
 
-/// All networks.
+/// Results of all networks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// The joints.
+    /// Names of the joints.
     pub joints: Vec<String>,
     /// The group of each joint.
     pub groups: Vec<Group>,
     /// The methods, and each joint's weight in them; their mean is 1.
     pub weights: Vec<(Method, Vec<f64>)>,
-    /// By latent units, then seeds, then methods.
+    /// Outcomes by latent units, then seeds, then methods.
     pub outcomes: Vec<Outcome>,
     /// Some of the test poses.
     pub examples: Vec<Example>,
 }
 
-/// The study cannot be made.
+/// Error of a study that cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// There are no weights for the skeleton.
     #[error(transparent)]
     Weights(#[from] WeightsError),
-    /// A computation cannot be made.
+    /// A computation failed.
     #[error("the network: {0}")]
     Tensors(#[from] candle_core::Error),
-    /// A training cannot be saved or taken up.
+    /// A training cannot be saved or resumed.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
-    /// There is nothing to train on, or to test.
+    /// There are no poses for training or testing.
     #[error("{of}: there are no poses")]
     NoPoses {
-        /// Training or test.
+        /// "training" or "test", for the message.
         of: &'static str,
     },
     /// The threads cannot be started.
@@ -115,7 +116,7 @@ pub enum Error {
 }
 
 impl Plan<'_> {
-    /// The methods that there are weights for, and the weights.
+    /// Returns the methods for which there are weights, and the weights.
     pub(super) fn weights(&self) -> Result<Vec<(Method, Vec<f64>)>, Error> {
         let methods =
             Method::ALL.into_iter().filter(|m| *m != Method::Mesh || self.character.is_some());
@@ -123,7 +124,7 @@ impl Plan<'_> {
         methods.map(|m| Ok((m, weights(&self.poses.skeleton, m, character)?))).collect()
     }
 
-    /// Number of training steps of the whole study.
+    /// Returns the number of training steps of the whole study.
     pub fn steps(&self) -> usize {
         let methods = Method::ALL.len() - usize::from(self.character.is_none());
         let seeds = usize::try_from(self.seeds).unwrap_or(usize::MAX);
@@ -131,7 +132,7 @@ impl Plan<'_> {
     }
 }
 
-/// One training: what makes it another one than the rest.
+/// A training, identified by its settings.
 #[derive(Debug, Clone, Copy)]
 struct Run<'a> {
     latent: usize,
@@ -146,13 +147,13 @@ impl fmt::Display for Run<'_> {
     }
 }
 
-/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called for steps.
+/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called with completed steps.
 ///
-/// The same plan gives the same bits on one machine, however often it was stopped and at any number of threads. The
+/// A plan gives the same bits on one machine, however often it was interrupted and with any number of threads. The
 /// kernels of matrix products differ between processors, and sum in other orders.
 ///
 /// # Errors
-/// [`Error`].
+/// [`Error`] if weights, a training or a checkpoint fails.
 pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, Error> {
     for (of, poses) in [("training", &plan.poses.train), ("test", &plan.poses.test)] {
         if poses.is_empty() {
@@ -204,10 +205,11 @@ pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, 
     })
 }
 
-/// The results of `work` for 0 to `count`, in order, some at once.
+/// Returns the results of `work` for 0 to `count`, in order, computed in parallel.
 ///
-/// Each has a pool of one thread: what the framework splits is computed in the same pieces at any number of
-/// threads. They cannot share one pool, since a thread that waits for a matrix product would begin another training.
+/// Each call has a pool with one thread: the framework then splits its computations into the same parts for any
+/// number of threads. They cannot share one pool, since a thread that waits for a matrix product would start another
+/// training.
 fn at_once<T: Send>(
     count: usize,
     threads: usize,
@@ -237,7 +239,7 @@ fn at_once<T: Send>(
     results.into_iter().map(|result| result.expect("every index was taken")).collect()
 }
 
-/// Trains one network, and what it makes of the examples.
+/// Trains one network, and reconstructs the examples.
 fn train(
     plan: &Plan<'_>,
     samples: &Samples,
@@ -279,7 +281,8 @@ fn train(
     Ok((outcome, examples.iter().map(|index| reconstructed[*index].clone()).collect()))
 }
 
-/// Test poses to show, in order; the same for every study of them.
+/// Returns the indices of the test poses to show, in order. They are the same for every study with this number of
+/// poses.
 fn examples(count: usize) -> Vec<usize> {
     let mut random = Random::new(1, Subject::Examples);
     let mut indices: Vec<usize> = (0..EXAMPLES).map(|_| random.below(count)).collect();
@@ -288,7 +291,7 @@ fn examples(count: usize) -> Vec<usize> {
     indices
 }
 
-/// Everything that a training depends on, but the machine.
+/// Returns a text with everything that a training depends on, except the machine.
 fn identity(plan: &Plan<'_>, run: Run<'_>) -> String {
     let mut data = Sha256::new();
     for joint in &plan.poses.skeleton.joints {
@@ -366,7 +369,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("training.safetensors");
         let identity = identity(&plan, run);
-        // Stopped within an epoch, and in another one.
+        // Interrupted within an epoch, and in another epoch.
         for stop in [7, 22] {
             let mut stopped = new();
             checkpoint::take_up(&mut stopped, &identity, &file).unwrap();

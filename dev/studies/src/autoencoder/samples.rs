@@ -1,4 +1,4 @@
-//! Poses as the network and the losses take them.
+//! Poses in the form for the network and the losses.
 
 use candle_core::{Device, Result, Tensor};
 use glam::DQuat;
@@ -8,14 +8,15 @@ use super::kinematics::{Form, Kinematics};
 use super::two_columns;
 use crate::recordings::Pose;
 
-/// Poses, one a row.
+/// Poses, one per row.
 #[derive(Debug, Clone)]
 pub(super) struct Rows {
-    /// What the network gets: two columns per joint, less the mean of all training poses, over one common deviation.
+    /// Input of the network: two columns per joint, minus the mean of all training poses, divided by a common
+    /// deviation.
     pub(super) input: Tensor,
     /// Two columns per joint.
     pub(super) columns: Tensor,
-    /// What forward kinematics makes of them.
+    /// Result of forward kinematics.
     pub(super) global: Tensor,
 }
 
@@ -24,7 +25,7 @@ impl Rows {
         self.input.dim(0)
     }
 
-    /// The rows with these indices.
+    /// Returns the rows with these indices.
     pub(super) fn at(&self, indices: &Tensor) -> Result<Self> {
         Ok(Self {
             input: self.input.index_select(indices, 0)?,
@@ -34,7 +35,7 @@ impl Rows {
     }
 }
 
-/// Training and test poses, and how the network's numbers become columns.
+/// Training and test poses, and the conversion of the network's numbers to columns.
 #[derive(Debug, Clone)]
 pub(super) struct Samples {
     pub(super) train: Rows,
@@ -63,13 +64,13 @@ impl Samples {
         Ok(Self { train: rows(&poses.train)?, test: rows(&poses.test)?, mean, deviation })
     }
 
-    /// Two columns per joint, of what the network makes.
+    /// Converts the output of the network to two columns per joint.
     pub(super) fn columns(&self, output: &Tensor) -> Result<Tensor> {
         output.affine(self.deviation, 0.0)?.broadcast_add(&self.mean)
     }
 }
 
-/// Mean of every number, and the root of their mean variance: numbers that hardly change stay small.
+/// Returns the mean of every number, and the root of their mean variance: numbers that hardly change stay small.
 fn statistics(poses: &[Pose]) -> (Vec<f64>, f64) {
     let rows = || poses.iter().map(|pose| numbers(pose));
     let count = poses.len() as f64;
@@ -84,7 +85,7 @@ fn statistics(poses: &[Pose]) -> (Vec<f64>, f64) {
         .map(|row| row.zip(&mean).map(|(x, mean)| (x - mean) * (x - mean)).sum::<f64>())
         .sum();
     let deviation = (squares / (count * width as f64)).sqrt();
-    // Poses that are all the same need no measure.
+    // If all poses are equal, no scale is needed.
     (mean, if deviation > 0.0 { deviation } else { 1.0 })
 }
 
@@ -92,7 +93,7 @@ fn numbers(pose: &[DQuat]) -> impl Iterator<Item = f64> {
     pose.iter().flat_map(|rotation| two_columns::from_rotation(*rotation))
 }
 
-/// Two columns per joint, a row per pose.
+/// Returns two columns per joint, a row per pose.
 fn columns(poses: &[Pose]) -> Result<Tensor> {
     #[expect(clippy::cast_possible_truncation, reason = "rounds to the network's f32")]
     let values: Vec<f32> = poses.iter().flat_map(|pose| numbers(pose)).map(|x| x as f32).collect();
@@ -100,7 +101,7 @@ fn columns(poses: &[Pose]) -> Result<Tensor> {
     Tensor::from_vec(values, (poses.len(), width), &Device::Cpu)
 }
 
-/// The poses that rows of two columns per joint describe.
+/// Returns the poses for rows with two columns per joint.
 pub(super) fn poses(columns: &Tensor) -> Result<Vec<Pose>> {
     let rotation = |columns: &[f32]| {
         two_columns::to_rotation(std::array::from_fn(|number| f64::from(columns[number])))

@@ -1,6 +1,6 @@
-//! What a training step takes: the only clock of the study, and no part of its results.
+//! Measures the time of a training step. This is the only clock of the study, and no result depends on it.
 //!
-//! It counts the processor time of the one thread that trains, so that other processes do not matter.
+//! It counts the processor time of the single training thread, so that other processes do not matter.
 
 use cpu_time::ThreadTime;
 use serde::Serialize;
@@ -13,33 +13,33 @@ use super::samples::Samples;
 use super::training::Training;
 use super::two_columns;
 
-/// Steps of every kind that are timed, after as many as warm up.
+/// Number of timed steps of every kind, and number of warm-up steps before.
 const ROUNDS: usize = 60;
 const WARM_UP: usize = 5;
 
-/// Medians of a step on one thread, in milliseconds.
+/// Median times of a step on one thread, in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct StepTime {
-    /// Latent units.
+    /// Number of latent units of the network.
     pub latent: usize,
-    /// What the loss counts.
+    /// Method of the loss.
     pub method: Method,
-    /// How its forward kinematics is written, if it has any.
+    /// Form of its forward kinematics, if it has any.
     pub form: Option<Form>,
-    /// The whole step.
+    /// Time of the whole step.
     pub step_ms: f64,
-    /// The batch, the network and the loss.
+    /// Time of the batch, the network and the loss.
     pub loss_ms: f64,
-    /// The gradient.
+    /// Time of the gradient.
     pub gradient_ms: f64,
-    /// The optimiser.
+    /// Time of the optimizer.
     pub update_ms: f64,
 }
 
-/// Times steps of every method and form, in turns: what else the machine does befalls all alike.
+/// Times steps of every method and form, in turn, so that other work of the machine affects all of them equally.
 ///
 /// # Errors
-/// [`Error`].
+/// [`Error`] if a computation fails.
 pub fn time_steps(plan: &Plan<'_>) -> Result<Vec<StepTime>, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let samples = Samples::new(plan.poses)?;
@@ -50,7 +50,7 @@ pub fn time_steps(plan: &Plan<'_>) -> Result<Vec<StepTime>, Error> {
     Ok(times)
 }
 
-/// A kind of step, and what its steps took so far.
+/// A kind of step, and the times of its steps.
 struct Kind {
     method: Method,
     form: Option<Form>,

@@ -1,4 +1,4 @@
-//! One network on its way.
+//! Trains a single network.
 
 use std::f64::consts::PI;
 
@@ -12,19 +12,19 @@ use super::loss::Loss;
 use super::network::Network;
 use super::samples::{Rows, Samples};
 
-/// How networks are trained, the same for every method.
+/// Training settings, equal for every method.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Schedule {
     /// Steps of a training.
     pub steps: usize,
-    /// Poses in a step. The framework spreads operations on more than 65536 numbers over threads of its own, which
-    /// small steps only wait for: forward kinematics of 31 joints makes so many of 235 poses.
+    /// Poses per step. The framework spreads operations on more than 65536 numbers over its own threads, which only
+    /// slow down small steps: forward kinematics of 31 joints has that many numbers with 235 poses.
     pub batch: usize,
     /// Learning rate at the beginning; it falls to zero along half a cosine.
     pub rate: f64,
     /// Decay of the parameters per unit of the rate.
     pub decay: f64,
-    /// How much a metre of global position counts in the forward-kinematics loss, against a number of a rotation's
+    /// Weight of a metre of global position in the forward-kinematics loss, relative to a number of a rotation's
     /// column.
     pub position_per_m: f64,
 }
@@ -35,15 +35,15 @@ impl Default for Schedule {
     }
 }
 
-/// A network, its optimiser's memory, and how far it is. What comes next depends on nothing else: the order of
-/// the poses is a function of the seed and the step.
+/// A network, the state of its optimizer, and its step. The next step depends on nothing else: the order of the poses
+/// is a function of the seed and the step.
 #[derive(Debug, Clone)]
 pub(super) struct Training {
     pub(super) network: Network,
     pub(super) moments: Vec<Moments>,
     pub(super) step: usize,
     seed: u64,
-    /// The order of an epoch, so that it need not be drawn for every step of it.
+    /// The order of an epoch, stored so that it is not drawn again in every step.
     order: Option<(usize, Vec<u32>)>,
 }
 
@@ -54,7 +54,7 @@ impl Training {
         Ok(Self { moments: moments.collect::<Result<_>>()?, network, step: 0, seed, order: None })
     }
 
-    /// One step.
+    /// Runs one step of the training on the next batch.
     pub(super) fn advance(
         &mut self,
         samples: &Samples,
@@ -66,8 +66,8 @@ impl Training {
         self.update(&gradients, schedule)
     }
 
-    /// The poses of the next step. An epoch takes all of them in an order of its own, less those that
-    /// fill no batch.
+    /// Returns the poses of the next step. An epoch uses all poses in its own order, except those that do not fill a
+    /// batch.
     pub(super) fn batch(&mut self, rows: &Rows, batch: usize) -> Result<Rows> {
         let count = rows.len()?;
         let batch = batch.min(count);
@@ -87,12 +87,12 @@ impl Training {
         rows.at(&indices)
     }
 
-    /// The loss of a batch as the network is.
+    /// Returns the loss of a batch for the present network.
     pub(super) fn loss(&self, samples: &Samples, batch: &Rows, loss: &Loss) -> Result<Tensor> {
         loss.mean(&self.reconstruct(samples, batch)?, batch)
     }
 
-    /// The columns that the network makes of poses.
+    /// Returns the columns that the network reconstructs for poses.
     pub(super) fn reconstruct(&self, samples: &Samples, rows: &Rows) -> Result<Tensor> {
         samples.columns(&self.network.forward(&rows.input)?)
     }

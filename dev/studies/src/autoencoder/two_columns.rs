@@ -1,19 +1,19 @@
-//! Rotations as the first two columns of their matrices: six numbers without a jump (Zhou et al., *On the Continuity
-//! of Rotation Representations in Neural Networks*, 2019).
+//! Rotations as the first two columns of their matrices: six numbers without a discontinuity (Zhou et al., *On the
+//! Continuity of Rotation Representations in Neural Networks*, 2019).
 
 use glam::{DMat3, DQuat, DVec3};
 
 /// Numbers of a rotation in this form.
 pub(super) const NUMBERS: usize = 6;
 
-/// The first two columns, one after the other.
+/// Returns the first two columns, one after the other.
 pub(super) fn from_rotation(rotation: DQuat) -> [f64; NUMBERS] {
     let [x, y, _] = DMat3::from_quat(rotation).to_cols_array_2d();
     [x[0], x[1], x[2], y[0], y[1], y[2]]
 }
 
-/// The rotation of two columns that need be neither unit nor perpendicular: the first keeps its direction
-/// (Gram and Schmidt).
+/// Returns the rotation of two columns that need not be unit or perpendicular: the first keeps its direction
+/// (Gram-Schmidt).
 pub(super) fn to_rotation(columns: [f64; NUMBERS]) -> DQuat {
     let [ax, ay, az, bx, by, bz] = columns;
     let x = DVec3::new(ax, ay, az).normalize_or(DVec3::X);

@@ -1,4 +1,4 @@
-//! What the weighted losses weigh the joints by.
+//! Weights of the joints in the weighted losses.
 
 use glam::DVec3;
 use sinew_core::importance::{
@@ -10,41 +10,41 @@ use sinew_pose_metrics::weights;
 use super::anatomy::Anatomy;
 use super::method::Method;
 
-/// Joints and end sites that there is room for.
+/// Largest number of joints and end sites.
 const CAPACITY: usize = 64;
 
-/// There are no weights for a skeleton.
+/// Error of a skeleton without weights.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WeightsError {
-    /// A joint that the study knows nothing of.
+    /// A joint with an unknown name.
     #[error("joint {joint}: expected a joint of CMU's 31-joint skeleton or the built-in figure")]
     Joint {
-        /// Its name.
+        /// Name of the joint.
         joint: String,
     },
     /// The mesh's character lacks a joint.
     #[error("joint {joint} counts as {counterpart}, which the character of the mesh has not")]
     Counterpart {
-        /// The skeleton's joint.
+        /// Joint of the skeleton.
         joint: String,
-        /// The joint of the character.
+        /// Joint that the character lacks.
         counterpart: String,
     },
-    /// The skeleton at rest cannot be used.
+    /// The skeleton at rest is invalid.
     #[error("the skeleton at rest: {0}")]
     RestPose(#[from] RestPoseError),
-    /// The weights cannot be used.
+    /// The weights are invalid.
     #[error("the weights: {0}")]
     Importance(#[from] ImportanceError),
 }
 
-/// Weights of a skeleton's joints with a mean of 1: that is all that a training needs to know of a method.
+/// Returns the weights of a skeleton's joints, with a mean of 1. A training uses nothing else of a method.
 ///
-/// End sites count as ends of bones. The mesh's weights are those of a character by joint; a joint counts as much as
-/// its counterparts there.
+/// End sites count as ends of bones. The mesh's weights are those of a character, by joint; the weight of a joint is
+/// the sum over its counterparts there.
 ///
 /// # Errors
-/// [`WeightsError`] if a joint is not known.
+/// [`WeightsError`] if a joint is unknown.
 pub(super) fn weights(
     skeleton: &Skeleton,
     method: Method,
@@ -72,7 +72,7 @@ pub(super) fn weights(
     Ok(weights.iter().map(|weight| weight / mean).collect())
 }
 
-/// What is known of each joint.
+/// Returns the properties of each joint.
 pub(super) fn anatomy(skeleton: &Skeleton) -> Result<Vec<Anatomy>, WeightsError> {
     let known = |name: &String| {
         Anatomy::of(name).ok_or_else(|| WeightsError::Joint { joint: name.clone() })
@@ -80,7 +80,7 @@ pub(super) fn anatomy(skeleton: &Skeleton) -> Result<Vec<Anatomy>, WeightsError>
     skeleton.joints.iter().map(|joint| known(&joint.name)).collect()
 }
 
-/// Joints, then end sites, with the radii of the cylinders that end there.
+/// Returns joints, then end sites, with the radii of the cylinders that end there.
 fn rest(
     skeleton: &Skeleton,
     anatomy: &[Anatomy],

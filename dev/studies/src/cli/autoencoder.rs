@@ -1,4 +1,4 @@
-//! `sinew-studies autoencoder`: what a loss on joint rotations should count.
+//! `sinew-studies autoencoder`: weights for a loss on joint rotations.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -16,13 +16,14 @@ use sinew_studies::pictures::write_study;
 use super::data::{DataArgs, count};
 use super::results::tell_pictures;
 
-/// Train auto-encoders of poses with five losses, and compare what they reconstruct.
+/// Train auto-encoders of poses with five losses, and compare their reconstructions.
 ///
-/// After D. Holden, "Joint Error Propagation" (2025). A network of two layers encodes the rotations of all joints in a
-/// few numbers, and decodes them. Five losses are compared, all else equal: differences of local rotations; those, and
-/// differences of global positions and rotations (forward kinematics); local ones weighted by joint: by the length of
-/// what hangs on it, by the surface of cylinders around that, and by the skin of the character Geno, whose joints are
-/// matched by name. No network is trained with poses of the test subjects.
+/// The study repeats D. Holden, "Joint Error Propagation" (2025). A network of two layers encodes the rotations of
+/// all joints in a few numbers, and decodes them. Five losses are compared, with all else equal: differences of local
+/// rotations; these plus differences of global positions and rotations (forward kinematics); and local differences
+/// weighted by joint: by the length of the bones beyond it, by the surface of cylinders around these bones, and by
+/// the skin of the character Geno, whose joints are matched by name. No network is trained with poses of the test
+/// subjects.
 ///
 /// With `--out`, an interrupted run resumes, and pictures are written.
 #[derive(Debug, clap::Args)]
@@ -42,15 +43,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = count)]
     steps: Option<NonZeroUsize>,
 
-    /// Poses of every step.
+    /// Poses in every step.
     #[arg(long, value_name = "N", default_value = "128", value_parser = count)]
     batch: NonZeroUsize,
 
-    /// How much a metre counts in the forward-kinematics loss, against a number of a rotation's two columns.
+    /// Weight of a metre in the forward-kinematics loss, relative to a number of a rotation's two columns.
     #[arg(long, value_name = "FACTOR", default_value = "1.0", value_parser = factor)]
     position_per_m: f64,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
@@ -58,7 +59,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 
-    /// Do not time the steps.
+    /// Do not measure the time of the steps.
     #[arg(long)]
     no_times: bool,
 
@@ -110,7 +111,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         checkpoints: args.out.as_ref().map(|out| out.join("checkpoints")),
         threads,
     };
-    // Before the work: its checkpoints are of one run, too.
+    // Opened before the work, because its checkpoints belong to one run, too.
     let folder = args.out.as_ref().map(|out| Folder::open(out, "autoencoder", &[])).transpose()?;
     let study = with_progress(plan.steps(), |progress| autoencoder::run(&plan, progress))?;
     let times = if args.no_times { Vec::new() } else { autoencoder::time_steps(&plan)? };
@@ -135,7 +136,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 /// Weights of a character's joints by name.
 type Character = Vec<(String, f64)>;
 
-/// The poses of CMU, and the importance of Geno's joints.
+/// Reads the poses of CMU, and the importance of Geno's joints.
 fn read(data: &Path) -> anyhow::Result<(Poses, Option<Character>)> {
     let geno = data.join("geno").join("Geno.bin");
     let character = if geno.exists() {

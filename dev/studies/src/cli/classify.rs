@@ -12,11 +12,12 @@ use super::two_classes::TwoClassesArgs;
 
 /// Classify walking and running by the nearest pose, with every distance of poses.
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), who had 100 % right by the geodesic line and 90 % by joint angles. Many times, ten sequences of walking
-/// and ten of running are drawn; every pose gets the class of its nearest neighbour among the other sequences' poses.
-/// The same with neighbours of other people only (of another style in Bandai's recordings, which name no people). The
-/// root's place and orientation do not count. The same run times the distances.
+/// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
+/// understanding" (2012), who classified 100 % correctly by the geodesic line and 90 % by joint angles. In many
+/// draws, ten sequences of walking and ten of running are chosen; every pose gets the class of its nearest neighbour
+/// among the other sequences' poses. The study is repeated with neighbours of other people only (of another style in
+/// Bandai's recordings, which name no people). The root's place and orientation do not count. The run also measures
+/// the time of the distances.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

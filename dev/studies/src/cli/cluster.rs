@@ -12,19 +12,19 @@ use super::two_classes::TwoClassesArgs;
 
 /// Separate walking from running by two clusters of poses, with every distance of poses.
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), who had 65 % right by the geodesic line and 60 % by joint angles. Medoid shift with a Gaussian kernel
-/// clusters the poses of a sequence of walking and one of running, with the smallest of a hundred bandwidths that
-/// makes two clusters. The clusters are assigned to the sequences in the way that fits better, so even chance has
-/// more than half right; the table has the result of one cluster, and of members by chance. The longer sequence
-/// weighs more, so pairs are also cut to one length. Two sequences differ in more than their class, so there are also
-/// pairs of one person's walking and running, and of two people's walking.
+/// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
+/// understanding" (2012), who classified 65 % correctly by the geodesic line and 60 % by joint angles. Medoid shift
+/// with a Gaussian kernel clusters the poses of a sequence of walking and one of running, with the smallest of a
+/// hundred bandwidths that makes two clusters. The clusters are assigned to the sequences in the way that fits
+/// better, so even chance classifies more than half correctly; the table has the result of one cluster, and of random
+/// members. The longer sequence has more weight, so pairs are also cut to equal length. Two sequences differ in more
+/// than their class, so there are also pairs of one person's walking and running, and of two people's walking.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     common: TwoClassesArgs,
 
-    /// Pairs of sequences that are drawn. Default: 100, or 5 with `--quick`.
+    /// Number of pairs of sequences to draw. Default: 100, or 5 with `--quick`.
     #[arg(long, value_name = "N", value_parser = count)]
     pairs: Option<NonZeroUsize>,
 }

@@ -1,4 +1,4 @@
-//! Where a study's data are: one home for `--data`, `--quick` and `SINEW_DATA`.
+//! Options for a study's data: shared code for `--data`, `--quick` and `SINEW_DATA`.
 
 use std::env;
 use std::num::NonZeroUsize;
@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_studies::recordings::Recordings;
 
-/// How many of something: what is beyond the most would not end, or find room.
+/// Parses a number of items. A larger number would need too much time or memory.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {
     const MOST: usize = 100_000;
     let count = text.trim().parse().ok().filter(|count: &NonZeroUsize| count.get() <= MOST);
@@ -23,13 +23,13 @@ pub(super) struct DataArgs {
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
 
-    /// Use built-in clips, for a moment: needs no data, and the figures mean nothing.
+    /// Run a short test on built-in clips. It needs no data, and its numbers mean nothing.
     #[arg(long, conflicts_with = "data")]
     pub(super) quick: bool,
 }
 
 impl DataArgs {
-    /// The folder; with `--quick`, none.
+    /// Returns the folder; `None` with `--quick`.
     pub(super) fn folder(&self) -> anyhow::Result<Option<PathBuf>> {
         if self.quick {
             note(format_args!("built-in clips, for a moment: the figures mean nothing"));
@@ -42,27 +42,28 @@ impl DataArgs {
     }
 }
 
-/// Which recordings, all on one skeleton.
+/// Options for recordings on one skeleton.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct RecordingArgs {
     #[command(flatten)]
     pub(super) data: DataArgs,
 
-    /// The recordings. All of a data set are on one skeleton, and compared among themselves.
+    /// Data set of the recordings. All recordings of a data set are on one skeleton, and are compared with each
+    /// other.
     #[arg(long, value_enum, default_value_t = Dataset::Cmu, conflicts_with = "quick")]
     dataset: Dataset,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Dataset {
-    /// CMU's, of 31 joints.
+    /// CMU's recordings, with 31 joints.
     Cmu,
-    /// Bandai-Namco Research's, of 21 joints.
+    /// Bandai-Namco Research's recordings, with 21 joints.
     Bandai,
 }
 
 impl RecordingArgs {
-    /// The files that say which recordings there are.
+    /// Returns the index files of the recordings.
     pub(super) fn indices(&self) -> Vec<PathBuf> {
         let data = self.data.data.clone().or_else(of_environment).filter(|_| !self.data.quick);
         data.iter()
@@ -70,7 +71,7 @@ impl RecordingArgs {
             .collect()
     }
 
-    /// The recordings; with `--quick`, the built-in ones.
+    /// Reads the recordings; with `--quick`, the built-in ones.
     pub(super) fn read(&self) -> anyhow::Result<Recordings> {
         Ok(match (self.data.folder()?, self.dataset) {
             (None, _) => Recordings::built_in(),
@@ -80,7 +81,7 @@ impl RecordingArgs {
     }
 }
 
-/// What `SINEW_DATA` names; empty, it names nothing.
+/// Returns the folder in `SINEW_DATA`; `None` if the variable is empty.
 fn of_environment() -> Option<PathBuf> {
     env::var_os("SINEW_DATA").filter(|folder| !folder.is_empty()).map(PathBuf::from)
 }

@@ -1,4 +1,4 @@
-//! `sinew-studies distances`: how far all poses of a data set are from each other.
+//! `sinew-studies distances`: distances of all pairs of poses of a data set.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -14,11 +14,11 @@ use sinew_studies::spatial::write_distances;
 
 use super::data::RecordingArgs;
 
-/// Write the distances of all pairs of poses of a data set, for programs of your own.
+/// Write the distances of all pairs of poses of a data set, for your own programs.
 ///
-/// The file is NumPy's: f32 in the order of SciPy's `pdist`, so that `squareform(numpy.load(FILE))` is the matrix.
-/// Beside it, FILE.csv says which pose is which. Poses are at 12 Hz and on one skeleton; the root's place and
-/// orientation do not count. Distances are written to a folder beside the file while they are computed: but for the
+/// The file is a NumPy file: f32 in the order of SciPy's `pdist`, so that `squareform(numpy.load(FILE))` is the
+/// matrix. Beside it, FILE.csv identifies the poses. Poses are at 12 Hz and on one skeleton; the root's place and
+/// orientation do not count. Distances are written to a folder beside the file while they are computed: besides the
 /// poses (3 kB each), at most 16 MB are in memory. CMU's poses make 730 MB, Bandai's 1.2 GB.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -46,7 +46,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     );
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     let folder = folder.unwrap_or(Path::new("."));
-    ensure!(folder.is_dir(), "{}: expected a folder that is there", folder.display());
+    ensure!(folder.is_dir(), "{}: expected an existing folder", folder.display());
     let name = path.file_name().unwrap_or_default();
     let names = path.with_extension("csv");
     let indices = args.recordings.indices();
@@ -55,7 +55,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let measure = args.measure.measure()?;
     let recordings = args.recordings.read()?;
     let rig = SpatialRig::new(&recordings.skeleton, args.measure.root.as_deref())?;
-    // Before the work. Both files are of one run; whoever reads them has all of them or none.
+    // Opened before the work. Both files belong to one run; a reader finds both complete or neither.
     let results = Folder::open(folder, &format!("distances {}", name.display()), &inputs)?;
     let stage = results.stage();
     let measuring = RigMeasure::new(&rig, measure);
@@ -102,7 +102,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes which pose is which.
+/// Writes the file, frame and time of each pose.
 fn write_names(recordings: &Recordings, path: &Path) -> csv::Result<()> {
     let mut csv = csv::Writer::from_path(path)?;
     csv.write_record(["pose", "file", "frame", "seconds"])?;

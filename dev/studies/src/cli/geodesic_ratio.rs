@@ -1,4 +1,4 @@
-//! `sinew-studies geodesic-ratio`: how much shorter geodesics are than the lines that stand in for them.
+//! `sinew-studies geodesic-ratio`: ratio of geodesics to the lines that approximate them.
 
 use std::num::NonZeroU16;
 
@@ -10,14 +10,14 @@ use sinew_studies::spatial::geodesic_ratio::{self, Plan};
 use super::data::DataArgs;
 use super::results::ResultArgs;
 
-/// Compare geodesics with the straight lines that stand in for them: how much longer is a line?
+/// Compare geodesics with the straight lines that approximate them: how much longer is a line?
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), eq. (8): r = L(geodesic) / L(line) of random pairs of poses from walking, of which they find none below
-/// 0.94. All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
+/// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
+/// understanding" (2012), eq. (8): r = L(geodesic) / L(line) of random pairs of poses from walking. They find no r
+/// below 0.94. All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
 ///
-/// Then the same with one thing changed: where pairs are from, steps, coordinates of the line, which joints count, and
-/// the kind of motion. A second table groups the pairs by how far apart the poses are.
+/// Further conditions change one thing each: the origin of pairs, the steps, the coordinates of the line, the joints
+/// that count, and the kind of motion. A second table groups the pairs by the distance of the poses.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -31,11 +31,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value = "1")]
     seed: u64,
 
-    /// Steps of a curve; there are conditions with twice and four times as many.
+    /// Steps of a curve; some conditions use twice and four times as many.
     #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u16).range(2..=1000))]
     steps: u16,
 
-    /// Joint that poses are seen from. Default: the skeleton's root.
+    /// Joint from which poses are seen. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 

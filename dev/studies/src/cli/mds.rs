@@ -1,4 +1,4 @@
-//! `sinew-studies mds`: how few dimensions motion needs under each measure.
+//! `sinew-studies mds`: dimensions that motion needs under each measure.
 
 use std::num::NonZeroU16;
 use std::path::PathBuf;
@@ -12,21 +12,21 @@ use sinew_studies::spatial::components::{self, Plan};
 use super::data::DataArgs;
 use super::results::ResultArgs;
 
-/// Embed motion by multidimensional scaling and Isomap: how much does one dimension hold, by each measure of poses?
+/// Embed motion by multidimensional scaling and Isomap: how much of it is in one dimension, by each measure of poses?
 ///
-/// After S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and understanding"
-/// (2012), figure 4 and the test after it. The measures: differences of joint coordinates (angles), rotations times
-/// bone lengths (rotations), positions of joints, the geodesic line; each with joints alike and weighted by
-/// importance.
+/// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
+/// understanding" (2012), figure 4 and the test after it. The measures are: differences of joint coordinates
+/// (angles), rotations times bone lengths (rotations), positions of joints, and the geodesic line; each with equal
+/// joints and weighted by importance.
 ///
-/// Two people's walks, on one skeleton, are embedded together; then every broad recording at 12 Hz alone, on its own
-/// skeleton, of which the share of the first component is taken.
+/// Two people's walks, on one skeleton, are embedded together. Then every broad recording at 12 Hz is embedded alone,
+/// on its own skeleton, and the share of its first component is computed.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
     data: DataArgs,
 
-    /// The two walks: files of CMU's 31-joint skeletons, from the data set's folder.
+    /// The two walks: files of CMU's 31-joint skeletons, relative to the data set's folder.
     #[arg(
         long,
         value_name = "FILE",
@@ -36,15 +36,15 @@ pub(super) struct Args {
     )]
     walks: Vec<String>,
 
-    /// Steps that a line is sampled in.
+    /// Steps in which a line is sampled.
     #[arg(long, value_name = "N", default_value = "10")]
     steps: NonZeroU16,
 
-    /// Nearest poses that Isomap joins every pose with.
+    /// Number of nearest poses to which Isomap connects every pose.
     #[arg(long, value_name = "N", default_value = "7", value_parser = clap::value_parser!(u16).range(1..=1000))]
     neighbours: u16,
 
-    /// Joint that poses are seen from; of several, the first that a skeleton has. Default: the skeleton's root.
+    /// Joint from which poses are seen; of several, the first that a skeleton has. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     root: Vec<String>,
 
@@ -95,7 +95,7 @@ fn find<'r>(recordings: &'r Recordings, file: &str) -> anyhow::Result<&'r Sequen
     Ok(sequence)
 }
 
-/// A name for a legend.
+/// Returns a walk's name for a legend.
 fn walker(walk: &Sequence) -> String {
     let file = PathBuf::from(&walk.file);
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();

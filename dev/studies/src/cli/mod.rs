@@ -15,13 +15,13 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use sinew_host_util::command::exit_code;
 
-/// Try again what an article claims, on other data.
+/// Repeat studies of articles with other data.
 #[derive(Debug, Parser)]
 #[command(name = "sinew-studies", version)]
 struct Cli {
     #[command(subcommand)]
     study: Study,
-    /// Only read the command line: so `cargo xtask docs` checks the commands of the documentation.
+    /// Only read the command line. `cargo xtask docs` uses this to check the commands in the documentation.
     #[arg(long, global = true, hide = true)]
     parse_only: bool,
 }

@@ -1,4 +1,4 @@
-//! What a study prints and writes: one home for `--format` and `--out`.
+//! Output of a study: shared code for `--format` and `--out`.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -11,7 +11,7 @@ use sinew_host_util::output::Folder;
 
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ResultArgs {
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Table)]
     format: Format,
 
@@ -24,11 +24,11 @@ pub(super) struct ResultArgs {
 enum Format {
     /// Tables as text.
     Table,
-    /// One JSON object with every figure.
+    /// One JSON object with all numbers.
     Json,
 }
 
-/// Says where pictures are.
+/// Prints the paths of the pictures.
 pub(super) fn tell_pictures(files: &[PathBuf]) {
     let is_picture =
         |file: &&PathBuf| file.extension().is_some_and(|of| of == "png" || of == "svg");
@@ -37,7 +37,8 @@ pub(super) fn tell_pictures(files: &[PathBuf]) {
     }
 }
 
-/// Where a study's results go. Its folder is locked before the work: a busy one is told at once, not after hours.
+/// Destination of a study's results. Its folder is locked before the work: a folder that is in use is reported at
+/// once, not after hours.
 pub(super) struct Results<'a> {
     args: &'a ResultArgs,
     name: &'static str,
@@ -45,7 +46,7 @@ pub(super) struct Results<'a> {
 }
 
 impl ResultArgs {
-    /// Opens the folder of a study's results, if one is asked for.
+    /// Opens the folder of a study's results, if the option is given.
     pub(super) fn open(&self, name: &'static str) -> anyhow::Result<Results<'_>> {
         let folder = self.out.as_ref().map(|out| Folder::open(out, name, &[])).transpose()?;
         Ok(Results { args: self, name, folder })

@@ -14,22 +14,22 @@ pub(super) struct TwoClassesArgs {
     #[command(flatten)]
     recordings: RecordingArgs,
 
-    /// Seed of what is drawn.
+    /// Seed of the draws.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(super) seed: u64,
 
-    /// Steps that lines are sampled in.
+    /// Steps in which lines are sampled.
     #[arg(long, value_name = "N", default_value = "10")]
     steps: NonZeroU16,
 
-    /// Joint that poses are seen from. Default: the skeleton's root.
+    /// Joint from which poses are seen. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 
     #[command(flatten)]
     pub(super) results: ResultArgs,
 
-    /// Do not time the distances.
+    /// Do not measure the time of the distances.
     #[arg(long)]
     pub(super) no_times: bool,
 
@@ -38,22 +38,22 @@ pub(super) struct TwoClassesArgs {
 }
 
 impl TwoClassesArgs {
-    /// For a moment, on built-in clips.
+    /// Whether this is a short test on built-in clips.
     pub(super) const fn is_quick(&self) -> bool {
         self.recordings.data.quick
     }
 
-    /// The classes.
+    /// Reads the recordings and selects the two classes.
     pub(super) fn read(&self) -> anyhow::Result<TwoClasses> {
         Ok(TwoClasses::of(&self.recordings.read()?)?)
     }
 
-    /// How poses are seen.
+    /// Returns the rig for the poses.
     pub(super) fn rig(&self, classes: &TwoClasses) -> anyhow::Result<SpatialRig> {
         Ok(SpatialRig::new(&classes.skeleton, self.root.as_deref())?)
     }
 
-    /// All distances.
+    /// Returns all distances, with the steps of the option.
     pub(super) fn measures(&self) -> Vec<Measure> {
         Measure::all().map(|measure| Measure { steps: self.steps.get(), ..measure }).collect()
     }

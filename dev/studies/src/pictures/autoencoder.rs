@@ -19,23 +19,23 @@ use crate::autoencoder::{self, Example, Group, Method, Study};
 /// Width and height of a figure in the picture of reconstructions.
 const CELL: f64 = 130.0;
 const CELL_HEIGHT: f64 = CELL * STAGE_HEIGHT / VIEW_WIDTH;
-/// The middle of the stage, as wide as it is shown.
+/// Width of the visible middle of the stage.
 const VIEW_WIDTH: f64 = 380.0;
-/// Between two figures.
+/// Distance between two figures.
 const GAP: f64 = 4.0;
 
-/// Writes the pictures of a study on `skeleton` into a folder, as SVG and PNG, and gives their paths: for
-/// each number of latent units a chart of errors and the examples.
+/// Writes the pictures of a study on `skeleton` into a folder, as SVG and PNG, and returns their paths: for each
+/// number of latent units a chart of errors and the examples.
 ///
 /// # Errors
-/// What the system says.
+/// An I/O error.
 pub fn write_study(study: &Study, skeleton: &Skeleton, folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut latents: Vec<usize> = study.outcomes.iter().map(|outcome| outcome.latent).collect();
     latents.dedup();
     let mut pictures = Vec::new();
     for latent in latents {
         pictures.push((format!("autoencoder-errors-{latent}"), errors(study, latent)));
-        // Only a skeleton that maps on the mannequin can be drawn.
+        // Only a skeleton that maps to the mannequin can be drawn.
         if let Some(drawn) = reconstructions(study, skeleton, latent) {
             pictures.push((format!("autoencoder-poses-{latent}"), drawn));
         }
@@ -43,7 +43,7 @@ pub fn write_study(study: &Study, skeleton: &Skeleton, folder: &Path) -> io::Res
     write_all(&pictures, folder)
 }
 
-/// The colours of methods in charts: those of methods of control, which no chart shows beside them.
+/// Returns the colour class of a method in charts. It is that of a control method, since no chart shows both.
 const fn class(method: Method) -> &'static str {
     match method {
         Method::Uniform => "accumulated",
@@ -69,7 +69,7 @@ fn errors(study: &Study, latent: usize) -> Markup {
     chart::groups(&title, "cm", &kinds, &rows)
 }
 
-/// A row of figures for each example, a column for each method: the original pose around, the
+/// Draws a row of figures for each example, a column for each method: the original pose as outline, the
 /// reconstruction inside.
 fn reconstructions(study: &Study, skeleton: &Skeleton, latent: usize) -> Option<Markup> {
     let columns = study.weights.len() as f64;
@@ -102,11 +102,11 @@ fn reconstructions(study: &Study, skeleton: &Skeleton, latent: usize) -> Option<
     })
 }
 
-/// One figure.
+/// A figure in the picture of reconstructions.
 struct Cell {
     method: Method,
     drawn: Markup,
-    /// Mean distance of all joints.
+    /// Mean distance of all joints, cm.
     distance_cm: f64,
 }
 
@@ -116,7 +116,7 @@ fn row(example: &Example, skeleton: &Skeleton, latent: usize) -> Option<Vec<Cell
     let highest = |points: &Points| points.iter().fold(0.0, |high: f64, point| high.max(point.y));
     let (low, high) = (lowest(&desired), highest(&desired));
     let girth = mannequin.girth();
-    // Hands and head are round, and there are words above and below.
+    // Hands and head have a thickness, and there is text above and below.
     let (upright_m, beside_m) = (high - low + 0.85 * girth, 2.0 * reach_m(&desired) + 0.3 * girth);
     let focal = 6.0 * (STAGE_HEIGHT / upright_m).min(VIEW_WIDTH / beside_m);
     let camera = Camera {
@@ -145,7 +145,7 @@ fn row(example: &Example, skeleton: &Skeleton, latent: usize) -> Option<Vec<Cell
         .collect()
 }
 
-/// The mannequin in a pose, its pelvis at the origin.
+/// Returns the mannequin in a pose, its pelvis at the origin.
 fn figure(skeleton: &Skeleton, pose: &[DQuat]) -> Option<(Mannequin, Points)> {
     let binding = Binding::new(mapping::choose(skeleton).ok()?, skeleton).ok()?;
     let samples = skeleton.joints.iter().zip(pose);

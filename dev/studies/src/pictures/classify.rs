@@ -1,4 +1,4 @@
-//! Pictures of the study of nearest neighbours: what share was classified correctly, and whose motion was not.
+//! Pictures of the study of nearest neighbours: the share of correct classifications, and the errors by group.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use sinew_report::file::write_all;
 use crate::spatial::Summary;
 use crate::spatial::classify::{self, LeaveOut, Plan, Study};
 
-/// Writes the pictures into a folder, as SVG and PNG, and gives their paths.
+/// Writes the pictures into a folder, as SVG and PNG, and returns their paths.
 ///
 /// # Errors
-/// What the system says.
+/// An I/O error.
 pub fn write_classify(plan: &Plan<'_>, study: &Study, folder: &Path) -> io::Result<Vec<PathBuf>> {
     let pictures = [
         ("classify-rates".to_owned(), rates(plan, study)),
@@ -24,7 +24,7 @@ pub fn write_classify(plan: &Plan<'_>, study: &Study, folder: &Path) -> io::Resu
     write_all(&pictures, folder)
 }
 
-/// What share of poses was classified correctly.
+/// Draws the share of poses that were classified correctly.
 fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
     let word = plan.classes.group_word();
     let kinds = [
@@ -46,13 +46,13 @@ fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
     chart::intervals("Poses told right (%)", &kinds, &rows)
 }
 
-/// In percent.
+/// Converts a summary of shares to an interval in percent.
 pub(super) fn interval(summary: &Summary) -> Interval {
     let [low, lower, _, upper, high] = summary.quantiles.map(|share| 100.0 * share);
     Interval { mean: 100.0 * summary.mean, middle: [lower, upper], ends: [low, high] }
 }
 
-/// What share of everyone's poses was classified wrongly, of either class.
+/// Draws the share of each group's poses that were classified wrongly, for each class.
 fn groups(plan: &Plan<'_>, study: &Study) -> Markup {
     let word = plan.classes.group_word();
     let columns: Vec<Measure> = Metric::ALL.into_iter().map(Measure::new).collect();

@@ -1,4 +1,4 @@
-//! Pictures of the study of clusters: what share is where it should be, and which poses are in which cluster.
+//! Pictures of the study of clusters: the share of correctly assigned poses, and the cluster of each pose.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,13 +12,13 @@ use super::classify::interval;
 use crate::recordings::Class;
 use crate::spatial::cluster::{self, Pairing, Plan, Study, over_pairs};
 
-/// Pairs whose clusters are shown: the first ones, as they were drawn.
+/// Number of pairs whose clusters are shown: the first ones that were drawn.
 const SHOWN: usize = 4;
 
-/// Writes the pictures into a folder, as SVG and PNG, and gives their paths.
+/// Writes the pictures into a folder, as SVG and PNG, and returns their paths.
 ///
 /// # Errors
-/// What the system says.
+/// An I/O error.
 pub fn write_cluster(plan: &Plan<'_>, study: &Study, folder: &Path) -> io::Result<Vec<PathBuf>> {
     let pictures = [
         ("cluster-rates".to_owned(), rates(plan, study)),
@@ -27,7 +27,7 @@ pub fn write_cluster(plan: &Plan<'_>, study: &Study, folder: &Path) -> io::Resul
     write_all(&pictures, folder)
 }
 
-/// What share of poses is in the cluster of their sequence.
+/// Draws the share of poses that are in the cluster of their sequence.
 fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
     let [first, second] = plan.classes.classes.map(Class::name);
     let word = plan.classes.group_word();
@@ -52,7 +52,7 @@ fn rates(plan: &Plan<'_>, study: &Study) -> Markup {
     chart::intervals("Poses in the cluster of their sequence (%)", &kinds, &rows)
 }
 
-/// The clusters of some pairs.
+/// Draws the clusters of some pairs.
 fn poses(plan: &Plan<'_>, study: &Study) -> Markup {
     let drawn = study.pairs.iter().filter(|(pairing, _)| *pairing == Pairing::Cut);
     let pairs = drawn.flat_map(|(_, pairs)| pairs).take(SHOWN).enumerate();

@@ -1,4 +1,4 @@
-//! Pictures of the studies, of the building blocks of the report.
+//! Pictures of the studies, made of the parts of the report.
 
 mod autoencoder;
 mod classify;

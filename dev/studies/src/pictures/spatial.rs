@@ -11,10 +11,10 @@ use sinew_report::file::write_all;
 use crate::spatial::components::{self, Figure, RecordingGroup};
 use crate::spatial::geodesic_ratio::{Outcome, PAPER_LOWEST_RATIO, Pair};
 
-/// Writes the histograms of geodesics over lines into a folder, as SVG and PNG, and gives their paths.
+/// Writes the histograms of the ratios of geodesics to lines into a folder, as SVG and PNG, and returns their paths.
 ///
 /// # Errors
-/// What the system says.
+/// An I/O error.
 pub fn write_geodesic_ratio(outcomes: &[Outcome], folder: &Path) -> io::Result<Vec<PathBuf>> {
     let turns = [0.0, 60.0, 90.0, f64::INFINITY];
     let panels = outcomes.iter().filter(|outcome| outcome.condition.is_shown()).map(|outcome| {
@@ -40,11 +40,11 @@ pub fn write_geodesic_ratio(outcomes: &[Outcome], folder: &Path) -> io::Result<V
     write_all(&[("geodesic-ratio".to_owned(), picture.draw())], folder)
 }
 
-/// Writes both walks embedded, and the histograms of first components' shares, into a folder, as SVG and PNG, and
-/// gives their paths. `walkers` are the names of both walks.
+/// Writes pictures of both embedded walks, and of the histograms of first components' shares, into a folder, as SVG
+/// and PNG, and returns their paths. `walkers` are the names of both walks.
 ///
 /// # Errors
-/// What the system says.
+/// An I/O error.
 pub fn write_mds(
     study: &components::Study,
     walkers: [&str; 2],
@@ -58,7 +58,7 @@ pub fn write_mds(
     write_all(&pictures, folder)
 }
 
-/// What the paper compares.
+/// Measures that the paper compares.
 const SHOWN: [(Metric, &str); 2] =
     [(Metric::Angles, "joint angles"), (Metric::Line, "geodesic line")];
 
@@ -115,7 +115,7 @@ fn shares(study: &components::Study, title: &str, of: Figure) -> Markup {
     .draw()
 }
 
-/// The colours of parts: those of methods of control, which no chart shows beside them.
+/// Returns the colour class of a part. It is that of a control method, since no chart shows both.
 const fn class(part: RecordingGroup) -> &'static str {
     match part {
         RecordingGroup::Cmu31 => "local",

@@ -1,4 +1,4 @@
-//! `index.csv` of a data folder.
+//! Reads `index.csv` of a data folder.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use sinew_mocap::bvh;
 
-/// What is done in a recording.
+/// Kind of motion in a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {
-    /// Walking, any way.
+    /// Walking of any kind.
     Walk,
     /// Running.
     Run,
@@ -25,7 +25,7 @@ pub enum Class {
 }
 
 impl Class {
-    /// The name, as the index has it.
+    /// Returns the name in the index.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Walk => "walk",
@@ -38,27 +38,27 @@ impl Class {
     }
 }
 
-/// The data cannot be used.
+/// Error of data that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DataError {
     /// The index cannot be read.
     #[error("{}: {source}", file.display())]
     Index {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Error of the CSV reader.
         source: csv::Error,
     },
-    /// A number of the index cannot be.
+    /// A number of the index is invalid.
     #[error("{}: {recording}: {key} {value}: expected a number above 0", file.display())]
     Number {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The recording's row.
+        /// Recording of the row.
         recording: String,
-        /// The column.
+        /// Name of the column.
         key: &'static str,
-        /// What it holds.
+        /// Value in the column.
         value: f64,
     },
     /// A recording cannot be read.
@@ -67,24 +67,24 @@ pub enum DataError {
     /// A recording has another skeleton than the index says.
     #[error("{}: joint {joint} is missing: expected the joints of {reference}", file.display())]
     Joint {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// The joint.
+        /// Name of the missing joint.
         joint: String,
         /// The file that has all joints.
         reference: String,
     },
-    /// The data do not hold what a study needs.
+    /// The data lack something that a study needs.
     #[error("{}: {what}", file.display())]
     Missing {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is missing.
+        /// Description of the missing part.
         what: String,
     },
 }
 
-/// A row of the index, of what is needed of it.
+/// The used columns of a row of the index.
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct Row {
     pub(super) file: String,
@@ -98,12 +98,12 @@ pub(super) struct Row {
     pub(super) metres_per_unit: f64,
 }
 
-/// The index of a folder.
+/// Returns the path of a folder's index.
 pub(super) fn of(folder: &Path) -> PathBuf {
     folder.join("index.csv")
 }
 
-/// All rows, sorted by file.
+/// Reads all rows, sorted by file.
 pub(super) fn read(folder: &Path) -> Result<Vec<Row>, DataError> {
     let index = of(folder);
     let failed = |source| DataError::Index { file: index.clone(), source };
@@ -122,7 +122,7 @@ pub(super) fn read(folder: &Path) -> Result<Vec<Row>, DataError> {
     Ok(rows)
 }
 
-/// Every trial of a subject once, thinned recordings rather than others; sorted by file.
+/// Returns every trial of a subject once, preferring thinned recordings; sorted by file.
 pub(super) fn trials_once(mut rows: Vec<Row>) -> Vec<Row> {
     rows.sort_by(|a, b| (a.fps.total_cmp(&b.fps)).then_with(|| a.file.cmp(&b.file)));
     let mut seen = BTreeSet::new();
@@ -131,7 +131,7 @@ pub(super) fn trials_once(mut rows: Vec<Row>) -> Vec<Row> {
     rows
 }
 
-/// The frames that are kept of a recording that begins with frame `first` and settles for a while.
+/// Returns the frames to keep of a recording that begins with frame `first` and settles for a while.
 pub(super) fn thinned(
     rate_hz: f64,
     settling_s: f64,
@@ -145,10 +145,10 @@ pub(super) fn thinned(
     )]
     let whole = |x: f64| x as usize;
     let step = whole((rate_hz / RATE_HZ).round().max(1.0));
-    // What is not later than the settling time, to a thousandth of a frame.
+    // Frames up to the settling time, to a thousandth of a frame.
     let settling = whole((settling_s * rate_hz - 1e-3).ceil().max(0.0));
     (first + settling..count).step_by(step)
 }
 
-/// Rate that recordings are thinned out to: `broad-12hz` has it, and neighbours at 120 Hz tell little new.
+/// Rate to which recordings are thinned, Hz: that of `broad-12hz`. Adjacent poses at 120 Hz add little information.
 pub const RATE_HZ: f64 = 12.0;

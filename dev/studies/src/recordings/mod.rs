@@ -1,7 +1,7 @@
-//! Recordings for the studies: what a data folder's `index.csv` lists, at 12 Hz.
+//! Recordings for the studies: those in a data folder's `index.csv`, at 12 Hz.
 //!
-//! Poses can be compared between recordings on one skeleton only: [`Recordings::cmu`] and [`Recordings::bandai`] put
-//! them on one. Within a recording its own will do: [`broad`].
+//! Poses of different recordings can be compared only on one skeleton: [`Recordings::cmu`] and [`Recordings::bandai`]
+//! put them on one. For comparisons within a recording its own skeleton is enough: [`broad`].
 
 mod index;
 #[cfg(test)]
@@ -16,13 +16,13 @@ pub use index::{Class, DataError, RATE_HZ};
 use index::{Row, thinned};
 use sinew_figure::builtin;
 
-/// What CMU's recordings begin with and is left out: fingers that settle, feet that jump.
+/// Time at the start of CMU's recordings that is left out, s: fingers settle, feet jump.
 const SETTLING_S: f64 = 0.1;
 
 /// Local rotation of every joint, in the order of the skeleton; the root's in the world.
 pub type Pose = Vec<DQuat>;
 
-/// Where a recording is from.
+/// Origin of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DataSet {
@@ -37,21 +37,21 @@ pub enum DataSet {
 /// A recording at [`RATE_HZ`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sequence {
-    /// The file, from the folder of the data set; a built-in clip's name.
+    /// Path of the file in the data set's folder, or a built-in clip's name.
     pub file: String,
-    /// Whose motion it is: CMU's number of the person. Bandai names no actors; there it is the data set's part.
+    /// Subject of the motion: CMU's number of the person. Bandai names no actors; there it is the data set's part.
     pub subject: String,
-    /// Which of the subject's motions.
+    /// Name of the subject's trial.
     pub trial: String,
-    /// What is done, in words.
+    /// Description of the motion.
     pub description: String,
-    /// What is done.
+    /// Class of the motion.
     pub class: Class,
-    /// Where it is from.
+    /// Data set of the recording.
     pub data_set: DataSet,
-    /// The kind of skeleton it was recorded on, as the index names it.
+    /// Kind of skeleton on which it was recorded, as in the index.
     pub kind: String,
-    /// Its poses, [`RATE_HZ`] of them in a second.
+    /// Poses, at [`RATE_HZ`].
     pub frames: Vec<Pose>,
 }
 
@@ -66,18 +66,18 @@ pub struct Recordings {
 
 /// CMU's skeletons of 31 joints, by their names in the index.
 pub const CMU_KINDS: [&str; 2] = ["cgspeed-mb", "asfamc"];
-/// The file whose skeleton all of CMU's are put on: the ASF form of subject 135 keeps the bones of thorax and palm,
-/// that the other conversion lost.
+/// The file whose skeleton all of CMU's recordings use: the ASF form of subject 135 has the bones of thorax and palm,
+/// which the other conversion lost.
 const CMU_REFERENCE: &str = "broad-12hz/135_03.bvh";
-/// The file whose skeleton all of Bandai's are put on: no joint's place on its parent differs by more than 0.4 mm
-/// between files.
+/// The file whose skeleton all of Bandai's recordings use: between files, no joint's place on its parent differs by
+/// more than 0.4 mm.
 const BANDAI_REFERENCE: &str = "broad-12hz/dataset-1_walk_normal_002.bvh";
-/// A joint on the floor that Bandai's skeletons begin with: its way to the hips is not a bone.
+/// A joint on the floor that is the root of Bandai's skeletons. The line from it to the hips is not a bone.
 const BANDAI_FLOOR: &str = "joint_Root";
-/// Where both data sets have recordings of all kinds.
+/// Folder in which both data sets have recordings of all kinds.
 const BROAD: &str = "broad-12hz/";
 
-/// What some of CMU's files call the reference's joints, in its order: their names in the ASF files.
+/// Names of the reference's joints in some of CMU's files, in its order: those of the ASF files.
 const ASF_NAMES: [&str; 31] = [
     "hip",
     "lhipjoint",
@@ -113,10 +113,10 @@ const ASF_NAMES: [&str; 31] = [
 ];
 
 impl Recordings {
-    /// All trials of CMU's 31-joint skeletons in a folder with its `index.csv`, each once, on the skeleton of one.
+    /// Reads all trials of CMU's 31-joint skeletons in a folder with its `index.csv`, each once, on one skeleton.
     ///
     /// # Errors
-    /// [`DataError`] if a file is missing or is not what the index says.
+    /// [`DataError`] if a file is missing or does not match the index.
     pub fn cmu(folder: &Path) -> Result<Self, DataError> {
         let mut rows = index::read(folder)?;
         rows.retain(|row| CMU_KINDS.contains(&row.skeleton.as_str()));
@@ -124,17 +124,17 @@ impl Recordings {
         Self::on_one(folder, &rows, DataSet::Cmu, CMU_REFERENCE, &ASF_NAMES)
     }
 
-    /// Bandai's recordings of all kinds in a folder with its `index.csv`, on the skeleton of one.
+    /// Reads Bandai's recordings of all kinds in a folder with its `index.csv`, on one skeleton.
     ///
     /// # Errors
-    /// [`DataError`] if a file is missing or is not what the index says.
+    /// [`DataError`] if a file is missing or does not match the index.
     pub fn bandai(folder: &Path) -> Result<Self, DataError> {
         let mut rows = index::read(folder)?;
         rows.retain(|row| row.file.starts_with(BROAD));
         Self::on_one(folder, &rows, DataSet::Bandai, BANDAI_REFERENCE, &[])
     }
 
-    /// The built-in clips, every one its own subject. Frames with gaps are left out.
+    /// Returns the built-in clips, each as its own subject. Frames with gaps are left out.
     pub fn built_in() -> Self {
         let clips = builtin::clips();
         let sequence = |clip: &Recording| {
@@ -162,7 +162,7 @@ impl Recordings {
         }
     }
 
-    /// The recordings of `rows` on the skeleton of the file `reference`.
+    /// Reads the recordings of `rows` on the skeleton of the file `reference`.
     fn on_one(
         folder: &Path,
         rows: &[Row],
@@ -198,11 +198,11 @@ impl Recordings {
     }
 }
 
-/// The recordings of all kinds in a data folder, CMU's in `cmu` and Bandai's in `bandai`: every one on its own
+/// Reads the recordings of all kinds in a data folder, CMU's in `cmu` and Bandai's in `bandai`, each on its own
 /// skeleton.
 ///
 /// # Errors
-/// [`DataError`] if a file is missing or is not what the index says.
+/// [`DataError`] if a file is missing or does not match the index.
 pub fn broad(data: &Path) -> Result<Vec<Recordings>, DataError> {
     let mut all = Vec::new();
     for (name, data_set) in [("cmu", DataSet::Cmu), ("bandai", DataSet::Bandai)] {
@@ -216,7 +216,7 @@ pub fn broad(data: &Path) -> Result<Vec<Recordings>, DataError> {
     Ok(all)
 }
 
-/// A recording, with its skeleton in metres.
+/// Reads a recording, with its skeleton in metres.
 fn read(folder: &Path, row: &Row, data_set: DataSet) -> Result<(Skeleton, Sequence), DataError> {
     let recording = bvh::read(&folder.join(&row.file))?;
     let settling_s = if data_set == DataSet::Cmu { SETTLING_S } else { 0.0 };

@@ -1,4 +1,4 @@
-//! Sequences of two kinds of motion on one skeleton: what is told apart.
+//! Sequences of two kinds of motion on one skeleton, to be distinguished.
 
 use std::collections::BTreeSet;
 
@@ -13,66 +13,67 @@ use sinew_mocap::Skeleton;
 pub struct TwoClasses {
     /// The skeleton of all poses.
     pub skeleton: Skeleton,
-    /// Where they are from.
+    /// Data set of the sequences.
     pub data_set: DataSet,
-    /// Both classes.
+    /// The two classes.
     pub classes: [Class; 2],
     /// The sequences, those of the first class first.
     pub sequences: Vec<Labelled>,
 }
 
-/// A sequence of known class.
+/// A sequence with a known class.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labelled {
-    /// The recording's file.
+    /// Path of the recording.
     pub name: String,
-    /// Which of both classes it is of.
+    /// Index of its class.
     pub class: usize,
-    /// Whose it is: a person's number; where persons are not named, the style of the motion.
+    /// Group of the sequence: the number of a person, or the style of the motion if people are not named.
     pub group: String,
     /// Its poses, at least one.
     pub frames: Vec<Pose>,
 }
 
-/// A study of two classes cannot be done.
+/// Error of a study of two classes.
 #[derive(Debug, thiserror::Error)]
 pub enum ClassesError {
-    /// There is too little of a class.
+    /// A class has too few sequences.
     #[error("{found} sequences of class {class}: expected at least {needed}")]
     Few {
-        /// The class.
+        /// Name of the class.
         class: &'static str,
-        /// How many there are.
+        /// Number of sequences that the class has.
         found: usize,
-        /// How many are drawn.
+        /// Number that is drawn.
         needed: usize,
     },
     /// A sequence is empty.
     #[error("{sequence}: no poses are left of it: expected one at least")]
     NoPoses {
-        /// Its name.
+        /// Name of the sequence.
         sequence: String,
     },
     /// A pose cannot be compared.
     #[error("{sequence}, pose {pose}: {source}")]
     Pose {
-        /// The sequence's name.
+        /// Name of the sequence.
         sequence: String,
-        /// Which of its poses, from 0.
+        /// Index of the pose, from 0.
         pose: usize,
-        /// What is wrong with it.
+        /// Reason for the failure.
         source: PoseSpaceError,
     },
 }
 
 impl TwoClasses {
-    /// Of recordings: walks and runs; of the built-in clips, that have none, punches and kicks.
+    /// Selects two classes of recordings: walks and runs; in the built-in clips, which have neither, punches and
+    /// kicks.
     ///
-    /// Only from kinds of skeleton that there are sequences of either class of: how a file was converted must not
-    /// tell what is done in it.
+    /// Only kinds of skeleton with sequences of both classes are used: otherwise the conversion of a file would
+    /// reveal its class.
     ///
     /// # Errors
-    /// [`ClassesError::NoPoses`] of a sequence that has none.
+    /// [`ClassesError::NoPoses`] if a sequence has no poses.
     pub fn of(recordings: &Recordings) -> Result<Self, ClassesError> {
         let Recordings { skeleton, sequences } = recordings;
         let data_set = sequences.first().map_or(DataSet::BuiltIn, |first| first.data_set);
@@ -103,18 +104,18 @@ impl TwoClasses {
         Ok(Self { skeleton: skeleton.clone(), data_set, classes, sequences: labelled })
     }
 
-    /// The sequences of a class, by their indices.
+    /// Returns the indices of a class's sequences.
     pub fn members(&self, class: usize) -> Vec<usize> {
         (0..self.sequences.len()).filter(|index| self.sequences[*index].class == class).collect()
     }
 
-    /// The groups that sequences of a class are of, in order.
+    /// Returns the groups of a class's sequences, in order.
     pub fn groups(&self, class: usize) -> BTreeSet<&str> {
         let of_class = self.sequences.iter().filter(|sequence| sequence.class == class);
         of_class.map(|sequence| sequence.group.as_str()).collect()
     }
 
-    /// What a group is.
+    /// Returns the word for a group.
     pub const fn group_word(&self) -> &'static str {
         match self.data_set {
             DataSet::Cmu => "subject",
@@ -123,7 +124,7 @@ impl TwoClasses {
         }
     }
 
-    /// That there are so many sequences of either class.
+    /// Checks that each class has at least `needed` sequences.
     ///
     /// # Errors
     /// [`ClassesError::Few`] if not.
@@ -137,7 +138,7 @@ impl TwoClasses {
         Ok(())
     }
 
-    /// The poses of all sequences, made ready to be compared.
+    /// Prepares the poses of all sequences for comparison.
     pub(super) fn measured(
         &self,
         measuring: &RigMeasure<'_>,
@@ -157,7 +158,7 @@ impl TwoClasses {
     }
 }
 
-/// Whose motion a sequence is. Bandai's trials are named by motion, style and number.
+/// Returns the group of a sequence. Bandai's trials are named by motion, style and number.
 fn group(sequence: &Sequence) -> &str {
     match sequence.data_set {
         DataSet::Bandai => sequence.trial.split('_').nth(1).unwrap_or(&sequence.trial),

@@ -1,4 +1,4 @@
-//! What a distance takes: the only clock of the studies, and no part of their results.
+//! Measures the time of a distance. This is the only clock of the studies, and no result depends on it.
 //!
 //! It counts the processor time of one thread, so that other processes do not matter.
 
@@ -10,21 +10,22 @@ use sinew_pose_metrics::spatial::{Measure, RigMeasure, SpatialRig, Workspace};
 
 use super::classes::{ClassesError, TwoClasses};
 
-/// Poses whose pairs are timed, and how often all of them are, after as often to warm up.
+/// Number of poses whose pairs are timed, number of timed rounds, and number of warm-up rounds before.
 const POSES: usize = 48;
 const ROUNDS: usize = 15;
 const WARM_UP: usize = 2;
 
-/// What a measure takes on one thread, medians.
+/// Median times of a measure on one thread.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// One distance of two poses that are ready, ns.
+    /// Time of a distance between two prepared poses, ns.
     pub distance_ns: f64,
-    /// To make one pose ready, ns.
+    /// Time to prepare a pose, ns.
     pub pose_ns: f64,
 }
 
-/// Times all measures in turns, on poses from all sequences: what else the machine does befalls all alike.
+/// Times all measures in turn, on poses from all sequences, so that other work of the machine affects all of them
+/// equally.
 ///
 /// # Errors
 /// [`ClassesError`] if a pose cannot be compared.
@@ -75,7 +76,7 @@ pub fn of(
     Ok(costs.collect())
 }
 
-/// Costs as JSON.
+/// Returns costs as JSON.
 pub(super) fn json(measures: &[Measure], costs: &[Cost]) -> Value {
     let cost = |(measure, cost): (&Measure, &Cost)| {
         json!({

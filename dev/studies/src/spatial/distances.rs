@@ -1,4 +1,4 @@
-//! Distances between all pairs of many poses, written as they are found.
+//! Computes distances between all pairs of many poses, and writes them at once.
 
 use std::io::{self, Write};
 
@@ -6,38 +6,37 @@ use npyz::WriterBuilder as _;
 use rayon::prelude::*;
 use sinew_pose_metrics::spatial::{MeasuredPose, RigMeasure, Workspace};
 
-/// Distances that are held at a time: 16 MB of them.
+/// Number of distances in memory: 16 MB.
 const HELD: usize = 1 << 22;
 
-/// What was written.
+/// Summary of the written distances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrittenDistances {
     /// Number of pairs of poses.
     pub pairs: usize,
-    /// How large they are; of fewer than two poses there are none.
+    /// Sizes of the distances; `None` with fewer than two poses.
     pub distances: Option<Spread>,
 }
 
-/// How large distances are, in the metric's unit.
+/// Sizes of distances, in the metric's unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// The smallest.
+    /// The smallest distance.
     pub least: f32,
-    /// Their mean.
+    /// The mean distance.
     pub mean: f64,
-    /// The largest.
+    /// The largest distance.
     pub most: f32,
 }
 
 /// Writes the distances of all pairs of poses as a NumPy file (`.npy`): f32, one dimension, (0,1), (0,2) .. (0,n-1),
-/// (1,2) .., as SciPy's `pdist` has them and its `squareform` takes them. `done` gets the number of pairs as they are
-/// found.
+/// (1,2) .., the order of SciPy's `pdist` and `squareform`. `done` is called with numbers of computed pairs.
 ///
-/// Rows in parallel, the same bytes for any number of threads. Holds 16 MB of distances beside the poses, or a row if
-/// that is more.
+/// Rows are computed in parallel, with the same bytes for any number of threads. Memory besides the poses: 16 MB of
+/// distances, or one row if that is larger.
 ///
 /// # Errors
-/// What the writer says.
+/// An error of the writer.
 pub fn write_distances(
     measuring: &RigMeasure<'_>,
     poses: &[MeasuredPose],

@@ -2,8 +2,8 @@
 
 use sinew_pose_metrics::spatial::Distances;
 
-/// Distances along the graph that joins each thing with its `neighbours` nearest ones (Tenenbaum, de Silva & Langford
-/// 2000), between those things that hang together with the most others, which come first. O(n³).
+/// Returns distances along the graph that connects each item with its `neighbours` nearest ones (Tenenbaum, de Silva
+/// & Langford 2000), between the items of the largest connected part, whose indices are returned first. O(n³).
 pub fn along_neighbours(distances: &Distances, neighbours: usize) -> (Vec<usize>, Distances) {
     let count = distances.count();
     let nearest = |a: usize| {
@@ -19,7 +19,7 @@ pub fn along_neighbours(distances: &Distances, neighbours: usize) -> (Vec<usize>
         let distance = distances.get(a, b);
         (along[a][b], along[b][a]) = (distance, distance);
     }
-    // Floyd and Warshall.
+    // Floyd-Warshall.
     for via in 0..count {
         let through = along[via].clone();
         for row in &mut along {

@@ -1,17 +1,18 @@
 //! The rank test of Mann and Whitney: whether one sample's values tend to be larger than another's.
 
-/// What the test says.
+/// Result of the test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MannWhitney {
-    /// Number of pairs in which the first sample's value is the larger one, ties counting half.
+    /// Number of pairs in which the first sample's value is larger; ties count half.
     pub u: f64,
-    /// Standard score of `u`, corrected for ties and for its steps.
+    /// Standard score of `u`, corrected for ties and for continuity.
     pub z: f64,
-    /// Probability of so large a difference of either sign by chance, from the normal distribution.
+    /// Probability that a difference at least this large, of either sign, occurs by chance, from the normal
+    /// distribution.
     pub p: f64,
 }
 
-/// Tests two samples of finite numbers; `None` if one is empty or all numbers are the same.
+/// Tests two samples of finite numbers; `None` if one is empty or all numbers are equal.
 pub fn test(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     let (n, m) = (first.len() as f64, second.len() as f64);
     let mut all: Vec<(f64, bool)> = first.iter().map(|x| (*x, true)).collect();
@@ -31,7 +32,7 @@ pub fn test(first: &[f64], second: &[f64]) -> Option<MannWhitney> {
     let u = ranks - n * (n + 1.0) / 2.0;
     let total = n + m;
     let variance = n * m / 12.0 * (total + 1.0 - ties / (total * (total - 1.0)));
-    // NaN: of empty samples.
+    // The variance of empty samples is NaN.
     if variance.is_nan() || variance <= 0.0 {
         return None;
     }

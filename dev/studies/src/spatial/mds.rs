@@ -1,30 +1,30 @@
-//! Classical multidimensional scaling: places in few dimensions that have given distances, as well as they can.
+//! Classical multidimensional scaling: places in few dimensions whose distances approximate given ones.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use sinew_pose_metrics::spatial::Distances;
 
-/// Places of things, in the directions that they spread most in.
+/// Places of items, along the directions of largest spread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Embedding {
-    /// By thing, then by component, in the distances' unit; every component's largest entry is positive.
+    /// Places by item, then by component, in the distances' unit; every component's largest entry is positive.
     pub places: Vec<Vec<f64>>,
-    /// How much every component holds.
+    /// Shares of all components.
     pub spectrum: Spectrum,
 }
 
-/// How much of the things' spread every component holds.
+/// Share of the items' spread in every component.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spectrum {
-    /// What every component has of the sum of all positive eigenvalues, largest first, of all of them; none where all
-    /// things are in one place.
+    /// Share of every component in the sum of all positive eigenvalues, largest first; empty if all items are at one
+    /// place.
     pub shares: Vec<f64>,
-    /// The sum of all negative eigenvalues against that of the positive ones: how far the distances are from those of
-    /// points in any space.
+    /// The sum of all negative eigenvalues relative to that of the positive ones: the deviation of the distances from
+    /// those of points in a Euclidean space.
     pub negative_share: f64,
 }
 
-/// Places in at most `components` dimensions (Torgerson 1952). O(n³).
+/// Returns places in at most `components` dimensions (Torgerson 1952). O(n³).
 pub fn classical(distances: &Distances, components: usize) -> Embedding {
     let count = distances.count();
     let eigen = SymmetricEigen::new(products(distances));
@@ -42,14 +42,14 @@ pub fn classical(distances: &Distances, components: usize) -> Embedding {
     Embedding { places, spectrum: Spectrum::new(&values) }
 }
 
-/// How much every component holds, without the places: a few times faster. O(n³).
+/// Returns the shares of all components without the places: a few times faster. O(n³).
 pub fn spectrum(distances: &Distances) -> Spectrum {
     let mut values = products(distances).symmetric_eigenvalues().as_slice().to_vec();
     values.sort_by(|a, b| b.total_cmp(a));
     Spectrum::new(&values)
 }
 
-/// Scalar products of the places around their middle: `-½ J D² J`.
+/// Returns the scalar products of the places relative to their centre: `-½ J D² J`.
 fn products(distances: &Distances) -> DMatrix<f64> {
     let count = distances.count();
     let squared = DMatrix::from_fn(count, count, |i, j| distances.get(i, j).powi(2));
@@ -59,7 +59,7 @@ fn products(distances: &Distances) -> DMatrix<f64> {
 }
 
 impl Spectrum {
-    /// Of eigenvalues, the largest first.
+    /// Creates a spectrum from eigenvalues, the largest first.
     fn new(values: &[f64]) -> Self {
         let positive: f64 = values.iter().filter(|value| **value > 0.0).sum();
         let negative: f64 = values.iter().filter(|value| **value < 0.0).sum();

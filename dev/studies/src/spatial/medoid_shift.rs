@@ -1,21 +1,21 @@
-//! Medoid shift: clusters of things of which only distances are known (Sheikh, Khan & Kanade 2007).
+//! Medoid shift: clusters of items of which only distances are known (Sheikh, Khan & Kanade 2007).
 
 use sinew_pose_metrics::spatial::Distances;
 
-/// Where the Gaussian kernel ends, in bandwidths: what is farther weighs less than f64 can tell beside what is near.
+/// Cutoff of the Gaussian kernel, in bandwidths: beyond it the weights are too small for f64 beside the nearest ones.
 const REACH: f64 = 9.0;
 
-/// Which cluster each thing is in, numbered by their first members, with a Gaussian kernel of the given bandwidth.
-/// O(n³).
+/// Returns the cluster of each item, numbered by first members, with a Gaussian kernel of the given bandwidth. O(n³).
 ///
-/// Every thing goes to the one that has the least sum of squared distances from all others, weighted by the kernel
-/// around where it is; and on from there, until it stays.
+/// Every item moves to the item with the smallest sum of squared distances from all others, weighted by the kernel
+/// around its present place. It repeats this until it stays.
 pub fn clusters(distances: &Distances, bandwidth: f64) -> Vec<usize> {
     Squares::of(distances).clusters(bandwidth, usize::MAX).unwrap_or_default()
 }
 
-/// The clusters of every bandwidth of a hundred, evenly spread on a logarithmic scale from a hundredth of the largest
-/// distance to that itself, that makes `wanted` clusters of at least two things each; from the smallest.
+/// Returns the clusters of every bandwidth that makes `wanted` clusters of at least two items each, starting with the
+/// smallest. The hundred bandwidths are evenly spaced on a logarithmic scale from a hundredth of the largest distance
+/// to the largest distance.
 pub fn with_clusters(
     distances: &Distances,
     wanted: usize,
@@ -50,13 +50,13 @@ impl Squares {
         &self.squared[thing * self.count..(thing + 1) * self.count]
     }
 
-    /// The clusters, if they are not more than `at_most`.
+    /// Returns the clusters, if there are at most `at_most`.
     fn clusters(&self, bandwidth: f64, at_most: usize) -> Option<Vec<usize>> {
         let mut next = Vec::with_capacity(self.count);
         let mut staying = 0;
         for thing in 0..self.count {
             let to = self.next(thing, bandwidth);
-            // Every thing that stays is a cluster's.
+            // Every item that stays is the mode of a cluster.
             staying += usize::from(to == thing);
             if staying > at_most {
                 return None;
@@ -74,7 +74,7 @@ impl Squares {
         Some((0..self.count).map(number).collect())
     }
 
-    /// Where a thing goes.
+    /// Returns the item to which an item moves.
     fn next(&self, at: usize, bandwidth: f64) -> usize {
         let scale = -0.5 / (bandwidth * bandwidth);
         let farthest = (REACH * bandwidth).powi(2);
@@ -87,7 +87,7 @@ impl Squares {
                 }
             }
         }
-        // It stays rather than go where it is no better.
+        // It stays if no other place is better.
         let stay = (costs[at], at);
         let better = |best: (f64, usize), (to, cost): (usize, f64)| {
             if cost < best.0 { (cost, to) } else { best }
@@ -96,8 +96,8 @@ impl Squares {
     }
 }
 
-/// Where a thing's way ends. Costs fall along the way, but each by its own kernel: a round trip ends at its smallest
-/// member.
+/// Returns the end of an item's path. Costs fall along the path, but each with its own kernel: a cycle ends at its
+/// smallest member.
 fn end(next: &[usize], mut at: usize) -> usize {
     let mut seen = vec![at];
     while next[at] != at {

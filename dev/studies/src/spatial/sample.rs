@@ -1,11 +1,11 @@
-//! What a sample of numbers is like.
+//! Statistics of a sample of numbers.
 
 /// A sample of finite numbers, sorted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample(Vec<f64>);
 
 impl Sample {
-    /// A sample; what is not finite is not in it.
+    /// Creates a sample without the numbers that are not finite.
     pub fn new(numbers: impl IntoIterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> =
             numbers.into_iter().filter(|number| number.is_finite()).collect();
@@ -13,17 +13,17 @@ impl Sample {
         Self(sorted)
     }
 
-    /// The numbers, the smallest first.
+    /// Returns the numbers, the smallest first.
     pub fn sorted(&self) -> &[f64] {
         &self.0
     }
 
-    /// Their mean; `None` of none.
+    /// Returns the mean; `None` if the sample is empty.
     pub fn mean(&self) -> Option<f64> {
         (!self.0.is_empty()).then(|| self.0.iter().sum::<f64>() / self.0.len() as f64)
     }
 
-    /// The number that a share of them is below, straight between neighbours; `None` of none.
+    /// Returns the quantile of a share, interpolated linearly; `None` if the sample is empty.
     pub fn quantile(&self, share: f64) -> Option<f64> {
         let at = share.clamp(0.0, 1.0) * self.0.len().checked_sub(1)? as f64;
         #[expect(
@@ -36,8 +36,8 @@ impl Sample {
         Some(self.0[below] + (at - below as f64) * (self.0[above] - self.0[below]))
     }
 
-    /// Where they are densest, to a two-hundredth of their range: the top of a density by a Gaussian kernel with
-    /// Silverman's (1986) bandwidth; `None` of none.
+    /// Returns the mode, to a two-hundredth of the range: the maximum of a density with a Gaussian kernel and
+    /// Silverman's (1986) bandwidth; `None` if the sample is empty.
     pub fn mode(&self) -> Option<f64> {
         const PLACES: u32 = 200;
         let (low, high) = (self.quantile(0.0)?, self.quantile(1.0)?);

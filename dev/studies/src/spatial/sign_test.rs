@@ -1,11 +1,11 @@
-//! The sign test: whether one thing is better than another more often than by chance.
+//! The sign test: whether one item is better than another more often than by chance.
 
-/// Probability of so uneven a split of either sign by chance, if better and worse are alike likely; ties are left out
-/// before. Exact. 1 of none.
+/// Returns the exact probability of a split at least this uneven, of either sign, by chance, if better and worse are
+/// equally likely. Ties must be left out before. 1 for no cases.
 pub(super) fn p(better: usize, worse: usize) -> f64 {
     let count = better + worse;
     let log_half = -(count as f64) * std::f64::consts::LN_2;
-    // Binomial coefficients, one from the one before.
+    // Binomial coefficients, each computed from the previous one.
     let (mut log_choose, mut tail) = (0.0, 0.0);
     for k in 0..=better.min(worse) {
         tail += libm::exp(log_choose + log_half);

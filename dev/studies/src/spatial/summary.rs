@@ -1,20 +1,20 @@
-//! Many values in few numbers.
+//! Summarizes many values in a few numbers.
 
 use serde::Serialize;
 
 /// Mean, spread and quantiles of some values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Summary {
-    /// The mean.
+    /// Mean of the values.
     pub mean: f64,
-    /// The sample's standard deviation; 0 of one value.
+    /// The sample's standard deviation; 0 for one value.
     pub deviation: f64,
-    /// What 5, 25, 50, 75 and 95 % of the values are not above.
+    /// Quantiles of 5, 25, 50, 75 and 95 %.
     pub quantiles: [f64; 5],
 }
 
 impl Summary {
-    /// Of some values; `None` if there are none.
+    /// Summarizes values; `None` if there are none.
     pub fn of(values: &[f64]) -> Option<Self> {
         let last = values.len().checked_sub(1)?;
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -22,7 +22,7 @@ impl Summary {
         let deviation = libm::sqrt(squares / last.max(1) as f64);
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
-        // Linear between the two nearest.
+        // Linear between the two nearest values.
         let quantile = |share: f64| {
             let place = share * last as f64;
             #[expect(
@@ -37,7 +37,7 @@ impl Summary {
         Some(Self { mean, deviation, quantiles: [0.05, 0.25, 0.5, 0.75, 0.95].map(quantile) })
     }
 
-    /// Mean and deviation, in percent.
+    /// Formats mean and deviation, in percent.
     pub fn percent(&self) -> String {
         format!("{:.1} ± {:.1}", 100.0 * self.mean, 100.0 * self.deviation)
     }

@@ -1,4 +1,4 @@
-//! What both studies of two classes print alike.
+//! Output that both studies of two classes share.
 
 use comfy_table::Table;
 use sinew_pose_metrics::spatial::{Measure, SpatialRig};
@@ -8,7 +8,7 @@ use super::sign_test;
 use super::summary::Summary;
 use crate::tables::aligned;
 
-/// A table of these rows, whose first column is words, and whose others are numbers.
+/// Makes a table of these rows. The first column has text, and the others numbers.
 pub(super) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Table {
     let mut table = crate::tables::table(header.iter().copied());
     for row in rows {
@@ -17,7 +17,7 @@ pub(super) fn table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>
     aligned(table)
 }
 
-/// What is told apart, how it is seen and measured.
+/// Describes the classes, the rig and the measures.
 pub(super) fn about(classes: &TwoClasses, rig: &SpatialRig, measures: &[Measure]) -> String {
     let of_class = |class: usize| {
         let members = classes.members(class);
@@ -45,7 +45,7 @@ fn count(number: usize, word: &str) -> String {
     if number == 1 { format!("1 {word}") } else { format!("{number} {word}s") }
 }
 
-/// How much larger values are than others, in points of percent, and how often: more, as often, less.
+/// Differences of values, in percentage points, and the numbers of larger and smaller ones.
 pub(super) struct Difference {
     pub(super) summary: Option<Summary>,
     pub(super) more: usize,
@@ -56,7 +56,7 @@ pub(super) struct Difference {
 impl Difference {
     pub(super) fn of(pairs: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let values: Vec<f64> = pairs.into_iter().map(|(value, base)| value - base).collect();
-        // Rates of the same poses: what differs by less than rounding does not differ.
+        // Rates of the same poses: differences below rounding do not count.
         let more = values.iter().filter(|difference| **difference > 1e-12).count();
         let less = values.iter().filter(|difference| **difference < -1e-12).count();
         Self { summary: Summary::of(&values), more, less, count: values.len() }
@@ -72,7 +72,7 @@ impl Difference {
         format!("{} : {}", self.more, self.less)
     }
 
-    /// By the sign test.
+    /// Formats the probability by the sign test.
     pub(super) fn p(&self) -> String {
         match sign_test::p(self.more, self.less) {
             small if small < 1e-6 => "< 1e-6".to_owned(),

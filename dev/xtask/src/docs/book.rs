@@ -1,4 +1,4 @@
-//! The book itself, by mdBook.
+//! Builds the book with mdBook.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,11 +12,11 @@ use sinew_steps::step;
 
 const VERSION: &str = "0.5.4";
 
-/// The folder of the pages; `book.toml` says where they go.
+/// Folder of the pages; `book.toml` sets the output folder.
 const PAGES: &str = "docs";
 const SITE: &str = "target/site";
 
-/// Pages that the book does not list, and links that would be dead in it.
+/// Finds pages that the book does not list, and links that would be dead in it.
 pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
     let summary = Path::new(PAGES).join("SUMMARY.md");
     let contents = pages.iter().find(|page| page.path == summary);
@@ -32,7 +32,7 @@ pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
             faults.push(Fault { path: page.path.clone(), line: 1, what });
         }
         for (line, link, path) in outside(page) {
-            // mdBook takes every link to Markdown for one to a page of its own.
+            // mdBook treats every link to Markdown as a link to one of its pages.
             if path.extension().is_none_or(|extension| extension == "md") {
                 let what = format!(
                     "`{link}`: a page may link to pages of the book, and to files that are no Markdown"
@@ -44,13 +44,13 @@ pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
     faults
 }
 
-/// Installs mdBook if it is not there, builds the book, and puts beside it what it links to.
+/// Installs mdBook if it is missing, builds the book, and copies the files that it links to.
 pub(super) fn build(pages: &[Page]) -> Result<()> {
     let tools = step::root().join("target/tools");
     let mdbook = tools.join("bin/mdbook");
     let found = step::output(step::command(&mdbook.to_string_lossy()).arg("--version"));
     if found.is_none_or(|version| version.trim() != format!("mdbook v{VERSION}")) {
-        // Not optimized: it compiles in a third of the time, and builds this book in a second.
+        // Not optimized: it compiles in a third of the time, and still builds this book in a second.
         step::run(
             "mdBook",
             step::cargo()
@@ -75,7 +75,7 @@ pub(super) fn build(pages: &[Page]) -> Result<()> {
     Ok(())
 }
 
-/// What a page links to outside of the book: line, link and path.
+/// Returns the links of a page to files outside of the book: line, link and path.
 fn outside(page: &Page) -> impl Iterator<Item = (usize, &str, PathBuf)> {
     page.links.iter().filter_map(|(line, link)| {
         let (path, _) = links::target(page, link)?;

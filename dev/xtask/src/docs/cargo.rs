@@ -1,4 +1,4 @@
-//! What cargo knows of the workspace.
+//! Packages and targets of the workspace, as cargo reports them.
 
 use anyhow::{Context as _, Result};
 
@@ -38,7 +38,7 @@ impl Workspace {
         Ok(Self { packages: list(&all, "packages").iter().map(package).collect() })
     }
 
-    /// What is wrong with options of a cargo command: packages and targets that are not there.
+    /// Describes a fault in the options of a cargo command: a package or target that does not exist.
     pub(super) fn fault(&self, options: &[String]) -> Option<String> {
         let mut package = None;
         for pair in options.windows(2) {

@@ -1,4 +1,4 @@
-//! Commands in the documentation, compared with the programs themselves.
+//! Checks the commands in the documentation with the programs themselves.
 
 use std::process::{Command, Output};
 
@@ -10,7 +10,7 @@ use super::page::Page;
 use crate::task::Task;
 use crate::{nextest, studies};
 
-/// Programs of ours, by the package or the manifest that cargo is told.
+/// Our programs, by the package or manifest in the cargo command.
 const PROGRAMS: [(&str, &str); 2] =
     [("sinew-sim", "sinew"), ("dev/studies/Cargo.toml", "sinew-studies")];
 
@@ -30,25 +30,25 @@ pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
     Ok(faults)
 }
 
-/// A program that is called, and its arguments.
+/// A call of a program, with its arguments.
 #[derive(Debug, PartialEq)]
 enum Call {
-    /// One of ours.
+    /// A call of one of our programs.
     Program(&'static str, Vec<String>),
     Xtask(Vec<String>),
-    /// With its options.
+    /// A call of cargo, with its options.
     Cargo(Vec<String>),
-    /// Quotes that do not end.
+    /// A line with an unclosed quote.
     NoCommand,
 }
 
-/// What a line of a shell calls, of the programs that can be checked.
+/// Returns the calls in a shell line, of the programs that can be checked.
 fn calls(line: &str) -> Vec<Call> {
     let Some(words) = shlex::split(line) else { return vec![Call::NoCommand] };
     words
         .split(|word| ["|", "&&", "&", ";", "do", "done"].contains(&word.as_str()))
         .flat_map(|words| {
-            // What it says may go into a file.
+            // Removes a redirection to a file.
             let words = words.split(|word| word == ">").next().unwrap_or_default();
             let is_variable = |word: &&String| word.contains('=') && !word.starts_with('-');
             call(&words[words.iter().take_while(is_variable).count()..])
@@ -101,7 +101,7 @@ fn fault(call: &Call, workspace: &Workspace) -> Option<String> {
     }
 }
 
-/// Lets a program of ours read its arguments; none if it is that of the studies, and is not built.
+/// Lets one of our programs parse its arguments; `None` if it is the studies' program, and is not built.
 fn parsed(name: &str, arguments: &[String]) -> Result<Option<Output>> {
     let program = match name {
         "sinew-studies" => studies::program(),

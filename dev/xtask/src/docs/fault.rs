@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// What is wrong, and in which line of which file.
+/// A fault, with its file and line.
 pub(super) struct Fault {
     pub(super) path: PathBuf,
     pub(super) line: usize,

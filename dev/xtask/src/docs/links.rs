@@ -1,4 +1,4 @@
-//! Links to files and headings that are not there, and names of sources that are not.
+//! Finds links to missing files and headings, and names of missing source files.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -23,7 +23,8 @@ pub(super) fn check(pages: &[Page]) -> Vec<Fault> {
     pages.iter().flat_map(of_page).collect()
 }
 
-/// The file that a page links to, by its path in the repository, and the heading; none for an address in a network.
+/// Returns the file that a page links to, by its path in the repository, and the heading; `None` for a network
+/// address.
 pub(super) fn target<'a>(page: &Page, link: &'a str) -> Option<(PathBuf, Option<&'a str>)> {
     if link.contains("://") || link.starts_with("mailto:") {
         return None;
@@ -50,7 +51,7 @@ fn fault(page: &Page, link: &str, pages: &[Page]) -> Option<String> {
     (!is_there).then(|| format!("`{link}`: {} has no heading of that name", path.display()))
 }
 
-/// The path without `.` and `..`.
+/// Returns the path without `.` and `..`.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for component in path.components() {

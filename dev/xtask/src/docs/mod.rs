@@ -1,4 +1,4 @@
-//! The book: built from `docs/`, and held to what it says.
+//! The book: built from `docs/`, with checks of its links and commands.
 
 mod book;
 mod cargo;
@@ -25,8 +25,8 @@ pub(crate) fn run() -> Result<()> {
     book()
 }
 
-/// Checks the commands on all pages with the programs themselves, which must have been built. Those of the studies are
-/// checked where that program is.
+/// Checks the commands on all pages with the programs themselves, which must have been built. Commands of the studies
+/// are checked only if their program is built.
 pub(crate) fn commands() -> Result<()> {
     step::of("documentation: commands", || refuse(&commands::check(&pages()?)?))
 }
@@ -36,7 +36,7 @@ pub(crate) fn book() -> Result<()> {
     book::build(&pages()?)
 }
 
-/// Checks what is known without the programs, which take minutes to build.
+/// Checks everything that does not need the programs, which take minutes to build.
 pub(crate) fn text() -> Result<()> {
     step::of("documentation: links, width", || {
         let pages = pages()?;
@@ -47,7 +47,7 @@ pub(crate) fn text() -> Result<()> {
     })
 }
 
-/// Names faults, and fails if there are any.
+/// Prints the faults, and fails if there are any.
 fn refuse(faults: &[Fault]) -> Result<()> {
     for Fault { path, line, what } in faults {
         eprintln!("   {}:{line}: {what}", path.display());
@@ -56,7 +56,7 @@ fn refuse(faults: &[Fault]) -> Result<()> {
     Ok(())
 }
 
-/// All Markdown files that are no one's output.
+/// Returns all Markdown files of the repository that are not generated.
 fn pages() -> Result<Vec<Page>> {
     files("*.md")?.into_iter().map(Page::read).collect()
 }

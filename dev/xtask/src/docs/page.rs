@@ -1,4 +1,4 @@
-//! What is checked of a Markdown file.
+//! The parts of a Markdown file that are checked.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,17 +9,17 @@ use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 
 use sinew_steps::step;
 
-/// A Markdown file.
+/// A Markdown file of the repository.
 pub(super) struct Page {
-    /// Its path in the repository.
+    /// Path in the repository.
     pub(super) path: PathBuf,
-    /// Its lines, and whether they are prose: no code, no table.
+    /// Lines, and whether each is prose: neither code nor table.
     pub(super) lines: Vec<(String, bool)>,
-    /// What it links to and shows, with the line.
+    /// Links and images, with their lines.
     pub(super) links: Vec<(usize, String)>,
-    /// Paths of sources that it names, with the line.
+    /// Paths of source files, with their lines.
     pub(super) sources: Vec<(usize, String)>,
-    /// What can be linked to in it.
+    /// Headings that can be linked to.
     pub(super) anchors: BTreeSet<String>,
     /// Commands in blocks of `sh`, with the line.
     pub(super) commands: Vec<(usize, String)>,
@@ -80,7 +80,7 @@ impl Page {
         page
     }
 
-    /// The name that GitHub and mdBook give to a heading.
+    /// Adds the anchor that GitHub and mdBook give to a heading.
     fn add_anchor(&mut self, heading: &str) {
         let name: String = heading
             .trim()
@@ -101,7 +101,7 @@ impl Page {
         }
     }
 
-    /// Takes lines that go on after a backslash as one.
+    /// Adds the commands of a block. Lines that continue after a backslash are joined.
     fn add_commands(&mut self, first: usize, block: &str) {
         let mut command: Option<(usize, String)> = None;
         for (line, text) in (first..).zip(block.lines()) {

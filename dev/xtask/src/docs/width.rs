@@ -1,4 +1,4 @@
-//! Lines that are too wide to read: prose of pages, and comments of programs.
+//! Finds lines that are too wide: prose of pages, and comments in source code.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::files::files;
 use super::page::Page;
 use sinew_steps::step;
 
-/// Columns of the widest line. Tables, code and addresses may be wider.
+/// Columns of the widest allowed line. Tables, code and addresses may be wider.
 const WIDEST: usize = 120;
 
 pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
@@ -27,7 +27,7 @@ pub(super) fn check(pages: &[Page]) -> Result<Vec<Fault>> {
             .with_context(|| path.display().to_string())?;
         let comments = (1..).zip(text.lines()).filter(|(_, line)| {
             let line = line.trim_start();
-            // Rows of a table in a comment.
+            // Skips rows of a table in a comment.
             line.starts_with("//") && !line.trim_start_matches(['/', '!', ' ']).starts_with('|')
         });
         for (number, line) in comments {
@@ -44,7 +44,7 @@ fn fault(path: &Path, line: usize, text: &str) -> Option<Fault> {
     is_too_wide.then(|| Fault { path: path.to_path_buf(), line, what })
 }
 
-/// Columns of a line without the addresses of its links, which cannot be broken.
+/// Returns the number of columns without the addresses of links, which cannot be broken.
 fn columns(text: &str) -> usize {
     let mut parts = text.split("](");
     let first = parts.next().unwrap_or_default();

@@ -4,7 +4,8 @@ use embassy_stm32::Config;
 use embassy_stm32::rcc;
 use embassy_stm32::time::Hertz;
 
-/// 180 MHz of the ST-Link's 8 MHz; embassy switches over-drive on. Timers of APB1 run at 90 MHz, of APB2 at 180.
+/// Returns the clock settings: 180 MHz from the ST-Link's 8 MHz. embassy switches over-drive on. Timers of APB1 run
+/// at 90 MHz, timers of APB2 at 180 MHz.
 pub(crate) fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(rcc::Hse { freq: Hertz(8_000_000), mode: rcc::HseMode::Bypass });

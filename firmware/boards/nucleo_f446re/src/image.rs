@@ -1,4 +1,5 @@
-//! Image for ST's NUCLEO-F446RE: its clocks, pins and DMA channels. What it does is [`sinew_stm32::run`].
+//! Image for ST's NUCLEO-F446RE: its clocks, pins and DMA channels. All boards run the same node,
+//! [`sinew_stm32::run`].
 //!
 //! docs/nucleo.md has the wiring, pin by pin.
 
@@ -9,7 +10,8 @@ use sinew_storage::{Area, BoardTable};
 
 use crate::clocks::clocks;
 
-/// Sectors of 16 kB for settings, rig and faults, of 128 kB for a show; memory.x has where the code lies.
+/// Flash areas: sectors of 16 kB for settings, rig and faults, and a sector of 128 kB for a show. memory.x places the
+/// code.
 const TABLE: BoardTable = BoardTable {
     slots: &[Area { start: 0x6_0000, sector_len: 0x2_0000, sectors: 1 }],
     capacity: CAPACITY,

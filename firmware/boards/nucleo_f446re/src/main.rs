@@ -1,4 +1,5 @@
-//! The board's image is `image.rs`. On a host, where the workspace is checked, there is nothing to run.
+//! Entry of the image; its code is in `image.rs`. On a host, where only the workspace is checked, `main` does
+//! nothing.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -4,7 +4,7 @@ use embassy_stm32::Config;
 use embassy_stm32::rcc;
 use embassy_stm32::time::Hertz;
 
-/// 170 MHz of the board's 24 MHz crystal.
+/// Returns the clock settings: 170 MHz from the board's 24 MHz crystal.
 pub(crate) fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(rcc::Hse { freq: Hertz(24_000_000), mode: rcc::HseMode::Oscillator });

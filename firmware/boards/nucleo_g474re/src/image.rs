@@ -1,7 +1,8 @@
-//! Image for ST's NUCLEO-G474RE: its clocks, pins and DMA channels. What it does is [`sinew_stm32::run`].
+//! Image for ST's NUCLEO-G474RE: its clocks, pins and DMA channels. All boards run the same node,
+//! [`sinew_stm32::run`].
 //!
-//! The wiring is that of docs/nucleo.md, but for I2C: PB8 is BOOT0 here, and a pull-up there would keep the board from
-//! starting. So it is on PA15 and PB7.
+//! The wiring is described in docs/nucleo.md, except for I2C: on this board PB8 is BOOT0, and a pull-up there would
+//! keep the board from starting. I2C is therefore on PA15 and PB7.
 
 use cortex_m_rt::entry;
 use embassy_stm32::{bind_interrupts, dma, peripherals};
@@ -10,7 +11,8 @@ use sinew_storage::{Area, BoardTable};
 
 use crate::clocks::clocks;
 
-/// Pages have 2 kB here, and an area may be of any number of them: the reference board's parts.
+/// Flash areas: the same as on the reference board. Pages have 2 kB on this chip, and an area may consist of any
+/// number of pages.
 const TABLE: BoardTable = BoardTable {
     slots: &[Area { start: 0x6_0000, sector_len: 0x2_0000, sectors: 1 }],
     capacity: CAPACITY,

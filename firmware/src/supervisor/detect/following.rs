@@ -1,27 +1,27 @@
-//! A servo that does not follow.
+//! Detector of a servo that does not follow its target.
 
 use super::check_dt;
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// How far a servo may be off, and for how long.
+/// Maximum following error, and the time for which it may be larger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FollowingSettings {
-    /// The largest error either way, rad.
+    /// Maximum error in either direction, rad.
     pub most_rad: f32,
-    /// For how long it may be larger, s.
+    /// Time for which the error may be larger, s.
     pub time_s: f32,
 }
 
-/// 15 deg for 0.2 s.
+/// 15 deg, for 0.2 s.
 impl Default for FollowingSettings {
     fn default() -> Self {
         Self { most_rad: 15.0 * core::f32::consts::PI / 180.0, time_s: 0.2 }
     }
 }
 
-/// Finds a servo that is too far from its target for too long. O(1).
+/// Detects a servo that is too far from its target for too long. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Following {
     settings: FollowingSettings,
@@ -30,10 +30,10 @@ pub struct Following {
 }
 
 impl Following {
-    /// A detector for ticks of `dt_s`.
+    /// Creates a detector for ticks of `dt_s`.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: FollowingSettings, dt_s: f32) -> Result<Self, SettingError> {
         check_dt(dt_s)?;
         SettingError::check("following_most_rad", settings.most_rad, [1e-3, 10.0])?;
@@ -41,19 +41,20 @@ impl Following {
         Ok(Self { settings, dt_s, ticks: 0 })
     }
 
-    /// Nothing was off until now: to be called where the rig is armed.
+    /// Restarts the time. To be called when the rig is armed.
     pub fn begin(&mut self) {
         self.ticks = 0;
     }
 
-    /// A tick in which torque is on. `error_rad`: commanded less measured position of the same moment.
+    /// Checks a tick in which torque is on. `error_rad` is the commanded minus the measured position at the same
+    /// time.
     pub fn step(&mut self, error_rad: f32) -> Option<Fault> {
         if !error_rad.is_finite() {
             return Some(Fault::NotFinite);
         }
         self.ticks =
             if error_rad.abs() > self.settings.most_rad { self.ticks.saturating_add(1) } else { 0 };
-        // The first tick off is the moment 0. A thousandth of a tick is left to rounding.
+        // The first tick with an error is time 0. A tolerance of a thousandth of a tick allows for rounding.
         let lasted_s = (self.ticks as f32 - 1.0 + 1e-3) * self.dt_s;
         (self.ticks > 0 && lasted_s >= self.settings.time_s).then_some(Fault::FollowingError)
     }
@@ -71,7 +72,7 @@ mod tests {
             following.begin();
             errors.iter().position(|error| following.step(*error).is_some())
         };
-        // 0.2 s after the first: at the 21st.
+        // 0.2 s after the first tick is the 21st tick.
         assert_eq!(first_fault(&[-0.3; 100]), Some(20));
         assert_eq!(first_fault(&[0.26; 1000]), None);
         let mut broken = [0.3_f32; 40];

@@ -1,38 +1,40 @@
-//! The temperature that a servo measures.
+//! Detector of the temperature that a servo measures.
 
 use super::{Concern, Derated};
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Temperatures at which something happens, degC.
+/// Temperatures of warning, reduction and fault, degC.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeatSettings {
-    /// A warning at this and above.
+    /// A warning starts at this temperature, degC.
     pub warn_c: f32,
-    /// Less effort above this.
+    /// Above this temperature the effort is reduced, degC.
     pub derate_c: f32,
-    /// A fault at this and above. A drive's own [`CutOff`](crate::drives::CutOff) begins here at the earliest.
+    /// A fault starts at this temperature, degC. A drive's own [`CutOff`](crate::drives::CutOff) begins at this
+    /// temperature at the earliest.
     pub off_c: f32,
 }
 
 impl HeatSettings {
-    /// For a servo that switches off at `limit_c`: warns at 55 degC, derates at 60, a fault 5 below the limit. With a
-    /// low limit the first two are 10 and 5 degC before the last.
+    /// Returns the settings for a servo that switches off at `limit_c`: a warning at 55 degC, a reduction above 60
+    /// degC, and a fault 5 degC below the limit. With a low limit, the warning is 10 degC and the reduction 5 degC
+    /// below the fault.
     pub fn of_limit(limit_c: f32) -> Self {
         let off_c = limit_c - 5.0;
         Self { warn_c: (off_c - 10.0).min(55.0), derate_c: (off_c - 5.0).min(60.0), off_c }
     }
 }
 
-/// For servos that switch off at 70 degC: XL330, STS3215.
+/// Settings for servos that switch off at 70 degC: XL330, STS3215.
 impl Default for HeatSettings {
     fn default() -> Self {
         Self::of_limit(70.0)
     }
 }
 
-/// Watches a temperature: what effort it bears, and when it is a fault. O(1).
+/// Watches a temperature: returns the permitted effort, and the fault. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     settings: HeatSettings,
@@ -40,10 +42,10 @@ pub struct Heat {
 }
 
 impl Heat {
-    /// A detector.
+    /// Creates a detector.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: HeatSettings) -> Result<Self, SettingError> {
         let HeatSettings { warn_c, derate_c, off_c } = settings;
         SettingError::check("off_c", off_c, [20.0, 150.0])?;
@@ -52,7 +54,7 @@ impl Heat {
         Ok(Self { settings, last_c: None })
     }
 
-    /// A tick. `celsius`: the last reading; without one the last of them counts on.
+    /// Checks a tick. `celsius` is the last reading; without a reading the previous one is used.
     pub fn step(&mut self, celsius: Option<f32>) -> Derated {
         if celsius.is_some_and(|celsius| !celsius.is_finite()) {
             return Derated::NOT_FINITE;

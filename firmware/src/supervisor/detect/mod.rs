@@ -1,19 +1,19 @@
-//! Detectors of faults: small machines of their own, each with settings that were checked once.
+//! Detectors of faults: small independent state machines, whose settings are checked once.
 //!
 //! | detector | one for each | default |
 //! | --- | --- | --- |
 //! | [`Following`] | servo | 15 deg for 0.2 s |
-//! | [`Supply`] | branch of the supply | less from 15 % below the recommended voltage on, by a filter of 0.1 s |
-//! | [`Heat`] | servo | less from 60 degC on, least 5 degC below its limit |
-//! | [`Winding`] | servo with a current | 30 % of the stall current for ever; 20 s winding, 600 s case |
+//! | [`Supply`] | branch of the supply | reduced below 85 % of the recommended voltage, after a filter of 0.1 s |
+//! | [`Heat`] | servo | reduced above 60 degC, minimum 5 degC below its limit |
+//! | [`Winding`] | servo with a current | 30 % of the stall current without time limit; 20 s winding, 600 s case |
 //! | [`Silence`] | servo | 5 replies missed in a row |
 //! | [`Overrun`] | rig | more than 3 ticks in 500 |
-//! | [`Swing`] | joint | 0.15 deg rms above some 12 Hz, and 3 % of its most effort: a warning, no fault |
+//! | [`Swing`] | joint | 0.15 deg rms above about 12 Hz, and 3 % of its maximum effort: a warning, not a fault |
 //!
-//! What is NaN or infinite is a fault at once, [`Fault::NotFinite`], and leaves nothing behind.
+//! A NaN or infinite input is a fault at once, [`Fault::NotFinite`], and does not change the detector.
 //!
-//! Where a detector finds a fault, [`LEAST_SHARE`] of the effort is left: how the rig is let down from there is said by
-//! the reaction, and a servo that gives nothing falls.
+//! When a detector finds a fault, [`LEAST_SHARE`] of the effort is left: the reaction decides how the rig is lowered,
+//! and a servo without effort would let it fall.
 
 mod following;
 mod heat;
@@ -34,46 +34,46 @@ pub use winding::{Winding, WindingSettings};
 use super::Fault;
 use crate::SettingError;
 
-/// The least part of its effort that a servo keeps until torque is off: what its winding bears for ever
-/// ([`WindingSettings`]).
+/// Minimum part of its effort that a servo keeps until torque is off: the part that its winding can take without time
+/// limit ([`WindingSettings`]).
 pub const LEAST_SHARE: f32 = 0.3;
 
-/// What part of its effort a servo may give, and why it is not all.
+/// The permitted part of a servo's effort, and the reason if it is below 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Derated {
-    /// From [`LEAST_SHARE`] to 1; 0 where it is not known.
+    /// Permitted part, from [`LEAST_SHARE`] to 1; 0 if the condition is not known.
     pub share: f32,
-    /// Why it is less; with a share of 1 a warning.
+    /// Reason for the reduction; with a share of 1 it is a warning.
     pub reason: Option<Concern>,
-    /// What it is, if it is a fault.
+    /// The fault, if there is one.
     pub fault: Option<Fault>,
 }
 
-/// Why a servo may give less.
+/// A reason why a servo's effort may be reduced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Concern {
-    /// The voltage is low.
+    /// The supply voltage is low.
     SupplyLow,
-    /// The voltage is high.
+    /// The supply voltage is high.
     SupplyHigh,
-    /// Its temperature is high.
+    /// The servo's temperature is high.
     Hot,
-    /// Its winding is hot by the model.
+    /// The servo's winding is hot by the model.
     HotWinding,
-    /// It is not known: a number is NaN or infinite.
+    /// The condition is not known: a number is NaN or infinite.
     NotFinite,
 }
 
 impl Derated {
-    /// All may be given.
+    /// The full effort, without a concern.
     pub const FULL: Self = Self { share: 1.0, reason: None, fault: None };
 
     const NOT_FINITE: Self =
         Self { share: 0.0, reason: Some(Concern::NotFinite), fault: Some(Fault::NotFinite) };
 
-    /// The stricter of two.
+    /// Returns the stricter of two results.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let (less, more) = if other.share < self.share { (other, self) } else { (self, other) };
@@ -81,8 +81,8 @@ impl Derated {
         Self { share: less.share, reason, fault }
     }
 
-    /// By a value that is good up to `warn`, and a fault at `off`: a straight line from `derate` on. All three may
-    /// rise, or fall.
+    /// Returns the result for a value: a warning from `warn` on, a linear reduction from `derate` to `off`, and a
+    /// fault at `off`. The three levels may rise or fall.
     fn by(value: f32, [warn, derate, off]: [f32; 3], concern: Concern, fault: Fault) -> Self {
         let rises = off > derate;
         let is_at = |level: f32| if rises { value >= level } else { value <= level };
@@ -93,7 +93,7 @@ impl Derated {
     }
 }
 
-/// Refuses a period of ticks that cannot be.
+/// Returns an error if the duration of a tick is invalid.
 fn check_dt(dt_s: f32) -> Result<(), SettingError> {
     SettingError::check("dt_s", dt_s, [1e-4, 1.0])
 }

@@ -1,27 +1,27 @@
-//! Ticks that take too long.
+//! Detector of ticks that take too long.
 
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// How many ticks may take too long.
+/// Permitted number of ticks that take too long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct OverrunSettings {
-    /// So many are borne ...
+    /// Number of late ticks that are tolerated in a `window`.
     pub most: u32,
-    /// ... in so many ticks.
+    /// Length of the window, ticks.
     pub window: u32,
 }
 
-/// 3 in 500, which is a second at 500 Hz.
+/// 3 in 500 ticks, which is a second at 500 Hz.
 impl Default for OverrunSettings {
     fn default() -> Self {
         Self { most: 3, window: 500 }
     }
 }
 
-/// Counts ticks that took too long: a bucket that each of them fills, and that leaks `most` in a `window`. It is a
-/// fault where more than `most` at once are in it, or for long more come than leak. O(1).
+/// Counts late ticks in a bucket: each late tick fills it, and `most` of them leak in a `window`. A fault occurs when
+/// the bucket contains more than `most` late ticks, or when for a long time more arrive than leak. O(1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrun {
@@ -31,18 +31,18 @@ pub struct Overrun {
 }
 
 impl Overrun {
-    /// A detector.
+    /// Creates a detector.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: OverrunSettings) -> Result<Self, SettingError> {
-        // Their product fits in 32 bits.
+        // The product of both settings fits in 32 bits.
         SettingError::check("window", settings.window as f32, [1.0, 6e4])?;
         SettingError::check("most", settings.most as f32, [0.0, settings.window as f32])?;
         Ok(Self { settings, level: 0, count: 0 })
     }
 
-    /// A tick; `is_late`: the last one took too long.
+    /// Counts a tick. `is_late` is whether the last tick took too long.
     pub fn step(&mut self, is_late: bool) -> Option<Fault> {
         let OverrunSettings { most, window } = self.settings;
         self.level = self.level.saturating_sub(most);
@@ -54,7 +54,7 @@ impl Overrun {
         (is_late && self.level > full).then_some(Fault::Overrun)
     }
 
-    /// How many there were.
+    /// Returns the total number of late ticks.
     pub fn count(&self) -> u32 {
         self.count
     }
@@ -65,7 +65,7 @@ impl Overrun {
 mod tests {
     use super::*;
 
-    /// The first fault of ticks of which each `every`th is late.
+    /// Returns the tick of the first fault if every `every`th tick is late.
     fn first_fault(every: u32) -> Option<u32> {
         let mut overrun = Overrun::new(OverrunSettings::default()).unwrap();
         (0..100_000).find(|tick| overrun.step(u32::is_multiple_of(*tick, every)).is_some())
@@ -75,7 +75,7 @@ mod tests {
     fn a_few_are_borne_and_many_are_not() {
         assert_eq!(first_fault(1), Some(3));
         assert_eq!(first_fault(20), Some(60));
-        // Slightly more than three in 500, for long.
+        // Slightly more than three in 500 ticks, for a long time.
         assert!(first_fault(160).is_some());
         assert_eq!(first_fault(167), None);
         let none = Overrun::new(OverrunSettings { most: 0, window: 1 }).unwrap().step(true);

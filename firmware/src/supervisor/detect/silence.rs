@@ -1,16 +1,16 @@
-//! A servo that does not answer.
+//! Detector of a servo that does not answer.
 
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Finds a servo that missed too many replies in a row. O(1).
+/// Detects a servo that missed too many replies in a row. O(1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Silence {
     most: u32,
 }
 
-/// Five: at one reading in each tick of 2 ms, 10 ms.
+/// Five replies: 10 ms, if a servo is read in each tick of 2 ms.
 impl Default for Silence {
     fn default() -> Self {
         Self { most: 5 }
@@ -18,16 +18,16 @@ impl Default for Silence {
 }
 
 impl Silence {
-    /// A fault at so many, 1 to 1000.
+    /// Creates a detector for a fault at this number of missed replies, 1 to 1000.
     ///
     /// # Errors
-    /// [`SettingError`] of another number.
+    /// [`SettingError`] if the number is outside this range.
     pub fn new(missed: u32) -> Result<Self, SettingError> {
         SettingError::check("missed", missed as f32, [1.0, 1000.0])?;
         Ok(Self { most: missed })
     }
 
-    /// A tick. `missed_in_a_row`: as [`Health::missed_in_a_row`](sinew_servo_bus::Health::missed_in_a_row) has it.
+    /// Checks a tick. `missed_in_a_row` is [`Health::missed_in_a_row`](sinew_servo_bus::Health::missed_in_a_row).
     pub fn step(&self, missed_in_a_row: u32) -> Option<Fault> {
         (missed_in_a_row >= self.most).then_some(Fault::ServoSilent)
     }

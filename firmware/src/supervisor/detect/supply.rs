@@ -1,30 +1,32 @@
-//! The voltage of a branch of the supply.
+//! Detector of a wrong supply voltage.
 
 use super::{Concern, Derated, check_dt};
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Voltages at which something happens, V.
+/// Voltages of warning, reduction and faults, V.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct SupplySettings {
-    /// A warning at this and below.
+    /// A warning starts at this voltage or below, V.
     pub warn_v: f32,
-    /// Less effort below this.
+    /// Below this voltage the effort is reduced, V.
     pub derate_v: f32,
-    /// A fault at this and below.
+    /// A fault starts at this voltage or below, V.
     pub low_v: f32,
-    /// A fault at this and above.
+    /// A fault starts at this voltage or above, V.
     pub high_v: f32,
     /// Time constant of the filter, s.
     pub filter_s: f32,
 }
 
 impl SupplySettings {
-    /// For servos with a recommended voltage, that switch off below `least_v` and above `most_v`; V.
+    /// Returns the settings for servos with a recommended voltage, which switch off below `least_v` and above
+    /// `most_v`; V.
     ///
-    /// Warns 10 % below the recommended voltage, derates at 15 %; faults 5 % before the servos switch off. Where these
-    /// come too near to each other, it warns and derates earlier: 2 % of the recommended voltage above.
+    /// Warns 10 % below the recommended voltage, and reduces the effort from 15 % below; faults start 5 % before the
+    /// servos switch off. If these levels are too close to each other, warning and reduction start earlier: each at
+    /// least 2 % of the recommended voltage above the next level.
     pub fn of(recommended_v: f32, least_v: f32, most_v: f32) -> Self {
         let low_v = 1.05 * least_v;
         let derate_v = (0.85 * recommended_v).max(low_v + 0.02 * recommended_v);
@@ -33,7 +35,7 @@ impl SupplySettings {
     }
 }
 
-/// Watches a voltage: what effort it bears, and when it is a fault. O(1).
+/// Watches a voltage: returns the permitted effort, and the fault. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Supply {
     settings: SupplySettings,
@@ -42,10 +44,10 @@ pub struct Supply {
 }
 
 impl Supply {
-    /// A detector for ticks of `dt_s`.
+    /// Creates a detector for ticks of `dt_s`.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: SupplySettings, dt_s: f32) -> Result<Self, SettingError> {
         let SupplySettings { warn_v, derate_v, low_v, high_v, filter_s } = settings;
         check_dt(dt_s)?;
@@ -57,7 +59,8 @@ impl Supply {
         Ok(Self { settings, weight: dt_s / (filter_s + dt_s), filtered_v: None })
     }
 
-    /// A tick. `volts`: the last reading, held until the next; without one the last of them counts on.
+    /// Checks a tick. `volts` is the last reading, repeated until the next; without a reading the previous one is
+    /// used.
     pub fn step(&mut self, volts: Option<f32>) -> Derated {
         if volts.is_some_and(|volts| !volts.is_finite()) {
             return Derated::NOT_FINITE;
@@ -75,7 +78,7 @@ impl Supply {
         Derated::by(volts, [warn_v, derate_v, low_v], Concern::SupplyLow, Fault::SupplyLow)
     }
 
-    /// The filtered voltage, V.
+    /// Returns the filtered voltage, V.
     pub fn filtered_v(&self) -> Option<f32> {
         self.filtered_v
     }
@@ -86,7 +89,7 @@ impl Supply {
 mod tests {
     use super::*;
 
-    /// XL330: 5 V, off below 3.5 and above 7.0.
+    /// Returns the detector of an XL330: 5 V, off below 3.5 V and above 7.0 V.
     fn supply() -> Supply {
         Supply::new(SupplySettings::of(5.0, 3.5, 7.0), 0.01).unwrap()
     }
@@ -96,7 +99,7 @@ mod tests {
         for (volts, share, reason, fault) in [
             (5.0, 1.0, None, None),
             (4.4, 1.0, Some(Concern::SupplyLow), None),
-            // Half way from 4.25 to 3.675.
+            // Half way from 4.25 V to 3.675 V.
             (3.9625, 0.65, Some(Concern::SupplyLow), None),
             (3.6, 0.3, Some(Concern::SupplyLow), Some(Fault::SupplyLow)),
             (6.7, 1.0, Some(Concern::SupplyHigh), Some(Fault::SupplyHigh)),
@@ -111,7 +114,7 @@ mod tests {
 
     #[test]
     fn a_short_sag_is_filtered_and_a_long_one_is_not() {
-        // From 5 V to 3 V: 3.675 is reached after 0.1 s times ln(2 / 0.675), some 0.11 s.
+        // From 5 V to 3 V, 3.675 V is reached after 0.1 s times ln(2 / 0.675), which is about 0.11 s.
         let after = |ticks: usize| {
             let mut supply = supply();
             supply.step(Some(5.0));
@@ -123,7 +126,7 @@ mod tests {
 
     #[test]
     fn settings_of_real_servos_are_taken_and_others_refused() {
-        // XL330, STS3215 at 7.4 and 12 V, XM540, and one whose least voltage is near.
+        // XL330, STS3215 at 7.4 and 12 V, XM540, and a servo whose minimum voltage is close to the recommended one.
         for (recommended, least, most) in [
             (5.0, 3.5, 7.0),
             (7.4, 4.0, 9.0),

@@ -1,41 +1,44 @@
-//! A joint that swings: its own loop shakes it.
+//! Detector of a joint that swings because its own control loop excites it.
 
-/// Below this a motion is no swing, Hz: three high-passes of one pole each. A show moves at less than 4 Hz, and what
-/// lags behind a fast one by 14 deg has 0.14 deg rms behind them, of 16 Hz a half is left.
+/// Frequency below which a motion does not count as a swing, Hz: three high-passes of one pole each. A show moves at
+/// less than 4 Hz. A following error of 14 deg in a fast show is 0.14 deg rms after the high-passes; of 16 Hz a half
+/// remains.
 const CORNER_HZ: f32 = 12.0;
-/// The corner while the target stands, Hz: no show is in the error then, and a worse gear swings at 7 to 10 Hz.
+/// Corner frequency while the target stands still, Hz: the error then contains no show, and a poor gear swings at 7
+/// to 10 Hz.
 const STANDING_CORNER_HZ: f32 = 4.0;
-/// Time constant of the mean squares, and of the gain that is lowered, s.
+/// Time constant of the mean squares, and of the reduction of the gain, s.
 const WINDOW_S: f32 = 0.5;
-/// Least error of a swing, rms behind the high-passes, rad or m: a sine of 0.8 deg peak to peak at
-/// 16 Hz. An encoder of 4,096 steps that wavers by one has a third of it.
+/// Minimum error of a swing, rms after the high-passes, rad or m: a sine of 0.8 deg peak to peak at 16 Hz. An encoder
+/// of 4,096 steps that wavers by a step has a third of it.
 const LEAST_ERROR: f32 = 2.6e-3;
-/// Part of an error that counts while the target stands: behind the lower corner, of 16 Hz 0.9 are left.
+/// Factor of the error while the target stands still: with the lower corner, 0.9 of 16 Hz remain.
 const STANDING_SHARE: f32 = 0.6;
-/// Least effort of a swing, rms, as a part of the joint's most: its servos swing it.
+/// Minimum effort of a swing, rms, as a part of the joint's maximum: its servos must cause the swing.
 const LEAST_SHARE: f32 = 0.03;
-/// Squares count up to so many times the least, so that a single jerk is no swing.
+/// Maximum of a value, as a multiple of the minimum for a swing, so that a single jerk does not count as a swing.
 const MOST: f32 = 2.0;
-/// It swings no more below this part of the least mean square ...
+/// Part of the minimum mean square below which the swing has ended, after `CALM_S`.
 const CALM: f32 = 0.25;
-/// ... for so long, s.
+/// Time below `CALM` after which the swing has ended, s.
 const CALM_S: f32 = 5.0;
-/// Below this part of it nothing but the error is looked at.
+/// Part of the minimum mean square below which only the error is computed.
 const FAINT: f32 = 0.05;
 
 /// Settings that the detectors of all joints of a rig share.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SwingSettings {
     dt_s: f32,
-    /// Part by which a tick changes a mean behind the corner: while the target moves, and while it stands.
+    /// Weight of a tick in a mean of the high-pass: while the target moves, and while it stands still.
     corners: [f32; 2],
-    /// Part by which a tick changes a mean over the window.
+    /// Weight of a tick in a mean over the window.
     window: f32,
     low_gain: f32,
 }
 
 impl SwingSettings {
-    /// For ticks of `dt_s`. `low_gain`: to what part the feedback of a joint that swings is lowered.
+    /// Returns the settings for ticks of `dt_s`. `low_gain` is the factor to which a swinging joint's feedback is
+    /// reduced.
     pub fn new(dt_s: f32, low_gain: f32) -> Self {
         let part = |time_s: f32| dt_s / (dt_s + time_s);
         let corners = [CORNER_HZ, STANDING_CORNER_HZ]
@@ -44,18 +47,19 @@ impl SwingSettings {
     }
 }
 
-/// Finds that a joint swings at about 15 to 40 Hz, or from 7 Hz while its target stands: its error alternates, and so
-/// does its effort, if its servos tell that. What a show commands is in no error, and a swing in no show. O(1).
+/// Detects that a joint swings at about 15 to 40 Hz, or from 7 Hz on while its target stands still: its error
+/// alternates, and so does its effort if its servos report it. The error does not contain a show's motion, and a show
+/// does not contain a swing. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swing {
     error: Alternating,
     effort: Alternating,
-    /// For so long it counts as one that swings, s.
+    /// Remaining time for which the joint counts as swinging, s.
     left_s: f32,
     gain: f32,
 }
 
-/// Nothing has swung until now.
+/// A detector without a swing until now.
 impl Default for Swing {
     fn default() -> Self {
         let still = Alternating::default();
@@ -64,9 +68,9 @@ impl Default for Swing {
 }
 
 impl Swing {
-    /// Takes a tick in which torque is on. `error`: commanded less measured position, rad or m; `stands`: its target
-    /// does not move; `effort`: as measured, N m or N; `most`: the joint's most effort, infinite for no limit. A number
-    /// that is not finite is as if nothing was.
+    /// Checks a tick in which torque is on. `error` is the commanded minus the measured position, rad or m. `stands`
+    /// is whether its target stands still. `effort` is the measured effort, N m or N, and `most` the joint's maximum
+    /// effort, infinite for no limit. A number that is not finite resets the measurement.
     pub fn step(
         &mut self,
         settings: &SwingSettings,
@@ -77,8 +81,8 @@ impl Swing {
         let SwingSettings { corners: [moving, standing], window, .. } = *settings;
         let (corner, share) = if stands { (standing, STANDING_SHARE) } else { (moving, 1.0) };
         let mut square = self.error.step([corner, window], share * error / LEAST_ERROR);
-        // Where nothing tells what effort is much, the error alone counts. Where the error is small, its effort is not
-        // looked at: that is most of the time.
+        // If the size of an effort is not known, only the error counts. If the error is small, the effort is not
+        // computed: this is the usual case.
         if square <= FAINT {
             self.effort = Alternating::default();
         } else if let Some(effort) = effort
@@ -91,18 +95,18 @@ impl Swing {
         self.gain += settings.window * (wanted - self.gain);
     }
 
-    /// Whether it swings, or did within the last 5 s.
+    /// Returns whether the joint swings, or did within the last 5 s.
     pub fn is_found(&self) -> bool {
         self.left_s > 0.0
     }
 
-    /// The factor of its feedback.
+    /// Returns the factor of the joint's feedback.
     pub fn gain(&self) -> f32 {
         self.gain
     }
 }
 
-/// The alternating part of a course, as a mean square.
+/// Mean square of the alternating part of a signal.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Alternating {
     slow: [f32; 3],
@@ -110,7 +114,7 @@ struct Alternating {
 }
 
 impl Alternating {
-    // Twice in each step: once is enough of it.
+    // Not inlined: it is used twice in each step, and a single copy of the code is enough.
     #[inline(never)]
     fn step(&mut self, [corner, window]: [f32; 2], value: f32) -> f32 {
         if value.is_finite() {
@@ -118,7 +122,7 @@ impl Alternating {
             for slow in &mut self.slow {
                 let before = *slow;
                 *slow += corner * (rest - before);
-                // In the middle of the tick: else its length would count.
+                // The mean in the middle of the tick: else the result would depend on the tick's length.
                 rest -= 0.5 * (before + *slow);
             }
             let square = (rest * rest).min(MOST * MOST);
@@ -136,11 +140,11 @@ mod tests {
 
     const RATES_HZ: [f32; 3] = [200.0, 400.0, 1000.0];
     const DEG: f32 = core::f32::consts::PI / 180.0;
-    /// An XL330's, N m, and per A.
+    /// Maximum effort of an XL330, N m, and torque per current, N m/A.
     const MOST_NM: f32 = 0.42;
     const NM_PER_A: f32 = 0.3;
 
-    /// When a joint with such courses of error, rad, and current, A, is found to swing within 20 s.
+    /// Returns the time at which a swing is detected within 20 s, for signals of error, rad, and current, A.
     fn found_s(
         (rate_hz, stands): (f32, bool),
         error: impl Fn(f32) -> f32,
@@ -155,7 +159,7 @@ mod tests {
         })
     }
 
-    /// Rates, while the target moves and while it stands.
+    /// Returns all rates, while the target moves and while it stands still.
     fn cases() -> impl Iterator<Item = (f32, bool)> {
         RATES_HZ.into_iter().flat_map(|rate_hz| [(rate_hz, false), (rate_hz, true)])
     }
@@ -167,14 +171,14 @@ mod tests {
     #[test]
     fn a_swing_is_found_within_a_second() {
         for (rate_hz, stands) in cases() {
-            // 1 deg from peak to peak, with 0.3 A.
+            // 1 deg peak to peak, with 0.3 A.
             for hz in [16.0, 25.0, 40.0] {
                 let found = found_s((rate_hz, stands), sine(hz, 0.5 * DEG), sine(hz, 0.3));
                 assert!(found.is_some_and(|s| s < 1.0), "{hz} Hz at {rate_hz} Hz: {found:?}");
             }
-            // A third of that is none.
+            // A third of that does not count as a swing.
             assert_eq!(found_s((rate_hz, stands), sine(16.0, 0.16 * DEG), sine(16.0, 0.3)), None);
-            // Somebody shakes the rig, and the servo does not.
+            // A person shakes the rig, and the servo does not.
             assert_eq!(found_s((rate_hz, stands), sine(16.0, 0.5 * DEG), |_| 0.0), None);
         }
     }
@@ -186,7 +190,7 @@ mod tests {
                 let found = found_s((rate_hz, true), sine(hz, 0.75 * DEG), sine(hz, 0.3));
                 assert!(found.is_some_and(|s| s < 1.0), "{hz} Hz at {rate_hz} Hz: {found:?}");
             }
-            // As much as a joint may move that stands, with all friction on its rotor.
+            // The maximum motion of a standing joint, with all friction on its rotor.
             assert_eq!(found_s((rate_hz, true), sine(16.0, 0.3 * DEG), sine(16.0, 0.3)), None);
         }
     }
@@ -194,23 +198,23 @@ mod tests {
     #[test]
     fn what_is_no_swing_is_not_found() {
         for rate_hz in RATES_HZ {
-            // A fast show: 3 deg behind its commands, with much current, and friction that turns about.
+            // A fast show: 3 deg behind its commands, with a large current, and friction that reverses.
             let friction = |t: f32| sine(2.0, 0.6)(t) + 0.1 * sine(2.0, 1.0)(t).signum();
             assert_eq!(found_s((rate_hz, false), sine(2.0, 3.0 * DEG), friction), None);
             assert_eq!(found_s((rate_hz, false), sine(3.0, 1.5 * DEG), sine(3.0, 0.6)), None);
         }
         for case in cases() {
             let (rate_hz, _) = case;
-            // It sticks and slips once a second, by a degree.
+            // The joint sticks and slips once per second, by a degree.
             let slips = |t: f32| DEG * ((t + 0.5) % 1.0 - 0.5);
             assert_eq!(found_s(case, slips, |t| 0.5 * slips(t) / DEG), None);
-            // An encoder wavers by a step of 4,096, in each tick or every 15th, and the loop answers.
+            // An encoder wavers by a step of 4,096, in each tick or every 15th, and the loop responds.
             let step = DEG * 360.0 / 4096.0;
             for hz in [0.5 * rate_hz, rate_hz / 30.0] {
                 let wavers = |t: f32| 0.5 * step * sine(hz, 1.0)(t + 0.25 / rate_hz).signum();
                 assert_eq!(found_s(case, wavers, |t| wavers(t) / step), None, "{hz}");
             }
-            // A jerk of 5 deg, with all that it has.
+            // A jerk of 5 deg with the maximum effort.
             let jerk = |t: f32| if t < 1.0 { 0.0 } else { 5.0 * DEG };
             assert_eq!(found_s(case, jerk, |t| jerk(t) / DEG), None);
         }
@@ -222,13 +226,13 @@ mod tests {
         let mut run = |seconds: u16, hz: f32, amplitude: f32| {
             for tick in 0..seconds * 400 {
                 let error = sine(hz, amplitude)(f32::from(tick) * 0.0025);
-                // A servo that tells no effort.
+                // The servo reports no effort.
                 swing.step(&settings, (error, false), None, MOST_NM);
             }
             swing
         };
         assert!((run(3, 16.0, DEG).gain() - 0.5).abs() < 0.01);
-        // Smaller than what begins it, it goes on.
+        // A swing that is smaller than the threshold for its start continues.
         assert!(run(10, 16.0, 0.25 * DEG).is_found());
         assert!(run(5, 16.0, 0.0).is_found());
         let calm = run(5, 16.0, 0.0);
@@ -246,7 +250,7 @@ mod tests {
             assert_eq!((error, effort), (Alternating::default(), Alternating::default()), "{bad}");
             assert!((0.5..=1.0).contains(&gain));
         }
-        // Of a joint without a limit the error alone counts.
+        // For a joint without a limit only the error counts.
         let mut free = Swing::default();
         for tick in 0_u16..400 {
             let error = sine(16.0, DEG)(f32::from(tick) * 0.0025);

@@ -1,54 +1,54 @@
-//! The heat of a winding by its current: I²t.
+//! Model of a winding's heat by its current: I²t.
 
 use super::{Concern, Derated, check_dt};
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Heat at which it warns, and at which it derates; the fault is at 1.
+/// Heat at which a warning starts, and heat above which the effort is reduced; the fault is at 1.
 const WARN: f32 = 0.8;
 const DERATE: f32 = 0.9;
 
-/// What a motor bears.
+/// Thermal limits of a motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WindingSettings {
-    /// The current that it bears for ever, A.
+    /// Current that the motor can take without time limit, A.
     pub continuous_a: f32,
     /// Time constant of the winding against its case, s.
     pub winding_s: f32,
     /// Time constant of the case against the air, s.
     pub case_s: f32,
-    /// What part of the rise at rest is the winding's against its case, 0 to 1.
+    /// Part of the final temperature rise that is between winding and case, 0 to 1.
     pub winding_share: f32,
 }
 
 impl WindingSettings {
-    /// For a motor with a stall current: 30 % of it for ever, 20 s, 600 s, and half of the rise each. No maker of
-    /// hobby servos publishes these: all four are guesses on the safe side.
+    /// Returns the settings for a motor with a stall current: 30 % of it without time limit, 20 s, 600 s, and half of
+    /// the rise each. No maker of hobby servos publishes these values: all four are guesses on the safe side.
     pub fn of_stall(stall_a: f32) -> Self {
         Self { continuous_a: 0.3 * stall_a, winding_s: 20.0, case_s: 600.0, winding_share: 0.5 }
     }
 }
 
-/// Two masses that warm: the winding against its case, and the case against the air. Heat is 1 where the continuous
-/// current leads in the end. It begins cold, whatever was before the board's start: [`Heat`](super::Heat) measures what
-/// was. O(1).
+/// A model of two heated masses: the winding against its case, and the case against the air. Heat is 1 at the final
+/// temperature of the continuous current. It starts cold, since the time before the board's start is unknown:
+/// [`Heat`](super::Heat) measures the real temperature. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Winding {
     settings: WindingSettings,
     dt_s: f32,
     coil: f32,
     case: f32,
-    /// Squares of the current since the case was stepped, times seconds; and these seconds.
+    /// Sum of the squared current times seconds since the case's last step, and the duration of that sum, s.
     sum_s: f32,
     summed_s: f32,
 }
 
 impl Winding {
-    /// A detector for ticks of `dt_s`.
+    /// Creates a detector for ticks of `dt_s`.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: WindingSettings, dt_s: f32) -> Result<Self, SettingError> {
         check_dt(dt_s)?;
         SettingError::check("continuous_a", settings.continuous_a, [1e-3, 100.0])?;
@@ -58,12 +58,13 @@ impl Winding {
         Ok(Self { settings, dt_s, coil: 0.0, case: 0.0, sum_s: 0.0, summed_s: 0.0 })
     }
 
-    /// A tick. `current_a`: measured; 0 of a servo that tells none, whose winding is not watched.
+    /// Checks a tick. `current_a` is the measured current, or 0 for a servo that reports none, whose winding is not
+    /// watched.
     pub fn step(&mut self, current_a: f32) -> Derated {
         if !current_a.is_finite() {
             return Derated::NOT_FINITE;
         }
-        // A thousand times the continuous current is beyond any driver, and its square a number.
+        // A thousand times the continuous current is more than any driver supplies, and its square is finite.
         let ratio = (current_a / self.settings.continuous_a).clamp(-1e3, 1e3);
         let square = ratio * ratio;
         self.coil += self.dt_s / (self.settings.winding_s + self.dt_s) * (square - self.coil);
@@ -72,7 +73,8 @@ impl Winding {
         Derated::by(self.heat(), levels, Concern::HotWinding, Fault::HotWinding)
     }
 
-    /// Once a second, by the mean since: in ticks of 2 ms, its steps would be below the rounding of f32.
+    /// Steps the case once per second, by the mean since its last step: the steps of a tick of 2 ms would be below
+    /// the rounding of f32.
     fn warm_case(&mut self, square: f32) {
         self.sum_s += square * self.dt_s;
         self.summed_s += self.dt_s;
@@ -84,7 +86,7 @@ impl Winding {
         }
     }
 
-    /// How hot it is: 0 cold, 1 where the continuous current leads.
+    /// Returns the heat: 0 is cold, 1 is the final heat of the continuous current.
     pub fn heat(&self) -> f32 {
         let share = self.settings.winding_share;
         share * self.coil + (1.0 - share) * self.case
@@ -96,7 +98,7 @@ impl Winding {
 mod tests {
     use super::*;
 
-    /// Seconds until a current is a fault, up to an hour.
+    /// Returns the seconds until a current is a fault, up to an hour.
     fn lasts_s(current_a: f32, dt_s: f32) -> Option<f32> {
         let mut winding = Winding::new(WindingSettings::of_stall(1.0), dt_s).unwrap();
         let mut at_s = (1_u32..).map(|tick| tick as f32 * dt_s).take_while(|at| *at < 3600.0);
@@ -106,11 +108,11 @@ mod tests {
     #[test]
     fn the_continuous_current_is_borne_and_more_is_not() {
         assert_eq!(lasts_s(0.297, 0.01), None);
-        // 1.1² of it: the winding is warm at once; the case has to come to (1 / 1.21 - 0.5) / 0.5 of its end, which
+        // 1.1² of it: the winding is warm soon; the case must reach (1 / 1.21 - 0.5) / 0.5 of its final heat, which
         // takes 600 s times -ln(1 - 0.653).
         assert!((lasts_s(0.33, 0.01).unwrap() - 635.0).abs() < 3.0);
-        // Stall: (1 / 0.3)² times (0.5 (1 - e^(-t / 20)) + 0.5 (1 - e^(-t / 600))) is 1 at t = 3.84 s; the case is
-        // stepped by seconds, and what is slow is a tick's rounding.
+        // Stall: (1 / 0.3)² times (0.5 (1 - e^(-t / 20)) + 0.5 (1 - e^(-t / 600))) is 1 at t = 3.84 s. The tolerance
+        // covers the case's steps of a second and the rounding to a tick.
         for dt_s in [0.002, 0.01] {
             let stall_s = lasts_s(-1.0, dt_s).unwrap();
             assert!((stall_s - 3.84).abs() < 0.1, "{stall_s} s");

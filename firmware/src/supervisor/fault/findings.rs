@@ -1,8 +1,8 @@
-//! What detectors find in one tick.
+//! Faults that detectors find in a tick.
 
 use super::{Fault, FaultSet};
 
-/// What is wrong in one tick, and with which servo.
+/// Faults that are present in a tick, with their servos.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Findings {
@@ -11,12 +11,12 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Notes a fault of the rig.
+    /// Adds a fault of the rig.
     pub fn note(&mut self, fault: Fault) {
         self.present = self.present.with(fault);
     }
 
-    /// Notes a fault of a servo; of several the first is named.
+    /// Adds a fault of a servo. If several servos have it, the first one is kept.
     pub fn note_of(&mut self, fault: Fault, servo: u16) {
         self.note(fault);
         if let Some((_, of)) = self.of_mut(fault) {
@@ -24,12 +24,12 @@ impl Findings {
         }
     }
 
-    /// What is wrong.
+    /// Returns the present faults.
     pub fn present(&self) -> FaultSet {
         self.present
     }
 
-    /// The servo that a fault was noted of.
+    /// Returns the servo for which a fault was added.
     pub fn servo(&self, fault: Fault) -> Option<u16> {
         let mut named = Fault::ALL.into_iter().zip(self.servos);
         named.find(|(of, _)| *of == fault).and_then(|(_, servo)| servo)

@@ -1,21 +1,21 @@
-//! The first fault, and the last ones.
+//! Log of the first fault and the last ones.
 
 use core::mem;
 
 use super::FaultRecord;
 
-/// The first fault since faults were cleared, and the last `K`. A fault that comes again is counted, so that one which
-/// comes and goes pushes no other out; but never with one of before they were cleared, which belongs to another story.
-/// A warning is the first until a fault comes.
+/// The first fault since faults were cleared, and the last `K` faults. A repeated fault is counted, so that it does
+/// not displace others. It is not counted together with one from before faults were cleared, which has another cause.
+/// A warning is the first entry until a fault occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
-    /// Newest first.
+    /// The last faults, newest first.
     last: [Option<FaultRecord>; K],
-    /// How many of the last ones came since faults were cleared.
+    /// Number of the last faults that occurred since faults were cleared.
     since: usize,
-    /// How often they were cleared.
+    /// Number of times that faults were cleared.
     clears: u32,
 }
 
@@ -26,7 +26,7 @@ impl<const K: usize> Default for FaultLog<K> {
 }
 
 impl<const K: usize> FaultLog<K> {
-    /// With what storage has kept: the first fault, and the last ones, newest first.
+    /// Creates a log from stored records: the first fault, and the last ones, newest first.
     pub fn restored(
         first: Option<FaultRecord>,
         last: impl IntoIterator<Item = FaultRecord>,
@@ -39,7 +39,7 @@ impl<const K: usize> FaultLog<K> {
         log
     }
 
-    /// Notes a fault. O(K).
+    /// Adds a fault. O(K).
     pub fn note(&mut self, record: FaultRecord) {
         let is_warning = |record: FaultRecord| record.fault.is_warning();
         if self.since == 0 || !is_warning(record) && self.first.is_some_and(is_warning) {
@@ -50,7 +50,7 @@ impl<const K: usize> FaultLog<K> {
             again.times = again.times.saturating_add(1);
             return;
         }
-        // Each gives its place to the one before it.
+        // Each record moves to the place of the next older one.
         let mut newer = Some(record);
         for place in &mut self.last {
             newer = mem::replace(place, newer);
@@ -58,23 +58,24 @@ impl<const K: usize> FaultLog<K> {
         self.since = self.since.saturating_add(1);
     }
 
-    /// Faults were cleared: the next one is the first. What is kept stays until then.
+    /// Records that faults were cleared: the next fault becomes the first. Until then the stored one stays.
     pub fn clear(&mut self) {
         self.since = 0;
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// The first fault since faults were cleared, or, until one comes, the first before that.
+    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before that.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }
 
-    /// The last ones, newest first.
+    /// Returns the last faults, newest first.
     pub fn last(&self) -> impl Iterator<Item = FaultRecord> {
         self.last.iter().flatten().copied()
     }
 
-    /// What is new here against the same log as it was before: in the order in which it came.
+    /// Returns the records that are new compared with an earlier copy of this log, in the order in which they
+    /// occurred.
     pub(crate) fn news<'l>(&'l self, before: &'l Self) -> impl Iterator<Item = FaultNews> + 'l {
         let is_new = |record: &&FaultRecord| !before.last.contains(&Some(**record));
         let (since, older) = self.last.split_at_checked(self.since).unwrap_or((&self.last, &[]));
@@ -85,10 +86,10 @@ impl<const K: usize> FaultLog<K> {
     }
 }
 
-/// What storage has to be told.
+/// An event for storage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FaultNews {
-    /// A fault came, or came again.
+    /// A fault occurred, or occurred again.
     Fault(FaultRecord),
     /// Faults were cleared: the next one is the first.
     Cleared,
@@ -115,7 +116,7 @@ mod tests {
         assert_eq!(log.first(), Some(record(Fault::Range, 5)));
         log.note(record(Fault::Overrun, 9));
         assert_eq!(log.first(), Some(record(Fault::Overrun, 9)));
-        // It is not the one of before: it has its own time. From here on it is counted.
+        // This is not the earlier fault: it has its own time. Repetitions from here on are counted.
         log.note(record(Fault::Overrun, 10));
         assert!(log.last().eq([
             FaultRecord { times: 2, ..record(Fault::Overrun, 9) },
@@ -154,7 +155,7 @@ mod tests {
             FaultNews::Fault(FaultRecord { times: 2, ..record(Fault::Range, 7) }),
             FaultNews::Fault(record(Fault::Overrun, 9)),
         ]));
-        // What was before a start of the board is told already, and not counted with.
+        // Records from before a start of the board are already reported, and are not counted together with new ones.
         let mut again = FaultLog::<4>::restored(log.first(), log.last());
         let told = again;
         again.note(FaultRecord { start: 8, ..record(Fault::Range, 1) });

@@ -1,4 +1,4 @@
-//! Faults: their numbers and words, what they do, what is found in a tick, and what is kept.
+//! Faults: numbers and texts, reactions, the findings of a tick, and the log.
 
 mod findings;
 mod log;
@@ -19,67 +19,67 @@ pub(super) use table::{BY_COMMAND, BY_UPLOAD, SERIOUS, reacting};
 
 use core::fmt;
 
-/// What can be wrong. The numbers are stored and told to people: **they are never changed, and never used again**. From
-/// 64 on they are warnings: told as faults are, without a reaction.
+/// A fault or a warning. The numbers are stored and known to users: **they are never changed, and never used again**.
+/// Numbers from 64 on are warnings: they are reported like faults, and have no reaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Fault {
-    /// No message from the host for the time-out to hold.
+    /// No message arrived from the host within the time-out for holding.
     LinkLate = 1,
-    /// No message from the host for the time-out to limp.
+    /// No message arrived from the host within the time-out for lowering.
     LinkLost = 2,
     /// A servo does not answer.
     ServoSilent = 3,
-    /// A servo reports an error of its own.
+    /// A servo reports an error.
     ServoError = 4,
-    /// A servo measures that it is hot.
+    /// A servo measures a high temperature.
     HotMeasured = 5,
     /// A winding is hot by the model of its current.
     HotWinding = 6,
-    /// The supply is low.
+    /// The supply voltage is low.
     SupplyLow = 7,
-    /// The supply is high.
+    /// The supply voltage is high.
     SupplyHigh = 8,
-    /// A servo does not follow.
+    /// A servo does not follow its target.
     FollowingError = 9,
     /// A servo is outside of its range.
     Range = 10,
     /// A number is NaN or infinite.
     NotFinite = 11,
-    /// Ticks took too long.
+    /// Too many ticks took too long.
     Overrun = 12,
-    /// Settings or rig cannot be.
+    /// The settings or the rig are invalid.
     SettingsBad = 13,
     /// A show cannot be read.
     ShowBad = 14,
-    /// A show is of another rig.
+    /// A show is for another rig.
     ShowForeign = 15,
-    /// The emergency stop.
+    /// The emergency stop was used.
     EStop = 16,
     /// The watchdog has reset the board.
     WatchdogReset = 17,
-    /// The board's own supply broke down.
+    /// The board's own supply failed.
     BrownOut = 18,
-    /// The program stopped itself.
+    /// The program panicked.
     Panic = 19,
-    /// A servo heard nothing for too long, and has stopped by itself.
+    /// A servo received nothing for too long, and has stopped by itself.
     ServoStopped = 20,
-    /// A servo keeps its torque, though it was switched off.
+    /// A servo keeps its torque after it was switched off.
     TorqueStuck = 21,
-    /// The host acknowledges nothing that it is told.
+    /// The host acknowledges none of the messages to it.
     HostDeaf = 22,
-    /// A servo's readings have jumped to where it cannot be.
+    /// A servo's readings have jumped to a position that it cannot have reached.
     Jump = 23,
-    /// A joint swings. A warning.
+    /// A joint swings. This is a warning.
     Swing = 64,
 }
 
 impl Fault {
-    /// How many there are.
+    /// Number of faults and warnings.
     pub const COUNT: usize = 24;
 
-    /// All of them, by number.
+    /// All faults and warnings, by number.
     pub const ALL: [Self; Self::COUNT] = [
         Self::LinkLate,
         Self::LinkLost,
@@ -107,17 +107,17 @@ impl Fault {
         Self::Swing,
     ];
 
-    /// Its number.
+    /// Returns the number of the fault.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// Whether it is a warning.
+    /// Returns whether it is a warning.
     pub const fn is_warning(self) -> bool {
         self.number() >= 64
     }
 
-    /// Its name.
+    /// Returns the name of the fault.
     pub const fn name(self) -> &'static str {
         match self {
             Self::LinkLate => "link late",

@@ -1,28 +1,28 @@
-//! One fault as it is kept.
+//! A fault as it is stored in the log.
 
 use super::Fault;
 use crate::supervisor::State;
 
-/// A fault that came.
+/// Record of a fault that occurred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultRecord {
-    /// Which.
+    /// The fault.
     pub fault: Fault,
-    /// The state in which it came.
+    /// State in which the fault occurred.
     pub state: State,
-    /// The servo that it is of.
+    /// Index of the servo with the fault, if it belongs to one.
     pub servo: Option<u16>,
-    /// The board's start in which it came, counted.
+    /// Number of the board's start in which the fault occurred.
     pub start: u32,
-    /// When it came first, µs after that start.
+    /// Time of its first occurrence after that start, µs.
     pub time_us: u64,
-    /// How often it came, up to 65,535.
+    /// Number of occurrences, up to 65,535.
     pub times: u16,
 }
 
 impl FaultRecord {
-    /// Whether it is the same but for time and times.
+    /// Returns whether two records differ at most in time and number of occurrences.
     pub(crate) fn is_as(&self, other: &Self) -> bool {
         let same = (self.fault, self.state, self.servo, self.start);
         same == (other.fault, other.state, other.servo, other.start)

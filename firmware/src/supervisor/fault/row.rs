@@ -1,21 +1,21 @@
-//! What the table says about one fault.
+//! A row of the table of faults.
 
 use core::fmt;
 
 use super::Fault;
 use crate::supervisor::State;
 
-/// What the supervisor does about a fault, from least to most.
+/// The supervisor's reaction to a fault, from weakest to strongest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Reaction {
-    /// It is told, and nothing else. It does not latch.
+    /// The fault is only reported. It does not latch.
     Note,
     /// The rig holds.
     Hold,
-    /// The rig goes to its rest pose, is lowered, and is limp.
+    /// The rig moves to its rest pose, is lowered, and then torque is off.
     Stop,
-    /// The rig is lowered, and is limp.
+    /// The rig is lowered, and then torque is off.
     Lower,
     /// Torque is off in this tick.
     Limp,
@@ -33,15 +33,15 @@ impl fmt::Display for Reaction {
     }
 }
 
-/// What clears a latched fault. None is cleared while its condition is there.
+/// The action that clears a latched fault. A fault is not cleared while its condition is present.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Clears {
-    /// It is over with its condition: it does not latch.
+    /// The fault ends with its condition: it does not latch.
     Itself,
-    /// The command to clear faults.
+    /// The command that clears faults.
     Command,
-    /// A new upload that is good.
+    /// An upload of valid data.
     Upload,
 }
 
@@ -55,30 +55,31 @@ impl fmt::Display for Clears {
     }
 }
 
-/// What is done about one fault.
+/// A fault's reactions and how it is cleared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Row {
-    /// Which.
+    /// The fault.
     pub fault: Fault,
     /// The reaction in each state, by the state's number.
     pub reactions: [Reaction; State::COUNT],
-    /// What clears it.
+    /// The action that clears the fault.
     pub clears: Clears,
 }
 
 impl Row {
-    /// The reaction in a state.
+    /// Returns the reaction in a state.
     pub fn reaction(&self, state: State) -> Reaction {
         self.reactions.get(usize::from(state.number())).copied().unwrap_or(Reaction::Limp)
     }
 
-    /// Whether it stays until it is cleared, where it had a reaction.
+    /// Returns whether the fault stays until it is cleared, if it caused a reaction.
     pub const fn latches(&self) -> bool {
         !matches!(self.clears, Clears::Itself)
     }
 
-    /// Whether the rig may not be armed while it is latched: it ends what the rig does in some state.
+    /// Returns whether the rig cannot be armed while the fault is latched: this is so if the fault ends the rig's
+    /// motion in some state.
     #[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
     pub(super) const fn is_serious(&self) -> bool {
         let mut state = 0;

@@ -2,7 +2,8 @@
 
 use super::Fault;
 
-/// A set of faults: a bit for each, by its number; a warning's is its number less 64, which no fault has.
+/// A set of faults. Each fault is the bit of its number; a warning is the bit of its number minus 64, which no fault
+/// has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultSet(u32);
@@ -11,58 +12,58 @@ impl FaultSet {
     /// No fault.
     pub const EMPTY: Self = Self(0);
 
-    /// What a good show mends.
+    /// Faults that a valid show clears.
     pub const OF_SHOW: Self = Self::of(Fault::ShowBad).with(Fault::ShowForeign);
 
     /// All warnings.
     pub const WARNINGS: Self = Self::of(Fault::Swing);
 
-    /// One fault.
+    /// Returns a set of one fault.
     pub const fn of(fault: Fault) -> Self {
-        // The shift is modulo 32.
+        // The shift is modulo 32, so a warning's bit is its number minus 64.
         Self(1_u32.wrapping_shl(fault as u32))
     }
 
-    /// Whether there is none.
+    /// Returns whether the set is empty.
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Whether a fault is in it.
+    /// Returns whether the set contains a fault.
     pub const fn contains(self, fault: Fault) -> bool {
         self.0 & Self::of(fault).0 != 0
     }
 
-    /// With a fault.
+    /// Returns the set with a fault added.
     #[must_use]
     pub const fn with(self, fault: Fault) -> Self {
         self.union(Self::of(fault))
     }
 
-    /// With all of another set.
+    /// Returns the union with another set.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Without all of another set.
+    /// Returns the set without the faults of another set.
     #[must_use]
     pub const fn minus(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
 
-    /// What is in both.
+    /// Returns the intersection with another set.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// Its faults, by number.
+    /// Returns the faults by increasing number.
     pub fn iter(self) -> impl Iterator<Item = Fault> {
         Fault::ALL.into_iter().filter(move |fault| self.contains(*fault))
     }
 
-    /// The one with the smallest number.
+    /// Returns the fault with the smallest number.
     pub fn first(self) -> Option<Fault> {
         self.iter().next()
     }

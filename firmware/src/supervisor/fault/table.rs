@@ -1,9 +1,9 @@
-//! The one table of faults. The page `docs/faults.md` is printed from it and from their words.
+//! The table of faults. The page `docs/faults.md` is printed from this table and from the faults' texts.
 
 use super::{Clears, Fault, FaultSet, Reaction, Row};
 use crate::supervisor::State;
 
-/// Those of some faults that have a reaction in a state.
+/// Returns those of the faults that have a reaction in a state.
 pub(in crate::supervisor) fn reacting(faults: FaultSet, state: State) -> FaultSet {
     if faults.is_empty() {
         return faults;
@@ -12,7 +12,7 @@ pub(in crate::supervisor) fn reacting(faults: FaultSet, state: State) -> FaultSe
     rows.filter(|row| row.reaction(state) > Reaction::Note).map(|row| row.fault).collect()
 }
 
-/// Faults with which the rig is not armed.
+/// Faults with which the rig cannot be armed.
 pub(in crate::supervisor) const SERIOUS: FaultSet = sets()[0];
 
 /// Faults that a command clears.
@@ -21,7 +21,7 @@ pub(in crate::supervisor) const BY_COMMAND: FaultSet = sets()[1];
 /// Faults that an upload clears.
 pub(in crate::supervisor) const BY_UPLOAD: FaultSet = sets()[2];
 
-/// Serious faults; those that a command clears; those that an upload clears.
+/// Returns the serious faults, those that a command clears, and those that an upload clears.
 #[expect(clippy::indexing_slicing, clippy::arithmetic_side_effects, reason = "at build time")]
 const fn sets() -> [FaultSet; 3] {
     let mut sets = [FaultSet::EMPTY; 3];
@@ -41,13 +41,13 @@ const fn sets() -> [FaultSet; 3] {
     sets
 }
 
-/// A warning.
+/// Reactions to a warning.
 const NOTE: [Reaction; State::COUNT] = [Reaction::Note; State::COUNT];
 
-/// Torque is off at once, whatever the state.
+/// Switches torque off at once in any state.
 const LIMP: [Reaction; State::COUNT] = [Reaction::Limp; State::COUNT];
 
-/// A row of reactions: where torque is off, a fault is only told.
+/// Returns a row of reactions: while torque is off, a fault is only reported.
 const fn reactions(on: [Reaction; 7]) -> [Reaction; State::COUNT] {
     const OFF: Reaction = Reaction::Note;
     let [arming, holding, playing, maintenance, stopping, lowering, floating] = on;
@@ -56,25 +56,26 @@ const fn reactions(on: [Reaction; 7]) -> [Reaction; State::COUNT] {
 
 const LOWER: [Reaction; State::COUNT] = reactions([Reaction::Lower; 7]);
 
-/// To the rest pose, but not past the hands of whoever jogs or leads it, and not up again from being lowered.
+/// Moves the rig to the rest pose, except in states in which a person jogs or leads it, and not up again while it is
+/// lowered.
 const STOP: [Reaction; State::COUNT] = {
     use Reaction::{Lower, Stop};
     reactions([Lower, Stop, Stop, Lower, Stop, Lower, Lower])
 };
 
-/// What moves holds.
+/// Makes a moving rig hold.
 const HOLD: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Hold, Note, Note, Note])
 };
 
-/// The reaction to a fault of the show: a rig that plays holds.
+/// Reaction to a fault of the show: a rig that plays holds.
 const HOLD_SHOW: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Note, Note, Note, Note])
 };
 
-/// The table, by number.
+/// The table, ordered by number.
 pub const TABLE: &[Row; Fault::COUNT] = &[
     Row { fault: Fault::LinkLate, reactions: HOLD, clears: Clears::Itself },
     Row { fault: Fault::LinkLost, reactions: LOWER, clears: Clears::Command },

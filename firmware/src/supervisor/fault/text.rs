@@ -1,9 +1,10 @@
-//! Faults in words, for people. Apart from the table, since a board says numbers: what it never says it does not have.
+//! Texts of faults for users. They are separate from the table, since a board reports only numbers: unused texts are
+//! not linked.
 
 use super::Fault;
 
 impl Fault {
-    /// When it is there.
+    /// Returns the condition of the fault.
     pub const fn when(self) -> &'static str {
         match self {
             Self::LinkLate => "no valid message came for 0.2 s (setting)",
@@ -25,7 +26,7 @@ impl Fault {
             Self::NotFinite => "a number is NaN or infinite: a reading, a target, a command",
             Self::Overrun => "more than 3 ticks in 500 took too long (settings)",
             Self::SettingsBad => {
-                "settings or rig cannot be read, cannot be, or only older ones are whole"
+                "settings or rig are unreadable or invalid, or only older ones are complete"
             }
             Self::ShowBad => "the show that is played cannot be read",
             Self::ShowForeign => "the show that is played is of another rig",
@@ -49,7 +50,7 @@ impl Fault {
         }
     }
 
-    /// What is to be done about it.
+    /// Returns the advice for a user.
     pub const fn remedy(self) -> &'static str {
         match self {
             Self::LinkLate => "look at cable and host; play again",
@@ -58,8 +59,8 @@ impl Fault {
             Self::ServoError => "read the error with `sinew servo`; restart the servo",
             Self::HotMeasured | Self::HotWinding => "let it cool; lighten its load",
             Self::SupplyLow => "a stronger supply, thicker wires, or less at once",
-            Self::SupplyHigh => "the right supply; one that takes what brakes give back",
-            Self::FollowingError => "look what holds it; check its load",
+            Self::SupplyHigh => "the right supply, able to absorb the energy of braking",
+            Self::FollowingError => "check what holds it, and its load",
             Self::Range => "bring it back by hand; calibrate it",
             Self::NotFinite | Self::WatchdogReset | Self::Panic => "keep the record, and report it",
             Self::Overrun => "a lower rate, a faster bus, or a smaller rig",

@@ -1,5 +1,5 @@
-//! The last look at a command before the bus. It shares no code with the drives' own limits, so that a mistake in one
-//! of them is not in the other.
+//! The last check of a command before the bus. It shares no code with the drives' own limits, so that a mistake in
+//! one of them is not in the other.
 
 mod settings;
 
@@ -12,13 +12,13 @@ use super::Permission;
 use crate::SettingError;
 use crate::drives::Condition;
 
-/// What f32 rounds of a position, and of the sums that lead to it, rad.
+/// Rounding of a position in f32, and of the sums that lead to it, rad.
 const ROUNDING_RAD: f32 = 1e-5;
-/// A profile's speed over that of its goal: the drive's haste, and what is left to rounding.
+/// Maximum ratio of a profile's speed to its goal's speed: the drive's ratio plus a tolerance for rounding.
 const HASTE: f32 = 1.2;
-/// A measured speed may be above the limit by this factor, and this: noise of velocities, rad/s.
+/// Factor and offset, rad/s, by which a measured speed may exceed the limit: noise of velocities.
 const OVERSPEED: (f32, f32) = (1.25, 0.1);
-/// Holds the commands of one servo to its limits, cycle by cycle.
+/// Limits the commands of a servo, cycle by cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
     settings: GuardSettings,
@@ -26,34 +26,35 @@ pub struct Guard {
     sent: Option<Sent>,
 }
 
-/// The last goal, and how fast it moved.
+/// The last goal and its velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sent {
     own_rad: f32,
     velocity_rad_s: f32,
 }
 
-/// What may be sent, and why it is not what was asked.
+/// The permitted command, and the reason if it was changed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guarded {
-    /// For the bus; none if nothing may be sent.
+    /// Command for the bus; `None` if nothing may be sent.
     pub command: Option<Command>,
-    /// What the guard changed or refused it for.
+    /// Reason for which the guard changed or refused the command.
     pub reason: Option<GuardReason>,
 }
 
 impl Guard {
-    /// A guard of one servo, for cycles of `dt_s`.
+    /// Creates the guard of a servo, for cycles of `dt_s`.
     ///
     /// # Errors
-    /// [`SettingError`] names the setting.
+    /// [`SettingError`] names the invalid setting.
     pub fn new(settings: GuardSettings, dt_s: f32) -> Result<Self, SettingError> {
         SettingError::check("dt_s", dt_s, [1e-4, 1.0])?;
         settings.check()?;
         Ok(Self { settings, dt_s, sent: None })
     }
 
-    /// A cycle: what may be sent of a command. To be asked once a cycle and servo, with what was read of it last. O(1).
+    /// Checks a command and returns the permitted one. To be called once per cycle and servo, with the servo's last
+    /// reading. O(1).
     pub fn check(
         &mut self,
         command: Command,
@@ -102,7 +103,7 @@ impl Guard {
             }
             (Command::Current(wanted_a), GuardLimits::Current { most_a }) => {
                 let (held_a, reason) = self.effort(wanted_a, fresh, permission, |_| {
-                    // A millionth is rounding of the drive's own limit.
+                    // A tolerance of 1e-6 allows for the rounding of the drive's own limit.
                     let most_a = most_a * permission.effort * (1.0 + 1e-6);
                     (0.0, [-most_a, most_a], GuardReason::Current)
                 });
@@ -110,7 +111,7 @@ impl Guard {
             }
             (Command::Pwm(wanted), GuardLimits::Voltage(limits)) => {
                 let (held, reason) = self.effort(wanted, fresh, permission, |read| {
-                    // A ten-thousandth of a second is rounding.
+                    // A tolerance of 1e-4 s allows for rounding.
                     let old_s = self.settings.stale_s - FADE_S - 1e-4;
                     let is_blind = condition.temperature_c.is_none() || self.age_s(read) > old_s;
                     let (coasting, ends) = limits.parts(
@@ -132,13 +133,13 @@ impl Guard {
         read.age_ticks as f32 * self.dt_s
     }
 
-    /// The fastest that the servo may turn, rad/s.
+    /// Returns the maximum speed of the servo, rad/s.
     fn speed(&self, permission: &Permission) -> f32 {
         let allowed = permission.speed_rad_s.map(|speed| speed * self.settings.gear);
         allowed.map_or(self.settings.speed_rad_s, |speed| speed.min(self.settings.speed_rad_s))
     }
 
-    /// A goal, held against the last one, where the servo was measured, and its range.
+    /// Limits a goal by the last goal, the measured position and the range.
     fn position(
         &mut self,
         goal: &GoalLimits,
@@ -149,7 +150,7 @@ impl Guard {
         let GuardSettings { zero_rad, range_rad, .. } = self.settings;
         let wanted_rad = bus_rad - zero_rad;
         let measured = feedback.map(|read| (read.position_rad - zero_rad, read.age_ticks));
-        // The first goal goes out from where the servo is; of one that tells nothing, from where it is sent.
+        // The first goal starts at the servo's position; for a servo that reports none, at the goal itself.
         let from = self.sent.unwrap_or(Sent {
             own_rad: measured.map_or(wanted_rad, |(own_rad, _)| own_rad),
             velocity_rad_s: 0.0,
@@ -166,7 +167,7 @@ impl Guard {
         reason = soon.or(reason);
 
         let mut own_rad = from.own_rad + way;
-        // Towards a servo that somebody holds or pushes it may jump: there is less to pull on afterwards.
+        // Towards a servo that is held or pushed, the goal may jump: the servo then pulls less.
         if let Some((measured_rad, age_ticks)) = measured {
             let lead = goal.lead_rad + speed * age_ticks as f32 * self.dt_s;
             let near = [measured_rad - lead, measured_rad + lead];
@@ -177,14 +178,14 @@ impl Guard {
         let velocity_rad_s = ((own_rad - from.own_rad) / self.dt_s).max(-speed).min(speed);
         self.sent = Some(Sent { own_rad, velocity_rad_s });
 
-        // What is not held goes out with its own bits.
+        // A goal that is not limited is sent unchanged, with its own bits.
         let is_held = (wanted_rad - own_rad).abs() > ROUNDING_RAD;
         let goal_rad = if is_held || beyond.is_some() { own_rad + zero_rad } else { bus_rad };
         (goal_rad, beyond.or(reason).filter(|_| is_held))
     }
 
-    /// A current or a part of the supply, held to what the servo was read at. `limits`: with which it coasts, the ends
-    /// of what it may get, and the reason of a command beyond them.
+    /// Limits a current or a part of the supply by the servo's last reading. `limits` returns the command with which
+    /// the servo coasts, the minimum and maximum command, and the reason for a command outside of them.
     fn effort(
         &self,
         wanted: f32,
@@ -219,7 +220,7 @@ impl Guard {
     }
 }
 
-/// A finite value held between two ends, and why, if it had to be.
+/// Clamps a finite value. Returns the reason if it was changed.
 fn within(value: f32, [least, most]: [f32; 2], reason: GuardReason) -> (f32, Option<GuardReason>) {
     let held = value.max(least).min(most);
     (held, ((held - value).abs() > 0.0).then_some(reason))

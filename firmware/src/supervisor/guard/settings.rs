@@ -1,4 +1,4 @@
-//! What one servo may be commanded, and why the guard changes it.
+//! Limits of a servo's commands, and the reasons for which the guard changes a command.
 
 use core::fmt;
 
@@ -8,83 +8,85 @@ use sinew_servo_bus::Feedback;
 use crate::SettingError;
 use crate::drives::{CurrentSettings, DriveSettings};
 
-/// A goal may be ahead of a servo by this and the drive's offset, rad: 30 deg, twice the following error.
+/// Maximum distance of a goal from the servo in addition to the drive's offset, rad: 30 deg, twice the following
+/// error.
 const LEAD_RAD: f32 = 0.524;
-/// A drive lets go of an old reading by itself, in less than this, s.
+/// Maximum time in which a drive itself fades out after an old reading, s.
 pub(super) const FADE_S: f32 = 0.3;
-/// A supply below this part of what is expected is not believed.
+/// Smallest plausible part of the expected supply voltage. A lower reading is not used.
 const LEAST_SUPPLY: f32 = 0.5;
 
-/// What one servo may be commanded. All is of its own shaft.
+/// Limits of a servo's commands, all at its own shaft.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GuardSettings {
-    /// Position on the bus where its own is zero, rad.
+    /// Position on the bus at which the servo's own position is zero, rad.
     pub zero_rad: f32,
-    /// Least and most own position, rad.
+    /// Minimum and maximum own position, rad.
     pub range_rad: [f32; 2],
-    /// Its turns for a turn of the joint, either way: what a joint's speed is at its shaft.
+    /// Absolute gear ratio: turns of the servo per turn of the joint. It converts a joint's speed to the servo's
+    /// shaft.
     pub gear: f32,
-    /// The largest speed of its goal, rad/s.
+    /// Maximum speed of the servo's goal, rad/s.
     pub speed_rad_s: f32,
-    /// A reading that is older is none: no current, no voltage, and no first goal; s.
+    /// Maximum age of a reading, s. Without a newer one there is no current, no voltage and no first goal.
     pub stale_s: f32,
-    /// The kind of its commands, with their limits.
+    /// Kind of the servo's commands, with their limits.
     pub limits: GuardLimits,
 }
 
-/// The one kind of command that a servo gets from its drive, with its limits.
+/// The only kind of command that a servo receives from its drive, with its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardLimits {
-    /// Goals.
+    /// Position goals.
     Goal(GoalLimits),
-    /// Currents.
+    /// Motor currents.
     Current {
-        /// The most either way, A.
+        /// Maximum current in either direction, A.
         most_a: f32,
     },
-    /// Parts of the supply.
+    /// PWM: parts of the supply.
     Voltage(VoltageLimits),
 }
 
-/// Limits of a goal.
+/// Limits of a position goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct GoalLimits {
-    /// The largest acceleration, rad/s²; infinite for no limit. To stand still it may be slower at once.
+    /// Maximum acceleration, rad/s²; infinite for no limit. Deceleration to standstill is not limited.
     pub acceleration_rad_s2: f32,
-    /// How fast an offset may move the goal besides, rad/s.
+    /// Maximum additional speed of the goal by an offset, rad/s.
     pub offset_rad_s: f32,
-    /// How far a goal may be from where it was measured, rad.
+    /// Maximum distance of a goal from the measured position, rad.
     pub lead_rad: f32,
-    /// Whether the servo tells where it is. A hobby servo does not: its first goal is taken as it is.
+    /// Whether the servo reports its position. A hobby servo does not: its first goal is accepted unchanged.
     pub tells: bool,
 }
 
-/// Limits of a voltage: it differs from the back-EMF by as much as drives the most current.
+/// Limits of a voltage: its difference from the back-EMF is limited to the voltage of the maximum current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VoltageLimits {
-    /// The most current either way, A.
+    /// Maximum current in either direction, A.
     pub most_a: f32,
     /// Resistance of motor and bridge, ohm.
     pub resistance_ohm: f32,
-    /// Back-EMF at its own shaft, V s/rad.
+    /// Back-EMF per speed of the servo's own shaft, V s/rad.
     pub back_emf_v_s: f32,
-    /// The supply, as long as the servo does not tell it, V.
+    /// Supply voltage that is assumed until the servo reports it, V.
     pub supply_v: f32,
 }
 
 impl VoltageLimits {
-    /// Returns the supply that counts, V.
+    /// Returns the supply voltage for the computation, V.
     fn supply(&self, told_v: Option<f32>) -> f32 {
         told_v.unwrap_or(self.supply_v).max(LEAST_SUPPLY * self.supply_v)
     }
 
-    /// Returns the part of the supply with which the servo coasts, and the least and the most that it may get.
-    /// `effort`: what part of its current it may get; shorted, a motor may brake with all of it. `is_blind`: its drive
-    /// may have let go, and short it whatever the current.
+    /// Returns the part of the supply with which the servo coasts, and the minimum and maximum permitted part.
+    /// `effort` is the permitted part of its current; while shorted, a motor may brake with its full current.
+    /// `is_blind` is whether its drive may have faded out and shorted the motor, whatever the current.
     pub(super) fn parts(
         &self,
         velocity_rad_s: f32,
@@ -98,7 +100,7 @@ impl VoltageLimits {
         let (driven_v, braked_v) = (effort * most_v, if is_blind { f32::INFINITY } else { most_v });
         let least_v = (emf_v - driven_v).min(0.0).max(emf_v - braked_v);
         let largest_v = (emf_v + driven_v).max(0.0).min(emf_v + braked_v);
-        // A millionth is rounding of the drive's own limits.
+        // A tolerance of 1e-6 allows for the rounding of the drive's own limits.
         let room_v = 1e-6 * (emf_v.abs() + most_v);
         let most = (most_v + self.back_emf_v_s * speed_rad_s) / self.supply_v;
         let most = most.min(1.0) * (1.0 + 1e-6);
@@ -108,7 +110,7 @@ impl VoltageLimits {
 }
 
 impl GuardSettings {
-    /// What a servo's own settings and its drive's say.
+    /// Returns the settings for a servo and its drive.
     pub fn of(servo: &Servo, drive: &DriveSettings) -> Self {
         let own = servo.settings();
         let goal = GoalLimits {
@@ -153,20 +155,20 @@ impl GuardSettings {
         }
     }
 
-    /// Whether the servo tells where it is.
+    /// Returns whether the servo reports its position.
     pub(crate) fn tells(&self) -> bool {
         !matches!(self.limits, GuardLimits::Goal(GoalLimits { tells: false, .. }))
     }
 
-    /// Returns the current in the winding of a servo that is driven by voltage, A: by the part of its supply that it
-    /// applies, less the back-EMF of its speed. None of other servos: they do not need the motor's numbers.
+    /// Returns the current in the winding of a servo in PWM mode, A: the part of its supply that it applies, minus
+    /// the back-EMF of its speed. Returns `None` for other servos, which do not need the motor's numbers.
     pub fn winding_a(&self, part: f32, read: &Feedback, told_v: Option<f32>) -> Option<f32> {
         let GuardLimits::Voltage(limits) = &self.limits else { return None };
         let volts = part * limits.supply(told_v) - limits.back_emf_v_s * read.velocity_rad_s;
         Some(volts / limits.resistance_ohm)
     }
 
-    /// Refuses what cannot be; NaN, too.
+    /// Returns an error if a number is invalid or NaN.
     pub(super) fn check(&self) -> Result<(), SettingError> {
         let [least, most] = self.range_rad;
         let all = [
@@ -178,7 +180,7 @@ impl GuardSettings {
             ("stale_s", self.stale_s, [1e-3, 10.0]),
         ];
         let current = |most_a| ("most_a", most_a, [0.0, 1e3]);
-        // The last may be there several times.
+        // The last item may appear several times.
         let of_limits = match &self.limits {
             GuardLimits::Goal(goal) => [
                 ("acceleration_rad_s2", goal.acceleration_rad_s2, [0.0, f32::INFINITY]),
@@ -201,8 +203,8 @@ impl GuardSettings {
     }
 }
 
-/// Why the guard changed or refused a command. Drives keep to all of it: a reason is a mistake in a drive or its
-/// caller.
+/// A reason for which the guard changed or refused a command. Drives keep all of these limits: a reason is a mistake
+/// in a drive or its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardReason {
@@ -212,19 +214,19 @@ pub enum GuardReason {
     NotFinite,
     /// Refused: the servo's drive does not give this kind of command.
     Kind,
-    /// The end of the range.
+    /// The command was limited to the range.
     Range,
-    /// Too fast.
+    /// The command was too fast.
     Speed,
-    /// Faster and faster too soon.
+    /// The command's acceleration was too high.
     Acceleration,
-    /// Too far ahead of the servo.
+    /// The command was too far ahead of the servo.
     Lead,
-    /// Too much current.
+    /// The current was too high.
     Current,
-    /// A part of the supply that would drive too much current, or too large a part.
+    /// The part of the supply would drive too much current, or was itself too large.
     Voltage,
-    /// No reading that is new enough: no current, no voltage, and no first goal.
+    /// There is no reading that is new enough: no current, no voltage, and no first goal.
     Stale,
 }
 

@@ -1,4 +1,4 @@
-//! Random rigs of every kind of drive.
+//! Random rigs with every kind of drive, for the tests.
 
 use std::fmt::Write;
 
@@ -8,10 +8,10 @@ use sinew_rig::board::BoardRig;
 use sinew_rig::toml_file;
 use sinew_servo_bus::{Effort, Feedback};
 
-/// Room for the largest of them.
+/// A rig type with room for the largest random rig.
 pub(crate) type Rig = BoardRig<16, 24, 24>;
 
-/// How one drive moves its joints.
+/// Kind of a drive, which connects servos to joints.
 #[derive(Debug, Clone)]
 pub(crate) enum Kind {
     Single { gear: f32, direction: i8 },
@@ -42,7 +42,7 @@ pub(crate) fn kinds() -> impl Strategy<Value = Vec<Kind>> {
     prop::collection::vec(kind, 1..5)
 }
 
-/// A rig of these drives, side by side on one base; all servos are XL330.
+/// Returns a rig with these drives, side by side on one base. All servos are XL330.
 pub(crate) fn rig(kinds: &[Kind]) -> Rig {
     let mut text = "name = \"random\"\n[[body]]\nname = \"base\"\nmass_kg = 1\n".to_owned();
     let (mut joints, mut servos) = (0, 0);
@@ -120,7 +120,7 @@ pub(crate) fn rig(kinds: &[Kind]) -> Rig {
         .unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// A servo that was read at an own position, cool.
+/// Returns the condition of a cool servo that was read at a position of its own shaft.
 pub(crate) fn read(own_rad: f32, velocity_rad_s: f32, current_a: f32) -> Condition {
     let feedback = Feedback {
         position_rad: own_rad + Encoder::default().zero_rad,

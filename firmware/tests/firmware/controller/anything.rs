@@ -1,4 +1,4 @@
-//! Random commands and random damage: never torque without arming, never beyond the limits.
+//! Random commands and random damage: there is never torque without arming, and no limit is ever exceeded.
 
 use proptest::prelude::*;
 use sinew_firmware::controller::{Jog, Start};
@@ -67,7 +67,8 @@ proptest! {
                     prop_assert!((least..=most).contains(q));
                     prop_assert!(qd.abs() <= dof.speed * 1.001);
                 }
-                // Goal current (102), mA: as the drives' setting has it. Goal PWM (100): all of it is allowed.
+                // Goal current (102) is in mA, with the limit of the drives' settings. Goal PWM (100) may reach its
+                // maximum.
                 let (goal, most) = if kind == Kind::Current { (102, 1_200) } else { (100, 885) };
                 for servo in test_rig.bench.servos() {
                     prop_assert!(!is_armed || servo.get(goal).abs() <= most);

@@ -1,4 +1,5 @@
-//! A rig that still falls is not armed: its servos could not catch it before it is a following error.
+//! A rig that is still falling cannot be armed: its servos could not catch it before the following error becomes a
+//! fault.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Refused, State};
@@ -7,10 +8,11 @@ use super::test_rig::{Kind, TestRig};
 
 #[test]
 fn a_rig_that_moves_is_armed_when_it_rests() {
-    // Friction of an XL430 holds the arm.
+    // An arm of XL430 is left out: friction holds it.
     for kind in [Kind::Current, Kind::Position] {
         let mut test_rig = TestRig::new(kind, Start::default());
-        // It was held at home until now, and falls; registers and the way to stop are looked at meanwhile.
+        // Until now the arm was held at home, and it falls. Meanwhile registers are compared, and the way to stop is
+        // tested.
         test_rig.run(0.4);
         let moving = test_rig.controller.report().moving.expect("it falls");
         assert!(moving.mrad_s > moving.most_mrad_s, "{moving}");
@@ -22,7 +24,7 @@ fn a_rig_that_moves_is_armed_when_it_rests() {
         assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));
 
         test_rig.arm();
-        // While torque is on it moves because it is to.
+        // While torque is on, movement is intended and is not reported.
         for _ in 0..test_rig.ticks_of(3.0) {
             test_rig.tick(None);
             let report = test_rig.controller.report();

@@ -1,14 +1,14 @@
-//! What becomes of a fault in a state: a cell of `docs/fault-matrix.md`, of whatever ticks.
+//! Measures the reaction to a fault in a state: a cell of `docs/fault-matrix.md`, for a controller or a whole node.
 
 use sinew_firmware::supervisor::{Fault, Reaction, Row, State, TABLE};
 
 use super::test_rig::{NOTHING_A, SERVOS};
 
-/// A controller with its servos, or a whole node.
+/// A device under test: a controller with its servos, or a whole node.
 pub(crate) trait Tried {
     fn tick(&mut self);
     fn state(&self) -> State;
-    /// Whether the fault's condition is found.
+    /// Returns whether the fault's condition is detected.
     fn has(&self, fault: Fault) -> bool;
     fn servos_on(&self) -> usize;
     fn most_current_a(&self) -> f64;
@@ -16,21 +16,23 @@ pub(crate) trait Tried {
     fn ticks_of(&self, seconds: f64) -> u32;
 }
 
-/// The row of a fault.
+/// Returns the row of a fault in the table of reactions.
 pub(crate) fn row(fault: Fault) -> &'static Row {
     TABLE.iter().find(|row| row.fault == fault).unwrap()
 }
 
-/// What was counted.
+/// Measured reaction to a fault in a state.
 pub(crate) struct Cell {
     pub(crate) reaction: Reaction,
     noticed: u32,
-    /// Ticks from there until bytes and torque are off. 0: those of this very tick.
+    /// Number of ticks from the detection until the bytes for torque off are sent, and until torque is off. 0 is the
+    /// tick of the detection.
     off: [Option<u32>; 2],
     off_s: f64,
 }
 
-/// Counts, from the tick on whose condition was just made. What must hold is asserted.
+/// Measures the reaction, beginning with the tick in which the condition was planted. Asserts everything that must be
+/// true.
 pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cell {
     let reaction = row(fault).reaction(state);
     let carried_a = tried.most_current_a();
@@ -45,7 +47,7 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
         assert_eq!(tried.state(), state, "{state} ended before {fault}");
     }
     let (mut bytes, mut torque) = (None, None);
-    for tick in 0..tried.ticks_of(4.0) {
+    for tick in 0..tried.ticks_of(20.0) {
         let is_off = tried.servos_on() == 0 && tried.most_current_a() < NOTHING_A;
         bytes = bytes.or_else(|| tried.sent_off().then_some(tick));
         torque = torque.or_else(|| is_off.then_some(tick));
@@ -65,9 +67,9 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
         if (bytes.is_some() && torque.is_some()) || (stays && tick == 2) {
             break;
         }
-        // What is lowered is carried on the way down: half a second from here some of the torque is there. The least
-        // share of effort is 0.3, and the least that lowering has left of it, after 2.5 s of 3, a sixth. Servos that
-        // have stopped by themselves carry nothing.
+        // A rig that is lowered is still carried on the way down: after half a second part of the torque is still
+        // there. The minimum share of effort is 0.3, and of a weight that stands 2.5 s of 3 s leave a sixth.
+        // Servos that have stopped by themselves carry nothing.
         if reaction == Reaction::Lower
             && tick == tried.ticks_of(0.5)
             && fault != Fault::ServoStopped
@@ -83,7 +85,7 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
 }
 
 impl Cell {
-    /// As the page has it.
+    /// Returns the text of the cell on the page.
     pub(crate) fn words(&self, fault: Fault, state: State) -> String {
         let Self { reaction, noticed, off, off_s } = self;
         match (reaction, off) {
@@ -91,7 +93,7 @@ impl Cell {
                 assert!(*bytes <= 2 && *torque <= 2, "{fault} in {state}: {bytes}, {torque}");
                 format!("{noticed}; off {bytes}, {torque}")
             }
-            // All that a packet can do.
+            // A packet cannot do more than this.
             (Reaction::Limp, [Some(bytes), None]) if fault == Fault::TorqueStuck => {
                 assert_eq!(*bytes, 0, "in {state}");
                 format!("{noticed}; off {bytes}, stuck")
@@ -109,10 +111,10 @@ impl Cell {
     }
 }
 
-/// The page of the book.
+/// Source of the page.
 const PAGE: &str = include_str!("../../../../docs/fault-matrix.md");
 
-/// A table, of what each cell says; `ends` gives the last cells of a row.
+/// Returns a table's lines. `cell` returns the text of a cell, `ends` the last cells of a row.
 pub(crate) fn table(
     heads: &[&str],
     cell: impl Fn(Fault, State) -> String,
@@ -125,7 +127,7 @@ pub(crate) fn table(
     head.extend(heads.iter().map(|head| owned(head)));
     let mut rule = vec![owned("---:")];
     rule.resize(head.len(), owned("---"));
-    // An empty cell has one blank.
+    // An empty cell contains one space.
     let mut lines = vec![line(head).replacen("|  |", "| |", 1), line(rule)];
     for row in TABLE {
         let cells = State::ALL.map(|state| cell(row.fault, state));
@@ -137,7 +139,7 @@ pub(crate) fn table(
     lines
 }
 
-/// The lines of a table of the page: the first, or the second.
+/// Returns the lines of a table of the page; `index` 0 is the first table.
 pub(crate) fn of_page(index: usize) -> Vec<&'static str> {
     let tables: Vec<Vec<&str>> = PAGE
         .split("\n\n")
@@ -147,7 +149,7 @@ pub(crate) fn of_page(index: usize) -> Vec<&'static str> {
     tables.get(index).cloned().unwrap_or_default()
 }
 
-/// Fails with what the page must say.
+/// Fails with the required text if a table of the page differs.
 pub(crate) fn must_be(index: usize, table: &[String]) {
     let is_same = of_page(index).iter().eq(table.iter());
     assert!(is_same, "table {index} of docs/fault-matrix.md must be:\n{}", table.join("\n"));

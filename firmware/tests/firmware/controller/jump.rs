@@ -1,7 +1,6 @@
-//! An encoder that jumps, by all sizes in all states: the last tables of the page `docs/fault-matrix.md`.
-//!
-//! Its rig is beside a twin whose encoder does not jump, and which is disarmed in the tick of the fault: how far it
-//! moves for the jump is how far it is from its twin.
+//! An encoder that jumps by several sizes in all states: the last tables of the page `docs/fault-matrix.md`.
+//! The rig is compared with a twin whose encoder does not jump, and which is disarmed in the tick of the fault: the
+//! distance between both is the movement that the jump causes.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Fault, Feed, State};
@@ -14,24 +13,24 @@ use super::test_rig::{Kind, TestRig};
 
 const JUMPS_DEG: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 
-/// What a jump does.
+/// Measured effect of a jump.
 #[derive(Debug, Default, Clone, Copy)]
 struct Seen {
-    /// Ticks until the fault, if it comes.
+    /// Number of ticks until the fault, if it occurs.
     fault: Option<usize>,
-    /// How far the joint is from its twin at the most, deg, and how much faster, deg/s.
+    /// Maximum distance of the joint from its twin, deg, and maximum difference of their speeds, deg/s.
     off_deg: f64,
     fast_deg_s: f64,
     not_believed: u32,
 }
 
-/// Lets servo 0 jump by so much, for so long, in rigs that `make` makes alike.
+/// Lets servo 0 jump by an angle for a time, in equal rigs that `make` creates.
 fn jump(make: impl Fn() -> TestRig, jump_deg: f64, for_s: f64) -> Seen {
     let run = |jumps: bool, disarmed_in: Option<usize>| {
         let mut test_rig = make();
         let state = test_rig.state();
         let counted = test_rig.controller.report().servos[0].not_believed;
-        // Between two readings.
+        // The jump is between two readings.
         let at_s = test_rig.bench.time_s() + 0.0004;
         let kind = FaultKind::EncoderJump(jump_deg.to_radians());
         if jumps {
@@ -66,7 +65,7 @@ fn jump(make: impl Fn() -> TestRig, jump_deg: f64, for_s: f64) -> Seen {
     seen
 }
 
-/// The worse of both ways.
+/// Returns the larger effect of a jump in either direction.
 fn either_way(make: impl Fn() -> TestRig, jump_deg: f64, for_s: f64) -> Seen {
     let [up, down] = [jump_deg, -jump_deg].map(|jump_deg| jump(&make, jump_deg, for_s));
     Seen {
@@ -77,7 +76,7 @@ fn either_way(make: impl Fn() -> TestRig, jump_deg: f64, for_s: f64) -> Seen {
     }
 }
 
-/// By current: it stays where it was, or goes on as it went.
+/// In current mode the joint stays where it was, or continues its movement.
 #[test]
 fn a_joint_does_not_move_for_an_encoder_that_jumps() {
     let cell = |jump_deg: f64, state: State| {
@@ -102,7 +101,7 @@ fn a_joint_does_not_move_for_an_encoder_that_jumps() {
     must_be(3, &lines);
 }
 
-/// Holding, or performing.
+/// Returns a rig that holds, or that plays.
 fn held(kind: Kind, plays: bool) -> TestRig {
     let mut test_rig = TestRig::new(kind, Start::default());
     test_rig.controller.load_show(Some(show(kind, 0))).unwrap();
@@ -116,7 +115,7 @@ fn held(kind: Kind, plays: bool) -> TestRig {
     test_rig
 }
 
-/// Of each class, a jump that stays and one of a single reading.
+/// For each class, a jump that stays, and a jump of a single reading.
 #[test]
 fn a_servo_by_position_follows_its_encoder_for_a_moment() {
     let mut lines = vec![];

@@ -1,6 +1,6 @@
-//! Every fault in every state, by planted conditions: the page `docs/fault-matrix.md`.
+//! Every fault in every state, with planted conditions: the page `docs/fault-matrix.md`.
 //!
-//! The arm of XL330 in current mode, 400 ticks a second.
+//! The test rig is the arm of XL330 in current mode, at 400 ticks per second.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{
@@ -15,7 +15,7 @@ use super::test_rig::{Kind, Planted, TestRig, figure};
 
 const ANN: Operator = Operator(1);
 
-/// Why a fault cannot come in a state.
+/// Returns the reason why a fault cannot occur in a state.
 fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, LinkLost, Panic, ServoStopped, ShowBad, ShowForeign, Swing,
@@ -34,7 +34,7 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     }
 }
 
-/// A stand in a state. In `Off` a servo was never read.
+/// Returns a test rig in a state. For `Off`, a servo is silent from the start.
 pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
     let causes = match fault {
         Fault::WatchdogReset | Fault::BrownOut | Fault::Panic => FaultSet::of(fault),
@@ -70,10 +70,10 @@ pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
                 State::Playing => test_rig.tick(Some(Command::Play(Feed::Show))),
                 State::Maintenance => test_rig.tick(Some(Command::Maintain(ANN))),
                 State::Stopping => {
-                    // Away from home first.
+                    // First the arm moves away from home.
                     test_rig.tick(Some(Command::Play(Feed::Show)));
                     test_rig.run(8.0);
-                    // The way home takes less than the time-out: the link was cut before.
+                    // The way home takes less than the link's time-out, so the link is cut before.
                     test_rig.heard = fault != Fault::LinkLost;
                     test_rig.run(1.0);
                     test_rig.tick(Some(Command::Stop));
@@ -85,14 +85,14 @@ pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
         }
     }
     if test_rig.state() == State::Arming || test_rig.state() == State::Stopping {
-        // Some way into it.
+        // The state has begun some time ago.
         test_rig.run(0.1);
     }
     assert_eq!(test_rig.state(), state, "for {fault}");
     test_rig
 }
 
-/// Makes a fault's condition, or ends it.
+/// Creates a fault's condition, or ends it.
 fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
     let is_led = test_rig.state() == State::Floating;
     let at_s = if on { test_rig.bench.time_s() } else { f64::INFINITY };
@@ -104,7 +104,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::HotWinding => Planted { current_a: Some(147.0), ..Planted::default() },
         Fault::SupplyLow => Planted { volts: Some(3.0), ..Planted::default() },
         Fault::SupplyHigh => Planted { volts: Some(8.0), ..Planted::default() },
-        // It runs away by 30 deg, and stands there. What is led follows: it is ahead of any hand for long enough.
+        // An encoder that runs away by 30 deg, and stops there. While floating it runs farther, faster than any hand.
         Fault::FollowingError => {
             let is_rad = test_rig.bus.feedback(0).unwrap().position_rad;
             let far_rad = if is_led { 2.0 } else { 0.52 };
@@ -112,7 +112,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
             Planted { runs_to_rad: Some(to_rad), ..Planted::default() }
         }
         Fault::Swing => {
-            // Of a hand's lead no more than the haste is left.
+            // After a move by hand only the excess over the permitted speed remains.
             let swing_rad = if is_led { 0.05 } else { 0.01 };
             Planted { swing_rad: Some(swing_rad), ..Planted::default() }
         }
@@ -126,7 +126,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
     match fault {
         Fault::LinkLate | Fault::LinkLost => test_rig.heard = !on,
         Fault::ServoSilent => {
-            // What keeps a rig off stays until it is mended.
+            // A servo that keeps a rig off stays silent until this fault is ended.
             if !on {
                 test_rig.bench.faults.clear();
             }
@@ -136,7 +136,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::Jump => {
             if !on {
                 test_rig.bench.faults.clear();
-                // It is told for so long.
+                // The jump is reported for this long.
                 test_rig.run(1.0);
             }
             let kind = FaultKind::EncoderJump(5_f64.to_radians());
@@ -192,7 +192,7 @@ impl Tried for TestRig {
     }
 }
 
-/// What became of a fault in a state: a cell of the page. What must hold is asserted.
+/// Returns a cell of the page: the reaction to a fault in a state. Asserts everything that must be true.
 fn cell(fault: Fault, state: State) -> String {
     if let Some(why) = excuse(fault, state) {
         return why.to_owned();
@@ -213,7 +213,7 @@ fn cell(fault: Fault, state: State) -> String {
     measured.words(fault, state)
 }
 
-/// A rig that stops gets to its rest pose, with the fault still there.
+/// Checks that a stopping rig reaches its rest pose while the fault is still present.
 fn comes_to_rest(test_rig: &mut TestRig, fault: Fault) {
     let mut at_rest = vec![];
     for _ in 0..test_rig.ticks_of(15.0) {
@@ -224,16 +224,17 @@ fn comes_to_rest(test_rig: &mut TestRig, fault: Fault) {
         test_rig.tick(None);
     }
     assert_eq!(test_rig.state(), State::Lowering, "{fault}");
-    // As near as the following error allows that is no fault.
+    // The tolerance is a following error that is not yet a fault.
     for (at, home) in at_rest.iter().zip(&figure(test_rig.kind).home) {
         assert!((f64::from(*at) - home).abs() < 15_f64.to_radians(), "{fault}: {at} of {home}");
     }
 }
 
-/// A latched fault is not cleared while its condition is there, and by what its row says when it is over.
+/// Checks that a latched fault cannot be cleared while its condition is present, and afterwards only as its row
+/// requires.
 fn clear(test_rig: &mut TestRig, fault: Fault) {
     let row = row(fault);
-    // Found at the start alone, or as long as torque is on.
+    // These faults are found only at the start, or only while torque is on.
     let was_found_once = matches!(
         fault,
         Fault::WatchdogReset | Fault::BrownOut | Fault::Panic | Fault::FollowingError | Fault::Jump
@@ -244,7 +245,7 @@ fn clear(test_rig: &mut TestRig, fault: Fault) {
         assert!(report.latched.contains(fault), "{fault}: {:?}", report.answer);
     }
     plant(test_rig, fault, false);
-    // Filters follow, and servos answer again.
+    // Time passes until filters have settled and servos answer again.
     if row.clears == Clears::Command {
         let mut seconds = 0;
         while test_rig.controller.report().latched.contains(fault) {
@@ -253,13 +254,13 @@ fn clear(test_rig: &mut TestRig, fault: Fault) {
             test_rig.tick(Some(Command::ClearFaults));
             seconds += 1;
             assert!(seconds < 400, "{fault} is not cleared: {:?}", test_rig.controller.report());
-            // A winding takes minutes to cool, which is the detector's own test.
+            // A winding takes minutes to cool; the detector's own test covers that.
             if fault == Fault::HotWinding {
                 return;
             }
         }
     } else if fault == Fault::SettingsBad {
-        // By the start that an upload leads to: see `node/mismatch.rs`.
+        // This fault is cleared by the restart after an upload: see `node/mismatch.rs`.
         test_rig.tick(Some(Command::ClearFaults));
         assert!(test_rig.controller.report().latched.contains(fault), "{fault}");
     } else {

@@ -1,4 +1,5 @@
-//! The controller with simulated servos, in process: a performance, every fault in every state, and anything.
+//! Tests of the controller with simulated servos in process: a performance, every fault in every state, and random
+//! input.
 
 #![expect(
     clippy::cast_possible_truncation,

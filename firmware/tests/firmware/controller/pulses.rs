@@ -1,4 +1,4 @@
-//! Hobby servos tell nothing: after a stop they are armed where they were last sent.
+//! Hobby servos report nothing: after a stop they are armed at the positions that they were last sent.
 
 use sinew_firmware::controller::{Inputs, MotionController, ServoSetup, Start};
 use sinew_firmware::drives::{DriveSettings, TargetSettings};
@@ -12,7 +12,7 @@ use super::test_rig::{Kind, Live, Parts, setup};
 
 type Face = BoardRig<16, 16, 16>;
 
-/// A face, and its chip.
+/// A face with its PWM chip.
 struct TestRig<'f> {
     controller: MotionController<'f, 16, 16, 16, 16>,
     bus: Bus,
@@ -59,7 +59,7 @@ impl<'f> TestRig<'f> {
         Self { controller, bus, chip, live: Live::default(), ticks: 0 }
     }
 
-    /// A tick: what the chip is written goes at once.
+    /// Runs a tick. The chip accepts a write at once.
     fn tick(&mut self, command: Option<Command>) -> State {
         let now_us = self.ticks * 20_000;
         let inputs = Inputs { now_us, heard: true, command, ..Inputs::default() };
@@ -76,7 +76,7 @@ impl<'f> TestRig<'f> {
         assert!((0..500).any(|_| self.tick(None) == state), "{:?}", self.controller.report());
     }
 
-    /// Arms: all pulses until it holds.
+    /// Arms the rig and returns all pulses until it holds.
     fn arm(&mut self) -> Vec<Vec<Option<f32>>> {
         self.until(State::Limp);
         (0..500).for_each(|_| {
@@ -104,7 +104,7 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
     let mut test_rig = TestRig::new(&face);
     let home = test_rig.arm().pop().unwrap();
 
-    // Every joint far from home, within its range: farther than a servo turns in a tick.
+    // Every joint is far from home, within its range: farther than a servo turns in a tick.
     let away = face.dofs().iter().map(|dof| {
         let [least, most] = dof.range;
         let end = if dof.home < 0.5 * (least + most) { most } else { least };
@@ -124,7 +124,8 @@ fn after_a_stop_the_first_pulses_are_the_last_ones() {
     let again = test_rig.arm();
     assert!(!again.is_empty() && again.iter().all(|pulses| *pulses == last), "{last:?}, {again:?}");
 
-    // In the middle of a way, too; one count of the chip is 4.9 us, and a path is no whole number of them.
+    // Repeats the test in the middle of a movement. A count of the chip is 4.9 us, and positions on the path are not
+    // whole counts.
     test_rig.live = Live(Some(face.dofs().iter().map(|dof| dof.home).collect()));
     test_rig.tick(Some(Command::Play(Feed::Live)));
     let on_the_way = (0..500).find_map(|_| {

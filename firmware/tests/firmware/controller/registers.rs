@@ -1,4 +1,4 @@
-//! Registers of servos against what the rig asks: what differs is not armed.
+//! Comparison of servos' registers with the rig's requirements: servos that differ are not armed.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Refused, RegisterDiffers, Registers, State};
@@ -7,14 +7,14 @@ use sinew_servo_sim::fault::{Fault as Damage, FaultKind};
 use super::test_rig::{Kind, SERVOS, TestRig, settings_of, setup};
 
 const WHO: usize = 2;
-/// All kinds of arm, with the address of their operating mode.
+/// All kinds of arm, with the address of their operating mode's register.
 const KINDS: [(Kind, u16); 3] = [(Kind::Current, 11), (Kind::Voltage, 11), (Kind::Position, 33)];
 
 fn refused(test_rig: &mut TestRig) -> Option<Refused> {
     test_rig.ask_to_arm()
 }
 
-/// Ticks until all registers of all servos are compared; with half a second to get there.
+/// Returns the number of ticks until all registers of all servos are compared. Fails after half a second.
 fn ticks_to_compare(test_rig: &mut TestRig) -> u32 {
     for tick in 0..test_rig.ticks_of(0.5) {
         if test_rig.controller.report().registers != Registers::Unread {
@@ -30,7 +30,7 @@ fn each_register_that_differs_refuses_and_says_so_until_it_is_mended() {
     for (kind, _) in KINDS {
         for setting in settings_of(kind, &setup(kind), WHO) {
             let (address, expected) = (setting.item.address, setting.raw);
-            // A status level of 0 would be silence.
+            // A status level of 0 would mean that the servo does not answer.
             let found = if expected > 1 { expected - 1 } else { expected + 1 };
             let mut test_rig = TestRig::new(kind, Start::default());
             test_rig.bench.servos_mut()[WHO].set(address, found);
@@ -71,7 +71,7 @@ fn arming_waits_until_all_was_read() {
         assert_eq!(test_rig.controller.report().registers, Registers::Same);
         assert_eq!((refused(&mut test_rig), test_rig.state()), (None, State::Arming));
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
+        test_rig.until(State::Limp, 20.0);
         test_rig.tick(None);
         assert_eq!(refused(&mut test_rig), Some(Refused::RegistersUnread));
         ticks_to_compare(&mut test_rig);
@@ -79,7 +79,7 @@ fn arming_waits_until_all_was_read() {
     }
 }
 
-/// Addresses that were read by themselves in the last tick.
+/// Returns the addresses that were read individually in the last tick.
 fn reads(test_rig: &TestRig) -> Vec<u16> {
     let mut addresses = Vec::new();
     for at in 0..test_rig.sent.len() {
@@ -115,8 +115,8 @@ fn registers_are_read_while_torque_is_off_alone_one_question_a_tick() {
             test_rig.tick(None);
         }
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
-        // Anew, whatever was known before.
+        test_rig.until(State::Limp, 20.0);
+        // The comparison starts again, regardless of earlier results.
         assert_eq!(test_rig.controller.report().registers, Registers::Unread);
         ticks_to_compare(&mut test_rig);
     }
@@ -128,12 +128,12 @@ fn a_servo_that_starts_anew_in_a_performance_is_compared_before_it_is_armed_agai
     test_rig.run(1.0);
     assert_eq!(refused(&mut test_rig), None);
     test_rig.until(State::Holding, 2.0);
-    // Another one is put in its place, as the factory ships it.
+    // The servo is replaced by another one with the factory's settings.
     let (at_s, for_s) = (test_rig.bench.time_s(), f64::INFINITY);
     test_rig.bench.faults.push(Damage { servo: WHO, at_s, for_s, kind: FaultKind::Reboot });
     test_rig.until(State::Lowering, 3.0);
     test_rig.bench.servos_mut()[WHO].set(11, 3);
-    test_rig.until(State::Faulted, 5.0);
+    test_rig.until(State::Faulted, 20.0);
     test_rig.run(0.5);
     test_rig.tick(Some(Command::ClearFaults));
     assert_eq!((test_rig.state(), test_rig.servos_on()), (State::Limp, 0));
@@ -163,7 +163,7 @@ fn a_bad_line_only_delays() {
     for (kind, _) in KINDS {
         let mut good = TestRig::new(kind, Start::default());
         let mut bad = TestRig::new(kind, Start::default());
-        // One reply in five is lost, cut or damaged: an LCG picks them.
+        // One reply in five is lost, cut or damaged: an LCG selects them.
         let mut seed = 7_u32;
         let mut random = |below: u32| {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,4 +1,4 @@
-//! A show that begins in the middle of a movement: it is entered from standing still.
+//! A show that begins in the middle of a movement is entered from standstill.
 
 use std::f64::consts::TAU;
 
@@ -11,13 +11,13 @@ use super::play::show;
 use super::test_rig::{Kind, TestRig, figure};
 
 const KIND: Kind = Kind::Current;
-/// Of the joint that is at speed: 1.9 rad/s in its middle, where the show begins.
+/// Amplitude of the moving joint: 1.9 rad/s in its middle, where the show begins.
 const SWING_RAD: f64 = 0.3;
 const HZ: f64 = 1.0;
-/// The time of a blend, by default.
+/// Default duration of a blend.
 const RUN_IN_S: f64 = 1.0;
 
-/// The last joint swings round home for ever, the others stand.
+/// Returns a show in which the last joint swings around home without end, and the others stand still.
 fn at_speed() -> &'static [u8] {
     let figure = figure(KIND);
     let mut q = Vec::new();
@@ -32,12 +32,12 @@ fn at_speed() -> &'static [u8] {
     let (cues, course) = (&[], &[]);
     let (is_loop, rig, time_code) = (true, 0, None);
     let motion = Motion { joints: &joints, q: &q, rate, is_loop, rig, cues, time_code, course };
-    // Near enough that its speeds are those of the sine to a hundredth.
+    // Close enough that its speeds are those of the sine within 1 %.
     let settings = Settings { angle_rad: 1e-4, ..Settings::default() };
     Vec::leak(write(&motion, &settings).unwrap().bytes)
 }
 
-/// A stand whose show begins to run with the next tick.
+/// Returns a test rig whose show begins to run in the next tick.
 fn at_first_pose(show: &'static [u8]) -> TestRig {
     let mut test_rig = TestRig::new(KIND, Start::default());
     test_rig.controller.load_show(Some(show)).unwrap();
@@ -56,8 +56,8 @@ fn a_show_that_starts_at_speed_is_entered_within_its_own_limits() {
     let mut test_rig = at_first_pose(at_speed());
     let dt_s = 1.0 / f64::from(KIND.rate_hz());
     let speed = SWING_RAD * TAU * HZ;
-    // That of the sine, and what its pace adds, which rises from 0 to 1 as 3 s² - 2 s³. A tenth is left to the show's
-    // own bits.
+    // The sine's acceleration, plus the acceleration of the pace, which rises from 0 to 1 as 3 s² - 2 s³. A tenth
+    // allows for the rounding of the show.
     let most = 1.1 * (speed * TAU * HZ + 1.5 * speed / RUN_IN_S);
     let mut before = 0.0;
     for tick in 0..test_rig.ticks_of(3.0) {
@@ -69,7 +69,7 @@ fn a_show_that_starts_at_speed_is_entered_within_its_own_limits() {
         test_rig.tick(None);
         assert_eq!(test_rig.state(), State::Playing, "{:?}", test_rig.controller.report());
     }
-    // Half of the run-in's time is gone, and the show is in time from then on: 100 samples a second.
+    // Half of the blend's duration is lost, and the show is in time from then on: 100 samples per second.
     let samples = test_rig.controller.report().show.unwrap().sample();
     let expected = 100.0 * (3.0 - 0.5 * RUN_IN_S);
     assert!((f64::from(samples) - expected).abs() <= 1.0, "{samples} of {expected}");

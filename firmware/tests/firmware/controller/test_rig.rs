@@ -1,4 +1,4 @@
-//! A desk arm of six simulated servos under a controller, in lock-step.
+//! A desk arm of six simulated servos under a controller, in lockstep.
 
 use std::sync::OnceLock;
 
@@ -27,7 +27,7 @@ use sinew_servo_sim::supply::Supply;
 pub(crate) type Board = BoardRig<8, 8, 8>;
 type Loop = MotionController<'static, 8, 8, 8, 8>;
 
-/// The arm's compact form, and its servos.
+/// The arm's compact form, with its servos.
 pub(crate) struct Figure {
     pub(crate) board: Board,
     pub(crate) home: Vec<f64>,
@@ -40,7 +40,7 @@ pub(crate) fn figure(kind: Kind) -> &'static Figure {
         let mut rig = new::arm(SERVOS).unwrap();
         for (servo, body) in rig.servos.iter_mut().zip(&mut rig.bodies[1..]) {
             kind.model().clone_into(&mut servo.model);
-            // The arm is drawn for XL330 of 18 g; an STS3215 weighs 55 g, an XL430 57 g.
+            // The arm is designed for XL330 of 18 g; an STS3215 weighs 55 g, an XL430 57 g.
             body.mass_kg += match kind {
                 Kind::Current => 0.0,
                 Kind::Position => 0.037,
@@ -56,40 +56,40 @@ pub(crate) fn figure(kind: Kind) -> &'static Figure {
     })
 }
 
-/// What is wrong with what a bus tells of servo 0.
+/// Errors that are planted in a bus's readings of servo 0.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
-    /// It runs away to there, as fast as a servo may that is pushed.
+    /// Position to which the encoder runs, as fast as a pushed servo may, rad.
     pub(crate) runs_to_rad: Option<f32>,
-    /// It swings by this either way, 16 times a second, with 0.3 A.
+    /// Amplitude of a swing at 16 Hz, with 0.3 A, rad.
     pub(crate) swing_rad: Option<f32>,
     pub(crate) current_a: Option<f32>,
     pub(crate) celsius: Option<f32>,
     pub(crate) volts: Option<f32>,
     pub(crate) alert: bool,
     pub(crate) has_stopped: bool,
-    /// It was never read.
+    /// Whether the servo was never read.
     pub(crate) is_unknown: bool,
 }
 
-/// Ticks of a swing: of 16 Hz, at 400 ticks a second.
+/// Ticks of a swing: 16 Hz at 400 ticks per second.
 const SWING_TICKS: u32 = 24;
-/// The most that a position runs in a tick, rad, and by how much more than in the tick before.
+/// Maximum way of a running position in a tick, and by how much it grows from tick to tick, rad.
 const RUNS_RAD: (f32, f32) = (0.06, 0.008);
 
-/// A bus with something wrong.
+/// A bus with planted errors.
 pub(crate) struct Bus {
     own: arm::Bus,
     pub(crate) planted: Planted,
-    /// Of a swing.
+    /// Ticks of the current swing.
     ticks: u32,
-    /// A position that runs away, and how far in the last tick, rad.
+    /// The running position, and its movement in the last tick, rad.
     runs: Option<(f32, f32)>,
 }
 
 impl From<arm::Bus> for Bus {
-    /// Nothing is wrong yet.
+    /// Creates a bus without errors.
     fn from(own: arm::Bus) -> Self {
         Self { own, planted: Planted::default(), ticks: 0, runs: None }
     }
@@ -164,7 +164,7 @@ impl ServoBus for Bus {
     }
 }
 
-/// A live stream that stands.
+/// A live stream that always sends the same pose.
 #[derive(Default)]
 pub(crate) struct Live(pub(crate) Option<Vec<f32>>);
 
@@ -178,7 +178,7 @@ impl LiveSource for Live {
     }
 }
 
-/// The bench's line during one tick.
+/// The bench's bus line during a tick.
 struct Line<'b> {
     bench: &'b mut Bench<'static, Vec<Arm>>,
     end_s: f64,
@@ -202,17 +202,17 @@ impl Wire for Line<'_> {
     }
 }
 
-/// What [`hash_of`] begins with.
+/// Initial value for [`hash_of`].
 pub(crate) const HASH_BEGIN: u64 = 0xcbf2_9ce4_8422_2325;
 
-/// FNV-1a.
+/// Updates an FNV-1a hash.
 pub(crate) fn hash_of(hash: &mut u64, bytes: &[u8]) {
     for byte in bytes {
         *hash = (*hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     }
 }
 
-/// Rig, servos and controller.
+/// A controller with its rig and simulated servos.
 pub(crate) struct TestRig {
     pub(crate) kind: Kind,
     pub(crate) controller: Loop,
@@ -224,7 +224,7 @@ pub(crate) struct TestRig {
     pub(crate) jog: Option<Jog>,
     pub(crate) is_late: bool,
     pub(crate) hash: u64,
-    /// What went out in the last tick.
+    /// Bytes that were sent in the last tick.
     pub(crate) sent: Vec<u8>,
     pub(crate) ended: Result<Complete, Incomplete>,
     ticks: u64,
@@ -282,14 +282,14 @@ impl TestRig {
         bench.run_us(left_us.round() as u32);
     }
 
-    /// Time passes, and the controller does nothing.
+    /// Lets time pass while the controller does nothing.
     pub(crate) fn pause(&mut self, seconds: f64) {
         let ticks = self.ticks_of(seconds);
         self.bench.run_us(ticks * 1_000_000 / self.kind.rate_hz());
         self.ticks += u64::from(ticks);
     }
 
-    /// Asks to be armed until the rig rests, for a minute at most: why it is refused, if it is.
+    /// Asks to be armed until the rig rests, for at most a minute. Returns the reason if that is refused.
     pub(crate) fn ask_to_arm(&mut self) -> Option<Refused> {
         for _ in 0..self.ticks_of(60.0) {
             self.tick(Some(Command::Arm));
@@ -301,7 +301,7 @@ impl TestRig {
         panic!("it does not come to rest");
     }
 
-    /// Arms, when all is known and the rig rests.
+    /// Arms after registers are compared and the rig rests.
     pub(crate) fn arm(&mut self) {
         self.run(1.0);
         assert_eq!((self.ask_to_arm(), self.state()), (None, State::Arming));
@@ -317,7 +317,7 @@ impl TestRig {
         (seconds * f64::from(self.kind.rate_hz())).round() as u32
     }
 
-    /// Until a state comes, within so many seconds.
+    /// Runs until a state is reached, at most for a time in s.
     pub(crate) fn until(&mut self, state: State, seconds: f64) {
         for _ in 0..self.ticks_of(seconds) {
             if self.state() == state {
@@ -332,24 +332,24 @@ impl TestRig {
         self.controller.report().state
     }
 
-    /// How many servos have torque on, as their registers say.
+    /// Returns the number of servos whose registers report torque on.
     pub(crate) fn servos_on(&self) -> usize {
         let register = if self.kind == Kind::Position { 40 } else { 64 };
         self.bench.servos().iter().filter(|servo| servo.get(register) == 1).count()
     }
 
-    /// The most that a simulated motor gives, by its current, A.
+    /// Returns the maximum current of the simulated motors, A.
     pub(crate) fn most_current_a(&self) -> f64 {
         most_current_a(&self.bench)
     }
 
-    /// Whether torque off for all went out in the last tick.
+    /// Returns whether torque off was sent to all servos in the last tick.
     pub(crate) fn sent_off(&self) -> bool {
         is_off(self.kind, &self.sent)
     }
 }
 
-/// Whether torque off for all servos is in these bytes.
+/// Returns whether these bytes contain torque off for all servos.
 pub(crate) fn is_off(kind: Kind, sent: &[u8]) -> bool {
     let ids = 1..=SERVOS as u8;
     let off: Vec<u8> = match kind {
@@ -362,15 +362,15 @@ pub(crate) fn is_off(kind: Kind, sent: &[u8]) -> bool {
     sent.windows(off.len()).any(|bytes| bytes == off)
 }
 
-/// The most that a simulated motor gives, by its current, A.
+/// Returns the maximum current of the simulated motors, A.
 pub(crate) fn most_current_a(bench: &Bench<'static, Vec<Arm>>) -> f64 {
     bench.servos().iter().map(|servo| servo.current_a().abs()).fold(0.0, f64::max)
 }
 
-/// A motor that draws less is without torque, A: a thousandth of an XL330's stall.
+/// Current below which a motor counts as without torque, A: a thousandth of an XL330's stall current.
 pub(crate) const NOTHING_A: f64 = 1.5e-3;
 
-/// The arm's simulated servos, where they are at home.
+/// Returns the arm's simulated servos, at home.
 pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     let figure = figure(kind);
     let memory = Box::leak(Box::new([[0_u8; MEMORY_LEN]; SERVOS]));
@@ -383,7 +383,7 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
         }
         servo.place(own.home_rad);
         simulated.push(servo);
-        // The joint has stops at its ends: one servo turns it, one to one.
+        // The joint has stops at its ends: a single servo turns it directly.
         let dof = figure.board.dofs()[arms.len()];
         let stops_rad = dof.range.map(|end| own.home_rad + f64::from(end - dof.home));
         arms.push(Arm { stops_rad, ..own.load });
@@ -392,7 +392,7 @@ pub(crate) fn bench(kind: Kind, parts: &Parts) -> Bench<'static, Vec<Arm>> {
     Bench::new(simulated, arms, Supply::stiff(voltage_v))
 }
 
-/// What `sinew servo apply` writes.
+/// Returns the settings that `sinew servo apply` writes.
 pub(crate) fn settings_of(kind: Kind, parts: &Parts, servo: usize) -> Vec<Setting> {
     let board = &figure(kind).board.servos()[servo];
     let requirements = parts.servos[servo].requirements(&board.servo);

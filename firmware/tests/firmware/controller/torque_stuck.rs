@@ -1,4 +1,4 @@
-//! A servo that keeps its torque, whatever it is told: its register says so, and nobody is armed.
+//! A servo that keeps its torque in spite of commands: its register reports it, and the rig cannot be armed.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::{Command, Fault, Refused, State};
@@ -19,7 +19,8 @@ fn mend(test_rig: &mut TestRig) {
     test_rig.bench.servos_mut()[WHO].stick_torque(false);
 }
 
-/// The fault is told, of this servo, and refuses to arm. When it is over, a command clears it.
+/// Checks that the fault is reported for this servo and refuses to arm, and that a command clears it after it has
+/// ended.
 fn is_refused_until_mended(mut test_rig: TestRig) {
     let kind = test_rig.kind;
     test_rig.until(State::Faulted, 1.0);
@@ -60,7 +61,7 @@ fn a_servo_that_keeps_its_torque_after_a_stop_is_not_armed_again() {
         test_rig.until(State::Holding, 2.0);
         stick(&mut test_rig);
         test_rig.tick(Some(Command::Disarm));
-        test_rig.until(State::Limp, 5.0);
+        test_rig.until(State::Limp, 20.0);
         is_refused_until_mended(test_rig);
     }
 }

@@ -1,4 +1,4 @@
-//! Heat of windings by what servos tell, against the currents of their simulated motors.
+//! Heat of windings computed from servos' readings, compared with the currents of their simulated motors.
 
 use sinew_firmware::controller::Start;
 use sinew_firmware::supervisor::detect::Winding;
@@ -7,7 +7,7 @@ use sinew_firmware::supervisor::{Command, Feed, State};
 use super::play::show;
 use super::test_rig::{Kind, SERVOS, TestRig, setup};
 
-/// XL430 tell the part of the supply that they apply, and no current.
+/// XL430 report the part of the supply that they apply, and no current.
 #[test]
 fn windings_of_servos_by_voltage_heat_as_their_motors_do() {
     let kind = Kind::Voltage;
@@ -28,7 +28,7 @@ fn windings_of_servos_by_voltage_heat_as_their_motors_do() {
             told.zip(&motors).map(|(told, motor)| [told, motor.heat()]).collect();
         both
     };
-    // It falls, without torque: nothing drives its motors.
+    // The arm falls without torque: nothing drives its motors.
     let fallen = run(&mut test_rig, 400);
     assert!(fallen.iter().all(|[told, _]| *told <= 0.0), "{fallen:?}");
     while test_rig.ask_to_arm().is_some() {}
@@ -39,7 +39,7 @@ fn windings_of_servos_by_voltage_heat_as_their_motors_do() {
     assert_eq!((test_rig.state(), played.len()), (State::Playing, SERVOS));
     println!("{played:?}");
     for [told, motor] in played {
-        // Steps of the speed's reading, 0.024 rad/s, and what is read a tick late.
+        // The tolerance covers the steps of the speed's reading, 0.024 rad/s, and readings that are a tick late.
         assert!((told - motor).abs() < 0.1 * motor + 1e-3, "{told} {motor}");
     }
 }

@@ -1,4 +1,4 @@
-//! The rigs: arms, each joint with one servo.
+//! The rigs of the tests: arms, in which each joint has one servo.
 
 use std::ops::Range;
 
@@ -10,29 +10,29 @@ use sinew_rig::mechanism::{InverseDynamics, Mechanism};
 use sinew_rig::servo::Address;
 use sinew_rig::toml_file;
 
-/// Room for Poppy Humanoid.
+/// A rig type with room for Poppy Humanoid.
 pub(crate) type Board = BoardRig<40, 40, 8>;
 
-/// A rig, and where its servos' joints are in `q`.
+/// A rig with the positions of its servos' joints in `q`.
 pub(crate) struct Figure {
     pub(crate) name: &'static str,
     pub(crate) mechanism: Mechanism,
     pub(crate) board: Board,
     pub(crate) model: String,
     pub(crate) home: Vec<f32>,
-    /// In the order of the servos.
+    /// Index in `q` of each servo's joint.
     pub(crate) places: Vec<usize>,
     pub(crate) ranges_rad: Vec<[f64; 2]>,
 }
 
 impl Figure {
-    /// The arm of six that `sinew rig new` wrote until its links became shorter: servos sag more under it.
+    /// Returns the arm of six servos that `sinew rig new` wrote before its links became shorter: its servos sag more.
     pub(crate) fn desk_arm(model: &str) -> Self {
         let text = include_str!("../../../../tests/support/rigs/arm_62ff7e0.toml");
         let mut rig = toml_file::read(text).unwrap();
         for (servo, body) in rig.servos.iter_mut().zip(&mut rig.bodies[1..]) {
             model.clone_into(&mut servo.model);
-            // The arm is drawn for XL330 of 18 g; an STS3215 weighs 55 g, an MX-28 77 g.
+            // The arm is designed for XL330 of 18 g; an STS3215 weighs 55 g, an MX-28 77 g.
             body.mass_kg += match model {
                 "XL330-M288-T" => 0.0,
                 "MX-28" => 0.059,
@@ -42,7 +42,7 @@ impl Figure {
         Self::of("arm of six", &rig, model)
     }
 
-    /// Both arms of Poppy Humanoid; its other joints are held at home. Needs `SINEW_DATA`.
+    /// Returns both arms of Poppy Humanoid; its other joints are held at home. Needs `SINEW_DATA`.
     pub(crate) fn poppy(model: &str) -> Self {
         let data = std::env::var("SINEW_DATA").expect("SINEW_DATA names the folder of the data");
         let path = format!("{data}/urdf/poppy-humanoid/Poppy_Humanoid.urdf");
@@ -88,7 +88,7 @@ impl Figure {
         }
     }
 
-    /// What servos give to hold a pose, with masses as many times the file's, N m.
+    /// Returns the servos' torques that hold a pose, with masses multiplied by `masses`, N m.
     pub(crate) fn weights(&self, masses: f64) -> Weights {
         let mut mechanism = self.mechanism.clone();
         for link in &mut mechanism.bodies {
@@ -103,7 +103,7 @@ impl Figure {
     }
 }
 
-/// Gravity on a rig's joints.
+/// Computes the torque of gravity on a rig's joints.
 pub(crate) struct Weights {
     dynamics: InverseDynamics,
     places: Vec<usize>,
@@ -111,13 +111,14 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    /// Returns the torque with which each servo holds a pose, N m. All joints have one axis: `q` and dofs are alike.
+    /// Returns the torque with which each servo holds a pose, N m. All joints have one axis, so indices in `q` and of
+    /// dofs are equal.
     pub(crate) fn at(&mut self, q: &[f32]) -> Vec<f32> {
         let efforts = self.dynamics.efforts(q, &self.zeros, &self.zeros).unwrap();
         self.places.iter().map(|place| efforts[*place]).collect()
     }
 
-    /// Inertia at each servo with all others held, kg m².
+    /// Returns the inertia at each servo while all others are held, kg m².
     pub(crate) fn inertias(&mut self, q: &[f32]) -> Vec<f64> {
         let weights = self.at(q);
         let mut inertias = Vec::new();

@@ -1,4 +1,4 @@
-//! A pose held by simulated servos over their bus, with and without the offset.
+//! Simulated servos that hold a pose over their bus, with and without the offset.
 
 use sinew_core::coordinates::DofCommand;
 use sinew_core::tracker::Timing;
@@ -9,7 +9,7 @@ use sinew_servo_bus::feetech::{self, Family};
 use sinew_servo_bus::{Command, Schedule, ServoBus, Timing as BusTiming};
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
-use sinew_servo_sim::load::{Load, Plant, Shaft};
+use sinew_servo_sim::load::{Load, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 
@@ -18,15 +18,16 @@ use super::figure::{Figure, Weights};
 const BAUD: u32 = 1_000_000;
 const TICK_US: u32 = 10_000;
 const RATE_HZ: u32 = 100;
-/// Until it rests: the way takes 1 s at most, the offset 0.35 s.
+/// Ticks until the rig rests: the movement takes at most 1 s, the offset 0.35 s.
 const TICKS: u32 = 250;
-/// The mean over so many at the end is taken: within the play of its gear a shaft without load goes to and fro.
+/// Number of last ticks over which positions are averaged: within the play of its gear, a shaft without load moves to
+/// and fro.
 const MEAN_TICKS: u32 = 50;
-/// Means this near to each other are of a shaft at rest: the play of an STS3215, the largest.
+/// Maximum difference between the means of a shaft at rest: the play of an STS3215, the largest.
 const REST_RAD: f64 = 0.0175;
 const MOST_SERVOS: usize = 8;
 
-/// How far the rig as built is from its model, as factors.
+/// Ratio of the rig as built to its model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AsBuilt {
     pub(crate) masses: f64,
@@ -37,20 +38,20 @@ pub(crate) struct AsBuilt {
 impl AsBuilt {
     pub(crate) const TRUE: Self = Self { masses: 1.0, friction: 1.0, stiffness: 1.0 };
 
-    /// The servos as built.
+    /// Returns the parameters of the servos as built.
     pub(crate) fn kind(self, model: &str) -> Parameters {
         let mut kind = Parameters::built_in(model).unwrap();
         kind.friction_nm *= self.friction;
         kind.stribeck_nm *= self.friction;
         kind.load_friction *= self.friction;
         kind.position_gain_nm_rad *= self.stiffness;
-        // A Dynamixel's comes from its gain.
+        // A Dynamixel's stiffness follows from its gain.
         kind.position_p_divisor /= self.stiffness;
         kind
     }
 }
 
-/// What a shaft is held against: gravity at the pose of all, and its inertia.
+/// Load of a held shaft: the weight at the pose of all joints, and the inertia.
 #[derive(Clone, Copy)]
 pub(crate) struct Held {
     inertia_kg_m2: f64,
@@ -67,7 +68,7 @@ impl Load for Held {
     }
 }
 
-/// A rig at rest: gravity is that of the pose reached; that joints in motion push each other is left out.
+/// A rig at rest. Gravity is that of the current pose; forces between moving joints are left out.
 struct AtRest<'f> {
     figure: &'f Figure,
     weights: Weights,
@@ -82,7 +83,7 @@ impl Plant for AtRest<'_> {
         self.held[servo]
     }
 
-    fn step(&mut self, _: f64, _: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, _: &[Push], shafts: &mut [Shaft]) {
         for (place, shaft) in self.figure.places.iter().zip(shafts) {
             self.q[*place] = (shaft.position_rad - std::f64::consts::PI) as f32;
         }
@@ -97,16 +98,16 @@ impl Plant for AtRest<'_> {
 #[derive(Debug, Clone, Copy)]
 #[expect(clippy::struct_field_names, reason = "the house's names have their units")]
 pub(crate) struct Rest {
-    /// How far it is from its target, rad.
+    /// Distance of the joint from its target, rad.
     pub(crate) error_rad: f64,
-    /// The same if there were neither friction nor steps: what it is sent beyond its target, by the rig's model, less
-    /// what it gives way by, as it is built; rad.
+    /// Distance from the target without friction and steps, rad: the offset of the goal by the rig's model, minus the
+    /// deflection of the rig as built.
     pub(crate) smooth_rad: f64,
-    /// How far off that it may be by friction and by steps of encoder and goal, rad.
+    /// Maximum deviation that friction and the steps of encoder and goal can explain, rad.
     pub(crate) band_rad: f64,
 }
 
-/// Goes to a pose and holds it. `offset`: whether drives take gravity off in advance, by the rig's model.
+/// Moves to a pose and holds it. `offset` is whether drives compensate gravity by the rig's model.
 pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: bool) -> Vec<Rest> {
     let is_feetech = figure.model.starts_with("STS");
     let kind = built.kind(&figure.model);
@@ -116,7 +117,7 @@ pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: boo
         let mut servo = Servo::new(&kind, id, memory).unwrap();
         servo.set_baud(BAUD).unwrap();
         if !is_feetech {
-            // Return delay 2 us, writes are not answered.
+            // Return delay is 2 us, and writes are not answered.
             servo.set(9, 1);
             servo.set(68, 1);
         }
@@ -145,9 +146,9 @@ pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: boo
         let setups: Vec<_> = (1..).take(count).map(setup).collect();
         let mut bus = feetech::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
         let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);
-        // As shipped the stiffness is the kind's.
+        // With the factory's settings the stiffness is that of the model.
         let stiffness = |_: &Servo<'_>| kind.position_gain_nm_rad;
-        // Half a step of the goal, half a one of the encoder, and a dead zone of one.
+        // Half a step of the goal, half a step of the encoder, and a dead zone of one step.
         rest(figure, &mut bench, (target, &reached), offset_rad, (&kind, 2.0, stiffness))
     } else {
         let schedule =
@@ -166,18 +167,18 @@ pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: boo
         let settings = dynamixel::Settings { fast: false, retries: 1 };
         let mut bus = dynamixel::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
         let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);
-        // P gain over its divisor is PWM for a step; 885 is the whole supply.
+        // P gain divided by its divisor is the PWM per step; 885 is the whole supply.
         let motor_nm = kind.torque_constant_nm_a * kind.voltage_v / kind.resistance_ohm;
         let stiffness = |servo: &Servo<'_>| {
             let p = f64::from(servo.get(address::POSITION_P));
             p / kind.position_p_divisor / kind.resolution_rad / 885.0 * motor_nm
         };
-        // Half a step of the goal, and half a one of the encoder.
+        // Half a step of the goal, and half a step of the encoder.
         rest(figure, &mut bench, (target, &reached), offset_rad, (&kind, 1.0, stiffness))
     }
 }
 
-/// What of each joint's error friction and steps explain. `stiffness`: of a cold servo, N m/rad.
+/// Computes how much of each joint's error friction and steps explain. `stiffness` is that of a cold servo, N m/rad.
 fn rest(
     figure: &Figure,
     bench: &mut Bench<'_, AtRest<'_>>,
@@ -199,9 +200,9 @@ fn rest(
         let sag_rad = modelled / f64::from(own.position_gain_nm_rad);
         let [least, most] = own.range_rad.map(f64::from);
         let goal = (target + sag_rad.clamp(-limit, limit)).clamp(least, most);
-        // A winding that has warmed gives less.
+        // A warm winding gives less torque.
         let stiffness = stiffness(servo) / servo.heat().resistance_ratio();
-        // At rest motor and weight differ by friction at most, which grows with both of them.
+        // At rest, motor and weight differ at most by friction, which increases with both.
         let load = kind.load_friction;
         let dry_nm = kind.friction_nm + kind.stribeck_nm;
         let friction_nm = (dry_nm + 2.0 * load * held.abs()) / (1.0 - load);
@@ -214,7 +215,7 @@ fn rest(
     rests
 }
 
-/// Where each joint is in the end, rad.
+/// Returns the final position of each joint, rad.
 fn hold(
     figure: &Figure,
     bus: &mut impl ServoBus,
@@ -234,7 +235,7 @@ fn hold(
     let mut means = [vec![0.0; count], vec![0.0; count]];
     for tick in 0..TICKS {
         let conditions: Vec<_> = (0..count).map(|servo| Condition::of(bus, servo)).collect();
-        // Gravity by the model, at the pose that was measured.
+        // Gravity by the model, at the measured pose.
         drives.measured(&conditions, &mut measured).unwrap();
         let q: Vec<f32> = figure
             .home

@@ -1,4 +1,4 @@
-//! Gravity on servos in position mode: how far arms are from their pose at rest, with and without the offset.
+//! Gravity on servos in position mode: the distance of arms from their pose at rest, with and without the offset.
 //!
 //! `cargo test --release -p sinew-firmware --test firmware gravity -- --nocapture --include-ignored` prints the table
 //! of `docs/drives.md`; Poppy's arms need `SINEW_DATA`.
@@ -14,11 +14,11 @@ use figure::Figure;
 use hold::{AsBuilt, Rest, rests};
 use sinew_servo_sim::model::Parameters;
 
-/// A sag that counts, rad: 1 deg.
+/// Smallest sag that is evaluated, rad: 1 deg.
 const SAG_RAD: f64 = PI / 180.0;
 const SEED: u64 = 16;
 
-/// `SplitMix64`: from 0 to 1.
+/// A `SplitMix64` generator of numbers from 0 to 1.
 struct Random(u64);
 
 impl Random {
@@ -31,14 +31,14 @@ impl Random {
     }
 }
 
-/// One joint in one pose; rad.
+/// A joint in a pose.
 #[derive(Debug, Clone, Copy)]
 struct Joint {
-    /// What gravity alone makes of it, by the model: weight over stiffness.
+    /// Sag by gravity alone, by the model: weight divided by stiffness, rad.
     sag: f64,
-    /// Without the offset.
+    /// Result without the offset.
     without: Rest,
-    /// With it.
+    /// Result with the offset.
     with: Rest,
 }
 
@@ -63,7 +63,7 @@ fn joints(figure: &Figure, built: AsBuilt, poses: usize) -> Vec<Joint> {
             joints.push(Joint { sag: f64::from(*sag) / stiffness, without, with });
         }
     }
-    // Each joint in each pose.
+    // Each joint in each pose is checked.
     for joint in &joints {
         for rest in [joint.without, joint.with] {
             let off = (rest.error_rad - rest.smooth_rad).abs();
@@ -73,7 +73,7 @@ fn joints(figure: &Figure, built: AsBuilt, poses: usize) -> Vec<Joint> {
     joints
 }
 
-/// Root mean square, deg.
+/// Returns the root mean square of angles in rad, in deg.
 fn rms(numbers: impl Iterator<Item = f64> + Clone) -> f64 {
     let mean = numbers.clone().map(|n| n * n).sum::<f64>() / numbers.count().max(1) as f64;
     mean.sqrt().to_degrees()
@@ -83,8 +83,8 @@ fn most(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.map(f64::abs).fold(0.0, f64::max).to_degrees()
 }
 
-/// Prints a row of the table, and says by how much the offset makes errors smaller where gravity alone makes a joint
-/// sag by more than 1 deg: of the root mean squares.
+/// Prints a row of the table. Returns the ratio of the root mean squares with and without the offset, for joints that
+/// gravity alone makes sag by more than 1 deg.
 fn true_to_its_model(figure: &Figure, poses: usize) -> f64 {
     let joints = joints(figure, AsBuilt::TRUE, poses);
     let sagging: Vec<_> = joints.iter().filter(|joint| joint.sag.abs() > SAG_RAD).collect();
@@ -107,8 +107,8 @@ fn true_to_its_model(figure: &Figure, poses: usize) -> f64 {
     ratio
 }
 
-/// Prints a row for each way in which the rig may be 20 % off, and says by how much a joint is worse with the offset
-/// than without it, deg, at most.
+/// Prints a row for each combination of deviations by 20 %. Returns the maximum by which the offset makes a joint's
+/// error larger, deg.
 fn off_by_a_fifth(figure: &Figure, poses: usize) -> f64 {
     let mut worst = 0.0_f64;
     for signs in 0..8_u8 {
@@ -134,7 +134,7 @@ fn off_by_a_fifth(figure: &Figure, poses: usize) -> f64 {
     worst
 }
 
-/// What stiction over stiffness and the play of the gear to one side explain, deg.
+/// Returns the error that stiction divided by stiffness, and half the play of the gear, explain, deg.
 fn explained_deg(model: &str) -> f64 {
     let kind = Parameters::built_in(model).unwrap();
     let stiction_nm = kind.friction_nm + kind.stribeck_nm;
@@ -153,7 +153,7 @@ fn a_desk_arm_is_at_most_a_third_as_far_off() {
 fn a_desk_arm_that_is_built_otherwise_is_no_worse_than_friction_explains() {
     let model = "STS3215-7.4V";
     let (worst, explained) = (off_by_a_fifth(&Figure::desk_arm(model), 6), explained_deg(model));
-    // 0.20 and 0.5 deg.
+    // The values are 0.20 and 0.5 deg.
     println!("{worst:.2} deg worse at most; {explained:.2} deg are explained");
     assert!(worst <= explained);
 }

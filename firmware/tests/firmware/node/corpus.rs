@@ -1,4 +1,4 @@
-//! The corpus through the fuzz targets of `tests/fuzz`.
+//! Runs the corpus through the fuzz targets of `tests/fuzz`.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ fn settings() {
     assert!(read.contains(&true) && read.contains(&false));
 }
 
-/// Something in every state, and every kind of message.
+/// The corpus contains something in every state, and every kind of message.
 #[test]
 fn node() {
     let mut said = BTreeSet::new();
@@ -24,6 +24,6 @@ fn node() {
     let kinds: BTreeSet<&str> = said.iter().map(|(_, kind)| kind.as_str()).collect();
     println!("{} kinds of messages in {} states: {} pairs", kinds.len(), states.len(), said.len());
     assert_eq!(states.len(), State::COUNT, "{states:?}");
-    // Greeting, commands, streams.
+    // A greeting, the commands, and the streams.
     assert_eq!(kinds.len(), 1 + 25 + 4, "{kinds:?}");
 }

@@ -1,4 +1,5 @@
-//! Properties that hold for any bytes: used by the replay of the corpus, and by the fuzz targets in `tests/fuzz`.
+//! Properties that must be true for any bytes: used by the replay of the corpus, and by the fuzz targets in
+//! `tests/fuzz`.
 
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
@@ -19,8 +20,8 @@ use super::world::World;
 
 const KIND: Kind = Kind::Current;
 
-/// Settings of any bytes: what is read is taken by a start, and is the same when it is written and read again. Says
-/// whether it was read.
+/// Decodes any bytes as settings. Settings that were read are accepted by a start, and are the same after they are
+/// written and read again. Returns whether they were read.
 pub(crate) fn settings(bytes: &[u8]) -> bool {
     let defaults = defaults(KIND);
     let Ok(read) = defaults.read(bytes) else { return false };
@@ -30,7 +31,7 @@ pub(crate) fn settings(bytes: &[u8]) -> bool {
     true
 }
 
-/// A start with these settings, as `world::boot` has it.
+/// Starts a node with these settings, as `world::boot` does.
 fn start(settings: &NodeSettings) {
     let (rig, parts, start) = (&figure(KIND).board, setup(KIND), Start::default());
     let control =
@@ -38,8 +39,8 @@ fn start(settings: &NodeSettings) {
     control.expect("they were checked");
 }
 
-/// A node in the state that the first byte chooses, and a host that says what the other bytes make of it: outputs stay
-/// within their limits. Returns what was said in which state, by its number.
+/// Runs a node in the state that the first byte selects, with a host whose messages follow from the other bytes:
+/// outputs stay within their limits. Returns the kinds of messages by the state's number.
 pub(crate) fn node(bytes: &[u8]) -> BTreeSet<(u8, String)> {
     let mut said = BTreeSet::new();
     let Some((first, bytes)) = bytes.split_first() else { return said };
@@ -61,7 +62,7 @@ pub(crate) fn node(bytes: &[u8]) -> BTreeSet<(u8, String)> {
     said
 }
 
-/// What kind of message it is.
+/// Returns the kind of a message.
 fn name(message: &ToController) -> String {
     let text = match message {
         ToController::Hello(_) => "Hello".to_owned(),
@@ -71,7 +72,7 @@ fn name(message: &ToController) -> String {
     text.chars().take_while(|c| c.is_alphanumeric()).collect()
 }
 
-/// A node with its host, rig and show, in a state.
+/// Returns a node with its host, rig and show, in a state.
 fn world_in(state: State) -> World {
     static FLASH: OnceLock<MockFlash> = OnceLock::new();
     let flash = FLASH.get_or_init(|| {
@@ -81,7 +82,7 @@ fn world_in(state: State) -> World {
     });
     let mut world = World::with(KIND, Chip::of(flash.clone()), Trouble::default(), 42);
     if state == State::Off {
-        // It is not read.
+        // A servo that is never read keeps the node in this state.
         let (at_s, for_s) = (0.0, f64::INFINITY);
         world.bench.faults.push(Fault { servo: 5, at_s, for_s, kind: FaultKind::Silent });
         world.connect();

@@ -1,5 +1,5 @@
-//! A person clears faults: the next one is the first in flash, with its time, whatever it is and whatever waits. A
-//! warning is none.
+//! After an operator clears faults, the next fault is the first in flash, with its time, whatever it is and even if
+//! others are waiting. A warning does not count as the first fault.
 
 use sinew_firmware::supervisor::{FaultRecord, State};
 use sinew_link::message::{
@@ -21,7 +21,7 @@ fn holding() -> World {
     world
 }
 
-/// The first fault and the last ones, newest first, as the board reads them back at a start.
+/// Returns the first fault and the last ones, newest first, as the board reads them at a start.
 fn kept(world: &mut World) -> (FaultRecord, Vec<FaultRecord>) {
     assert!(world.restart());
     let log = *world.board.control.as_ref().unwrap().0.controller().supervisor().log();
@@ -31,7 +31,7 @@ fn kept(world: &mut World) -> (FaultRecord, Vec<FaultRecord>) {
 #[test]
 fn the_same_fault_after_a_clear_is_a_new_first() {
     let mut world = holding();
-    // In the same state each time: limp.
+    // The state is the same each time: limp.
     world.ask(Command::EStop);
     assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
     let times: Vec<u64> = (0..2)
@@ -52,7 +52,7 @@ fn the_same_fault_after_a_clear_is_a_new_first() {
     world.run(0.1);
     let (first, last) = kept(&mut world);
     assert_eq!((first.fault.number(), first.time_us), (16, last_us));
-    // The ones of before are among the last ones, each with its own time.
+    // The earlier faults are among the last ones, each with its own time.
     let kept_us: Vec<u64> = last.iter().map(|record| record.time_us).collect();
     assert_eq!(kept_us[..3], [last_us, times[1], times[0]]);
 }
@@ -75,12 +75,12 @@ fn faults_cleared_while_the_rig_is_lowered_are_cleared_in_flash() {
     assert_eq!(numbers[..2], [16, 2]);
 }
 
-/// Two in one tick: the first of them by number, as the supervisor has it.
+/// Two faults in a tick: the first is the one with the lower number, as in the supervisor.
 #[test]
 fn of_two_in_a_tick_flash_has_the_same_first_as_the_supervisor() {
     let mut world = holding();
     world.pins.is_stopped = true;
-    // The emergency stop, and a servo's own error.
+    // The emergency stop, and an error that a servo reports.
     let (_, bus) = world.board.control.as_mut().unwrap();
     bus.planted.alert = true;
     world.run(0.1);
@@ -91,7 +91,7 @@ fn of_two_in_a_tick_flash_has_the_same_first_as_the_supervisor() {
     assert_eq!(kept(&mut world).0.fault, before.fault);
 }
 
-/// The log of the board, as a host reads it.
+/// Reads the board's log as a host does.
 fn read(world: &mut World, index: u16) -> (u16, Option<u8>) {
     match world.ask(Command::ReadFault { index }) {
         Outcome::Applied(Applied::Fault(FaultReport { count, record })) => {
@@ -115,20 +115,20 @@ fn a_warning_stands_behind_the_faults_until_they_are_cleared() {
     plant(&mut world, None);
     let told = *world.host.faults.last().unwrap();
     assert!(told.is_warning() && told.fault == 64 && told.servo == Some(0), "{told:?}");
-    // Telemetry says it as long as it is there, and the rig goes on.
+    // Telemetry reports the warning while it is present, and the rig continues.
     world.run(0.1);
     let summary = world.host.summaries.last().unwrap();
     assert_eq!((summary.state.to_string(), summary.fault), ("holding".to_owned(), Some(64)));
     assert_eq!(read(&mut world, 0), (1, Some(64)));
     world.ask(Command::EStop);
     world.run(0.1);
-    // The fault twice: as the first, and as the last.
+    // The fault appears twice: as the first, and as the last.
     let all: Vec<_> = (0..4).map(|index| read(&mut world, index)).collect();
     assert_eq!(all, [(3, Some(16)), (3, Some(16)), (3, Some(64)), (3, None)]);
     assert!(matches!(world.ask(Command::ClearFaults), Outcome::Applied(_)));
     world.run(0.1);
     assert_eq!(read(&mut world, 0).1, None);
-    // A start of the board forgets it, and has the fault.
+    // A start of the board forgets the warning and keeps the fault.
     assert!(world.restart());
     let log = world.board.control.as_ref().unwrap().0.controller().supervisor().log();
     assert_eq!(log.last().next().unwrap().fault.number(), 16);

@@ -1,4 +1,4 @@
-//! A host that talks but does not read, and one that asks for telemetry once in days.
+//! A host that sends but does not read, and a host that requests telemetry once in days.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Outcome, TelemetryParts, TelemetrySetting};
@@ -22,14 +22,14 @@ fn an_emergency_stop_is_heard_while_nobody_reads() {
     world.until(State::Holding, 3.0);
     world.ask(telemetry(100.0));
     world.host.reads = false;
-    // Heartbeats are heard, too; whether it hears is asked after 2 s.
+    // Heartbeats are received, too; whether the host receives is checked after 2 s.
     world.run(1.9);
     assert_eq!(world.state(), Some(State::Holding));
     let now_us = world.now_us();
     world.host.ask(Command::EStop, now_us);
     world.run(0.01);
     assert_eq!((world.state(), world.servos_on()), (Some(State::Faulted), 0));
-    // The host reads again, and asks again for the answer that had no room.
+    // The host reads again, and asks again for the answer for which there was no room.
     world.host.reads = true;
     world.run(1.0);
     assert!(matches!(world.host.outcome, Some(Outcome::Applied(_))), "{:?}", world.host.outcome);

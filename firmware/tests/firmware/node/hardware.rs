@@ -18,11 +18,11 @@ use super::host::Host;
 use super::test_rig::hash_of;
 use super::told::Told;
 
-/// Flash that its driver and the processor both see.
+/// Flash that its driver and the processor share.
 #[derive(Clone)]
 pub(crate) struct Chip {
     pub(crate) flash: Rc<RefCell<MockFlash>>,
-    /// Of this the loop has a reference: whoever writes or erases there breaks the promise of [`Port::lend`].
+    /// Range that is lent to the loop: a write or erase there breaks the guarantee of [`Port::lend`].
     pub(crate) lent: Rc<RefCell<Option<Range<u32>>>>,
 }
 
@@ -71,7 +71,7 @@ impl NorFlash for Chip {
 
 pub(crate) type Letters = Mail<'static, 8, 8, 8>;
 
-/// What a critical section is on a board.
+/// A mailbox that stands for one behind a board's critical section.
 pub(crate) struct Locked(pub(crate) RefCell<Letters>);
 
 impl Shared<Letters> for Locked {
@@ -80,7 +80,7 @@ impl Shared<Letters> for Locked {
     }
 }
 
-/// Clock, e-stop, OE, watchdog.
+/// Clock, emergency stop, OE and watchdog.
 #[derive(Default)]
 pub(crate) struct Pins {
     pub(crate) clock_us: Rc<Cell<u64>>,
@@ -104,7 +104,7 @@ impl Safety for Pins {
     }
 }
 
-/// Line and memory-mapped flash.
+/// Host link and memory-mapped flash.
 pub(crate) struct HostPort<'w> {
     pub(crate) now_us: u64,
     pub(crate) host: &'w mut Host,
@@ -130,20 +130,20 @@ impl Port<'static> for HostPort<'_> {
         flash.bytes.get(range.start as usize..range.end as usize).map(look)
     }
     fn lend(&mut self, range: Range<u32>) -> Option<&'static [u8]> {
-        // A copy, as nothing changes there while it is lent.
+        // A copy is enough, as nothing changes in the range while it is lent.
         *self.chip.lent.borrow_mut() = Some(range.clone());
         self.look(range, |bytes| &*Vec::leak(bytes.to_vec()))
     }
 }
 
-/// The bench's line during one tick; it keeps the time.
+/// The bench's bus line during a tick; it advances the clock.
 pub(crate) struct Servos<'b> {
     pub(crate) bench: &'b mut Bench<'static, Vec<Arm>>,
     pub(crate) base_s: f64,
     pub(crate) end_s: f64,
     pub(crate) clock_us: Rc<Cell<u64>>,
     pub(crate) start_us: u64,
-    /// Added to what a tick takes.
+    /// Time that is added to a tick's duration, µs.
     pub(crate) late_us: u64,
     pub(crate) hash: &'b mut u64,
     pub(crate) told: &'b mut Told,

@@ -1,4 +1,4 @@
-//! A host: commands that are sent until they are answered, uploads, heartbeats, telemetry.
+//! A host: it repeats commands until they are answered, and handles uploads, heartbeats and telemetry.
 
 use sinew_link::message::{
     Applied, Block, Command, FaultRecord, Hello, Item, Numbered, Outcome, SnapshotPart, Stream,
@@ -16,26 +16,26 @@ pub(crate) struct Host {
     pub(crate) welcome: Option<Welcome>,
     hello_due_us: u64,
     beat_due_us: u64,
-    /// Whether it sends heartbeats.
+    /// Whether the host sends heartbeats.
     pub(crate) beats: bool,
-    /// Whether it takes what the controller sends.
+    /// Whether the host reads the controller's messages.
     pub(crate) reads: bool,
-    /// The wire from the controller is dead.
+    /// Whether the wire from the controller is dead.
     pub(crate) is_deaf: bool,
-    /// The number of the newest telemetry.
+    /// Number of the newest telemetry frame.
     heard: Option<u16>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) summaries: Vec<Summary>,
     pub(crate) parts: [u32; 4],
     pub(crate) faults: Vec<FaultRecord>,
-    /// What was said to another program.
+    /// Messages to another program.
     pub(crate) others: Vec<ToHost>,
-    /// Bytes of a frame that is not whole yet.
+    /// Bytes of a frame that is not complete yet.
     cut: Vec<u8>,
-    /// To the controller, and from it.
+    /// The line to the controller, and the line from it.
     pub(crate) there: Line,
     pub(crate) back: Line,
-    /// All bytes that the controller has taken, and all that it has sent, as [`hash_of`] has them.
+    /// Hashes of all bytes that the controller has received and of all that it has sent, see [`hash_of`].
     pub(crate) hashes: [u64; 2],
 }
 
@@ -64,7 +64,7 @@ impl Host {
         }
     }
 
-    /// Says hello anew.
+    /// Sends a new hello.
     pub(crate) fn greet(&mut self) {
         self.nonce = self.nonce.wrapping_add(1);
         self.welcome = None;
@@ -82,26 +82,26 @@ impl Host {
         self.send(&ToController::Stream(numbered), now_us);
     }
 
-    /// Says that it is there, and what it has heard.
+    /// Sends a heartbeat, with the number of the newest telemetry frame.
     pub(crate) fn beat(&mut self, now_us: u64) {
         self.stream(self.heard.map_or(Stream::Heartbeat, Stream::Heard), now_us);
     }
 
-    /// Sends a command, of which [`Self::outcome`] says what came.
+    /// Sends a command; [`Self::outcome`] receives its answer.
     pub(crate) fn ask(&mut self, command: Command, now_us: u64) {
         self.outcome = None;
         let command = self.sender.send(command, now_us as u32 / 1000).unwrap();
         self.send(&ToController::Command(command), now_us);
     }
 
-    /// Bytes that the controller takes.
+    /// Returns bytes for the controller.
     pub(crate) fn give(&mut self, count: usize) -> Vec<u8> {
         let bytes: Vec<u8> = self.there.bytes.drain(..count).collect();
         hash_of(&mut self.hashes[0], &bytes);
         bytes
     }
 
-    /// Bytes that the controller has sent, as frames on the line back.
+    /// Receives bytes of the controller, and sends them as frames on the line to the host.
     pub(crate) fn take(&mut self, bytes: &[u8], now_us: u64) {
         hash_of(&mut self.hashes[1], bytes);
         if self.is_deaf {
@@ -175,7 +175,7 @@ impl Host {
     }
 }
 
-/// The next command of an upload, by what came of the one before.
+/// Returns the next command of an upload, by the answer to the previous one.
 pub(crate) fn next_of_upload(item: &Item, content: &[u8], outcome: Option<&Outcome>) -> Command {
     match outcome {
         None => Command::BeginUpload(item.clone()),

@@ -1,4 +1,4 @@
-//! A host that says anything, in every state, over a line that spoils it.
+//! A host that sends anything, in every state, over a line that damages frames.
 
 use std::collections::VecDeque;
 
@@ -15,10 +15,10 @@ use super::world::World;
 
 const KIND: Kind = Kind::Current;
 
-/// Where its choices come from.
+/// Source of the host's choices.
 enum Choices {
     Random(u64),
-    /// Until they are over, and then zero.
+    /// Bytes of an input; after their end all choices are zero.
     Bytes(VecDeque<u8>),
 }
 
@@ -26,18 +26,19 @@ pub(crate) struct Hostile {
     choices: Choices,
     command: u16,
     stream: u16,
-    /// Whether it may arm.
+    /// Whether the host may arm.
     arms: bool,
 }
 
 impl Hostile {
-    /// One that says what bytes make of it. `command`, `stream`: numbers that were used before.
+    /// Creates a host whose messages follow from bytes. `command` and `stream` are the last sequence numbers that
+    /// were used.
     pub(crate) fn of_bytes(bytes: &[u8], command: u16, stream: u16) -> Self {
         let choices = Choices::Bytes(bytes.iter().copied().collect());
         Self { choices, command, stream, arms: true }
     }
 
-    /// Whether no choice is left.
+    /// Returns whether all choices are used up.
     pub(crate) fn is_over(&self) -> bool {
         matches!(&self.choices, Choices::Bytes(bytes) if bytes.is_empty())
     }
@@ -53,7 +54,7 @@ impl Hostile {
 
     pub(crate) fn below(&mut self, most: u64) -> u64 {
         match &mut self.choices {
-            // Of so few, a byte is enough.
+            // For a small range, a byte is enough.
             Choices::Bytes(bytes) if most <= 256 => {
                 u64::from(bytes.pop_front().unwrap_or(0)) % most
             }
@@ -61,7 +62,7 @@ impl Hostile {
         }
     }
 
-    /// Any finite number: what a frame can carry.
+    /// Returns any finite number, which a frame can carry.
     fn number(&mut self) -> f32 {
         loop {
             let number = match self.below(3) {
@@ -84,7 +85,8 @@ impl Hostile {
     }
 
     fn command(&mut self, state: State) -> Command {
-        // What ends everything is rare, so that every state is reached; by hand there is no other way out.
+        // Commands that end everything are rare, so that every state is reached. From states in which the rig is
+        // moved by hand, only they lead out.
         let rare = if matches!(state, State::Calibrating | State::Teaching) { 5 } else { 100 };
         let operator = Operator(self.below(3) as u8);
         let feed = [Feed::Show, Feed::Live, Feed::Jog][self.below(3) as usize];
@@ -148,7 +150,7 @@ impl Hostile {
         }
     }
 
-    /// Any message, mostly of this session and with the next number.
+    /// Returns any message, mostly of this session and with the next number.
     pub(crate) fn message(&mut self, session: u16, state: State) -> ToController {
         let session = if self.below(30) == 0 { self.below(1 << 16) as u16 } else { session };
         match self.below(100) {
@@ -171,18 +173,18 @@ impl Hostile {
     }
 }
 
-/// What must hold behind each tick, whatever the host says.
+/// Checks what must be true after each tick, whatever the host sends.
 pub(crate) fn check_outputs(world: &World) {
     let state = world.state().expect("the rig is not replaced");
     if state.is_on() {
-        // Goal current (102), mA: what the drives' setting allows.
+        // Goal current (102) is in mA, with the limit of the drives' settings.
         assert!(world.bench.servos().iter().all(|servo| servo.get(102).abs() <= 1200));
     } else if world.pins.fed > 10 {
         assert_eq!(world.servos_on(), 0, "{state}");
     }
 }
 
-/// Talks for so many frames, `each` of them in a tick, and returns in which states it was how many ticks.
+/// Sends `frames` frames, `each` of them in a tick. Returns the number of ticks in each state.
 fn talk(frames: u64, each: u64, arms: bool, seed: u64) -> [u32; State::COUNT] {
     let trouble = Trouble { lost: 50, twice: 50, flipped: 50, jitter_us: 5_000 };
     let mut world = World::ready(KIND, trouble, seed, &show(KIND, 4, true));
@@ -204,7 +206,7 @@ fn talk(frames: u64, each: u64, arms: bool, seed: u64) -> [u32; State::COUNT] {
         world.tick();
         let state = world.state().expect("the rig is not replaced");
         if world.ticks.is_multiple_of(400) && !state.is_on() {
-            // After a restart, or a greeting of its own, there is another session.
+            // After a restart, or after one of its own greetings, the host has another session.
             world.host.greet();
         }
         ticks[usize::from(state.number())] += 1;

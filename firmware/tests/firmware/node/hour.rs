@@ -1,4 +1,4 @@
-//! An hour of a looping show, in accelerated time.
+//! A looping show for an hour, in accelerated time.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed};
@@ -10,7 +10,8 @@ use super::stored::show;
 use super::test_rig::{Kind, SERVOS};
 use super::world::World;
 
-/// Plays for so long, and returns the hash of all packets. Ticks take no time here: `whole` counts overruns.
+/// Plays for a time, and returns the hash of all packets. Ticks take no time in this test: the test in `whole` counts
+/// overruns.
 fn play(seconds: u64) -> u64 {
     let kind = Kind::Position;
     let mut world = World::ready(kind, Trouble::default(), 3, &show(kind, 8, true));
@@ -35,7 +36,7 @@ fn play(seconds: u64) -> u64 {
     for tick in 1..=seconds * rate_hz {
         world.tick();
         if tick % rate_hz == 0 {
-            // 100 samples a second of the show, by the board's clock.
+            // The show has 100 samples per second of the board's clock.
             let by_clock = (world.ticks - begin) * 100 / rate_hz;
             let at = sample(&world).expect("it plays") - first;
             assert!(at.abs_diff(by_clock) <= 1, "sample {at}, by the clock {by_clock}");

@@ -1,4 +1,4 @@
-//! Servos that are at once where they are commanded: for hours of a show in seconds.
+//! Servos that reach a commanded position at once, so that hours of a show run in seconds.
 
 use sinew_firmware::controller::Wire;
 use sinew_servo_bus::settings::ServoRequirements;
@@ -24,7 +24,7 @@ impl ServoBus for Ideal {
         }
         Ok(None)
     }
-    /// The positions go out.
+    /// Writes the positions.
     fn plan(&mut self, out: &mut [u8]) -> Result<Request, EncodeError> {
         for (out, rad) in out.as_chunks_mut::<4>().0.iter_mut().zip(&self.0) {
             *out = rad.to_le_bytes();
@@ -53,7 +53,7 @@ impl ServoBus for Ideal {
     }
 }
 
-/// Nobody on the line.
+/// A line without servos.
 pub(crate) struct NoServos<'h> {
     pub(crate) hash: &'h mut u64,
 }

@@ -1,11 +1,11 @@
-//! Bytes that are or were interesting, `tests/fuzz/corpus/firmware/*.hex`, one input of a fuzz target in a line.
+//! Input bytes of the fuzz targets, from `tests/fuzz/corpus/firmware/*.hex`: one input per line.
 
-/// Those of `decoders::settings`.
+/// Returns the inputs of `decoders::settings`.
 pub(crate) fn settings() -> impl Iterator<Item = Vec<u8>> {
     inputs(include_str!("../../../../tests/fuzz/corpus/firmware/settings.hex"))
 }
 
-/// Those of `decoders::node`.
+/// Returns the inputs of `decoders::node`.
 pub(crate) fn node() -> impl Iterator<Item = Vec<u8>> {
     inputs(include_str!("../../../../tests/fuzz/corpus/firmware/node.hex"))
 }

@@ -2,20 +2,21 @@
 
 use std::collections::VecDeque;
 
-/// What is wrong with a line, in parts of 1000 frames.
+/// Errors of a line, per 1000 frames.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Trouble {
     pub(crate) lost: u64,
     pub(crate) twice: u64,
     pub(crate) flipped: u64,
-    /// The longest delay, us. Frames pass each other.
+    /// Maximum delay, us. Frames may overtake each other.
     pub(crate) jitter_us: u64,
 }
 
-/// One frame in ten is lost, one in twenty comes twice, one in twenty is damaged, and they pass each other.
+/// A bad line: one frame in ten is lost, one in twenty arrives twice, one in twenty is damaged, and frames overtake
+/// each other.
 pub(crate) const BAD: Trouble = Trouble { lost: 100, twice: 50, flipped: 50, jitter_us: 10_000 };
 
-/// One direction.
+/// One direction of the host link.
 #[derive(Debug, Default)]
 pub(crate) struct Line {
     pub(crate) trouble: Trouble,
@@ -25,7 +26,7 @@ pub(crate) struct Line {
     pub(crate) frames: u64,
 }
 
-/// `SplitMix64`.
+/// Returns the next number of a `SplitMix64` generator.
 pub(crate) fn random(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -42,7 +43,7 @@ impl Line {
         random(&mut self.random) % 1000 < in_thousand
     }
 
-    /// A frame goes out now.
+    /// Sends a frame.
     pub(crate) fn send(&mut self, frame: &[u8], now_us: u64) {
         let Trouble { lost, twice, flipped, jitter_us } = self.trouble;
         let times = u32::from(!self.happens(lost)) + u32::from(self.happens(twice));
@@ -58,7 +59,7 @@ impl Line {
         }
     }
 
-    /// What has come by now.
+    /// Delivers the frames that are due.
     pub(crate) fn arrive(&mut self, now_us: u64) {
         let (mut come, rest): (Vec<_>, Vec<_>) =
             self.under_way.drain(..).partition(|(due, _)| *due <= now_us);

@@ -1,4 +1,4 @@
-//! A live stream with up to 100 ms of jitter, of which one frame in ten is lost.
+//! A live stream with up to 100 ms of jitter, in which one frame in ten is lost.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{Command, Feed, LiveFrame, Stream};
@@ -10,7 +10,8 @@ use super::world::World;
 
 const LIVE: Trouble = Trouble { lost: 100, twice: 20, flipped: 20, jitter_us: 100_000 };
 
-/// 200 frames a second were `FeedSilent`: the buffer of 24 frames had none that was due. Any rate is played now.
+/// 200 frames per second once led to `FeedSilent`: the buffer of 24 frames contained none that was due. Now any rate
+/// is played.
 #[test]
 fn a_stream_of_any_rate_is_played() {
     let kind = Kind::Current;
@@ -67,9 +68,9 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
             world.host.stream(Stream::Live(LiveFrame { sent_us: now_us as u32, q }), now_us);
             world.host.beat(now_us);
         }
-        // One command after the other, each as soon as it can be.
+        // Each command is sent as soon as it is possible.
         let next = match (asked, world.state()) {
-            // Limp it falls: it is armed when it has come to rest.
+            // Without torque the arm falls: it is armed after it has come to rest.
             (0, Some(State::Limp)) if world.now_us() > begin_us + 4_000_000 => Some(Command::Arm),
             (1, Some(State::Holding)) => Some(Command::Play(Feed::Live)),
             _ => None,
@@ -99,6 +100,6 @@ fn a_stream_with_jitter_and_loss_moves_smoothly() {
     assert_eq!(world.state(), Some(State::Playing), "{:?}", world.host.faults);
     assert!(world.host.faults.is_empty(), "{:?}", world.host.faults);
     assert!(played as f32 * dt_s > 10.0);
-    // f32 differences of positions near 1 rad over 2.5 ms: 1e-7 / 0.0025 rad/s.
+    // The tolerance covers f32 differences of positions near 1 rad over 2.5 ms: 1e-7 / 0.0025 rad/s.
     assert!(most_step <= 1.001 && most_change <= 1.01);
 }

@@ -1,8 +1,8 @@
-//! Every fault in every state once more, of a whole node: in process, and as an image in QEMU. The second table of the
+//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
 //! page `docs/fault-matrix.md`.
 //!
-//! Here a fault is made where an image can meet it: in the bytes of its bus and its line, at its pins, by its clock.
-//! The first table plants it behind the bus.
+//! These tests create a fault where an image can meet it: in the bytes of its bus and its host link, at its pins, by
+//! its clock. The first table plants it between bus and controller.
 
 use std::collections::HashMap;
 use std::thread;
@@ -24,15 +24,15 @@ use super::world::World;
 
 const KIND: Kind = Kind::Current;
 const ANN: Operator = Operator(1);
-/// Register of an XL330.
+/// Register of an XL330's position.
 const PRESENT_POSITION: u16 = 132;
-/// How long a board is away that its program has stopped: 0.2 s.
+/// Time for which a board is away after a panic: 0.2 s, in ticks.
 const RESET_TICKS: u32 = 80;
 
-/// The environment variable that lets QEMU try all cells. `cargo xtask node` sets it.
+/// Environment variable that makes QEMU test all cells. `cargo xtask node` sets it.
 const ALL: &str = "SINEW_NODE_ALL";
 
-/// Why a fault is not shown in a state.
+/// Returns the reason why a fault is not shown in a state.
 fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, HostDeaf, LinkLost, NotFinite, ServoStopped, SettingsBad,
@@ -53,7 +53,7 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
     }
 }
 
-/// Why a row differs from that of the first table.
+/// Returns the reason why a row differs from that of the first table.
 fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, Jump, LinkLate, LinkLost,
@@ -64,14 +64,14 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
         HostDeaf => "the wire from the board is dead: counted from there",
         ServoSilent => "in off it is counted from the start",
-        ServoError => "what is told in a tick counts in the next",
-        HotMeasured | SupplyLow | SupplyHigh => "it is asked once in six ticks",
+        ServoError => "an error reported in a tick counts in the next",
+        HotMeasured | SupplyLow | SupplyHigh => "it is read once in six ticks",
         HotWinding => "a reading holds 32.8 A, not 147",
         FollowingError | Range => "it runs by whole steps",
         Jump => "it is off from one reading to the next",
         NotFinite => "integers are finite",
         SettingsBad => "uploads count at a start",
-        ShowBad | ShowForeign => "the desk opens it first",
+        ShowBad | ShowForeign => "the background task checks it first",
         WatchdogReset | BrownOut => "the machine has none",
         Panic => "the program stops itself in each state",
         Swing => "it swings by whole steps, 25 times a second",
@@ -104,7 +104,7 @@ impl Tried for World {
     }
 }
 
-/// Runs to the tick behind which a node begins anew, as this command makes it.
+/// Runs to the tick after which a command makes the node restart.
 fn until_restart(world: &mut World, command: Command) {
     let (starts, now_us) = (world.starts, world.now_us());
     world.host.ask(command, now_us);
@@ -117,7 +117,7 @@ fn until_restart(world: &mut World, command: Command) {
     panic!("it does not begin anew: {:?}", world.host.outcome);
 }
 
-/// The same by an upload, to its last command.
+/// Runs to the tick after which an upload's last command makes the node restart.
 fn until_restart_by(world: &mut World, kind: ItemKind, content: &[u8], of_rig: u32) {
     let item = item(kind, content, of_rig);
     let mut outcome = None;
@@ -130,7 +130,7 @@ fn until_restart_by(world: &mut World, kind: ItemKind, content: &[u8], of_rig: u
     }
 }
 
-/// The board begins anew, with the settings that it has. Its servos go on.
+/// Restarts the board with its current settings. Its servos continue.
 fn begin_anew(world: &mut World) {
     if world.state().is_some_and(State::is_on) {
         world.ask(Command::EStop);
@@ -139,7 +139,7 @@ fn begin_anew(world: &mut World) {
     until_restart(world, Command::WriteSetting { key: 6, value: Value::Number(stop_s) });
 }
 
-/// Limp, with a show.
+/// Connects, loads the show, and runs until the rig is limp.
 fn ready(world: &mut World) {
     world.connect();
     assert!(matches!(world.ask(Command::LoadShow { slot: 0 }), Outcome::Applied(_)));
@@ -151,9 +151,9 @@ fn damage(world: &mut World, servo: usize, kind: FaultKind) {
     world.bench.faults.push(Damage { servo, at_s, for_s, kind });
 }
 
-/// From limp into a state. In `Off` a servo is silent.
+/// Brings a limp node into a state. For `Off`, a servo is silent.
 pub(super) fn enter(world: &mut World, state: State, fault: Fault) {
-    // While torque is off, the board tells only what it is asked for.
+    // While torque is off, the board sends telemetry only on request.
     let asks = |world: &mut World| {
         let telemetry = TelemetrySetting { rate_hz: 50.0, parts: TelemetryParts::SUMMARY };
         world.ask(Command::SetTelemetry(telemetry));
@@ -164,7 +164,7 @@ pub(super) fn enter(world: &mut World, state: State, fault: Fault) {
         asks(world);
     }
     bring(world, state, fault);
-    // Of a new start.
+    // The request is for the new start.
     if is_deaf && state == State::Off {
         asks(world);
     }
@@ -173,7 +173,7 @@ pub(super) fn enter(world: &mut World, state: State, fault: Fault) {
 fn bring(world: &mut World, state: State, fault: Fault) {
     match state {
         State::Off if fault == Fault::SettingsBad => {
-            // Settings of the rig before, and another rig.
+            // The settings of one rig, and then another rig.
             let (settings, crc) = (settings(KIND).bytes(), rig(KIND).1);
             until_restart_by(world, ItemKind::Settings, &settings, crc);
             ready(world);
@@ -182,12 +182,12 @@ fn bring(world: &mut World, state: State, fault: Fault) {
         State::Off => {
             damage(world, 5, FaultKind::Silent);
             if fault == Fault::ServoSilent {
-                // It is silent from the start.
+                // The servo is silent from the start.
                 return begin_anew(world);
             }
             begin_anew(world);
             world.connect();
-            // The host is heard.
+            // The board receives the host's messages.
             world.run(0.05);
         }
         State::Limp => {}
@@ -205,11 +205,12 @@ fn bring(world: &mut World, state: State, fault: Fault) {
                 State::Lowering => drop(world.ask(Command::Disarm)),
                 State::Floating => drop(world.ask(Command::Float)),
                 State::Stopping => {
-                    // Away from home first.
+                    // First the arm moves away from home.
                     world.ask(Command::Play(Feed::Show));
                     world.run(4.0);
                     if matches!(fault, Fault::LinkLost | Fault::HostDeaf) {
-                        // The way home takes less than the time-out: the link was cut before, and heat stops it.
+                        // The way home takes less than the time-out, so the link is cut before, and heat stops the
+                        // rig.
                         plant(world, fault);
                         world.run(1.1);
                         world.told.lie.celsius = Some(66);
@@ -228,7 +229,7 @@ fn bring(world: &mut World, state: State, fault: Fault) {
     assert_eq!(world.state(), Some(state), "for {fault}");
 }
 
-/// Makes a fault's condition.
+/// Creates a fault's condition.
 fn plant(world: &mut World, fault: Fault) {
     let lie = match fault {
         Fault::ServoError => Lie { alert: true, ..Lie::default() },
@@ -236,14 +237,14 @@ fn plant(world: &mut World, fault: Fault) {
         Fault::HotWinding => Lie { milliamps: Some([i16::MAX; 2]), ..Lie::default() },
         Fault::SupplyLow => Lie { decivolts: Some(30), ..Lie::default() },
         Fault::SupplyHigh => Lie { decivolts: Some(80), ..Lie::default() },
-        // It runs away by 30 deg, and stands there. What is led follows: it is ahead of any hand for long enough.
+        // An encoder that runs away by 30 deg, and stops there. While floating it runs farther, faster than any hand.
         Fault::FollowingError => {
             let is = world.bench.servos()[0].get(PRESENT_POSITION);
             let far = if world.state() == Some(State::Floating) { 1300 } else { 342 };
             let to = if is < 2048 { is + far } else { is - far };
             Lie { runs_to: Some(to), ..Lie::default() }
         }
-        // By 5 deg.
+        // The jump is 5 deg.
         Fault::Jump => Lie { off: 57, ..Lie::default() },
         Fault::Swing => {
             let is = world.bench.servos()[0].get(PRESENT_POSITION);
@@ -251,7 +252,7 @@ fn plant(world: &mut World, fault: Fault) {
             let positions = Some([is - far, is + far]);
             Lie { positions, milliamps: Some([300, -300]), ..Lie::default() }
         }
-        // Beyond the nearer end.
+        // The position is beyond the nearer end.
         Fault::Range => {
             let is_low = world.bench.servos()[0].get(PRESENT_POSITION) < 2048;
             Lie { runs_to: Some(if is_low { 158 } else { 3938 }), ..Lie::default() }
@@ -266,13 +267,13 @@ fn plant(world: &mut World, fault: Fault) {
         Fault::TorqueStuck => damage(world, 0, FaultKind::TorqueStuck),
         Fault::Overrun => world.late_us = world.tick_us(),
         Fault::EStop => world.pins.is_stopped = true,
-        // The board stands still for 0.15 s.
+        // The board stops for 0.15 s.
         Fault::ServoStopped => (0..60).for_each(|_| world.pass_tick()),
         _ => {}
     }
 }
 
-/// All conditions end.
+/// Ends all conditions.
 fn mend(world: &mut World) {
     let now_s = world.bench.time_s();
     for fault in &mut world.bench.faults {
@@ -285,7 +286,7 @@ fn mend(world: &mut World) {
     world.host.is_deaf = false;
 }
 
-/// A cell, from limp to limp.
+/// Measures a cell, from limp to limp.
 fn cell(world: &mut World, fault: Fault, state: State) -> String {
     enter(world, state, fault);
     let words = if fault == Fault::Panic {
@@ -325,9 +326,10 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
     words
 }
 
-/// A command clears it, as soon as filters have followed.
+/// Checks that a command clears a fault as soon as filters have settled.
 fn is_cleared(world: &mut World, fault: Fault) {
-    for _ in 0..40 {
+    // It goes to its rest pose and down before.
+    for _ in 0..120 {
         if world.state().is_some_and(|state| !state.is_on()) {
             world.ask(Command::ClearFaults);
             if !world.has(fault)[1] {
@@ -339,7 +341,7 @@ fn is_cleared(world: &mut World, fault: Fault) {
     panic!("{fault} is not cleared: {:?}", world.state());
 }
 
-/// All cells of these faults and states, of worlds with such boards: a world for each fault.
+/// Measures all cells of these faults and states, in a new world with such a board for each fault.
 fn cells(
     emulated: fn() -> Option<Emulated>,
     is_wanted: impl Fn(Fault, State) -> bool + Sync,
@@ -363,7 +365,7 @@ fn cells(
         }
         cells
     };
-    // As many at a time as most machines can.
+    // Two at a time, which most machines can run.
     thread::scope(|scope| {
         let workers: Vec<_> = (0..2)
             .map(|worker| {
@@ -375,7 +377,7 @@ fn cells(
     })
 }
 
-/// The second table is what happens.
+/// Checks that the second table matches the measured cells.
 fn is_the_page(emulated: fn() -> Option<Emulated>) {
     let cells = cells(emulated, |_, _| true);
     let cell = |fault: Fault, state: State| cells[&(fault.number(), state.number())].clone();
@@ -383,7 +385,7 @@ fn is_the_page(emulated: fn() -> Option<Emulated>) {
     let ends = |fault: Fault, row: &[String]| {
         let place = TABLE.iter().position(|row| row.fault == fault).unwrap();
         let line = first[place + 2];
-        // Number and name stand before them.
+        // The cells are after number and name.
         let same = line.trim_matches('|').split('|').skip(2).map(str::trim).take(row.len()).eq(row);
         let why = if same { Some("the same") } else { why_it_differs(fault) };
         vec![why.unwrap_or("NOT EXPLAINED").to_owned()]
@@ -396,7 +398,7 @@ fn the_second_table_is_what_happens_in_process() {
     is_the_page(|| None);
 }
 
-/// One state of each fault that can be shown: of its states the one that the faults before have least.
+/// Returns a state for each fault that can be shown: the one that the faults before use least.
 fn share() -> Vec<(Fault, State)> {
     let mut times = [0; State::COUNT];
     let mut share = Vec::new();
@@ -411,7 +413,7 @@ fn share() -> Vec<(Fault, State)> {
     share
 }
 
-/// Emulators are slow: of each fault one state, unless [`ALL`] is set.
+/// Emulators are slow: each fault is tested in only one state unless [`ALL`] is set.
 #[test]
 #[ignore = "needs the image that `cargo xtask node` builds"]
 fn the_second_table_is_what_happens_in_qemu() {

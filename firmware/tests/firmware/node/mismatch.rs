@@ -1,4 +1,4 @@
-//! Rig, settings and show that do not belong together, or are bad: nothing moves.
+//! With a rig, settings and a show that do not fit together, or are bad, nothing moves.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
@@ -23,7 +23,7 @@ fn a_show_of_another_rig_is_refused() {
     let (mine, theirs) = (rig(KIND).1, rig(Kind::Position).1);
     let refused = Outcome::Refused(Refusal::OtherRig { show: theirs, rig: mine });
     assert_eq!(world.upload(&item(ItemKind::Show, &other, theirs), &other), refused);
-    // Also where its item says another rig than its content.
+    // This is also refused if its item names another rig than its content.
     assert_eq!(world.upload(&item(ItemKind::Show, &other, mine), &other), refused);
     assert_eq!(world.ask(Command::LoadShow { slot: 1 }), Outcome::Refused(Refusal::Unknown));
 }
@@ -43,14 +43,14 @@ fn settings_of_the_rig_before_refuse_motion() {
     assert_eq!((world.state(), world.servos_on()), (Some(State::Faulted), 0));
     assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
     assert_eq!(world.ask(Command::ClearFaults), Outcome::Refused(Refusal::NeedsUpload(13)));
-    // One setting alone would make those of the other rig count for this one.
+    // A single setting would make the other rig's settings valid for this rig.
     let one = Command::WriteSetting { key: 6, value: Value::Number(8.0) };
     assert_eq!(world.ask(one), Outcome::Refused(Refusal::NeedsUpload(13)));
     assert!(world.restart());
     world.connect();
     world.run(1.0);
     assert_eq!(world.state(), Some(State::Faulted));
-    // Good settings of this rig mend it.
+    // Good settings for this rig clear the fault.
     world.upload(&item(ItemKind::Settings, &settings, crc), &settings);
     world.connect();
     world.until(State::Limp, 2.0);
@@ -59,7 +59,7 @@ fn settings_of_the_rig_before_refuse_motion() {
 #[test]
 fn a_rig_that_flash_has_lost_refuses_motion() {
     let mut world = ready();
-    // Of every copy in the log, the place of the first servo.
+    // Damages the position of the first servo in every copy in the log.
     let (bytes, _) = rig(KIND);
     let mut flash = world.chip.flash.borrow_mut();
     let copies: Vec<usize> =
@@ -75,8 +75,8 @@ fn a_rig_that_flash_has_lost_refuses_motion() {
     assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
 }
 
-/// The newest settings are damaged, those of before are whole: they are not taken in silence, at no start, until
-/// somebody stands for settings anew; also for the same ones.
+/// The newest settings are damaged and the previous ones are complete: no start uses the previous settings silently
+/// until somebody approves settings again, even if they are the same ones.
 #[test]
 fn older_settings_do_not_count_where_newer_ones_are_damaged() {
     let mut world = ready();
@@ -84,7 +84,7 @@ fn older_settings_do_not_count_where_newer_ones_are_damaged() {
         world.ask(Command::WriteSetting { key: 6, value: Value::Number(value) });
         world.connect();
     }
-    // A bit of the newest ones: of key 6, 9 s.
+    // A bit of the newest settings: key 6 with 9 s.
     let key: Vec<u8> = 6_u16.to_le_bytes().into_iter().chain(9_f32.to_le_bytes()).collect();
     let mut flash = world.chip.flash.borrow_mut();
     let at = flash.bytes.windows(key.len()).rposition(|bytes| bytes == key).unwrap();
@@ -103,7 +103,7 @@ fn older_settings_do_not_count_where_newer_ones_are_damaged() {
         let one = Command::WriteSetting { key: 6, value: Value::Number(8.0) };
         assert_eq!(world.ask(one), Outcome::Refused(Refusal::NeedsUpload(13)));
     }
-    // The older ones, bit for bit, with their descriptor.
+    // The older settings, bit for bit, with their descriptor.
     let settings = settings(KIND).with(6, 8.0).unwrap().bytes();
     let mut same = item(ItemKind::Settings, &settings, rig(KIND).1);
     same.approver = "host, one setting".try_into().unwrap();
@@ -129,7 +129,7 @@ fn what_cannot_be_used_does_not_replace_what_can() {
     let settings = [1, 0, 0, 0, 192, 127];
     let refused = upload(&mut world, &item(ItemKind::Settings, &settings, crc), &settings);
     assert_eq!(refused, Outcome::Refused(Refusal::Value));
-    // Another hash than was said.
+    // The declared hash is not that of the content.
     let mut lie = item(ItemKind::Rig, &good, 0);
     lie.hash[0] ^= 1;
     assert_eq!(upload(&mut world, &lie, &good), Outcome::Refused(Refusal::Hash));

@@ -1,4 +1,4 @@
-//! A whole node with simulated servos and flash, and a host on a bad line, in process.
+//! Tests of a whole node with simulated servos and flash, and a host on a bad line, in process.
 
 #![expect(
     clippy::cast_possible_truncation,

@@ -1,4 +1,4 @@
-//! The settings on the page `docs/link.md`: numbers, names, defaults and bounds are those of the code.
+//! Checks the settings on the page `docs/link.md`: numbers, names, defaults and bounds must be those of the code.
 
 use std::fmt::Write;
 
@@ -17,7 +17,7 @@ fn assert_on_page(text: &str) {
     assert!(PAGE.contains(text), "docs/link.md lacks this:\n{text}");
 }
 
-/// The board's own, and what each may be beside the others' own.
+/// Each setting is shown with the board's default and its bounds, while all others have their defaults.
 #[test]
 fn settings_are_on_the_page_of_the_link() {
     // The tick of 2.5 ms is the rig's.
@@ -48,7 +48,7 @@ fn schema_versions_are_on_the_page_of_the_link() {
     assert_on_page(&table);
 }
 
-/// Numbers that a stranger reads in a summary or a refusal.
+/// A user reads these numbers in a summary or a refusal.
 #[test]
 fn faults_are_on_the_page_of_the_link() {
     let list = TABLE.iter().map(|row| format!("{} {}", row.fault.number(), row.fault.name()));

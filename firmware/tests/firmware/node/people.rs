@@ -1,4 +1,4 @@
-//! What people near the rig do: the emergency stop, maintenance, a second host.
+//! Actions of people near the rig: the emergency stop, maintenance, a second host.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
@@ -28,12 +28,12 @@ fn the_emergency_stop_is_told_and_its_release_moves_nothing() {
     assert_eq!((world.state(), world.servos_on()), (Some(State::Playing), SERVOS));
     world.pins.is_stopped = true;
     world.tick();
-    // In the packets of this very tick.
+    // Torque is off by the packets of this very tick.
     assert_eq!((world.state(), world.servos_on()), (Some(State::Faulted), 0));
     assert!(!world.pins.outputs);
     world.run(1.0);
     assert_eq!(world.ask(Command::ClearFaults), Outcome::Refused(Refusal::StillThere(16)));
-    // The first fault stays over a loss of power, with its time, also where another comes.
+    // The first fault survives a loss of power, with its time, even if another fault follows.
     let told = *world.host.faults.iter().find(|fault| !fault.is_warning()).unwrap();
     assert_eq!((told.fault, told.state), (16, message::State::Playing));
     assert!(world.restart());
@@ -63,7 +63,8 @@ fn maintenance_is_slow_and_ends_with_the_button() {
         let (q, qd) = control.controller().commanded();
         (q[1], qd.iter().fold(0.0, |most: f32, speed| most.max(speed.abs())))
     };
-    // Limp, the joint has sunk to an end of its range. 10 deg/s, whatever is asked for; bob's button counts nothing.
+    // Without torque the joint has sunk to an end of its range. The speed is 10 deg/s for any request, and the second
+    // operator's button has no effect.
     for (operator, moves) in [(bob, false), (ann, true)] {
         let (before, mut most) = (place(&world).0, 0.0_f32);
         for _ in 0..50 {
@@ -78,7 +79,7 @@ fn maintenance_is_slow_and_ends_with_the_button() {
         assert_eq!(moved > 0.05, moves);
         assert!(most <= 10.0_f32.to_radians() * 1.001);
     }
-    // The button is released, the jog is not: it stands 0.2 s later, and the time it takes to stop.
+    // The button is released and the jog continues: the joint must stop 0.2 s later, plus its braking time.
     let mut stands = None;
     for step in 0..50 {
         let now_us = world.now_us();
@@ -104,7 +105,7 @@ fn a_second_host_is_refused_while_torque_is_on_but_may_stop() {
     world.run(0.1);
     let refused = world.host.welcome.unwrap();
     assert_eq!((refused.session, refused.verdict), (0, Err(Misfit::Busy)));
-    // An emergency stop of any session counts.
+    // An emergency stop of any session is accepted.
     let stop = message::Numbered { session: 0, seq: 9, item: Command::EStop };
     let now_us = world.now_us();
     world.host.send(&ToController::Command(stop), now_us);

@@ -1,4 +1,5 @@
-//! Power fails at every step of flash, with the whole node over it: old or new, never neither.
+//! Power fails at every step of flash, under a whole node: afterwards the old or the new data is there, never
+//! neither.
 
 use sinew_link::message::{
     Applied, Command, FaultReport, Kind as ItemKind, Location, Outcome, Value,
@@ -15,7 +16,7 @@ use super::world::World;
 
 const KIND: Kind = Kind::Current;
 
-/// All that a host sees of what is stored.
+/// All that a host can read of the stored data.
 #[derive(Debug, PartialEq)]
 struct Seen {
     setting: Outcome,
@@ -37,7 +38,7 @@ fn look(world: &mut World) -> Seen {
     Seen { setting, items, first_fault: record.map(|record| record.fault), last_faults: count }
 }
 
-/// Does something with power that fails at every step, and looks what is there then.
+/// Runs an action with a power failure at every step, and checks the stored data each time.
 fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
     let mut world = World::new(KIND, Trouble::default(), 9);
     let begin = |world: &mut World, seed: u32| {
@@ -61,7 +62,7 @@ fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
     let new = look(&mut world);
     assert_ne!(old, new);
     let (mut seen, mut asked) = ([0; 2], 0);
-    // With the last one power does not fail.
+    // In the last pass power does not fail.
     for cut in 0..=steps {
         begin(&mut world, cut);
         world.chip.flash.borrow_mut().power = Some(cut);
@@ -69,13 +70,14 @@ fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
         again(&mut world);
         let found = look(&mut world);
         if is_damaged(&mut world) {
-            // Within the seal: nobody can tell it from damage. The old ones are there, and do not count.
+            // The cut was within the seal, where it cannot be distinguished from damage. The old items are there, and
+            // are not used.
             assert_eq!((&found.setting, &found.items), (&old.setting, &old.items), "cut at {cut}");
             asked += 1;
             act(&mut world);
             again(&mut world);
             if is_damaged(&mut world) {
-                // A setting alone does not mend settings.
+                // A single setting does not repair settings.
                 let settings = settings(KIND).bytes();
                 world.upload(&item(ItemKind::Settings, &settings, rig(KIND).1), &settings);
             }
@@ -85,7 +87,7 @@ fn cut_everywhere(base: &MockFlash, mut act: impl FnMut(&mut World)) {
         assert!(found == old || found == new, "cut at {cut}: {found:?}");
         seen[usize::from(found == new)] += 1;
         if found == old {
-            // It goes on where it was cut; what the cut has spoilt begins anew.
+            // The action continues where it was cut; an item that the cut has spoilt is written again.
             act(&mut world);
             act(&mut world);
             again(&mut world);
@@ -104,7 +106,7 @@ fn is_damaged(world: &mut World) -> bool {
     [Stored::Settings, Stored::Rig].into_iter().any(|kind| store.is_damaged(kind).unwrap())
 }
 
-/// Flash of a board that has a rig, a setting, a show, and a fault.
+/// Returns the flash of a board that has a rig, a setting, a show, and a fault.
 fn base() -> MockFlash {
     let old = show(KIND, 1, false);
     let mut world = World::ready(KIND, Trouble::default(), 9, &old);
@@ -136,7 +138,7 @@ fn an_upload_is_old_or_new() {
     let next = show(KIND, 1, true);
     let show_item = item(ItemKind::Show, &next, crc);
     cut_everywhere(&base(), |world| _ = world.upload(&show_item, &next));
-    // The same rig, which somebody else has approved.
+    // An upload of the stored rig, approved by another person.
     let mut rig_item = item(ItemKind::Rig, &bytes, 0);
     rig_item.approver = "Grace, rigger".try_into().unwrap();
     cut_everywhere(&base(), |world| _ = world.upload(&rig_item, &bytes));

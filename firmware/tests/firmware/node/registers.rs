@@ -1,4 +1,5 @@
-//! A servo that is set up otherwise than the rig asks: the host is told which, and what.
+//! A servo whose settings differ from the rig's requirements: the host receives the servo, the register and the
+//! values.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{self, Applied, Command, Outcome, Refusal};
@@ -11,10 +12,10 @@ use super::world::World;
 #[test]
 fn the_host_hears_which_register_keeps_a_rig_from_being_armed() {
     for (kind, address, found, expected) in [
-        // Position mode in place of current mode; an answer after 500 us.
+        // Position mode instead of current mode; an answer after 500 us.
         (Kind::Current, 11, 3, 0),
         (Kind::Current, 9, 250, 1),
-        // Position mode in place of PWM mode.
+        // Position mode instead of PWM mode.
         (Kind::Voltage, 11, 3, 16),
         (Kind::Position, 33, 1, 0),
         (Kind::Position, 21, 16, 32),

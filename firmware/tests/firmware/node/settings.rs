@@ -1,4 +1,4 @@
-//! Settings that the next start would refuse are refused at once, with what would be right.
+//! Settings that the next start would refuse are refused at once, with their bounds.
 
 use sinew_firmware::node::{SETTING_NAMES, SettingsError};
 use sinew_firmware::supervisor::State;
@@ -14,7 +14,7 @@ fn write(key: u16, value: f32) -> Command {
     Command::WriteSetting { key, value: Value::Number(value) }
 }
 
-/// The number of a setting that is refused, and what it may be.
+/// Returns the key of a refused setting, and its bounds.
 fn bounds(outcome: &Outcome, value: f32) -> (u16, [f32; 2]) {
     let Outcome::Refused(Refusal::Setting { key, found, least, most }) = *outcome else {
         panic!("{value} is not refused as a setting: {outcome:?}")
@@ -31,20 +31,20 @@ fn what_the_next_start_would_refuse_is_refused_at_once() {
         for key in (1..).take(SETTING_NAMES.len()) {
             for value in [-1.0, 1e9] {
                 let (of, [least, most]) = bounds(&world.ask(write(key, value)), value);
-                // What says how long the link may be silent has two: the second is to be longer than the first.
+                // The two time-outs of the link depend on each other: the second must be longer than the first.
                 assert!(of == key, "{of} for {key}");
                 assert!(least <= most, "{key}: {least} to {most}");
             }
         }
-        // As long as one tick, though the bus reads a servo only so often.
+        // A reading must be valid for at least a tick, and longer where the bus reads a servo less often.
         let tick_s = 1.0 / kind.rate_hz() as f32;
         let (key, [least_s, _]) = bounds(&world.ask(write(13, 0.9 * tick_s)), 0.9 * tick_s);
         assert!(key == 13 && least_s >= tick_s, "{least_s}");
-        // The link is lost later than it is late.
+        // The time-out for a lost link must be longer than that for a late link.
         assert_eq!(bounds(&world.ask(write(1, 2.0)), 2.0), (2, [2.01, 60.0]));
-        // The same of all settings in one upload.
+        // An upload of all settings together finds this error, too.
         let mut bytes = settings(kind).bytes();
-        // Each has its key, of two bytes, and its value, of four; they are in order, from key 1.
+        // Each setting has a key of two bytes and a value of four; they are in order, from key 1.
         let at = 12 * 6 + 2;
         bytes[at..at + 4].copy_from_slice(&(0.9 * tick_s).to_le_bytes());
         let of: Item = item(ItemKind::Settings, &bytes, rig(kind).1);
@@ -53,7 +53,7 @@ fn what_the_next_start_would_refuse_is_refused_at_once() {
         assert_eq!(world.starts, starts, "nothing was stored");
         let told = world.ask(Command::ReadSetting { key: 13 });
         assert_eq!(told, Outcome::Applied(Applied::Setting(Value::Number(0.1))));
-        // What was said to be right is taken, and the rig starts with it.
+        // The bound that was reported is accepted, and the rig starts with it.
         assert!(matches!(world.ask(write(13, least_s)), Outcome::Applied(_)));
         world.connect();
         assert_eq!(world.starts, starts + 1);
@@ -66,7 +66,7 @@ fn what_is_taken_is_what_a_start_takes() {
     let (mut seed, mut counts) = (32, [0; 2]);
     for _ in 0..3000 {
         let key = random(&mut seed) as u16 % (SETTING_NAMES.len() as u16 + 2);
-        // Next to what is, as a rule; else any number.
+        // Usually a value close to the current one, otherwise any number.
         let own = settings(Kind::Current).get(key).unwrap_or(1.0);
         let value = match random(&mut seed) % 3 {
             0 => f32::from_bits(random(&mut seed) as u32),

@@ -1,4 +1,4 @@
-//! Who may change flash, and when: orders that come faster than the loop takes them.
+//! Permission to change flash: commands that arrive faster than the loop handles them.
 
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{
@@ -16,7 +16,8 @@ fn ready() -> World {
     World::ready(KIND, Trouble::default(), 31, &show(KIND, 20, true))
 }
 
-/// Commands that all come in one tick. The host itself has to say hello anew: their numbers are far ahead of its own.
+/// Sends commands that all arrive in one tick. Afterwards the host must connect again: their numbers are far ahead of
+/// its own.
 fn at_once(world: &mut World, commands: &[Command]) {
     let session = world.host.welcome.unwrap().session;
     let now_us = world.now_us();
@@ -30,13 +31,14 @@ fn at_once(world: &mut World, commands: &[Command]) {
 #[test]
 fn a_show_stays_while_the_loop_may_read_it() {
     let mut world = ready();
-    // Another show; the loop lets go of the first.
+    // Another show is uploaded; the loop releases the first.
     let (other, crc) = (show(KIND, 1, false), rig(KIND).1);
     world.upload(&item(ItemKind::Show, &other, crc), &other);
     let load = |slot| Command::LoadShow { slot };
     let delete = |slot| Command::DeleteShow { slot };
     let begin = Command::BeginUpload(item(ItemKind::Show, &show(KIND, 2, false), crc));
-    // The chip panics where a show changes under the loop. Without that, the second order would be carried out.
+    // The chip panics if a show changes while the loop reads it. Without the protection, the second command would be
+    // executed.
     at_once(&mut world, &[load(1), delete(1), begin]);
     world.connect();
     at_once(&mut world, &[delete(1), load(1)]);
@@ -65,7 +67,7 @@ fn nobody_arms_between_a_setting_and_its_restart() {
     world.run(2.0);
     assert_eq!((world.state(), world.starts), (Some(State::Limp), 2));
     let setting = Command::WriteSetting { key: 6, value: Value::Number(8.0) };
-    // The outbox is not empty: the restart waits.
+    // The outbox is not empty, so the restart waits.
     world.host.reads = false;
     at_once(&mut world, &[Command::Arm, setting]);
     assert_eq!((world.state(), world.servos_on()), (Some(State::Limp), 0));

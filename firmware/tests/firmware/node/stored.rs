@@ -1,4 +1,4 @@
-//! What a host uploads: the arm's rig, a show, and what they are.
+//! The content that a host uploads: the arm's rig, its settings and a show, with their descriptions.
 
 use sinew_firmware::node::{NodeSettings, SETTINGS_SCHEMA, SHOW_SCHEMA};
 use sinew_link::message::{Item, Kind as ItemKind};
@@ -7,7 +7,7 @@ use sinew_storage::Hash;
 use super::swing::swing;
 use super::test_rig::{Kind, figure, setup};
 
-/// Bytes of the arm's rig, and their CRC.
+/// Returns the bytes of the arm's rig, and their CRC.
 pub(crate) fn rig(kind: Kind) -> (Vec<u8>, u32) {
     let mut bytes = vec![0; 16_384];
     let len = figure(kind).board.encode(&mut bytes).unwrap();
@@ -16,13 +16,13 @@ pub(crate) fn rig(kind: Kind) -> (Vec<u8>, u32) {
     (bytes, crc)
 }
 
-/// The board's settings.
+/// Returns the board's settings.
 pub(crate) fn settings(kind: Kind) -> NodeSettings {
     let parts = setup(kind);
     NodeSettings::new(parts.settings, parts.schedule)
 }
 
-/// A show of that rig.
+/// Returns a show for the arm's rig.
 pub(crate) fn show(kind: Kind, seconds: u32, is_loop: bool) -> Vec<u8> {
     swing(kind, seconds, is_loop, rig(kind).1)
 }

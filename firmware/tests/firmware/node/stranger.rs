@@ -1,4 +1,4 @@
-//! A second program at a line where a first one has the rig, in every state: the third table of the page
+//! A second program on a line where a first one uses the rig, in every state: the third table of the page
 //! `docs/fault-matrix.md`.
 
 use sinew_firmware::supervisor::{Fault, State};
@@ -16,7 +16,7 @@ use super::world::World;
 const KIND: Kind = Kind::Current;
 const NONCE: u32 = 77;
 
-/// What comes back to the second program.
+/// Sends a message of the second program and returns the answer.
 fn said(world: &mut World, message: &ToController) -> ToHost {
     let now_us = world.now_us();
     world.host.others.clear();
@@ -31,7 +31,7 @@ fn said(world: &mut World, message: &ToController) -> ToHost {
 }
 
 fn asked(world: &mut World, session: u16, command: Command) -> Outcome {
-    // Far ahead of the numbers of the first one.
+    // The number is far ahead of the first program's numbers.
     let numbered = Numbered { session, seq: 5_000, item: command };
     match said(world, &ToController::Command(numbered)) {
         ToHost::Answer(answer) => answer.item,
@@ -39,7 +39,8 @@ fn asked(world: &mut World, session: u16, command: Command) -> Outcome {
     }
 }
 
-/// Greets, asks the first one's questions, then says `Hold` and `Stop`: a column of the table.
+/// Returns a column of the table: the second program says hello, the first one sends a command, then the second one
+/// sends `Hold` and `Stop`.
 fn column(state: State) -> [String; 4] {
     let mut world = World::new(KIND, Trouble::default(), 29);
     world.store(&show(KIND, 20, true));
@@ -60,7 +61,7 @@ fn column(state: State) -> [String; 4] {
         (greeted == "busy", first),
         (state.is_on(), if state.is_on() { "goes on" } else { "session over" })
     );
-    // What was under way goes on meanwhile.
+    // A motion in progress continues meanwhile.
     let before = world.state();
     let hold = match asked(&mut world, welcome.session, Command::Hold) {
         Outcome::Refused(Refusal::Session) => "refused, session",
@@ -68,7 +69,7 @@ fn column(state: State) -> [String; 4] {
         other => panic!("{state}: {other:?}"),
     };
     assert_eq!(world.state(), before, "{state}");
-    // Of a number that is behind all, and of no session: danger is danger.
+    // With an old number and no session: a stop is accepted in any case.
     let stop = Numbered { session: 0, seq: 0, item: Command::Stop };
     let stopped = match said(&mut world, &ToController::Command(stop)) {
         ToHost::Answer(Numbered { item: Outcome::Applied(_), .. }) => {

@@ -1,58 +1,58 @@
-//! What servo 0 tells that is not so: its bytes are changed on their way, with the check that goes with them.
+//! False readings of servo 0: its bytes are changed in transit, together with their checksum.
 
 use sinew_servo_bus::dynamixel::crc::Crc;
 use sinew_servo_bus::dynamixel::table::address;
 use sinew_servo_bus::dynamixel::{BROADCAST, HEADER};
 
-/// Of an XL330: 0.1 V, 1 mA, a turn in 4096 counts.
+/// False readings of an XL330, in its units: 0.1 V, 1 mA, 4096 counts per turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Lie {
-    /// It reports an overload.
+    /// Whether the servo reports an overload.
     pub(crate) alert: bool,
     pub(crate) celsius: Option<u8>,
     pub(crate) decivolts: Option<u16>,
     pub(crate) milliamps: Option<[i16; 2]>,
-    /// It swings between the one and the other, a swing in 16 answers.
+    /// Two positions between which the encoder swings, once in 16 answers.
     pub(crate) positions: Option<[i32; 2]>,
-    /// It runs away to there, as fast as a servo may that is pushed.
+    /// Position to which the reading runs away, as fast as a servo that is pushed may move.
     pub(crate) runs_to: Option<i32>,
-    /// It is so far off.
+    /// Offset of the position, counts.
     pub(crate) off: i32,
 }
 
 #[derive(Default)]
 pub(crate) struct Told {
     pub(crate) lie: Lie,
-    /// What was asked of one servo.
+    /// Address that a single servo was asked for.
     asked: Option<u16>,
-    /// Answers of servo 0 since it lies.
+    /// Number of answers of servo 0 since it has a false position.
     answers: usize,
-    /// A position that runs away, and how far in the last answer.
+    /// Position of an encoder that runs away, and its way in the last answer, steps.
     runs: Option<[i32; 2]>,
-    /// Of the answer of all in one packet, as far as it has come.
+    /// Checksum of the answer of all servos in one packet, as far as it has arrived.
     fast: Option<Crc>,
 }
 
 const READ: u8 = 0x02;
-/// Id of servo 0.
+/// Bus ID of servo 0.
 const ID: u8 = 1;
-/// Bytes in front of error and data of a status.
+/// Number of bytes before error and data of a status packet.
 const HEAD: usize = 8;
-/// Answers in half a swing.
+/// Number of answers in half a swing.
 const EACH: usize = 8;
-/// The most that a position runs from one answer to the next, and by how much more than before.
+/// Maximum movement of a running position between two answers, and its maximum increase.
 const RUNS: [i32; 2] = [40, 5];
 const OVERLOAD: u8 = 1 << 5;
 
 impl Told {
-    /// Bytes of the board: the last packet of them is its question.
+    /// Records the board's bytes: their last packet is its question.
     pub(crate) fn asked(&mut self, bytes: &[u8]) {
         self.fast = None;
         let is_read = bytes.len() == 14 && bytes[7] == READ;
         self.asked = is_read.then(|| u16::from_le_bytes([bytes[8], bytes[9]]));
     }
 
-    /// What comes of what a servo says.
+    /// Returns the changed bytes of a servo's answer.
     pub(crate) fn told(&mut self, said: &[u8]) -> Vec<u8> {
         let mut said = said.to_vec();
         if self.lie == Lie::default() {
@@ -64,7 +64,7 @@ impl Told {
         let is_first = said.starts_with(&HEADER);
         let is_fast = self.asked.is_none();
         if is_first && said[4] == if is_fast { BROADCAST } else { ID } {
-            // In an answer of all, the id stands between error and data.
+            // In the answer of all servos, the id is between error and data.
             let data = HEAD + 1 + usize::from(is_fast);
             let is_mine = !is_fast || said[HEAD + 1] == ID;
             if is_mine {

@@ -1,4 +1,4 @@
-//! A board with flash, line and servos, and its host.
+//! A board with flash, bus line and servos, and its host.
 
 use std::cell::RefCell;
 
@@ -21,7 +21,7 @@ use super::told::Told;
 
 type Loop = ControlLoop<'static, 8, 8, 8, 8>;
 
-/// The board from one power-on to the next.
+/// The board from a power-on to the next.
 pub(crate) struct Board {
     pub(crate) control: Option<(Loop, Bus)>,
     pub(crate) background: BackgroundTask<'static, Chip, 8, 8, 8, 8>,
@@ -38,21 +38,21 @@ pub(crate) struct World {
     pub(crate) hash: u64,
     pub(crate) starts: u16,
     pub(crate) ticks: u64,
-    /// It did not start: its flash has no power.
+    /// Whether the board did not start because its flash has no power.
     pub(crate) is_dead: bool,
-    /// In place of simulated servos.
+    /// Ideal servos that replace the simulated ones.
     pub(crate) ideal: Option<Ideal>,
-    /// In place of the board in process.
+    /// An emulated board that replaces the one in process.
     pub(crate) emulated: Option<Emulated>,
-    /// All that the loop has [`commanded`].
+    /// Hash of all that the loop has [`commanded`].
     pub(crate) commanded: u64,
-    /// Steps below the loop in each tick.
+    /// Number of the background task's steps per tick.
     pub(crate) steps: u32,
-    /// What servo 0 tells that is not so.
+    /// False readings of servo 0.
     pub(crate) told: Told,
-    /// What went out to servos in the last tick.
+    /// Bytes that were sent to servos in the last tick.
     pub(crate) sent: Vec<u8>,
-    /// By how much each tick of the loop takes longer, us.
+    /// Time by which each tick of the loop is longer, us.
     pub(crate) late_us: u64,
 }
 
@@ -86,7 +86,7 @@ impl World {
         Self::with(kind, Chip::new(), trouble, seed)
     }
 
-    /// With this flash.
+    /// Creates a world whose board has this flash.
     pub(crate) fn with(kind: Kind, chip: Chip, trouble: Trouble, seed: u64) -> Self {
         let board = boot(kind, &chip, first_session(1), FaultSet::EMPTY).unwrap();
         Self {
@@ -110,7 +110,7 @@ impl World {
         }
     }
 
-    /// With rig and show stored, a host that is welcome, and the show loaded.
+    /// Creates a world with rig and show stored, a connected host, and the show loaded.
     pub(crate) fn ready(kind: Kind, trouble: Trouble, seed: u64, show: &[u8]) -> Self {
         let mut world = Self::new(kind, Trouble::default(), seed);
         world.store(show);
@@ -118,7 +118,7 @@ impl World {
         world
     }
 
-    /// Uploads rig and show, and loads it.
+    /// Uploads rig and show, and loads the show.
     pub(crate) fn store(&mut self, show: &[u8]) {
         self.connect();
         let (bytes, crc) = rig(self.kind);
@@ -136,12 +136,12 @@ impl World {
         self.ticks * self.tick_us()
     }
 
-    /// The board begins anew, with what is in flash; its clock goes on, as the host's does.
+    /// Restarts the board with the data in flash; its clock continues, and so does the host's.
     pub(crate) fn restart(&mut self) -> bool {
         self.restart_after(FaultSet::EMPTY)
     }
 
-    /// The same, for these reasons.
+    /// Restarts the board for these reasons.
     fn restart_after(&mut self, causes: FaultSet) -> bool {
         self.starts += 1;
         self.pins.outputs = false;
@@ -150,13 +150,13 @@ impl World {
         board.map(|board| self.board = board).is_some()
     }
 
-    /// Time passes, and no board is there.
+    /// Lets a tick of time pass without a board.
     pub(crate) fn pass_tick(&mut self) {
         self.bench.run_us(self.tick_us() as u32);
         self.ticks += 1;
     }
 
-    /// The board's program stops itself. It begins anew after so many ticks; `look` sees the servos after each.
+    /// Makes the board's program panic. The board starts again after `ticks`; `look` sees the servos after each tick.
     pub(crate) fn panic(&mut self, ticks: u32, mut look: impl FnMut(&Bench<'static, Vec<Arm>>)) {
         if let Some(emulated) = &mut self.emulated {
             emulated.panic();
@@ -170,7 +170,7 @@ impl World {
         }
     }
 
-    /// Whether a fault is there, and whether it is latched.
+    /// Returns whether a fault is present, and whether it is latched.
     pub(crate) fn has(&self, fault: Fault) -> [bool; 2] {
         if let Some(emulated) = &self.emulated {
             return emulated.has(fault);
@@ -229,7 +229,7 @@ impl World {
         self.host.step(now_us);
     }
 
-    /// Steps below the loop; an emulated board has made them.
+    /// Runs the steps of the background task; an emulated board has run them already.
     fn below(&mut self) {
         if self.emulated.is_some() {
             return;
@@ -248,7 +248,7 @@ impl World {
         }
     }
 
-    /// What must hold in each tick, whatever the host says.
+    /// Checks what must be true in each tick, whatever the host sends.
     fn check(&mut self) {
         let Some((control, _)) = &self.board.control else { return };
         let controller = control.controller();
@@ -286,7 +286,7 @@ impl World {
         panic!("{state} did not come: {:?}, faults {:?}", self.state(), self.host.faults);
     }
 
-    /// Says hello until there is a welcome.
+    /// Says hello until the host is welcome.
     pub(crate) fn connect(&mut self) {
         self.host.greet();
         for _ in 0..4000 {
@@ -298,7 +298,7 @@ impl World {
         panic!("no welcome: {:?}", self.host.welcome);
     }
 
-    /// Sends a command until its answer comes.
+    /// Sends a command and waits for its answer.
     pub(crate) fn ask(&mut self, command: Command) -> Outcome {
         self.host.ask(command, self.now_us());
         for _ in 0..20_000 {
@@ -310,7 +310,7 @@ impl World {
         panic!("no answer");
     }
 
-    /// An upload, block by block, to its end.
+    /// Uploads an item, block by block.
     pub(crate) fn upload(&mut self, item: &Item, content: &[u8]) -> Outcome {
         let mut outcome = None;
         loop {
@@ -324,7 +324,7 @@ impl World {
         }
     }
 
-    /// Arms, as soon as the rig rests.
+    /// Arms as soon as the rig rests.
     pub(crate) fn arm(&mut self) -> Outcome {
         for _ in 0..300 {
             let outcome = self.ask(Command::Arm);

@@ -1,4 +1,4 @@
-//! The search, and the rules. It knows the table of faults and no more of the supervisor's inside.
+//! The search and the rules. It knows only the table of faults of the supervisor's internals.
 
 use std::collections::{HashSet, VecDeque};
 use std::fmt;
@@ -11,13 +11,13 @@ use sinew_firmware::supervisor::{
 
 use super::events::Events;
 
-/// What was looked at.
+/// Numbers of modes and steps that were checked.
 pub(crate) struct Counts {
     pub(crate) modes: usize,
     pub(crate) steps: usize,
 }
 
-/// A rule that was broken, and where.
+/// A broken rule, with the step that breaks it.
 pub(crate) struct Violation {
     pub(crate) rule: &'static str,
     from: Watched,
@@ -33,19 +33,20 @@ impl fmt::Display for Violation {
     }
 }
 
-/// A mode, and what an onlooker remembers of how it came there.
+/// A mode with an observer's memory of the events that led to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 struct Watched {
     mode: Mode,
     /// An arm command was applied since torque was off.
     was_armed: bool,
-    /// A stop, a disarm command or a fault has begun to end what the rig did.
+    /// A stop, a disarm command or a fault has begun to end the rig's motion.
     is_ending: bool,
-    /// A serious fault came, and neither a clearing nor an upload since.
+    /// A serious fault occurred, and since then neither a clear command nor an upload.
     is_blamed: bool,
 }
 
-/// Every mode that `step` can reach, by every event; breadth first, so that what breaks a rule is found by few steps.
+/// Checks every mode that `step` can reach, with every event. The search is breadth first, so that a broken rule is
+/// found with few steps.
 pub(crate) fn check(
     events: &Events,
     step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>),
@@ -53,7 +54,7 @@ pub(crate) fn check(
     let mut found = HashSet::from([Watched::default()]);
     let mut waiting = VecDeque::from([Watched::default()]);
     let mut steps = 0;
-    // Events in a row lead to one place more often than not: it is looked up once.
+    // Consecutive events usually lead to the same mode: it is looked up only once.
     let mut last = Watched::default();
     while let Some(from) = waiting.pop_front() {
         for event in events.iter() {
@@ -99,7 +100,7 @@ impl Watched {
     }
 }
 
-/// Fails with the rule that a step breaks.
+/// Returns the rule that a step breaks, if any.
 fn keeps_rules(
     from: &Watched,
     event: &Event,
@@ -178,7 +179,7 @@ fn keeps_rules(
     hold(has_one_operator(from, event, to), "one operator has the rig until he or she leaves it")
 }
 
-/// Fails with a rule that does not hold.
+/// Returns the rule as an error if it is broken.
 fn hold(holds: bool, rule: &'static str) -> Result<(), &'static str> {
     if holds { Ok(()) } else { Err(rule) }
 }
@@ -187,7 +188,7 @@ fn is_ok(answer: Option<Answer>) -> bool {
     matches!(answer, Some(Ok(_)))
 }
 
-/// What is wrong, as an onlooker sees it.
+/// Returns the present faults, as an observer sees them.
 fn present(state: State, event: &Event) -> FaultSet {
     let silent = state.is_on() && !event.measured;
     let stopped = event.command == Some(Command::EStop);
@@ -195,7 +196,7 @@ fn present(state: State, event: &Event) -> FaultSet {
     event.present.union(own.into_iter().filter(|(is, _)| *is).map(|(_, fault)| fault).collect())
 }
 
-/// The most that a state asks for.
+/// Returns the strictest reaction that a state requires.
 fn reaction(faults: FaultSet, state: State) -> Reaction {
     static BY_STATE: LazyLock<Vec<[(Reaction, FaultSet); 4]>> = LazyLock::new(|| {
         let of = |state: State, reaction: Reaction| {
@@ -211,7 +212,7 @@ fn reaction(faults: FaultSet, state: State) -> Reaction {
     asked.map_or(Reaction::Note, |(reaction, _)| *reaction)
 }
 
-/// Whether a mode does what a fault asks for that is there.
+/// Returns whether a mode follows the reaction that a present fault requires.
 fn is_followed(reaction: Reaction, mode: &Mode) -> bool {
     match reaction {
         Reaction::Note => true,
@@ -221,7 +222,7 @@ fn is_followed(reaction: Reaction, mode: &Mode) -> bool {
     }
 }
 
-/// How far a state is from limp.
+/// Returns the distance of a state from limp.
 fn rank(state: State) -> i8 {
     match state {
         State::Stopping => 2,

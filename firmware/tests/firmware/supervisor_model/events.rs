@@ -1,13 +1,13 @@
-//! Every event that there is, up to faults and operators that are alike.
+//! All events, where faults and operators of the same kind are represented by one of them.
 
 use sinew_firmware::supervisor::{
     Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Overload, Registers, TABLE,
 };
 
-/// Faults that the supervisor knows by name: they stand for their kind.
+/// Faults that the supervisor handles by name: each represents its kind.
 const NAMED: [Fault; 2] = [Fault::ServoSilent, Fault::EStop];
 
-/// One fault for each kind of row in the table.
+/// Returns one fault for each kind of row in the table.
 pub(crate) fn kinds() -> Vec<Fault> {
     let of_row = |fault: Fault| {
         let row = TABLE.iter().find(|row| row.fault == fault).unwrap();
@@ -23,16 +23,16 @@ pub(crate) fn kinds() -> Vec<Fault> {
     kinds
 }
 
-/// All events.
+/// All events: every command in every situation.
 pub(crate) struct Events {
     commands: Vec<Option<Command>>,
     situations: Vec<Event>,
 }
 
 impl Events {
-    /// With none of these faults at once, one, two, or all.
+    /// Creates all events with none of these faults at the same time, one, two, or all.
     pub(crate) fn new(faults: &[Fault]) -> Self {
-        // In order, so that what breaks two rules at once breaks the same one in every run.
+        // The order is fixed, so that a step that breaks two rules reports the same rule in every run.
         let mut sets = vec![FaultSet::EMPTY];
         let pairs = faults
             .iter()
@@ -46,7 +46,7 @@ impl Events {
         for present in sets {
             for bits in 0_u32..1 << 10 {
                 let is = |bit: u32| bits >> bit & 1 == 1;
-                // What arming asks for is all there, or one of it is missing.
+                // All conditions for arming are met, or one of them is missing.
                 let missing = [bits >> 2 & 1, bits >> 9 & 1];
                 let overload = Overload::Servo { dof: 0, mnm: 600, most_mnm: 520 };
                 let moving = Moving { dof: 0, mrad_s: 500, most_mrad_s: 349 };
@@ -57,10 +57,11 @@ impl Events {
                     measured: is(1),
                     registers: if missing == [1, 0] { Registers::Unread } else { Registers::Same },
                     stop_tested: missing != [0, 1],
-                    // No feed is asked for by arming.
+                    // Arming uses no feed.
                     moving: (missing == [1, 1] && !is(3)).then_some(moving),
                     overload: (missing == [1, 1] && is(3)).then_some(overload),
-                    // Alike to all that looks at the other one.
+                    // `carries` and `arrived` share a bit: an event for which one matters does not depend on the
+                    // other.
                     carries: is(7),
                     feeds: Feeds { show: is(3), live: is(4), jog: is(5) },
                     enabled: is(6),
@@ -92,7 +93,7 @@ fn commands() -> Vec<Option<Command>> {
         Some(Command::EStop),
     ];
     commands.extend([Feed::Show, Feed::Live, Feed::Jog].map(|feed| Some(Command::Play(feed))));
-    // Two stand for all: the supervisor only asks whether they are the same.
+    // Two operators represent all: the supervisor only checks whether they are the same.
     for operator in [Operator(1), Operator(2)] {
         let all = [Command::Maintain, Command::Enable, Command::Leave];
         commands.extend(all.map(|command| Some(command(operator))));

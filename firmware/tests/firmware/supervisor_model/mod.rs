@@ -1,7 +1,8 @@
-//! A model check of the supervisor: every mode that can be reached is looked at with every event.
+//! A model check of the supervisor: every reachable mode is checked with every event.
 //!
-//! Clocks come as before or after each time-out, at any moment. Faults of which the table says the same are alike to
-//! the supervisor: one stands for each kind. None of the kinds comes at once, one, two, or all; each other fault alone.
+//! Clocks are modelled as before or after each time-out, at any moment. Faults with the same row in the table are the
+//! same to the supervisor: one represents each kind. At a time there are none, one, two, or all of the kinds; each
+//! other fault is checked alone.
 
 mod checker;
 mod events;
@@ -31,9 +32,9 @@ fn a_fault_that_another_stands_for_breaks_no_rule_either() {
     }
 }
 
-/// What the checker says of a supervisor with a mistake.
+/// Returns the rule that the checker reports for a supervisor with a mistake.
 fn mistake(step: impl Fn(Mode, &Event) -> (Mode, Option<Answer>)) -> &'static str {
-    // Faults that are needed for the mistake are enough.
+    // The faults that the mistakes need are enough.
     let events = Events::new(&[Fault::EStop, Fault::HotMeasured, Fault::HostDeaf, Fault::Jump]);
     let Err(violation) = check(&events, step) else { panic!("a planted mistake was not found") };
     violation.rule
@@ -68,7 +69,7 @@ fn a_feed_that_falls_silent_unnoticed_is_found() {
 fn a_stop_that_begins_again_is_found() {
     let rule = mistake(|mode, event| {
         let (mut next, answer) = mode.next(event);
-        // A hot servo stops the rig, even if it is being lowered already.
+        // A hot servo stops the rig, even if it is already being lowered.
         let is_hot = event.present == FaultSet::of(Fault::HotMeasured);
         if mode.state == State::Lowering && is_hot && event.measured && event.command.is_none() {
             next.state = State::Stopping;
@@ -113,12 +114,12 @@ fn servos_that_take_no_effort_and_are_to_float_are_found() {
     assert_eq!(rule, "it floats from standing, by command, and where every servo takes an effort");
 }
 
-/// To the rest pose, out of the hands of whoever leads it.
+/// The mistake moves the rig to the rest pose, out of the hands of the person who leads it.
 #[test]
 fn a_stop_that_pulls_a_rig_out_of_hands_is_found() {
     let rule = mistake(|mode, event| {
         let (mut next, answer) = mode.next(event);
-        // Nothing else is wrong with it.
+        // Nothing else is wrong in this event.
         let is_stop = event.command == Some(Command::Stop) && event.measured;
         let is_stop = is_stop && event.present.is_empty();
         if mode.state == State::Floating && is_stop && next.state == State::Lowering {
@@ -129,7 +130,7 @@ fn a_stop_that_pulls_a_rig_out_of_hands_is_found() {
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
-/// The wire from the board is dead, and its host drives on.
+/// The wire from the board is dead, and its host continues to drive the rig.
 #[test]
 fn a_host_that_acknowledges_nothing_and_drives_on_is_found() {
     let rule = mistake(|mode, event| {
@@ -140,7 +141,7 @@ fn a_host_that_acknowledges_nothing_and_drives_on_is_found() {
     assert_eq!(rule, "no fault goes without its reaction");
 }
 
-/// It would say of itself that it hears again: by whatever comes next.
+/// With this mistake, any next event of the host would end the fault.
 #[test]
 fn a_deaf_host_whose_rig_is_armed_uncleared_is_found() {
     let rule = mistake(|mode, event| {
@@ -156,7 +157,7 @@ fn a_deaf_host_whose_rig_is_armed_uncleared_is_found() {
     assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
-/// Nobody sees the rig, but somebody has it in hand.
+/// Nobody sees the rig, but somebody holds it.
 #[test]
 fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
     let rule = mistake(|mode, event| {
@@ -170,7 +171,7 @@ fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
-/// It swings up, until the supply sags.
+/// Such a rig swings up until the supply sags.
 #[test]
 fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
     let rule = mistake(|mode, event| mode.next(&Event { overload: None, ..*event }));
@@ -178,7 +179,7 @@ fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
     assert_eq!(rule, expected);
 }
 
-/// Where it stands its encoder would be off, and nobody looks.
+/// The encoder of a rig that holds would be off, and no user would look.
 #[test]
 fn a_jump_that_a_rig_holds_on_with_is_found() {
     let rule = mistake(|mode, event| {
@@ -189,7 +190,7 @@ fn a_jump_that_a_rig_holds_on_with_is_found() {
     assert_eq!(rule, "no fault goes without its reaction");
 }
 
-/// Its readings are taken for good as soon as torque is off.
+/// The readings are believed as soon as torque is off.
 #[test]
 fn a_jump_that_nobody_clears_is_found() {
     let rule = mistake(|mode, event| {
@@ -205,7 +206,7 @@ fn a_jump_that_nobody_clears_is_found() {
     assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
-/// A mode is named by its state: what it follows fits.
+/// The source of a mode is consistent with its state.
 #[test]
 fn a_mode_that_stands_follows_nobody() {
     for state in State::ALL {

@@ -7,14 +7,14 @@ use sinew_board_client::{Board, ClientError, Line};
 use sinew_link::message::{Command, Refusal};
 use sinew_performance::play::RigParts;
 
-/// For so long a rig may not be ready to be armed.
+/// Longest wait for a rig to become ready to be armed.
 pub(in crate::cli) const READY: Duration = Duration::from_secs(10);
-/// Between two tries.
+/// Time between two attempts to arm.
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Checks that the board holds the rig of the file.
 pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> anyhow::Result<()> {
-    const HELP: &str = "`sinew board upload rig FILE --port PORT` brings it";
+    const HELP: &str = "`sinew board upload rig FILE --port PORT` uploads it";
     let bytes = parts.compact_rig().map_err(anyhow::Error::msg)?;
     let own = bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc)).context("a rig has a CRC")?;
     let here = board.about().rig;
@@ -23,7 +23,7 @@ pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> 
     Ok(())
 }
 
-/// Asks a rig to be armed, or not yet: whether it was. `waits`: it may become ready.
+/// Asks the board to arm its rig, and returns whether it did. With `waits`, a refusal that may pass returns `false`.
 pub(in crate::cli) fn arm<L: Line>(board: &mut Board<L>, waits: bool) -> anyhow::Result<bool> {
     match board.ask(Command::Arm) {
         Err(ClientError::Refused(

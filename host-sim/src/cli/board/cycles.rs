@@ -1,13 +1,13 @@
-//! How long the parts of a board take: a table, in microseconds and in cycles of its processor.
+//! Timing of a board's parts: a table, in microseconds and in cycles of its processor.
 
 use sinew_board_client::{ClientError, Line};
 use sinew_host_util::command::table;
 use sinew_link::message::{Applied, Command, Cycles, Health};
 
-/// What a board has counted since it was read last; it begins anew.
+/// Reads the counts since the last read. The board then starts to count from zero.
 ///
 /// # Errors
-/// What the board or its line says.
+/// The board's refusal, or an error of the host link.
 pub(super) fn read<L: Line>(
     board: &mut sinew_board_client::Board<L>,
 ) -> Result<Option<Health>, ClientError> {
@@ -17,7 +17,7 @@ pub(super) fn read<L: Line>(
     }
 }
 
-/// Least, mean, most and jitter of each part; none if the board counts no cycles.
+/// Formats minimum, mean, maximum and jitter of each part; `None` if the board counts no cycles.
 pub(super) fn spreads(health: &Health) -> Option<String> {
     if health.cycles_hz == 0 {
         return None;

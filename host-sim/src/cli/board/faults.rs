@@ -1,4 +1,4 @@
-//! `sinew board faults`: the log of a controller.
+//! `sinew board faults`: the fault log of a controller.
 
 use std::process::ExitCode;
 
@@ -9,8 +9,9 @@ use super::{BoardPort, remedy, text::fault_text};
 
 /// Print the faults that a board has stored, each with its remedy; or clear the faults.
 ///
-/// A board keeps its faults over a loss of power. The first one since they were cleared is printed first, then the
-/// others from the latest back. The exit code is 1 if there are any but warnings. docs/faults.md explains each fault.
+/// A board keeps its faults when power is lost. The first fault since the last clear is printed first, then the
+/// others, the latest first. The exit code is 1 if there are faults other than warnings. docs/faults.md explains each
+/// fault.
 #[derive(Debug, clap::Args)]
 pub(super) struct FaultsArgs {
     #[command(flatten)]
@@ -21,7 +22,7 @@ pub(super) struct FaultsArgs {
     clear: bool,
 }
 
-/// Prints them, or clears them.
+/// Prints the faults, or clears them.
 pub(super) fn run(args: &FaultsArgs) -> anyhow::Result<ExitCode> {
     let mut board = args.board.open()?;
     let records = board.fault_log()?;

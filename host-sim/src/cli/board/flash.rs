@@ -1,4 +1,4 @@
-//! `sinew board flash`: firmware into a board, through probe-rs.
+//! `sinew board flash`: writes firmware into a board with probe-rs.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,21 +11,21 @@ use sinew_link::message::{Misfit, State, Version};
 
 use super::BoardPort;
 
-/// What `probe-rs` calls the chip of each board.
+/// Name of each board's chip in `probe-rs`.
 const CHIPS: [(&str, &str); 1] = [("nucleo_f446re", "STM32F446RETx")];
-/// Where `cargo xtask firmware` puts images.
+/// Folder in which `cargo xtask firmware` puts images.
 const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
 
 /// Write firmware into a board, through its debugger and `probe-rs`.
 ///
-/// It is refused while the rig is armed. The firmware must have this program's version of the link.
+/// Fails while the rig is armed, or if the firmware has another version of the host link than this program.
 #[derive(Debug, clap::Args)]
 pub(super) struct FlashArgs {
-    /// A board whose image `cargo xtask firmware` has built, such as `nucleo_f446re`, or an image (ELF).
+    /// A board, such as `nucleo_f446re`, whose image `cargo xtask firmware` has built, or an image (ELF).
     #[arg(value_name = "BOARD|ELF")]
     image: PathBuf,
 
-    /// Name of the chip in `probe-rs chip list`. Default: that of the board.
+    /// Name of the chip in `probe-rs chip list`. Default: the board's chip.
     #[arg(long, value_name = "CHIP")]
     chip: Option<String>,
 
@@ -33,7 +33,7 @@ pub(super) struct FlashArgs {
     board: BoardPort,
 }
 
-/// Writes it, and looks what answers.
+/// Writes the image, and checks which firmware answers.
 pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     let name = args.image.file_stem().map(|name| name.to_string_lossy().into_owned());
     let known = CHIPS.iter().find(|(board, _)| Some(*board) == name.as_deref());
@@ -55,7 +55,7 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     let status = match command.status() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => bail!(
             "`probe-rs` is not installed, and nothing was written. `cargo install probe-rs-tools --locked` installs \
-             it; its page (https://probe.rs) has programs for all systems. On Linux it wants udev rules too"
+             it; its page (https://probe.rs) has programs for all systems. On Linux it needs udev rules, too"
         ),
         status => status.context("probe-rs")?,
     };
@@ -64,7 +64,7 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
             "`probe-rs` failed ({status}): is the board's debugger plugged in, and no other program using it?"
         );
     }
-    // Without this the board waits for its debugger.
+    // Without a reset the board waits for its debugger.
     let _ = Command::new("probe-rs").args(["reset", "--chip", chip]).status();
     match args.board.open() {
         Ok(board) => print(&format!("firmware {} answers\n", board.about().firmware))?,
@@ -73,34 +73,36 @@ pub(super) fn run(args: &FlashArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// That a file is an image whose link fits.
+/// Checks that a file is an image with this program's version of the host link.
 fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let shown = path.display();
     if !bytes.starts_with(b"\x7fELF") {
-        bail!("{shown}: is no ELF file; expected a board's name or its image");
+        bail!("{shown}: is not an ELF file; expected a board's name or its image");
     }
     let speaks = sinew_firmware::node::link_version(bytes);
     let own = Version::CURRENT;
     match speaks {
         Some(version) if version.major == own.major => Ok(()),
         Some(version) => bail!(
-            "{shown}: this firmware speaks version {version} of the link, this program {own}: nothing was written. Use \
-             firmware and program of one release"
+            "{shown}: this firmware has version {version} of the host link, this program {own}: nothing was written. \
+             Use firmware and program of one release"
         ),
         None => {
-            bail!("{shown}: is no firmware of Sinew with a link, or one from before version 1.1")
+            bail!(
+                "{shown}: is not firmware of Sinew with a host link, or is older than version 1.1"
+            )
         }
     }
 }
 
-/// That what is on the board now does not hold a rig. A board that does not answer holds none: it has no such firmware.
+/// Checks that the board does not hold a rig. A board that does not answer holds none: it has no such firmware.
 fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
     let mut board = match port.open() {
         Ok(board) => board,
         Err(error) => match error.downcast_ref::<ClientError>() {
             Some(ClientError::Misfit(Misfit::Busy)) => {
                 bail!(
-                    "the rig is armed: nothing was written. End the program that has it, or disarm"
+                    "the rig is armed: nothing was written. End the program that drives it, or disarm it"
                 )
             }
             Some(
@@ -116,7 +118,7 @@ fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
     };
     board.telemetry(10.0, sinew_link::message::TelemetryParts::SUMMARY).or_else(
         |error| match error {
-            // Without a rig nothing can be armed.
+            // A board without a rig cannot be armed.
             ClientError::Refused(_) => Ok(sinew_link::message::TelemetrySetting {
                 rate_hz: 0.0,
                 parts: sinew_link::message::TelemetryParts(0),

@@ -1,4 +1,4 @@
-//! `sinew board monitor`: what a controller tells of its rig.
+//! `sinew board monitor`: prints the state of a controller's rig.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -10,10 +10,10 @@ use sinew_link::message::{Summary, TelemetryParts};
 use super::{BoardPort, cycles, named};
 use crate::cli::stop::Stop;
 
-/// Print the state of a board's rig: state, fault, supply, tick, bus errors, heat.
+/// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
 ///
 /// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. At the end it
-/// prints how long ticks, bus, link and the loop's periods took.
+/// prints the durations of ticks, bus, host link and the loop's periods.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]
@@ -28,7 +28,7 @@ pub(super) struct MonitorArgs {
     samples: Option<u32>,
 }
 
-/// Prints until it is stopped.
+/// Prints until Ctrl-C or the last sample.
 pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let mut board = args.board.open()?;
     let stop = Stop::new()?;
@@ -36,10 +36,10 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
     ensure!(
         about.rig != 0,
-        "the board has no rig, and so nothing to tell: `sinew board upload rig` brings one"
+        "the board has no rig, so it has nothing to report: `sinew board upload rig` uploads one"
     );
     board.telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
-    // What was counted before belongs to other work.
+    // Discards counts from before this command.
     let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
@@ -62,7 +62,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// A line of a summary.
+/// Formats a summary as a line.
 fn line(summary: &Summary, servos: &[sinew_link::message::Servo]) -> String {
     let errors: u32 = servos.iter().map(|servo| u32::from(servo.bus_errors)).sum();
     let hottest = servos.iter().filter_map(|servo| servo.temperature_c).max();

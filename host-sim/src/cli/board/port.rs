@@ -1,4 +1,4 @@
-//! Options that name a controller's port, and how long a rig on it may be driven unheard.
+//! Options that name a controller's port, and the time without messages after which a rig is no longer driven.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -13,8 +13,8 @@ pub(in crate::cli) type PortBoard = Board<SerialBoard>;
 /// The option that names a controller.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct BoardPort {
-    /// Serial port of the board, such as /dev/ttyACM0, or the link of `sinew board simulate`. Default, and `auto`: the
-    /// USB port where a board answers.
+    /// Serial port of the board, such as /dev/ttyACM0, or the link of `sinew board simulate`. Default, and `auto`:
+    /// the USB port where a board answers.
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = AUTO)]
     port: Option<PathBuf>,
 }
@@ -22,19 +22,19 @@ pub(super) struct BoardPort {
 /// The option of commands that drive a rig on a board.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(in crate::cli) struct SilenceArg {
-    /// End after S seconds without a valid message of the board, from 0.2 to 60: it is told to stop, then this command
-    /// says nothing any more, so that the rig is lowered. Default: 1.
+    /// End after S seconds without a valid message from the board, from 0.2 to 60. The command asks the board to stop
+    /// and then sends nothing more, so that the board lowers the rig. Default: 1.
     #[arg(long, value_name = "S", value_parser = silence, allow_negative_numbers = true)]
     silence_s: Option<f64>,
 }
 
 impl SilenceArg {
-    /// Whether it is given.
+    /// Whether the option is given.
     pub(in crate::cli) fn is_given(self) -> bool {
         self.silence_s.is_some()
     }
 
-    /// How long a rig may be driven by a program that hears nothing.
+    /// Returns the time without messages after which the command ends.
     pub(in crate::cli) fn time(self) -> Duration {
         self.silence_s.map_or(SILENCE, Duration::from_secs_f64)
     }
@@ -47,17 +47,18 @@ fn silence(text: &str) -> Result<f64, String> {
     }
 }
 
-/// In place of a port.
+/// Value of the option that lets this program find the port.
 const AUTO: &str = "auto";
 
 impl BoardPort {
-    /// Opens it.
+    /// Opens the port.
     pub(super) fn open(&self) -> anyhow::Result<PortBoard> {
         open(self.port.as_deref(), "--port")
     }
 }
 
-/// Opens a controller's port; without one, or of `auto`, the one that answers. `option` is what names a port.
+/// Opens a controller's port; without a path, or with `auto`, the USB port where a board answers. `option`: name of
+/// the option for the port, for messages.
 pub(in crate::cli) fn open(path: Option<&Path>, option: &str) -> anyhow::Result<PortBoard> {
     if let Some(path) = path.filter(|path| *path != Path::new(AUTO)) {
         Ok(port::open(path)?)

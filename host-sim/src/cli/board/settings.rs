@@ -1,4 +1,4 @@
-//! `sinew board settings`: times, speeds and bounds of safety that a controller stores.
+//! `sinew board settings`: times, speeds and safety limits that a controller stores.
 
 use std::process::ExitCode;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use sinew_link::message::Refusal;
 
 use super::{BoardPort, PortBoard};
 
-/// A board that starts anew answers within this time.
+/// Longest time until a restarted board answers.
 const RESTART: Duration = Duration::from_secs(10);
 
 /// Print or set a board's settings: times, speeds and limits of safety.
@@ -44,7 +44,7 @@ enum What {
     },
 }
 
-/// Shows or sets.
+/// Prints or sets settings.
 pub(super) fn run(args: &SettingsArgs) -> anyhow::Result<ExitCode> {
     let key = match &args.what {
         Some(What::Get { key } | What::Set { key, .. }) => Some(number(key)?),
@@ -72,7 +72,7 @@ fn all(board: &mut PortBoard) -> anyhow::Result<String> {
     Ok(format!("{table}\n"))
 }
 
-/// Names the setting that is refused: a board knows its number alone.
+/// Adds the setting's name to a refusal. The board knows only its number.
 fn in_words(error: ClientError) -> anyhow::Error {
     let ClientError::Refused(Refusal::Setting { key, found, least, most }) = error else {
         return error.into();
@@ -84,7 +84,7 @@ fn in_words(error: ClientError) -> anyhow::Error {
     anyhow!("the controller refused: {name} is {found}; it must be a number from {least} to {most}")
 }
 
-/// The key of a name.
+/// Returns the key of a setting's name.
 fn number(name: &str) -> anyhow::Result<u16> {
     let known = (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key);
     known.with_context(|| format!("`{name}`: expected one of {}", SETTING_NAMES.join(", ")))

@@ -1,4 +1,4 @@
-//! `sinew board simulate`: a whole board on a serial port of this machine.
+//! `sinew board simulate`: a whole simulated board on a serial port of this machine.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -21,30 +21,30 @@ use crate::cli::guide::read_guide;
 use crate::cli::output::OutputPlace;
 use crate::cli::rig::read;
 
-/// The loop's arrays are sized for the largest board.
+/// Stack size. The loop's arrays are sized for the largest board.
 const STACK_BYTES: usize = 64 << 20;
-/// In place of a file: the hand's own way.
+/// Value of --guide for the built-in path, instead of a file.
 const BUILT_IN: &str = "built-in";
-/// What a port is set to until a program sets it.
+/// Rate of the port until a program sets another, bit/s.
 const BAUD: u32 = 1_000_000;
 
 /// Simulate a board on a serial port of this machine: the program of boards, with simulated servos.
 ///
-/// It makes the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All commands
-/// of `sinew board`, and `--target` of `play` and `record`, take the link as their port. The rig is in its flash
-/// already.
+/// It creates the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All
+/// commands of `sinew board`, and `--target` of `play` and `record`, accept the link as their port. The rig is in its
+/// flash already.
 #[derive(Debug, Args)]
 pub(super) struct SimulateArgs {
     /// Rig whose servos are on the board: rig.toml, URDF or MJCF.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Path of the link that programs open as a serial port. A link that is there is replaced.
+    /// Path of the link that programs open as a serial port. An existing link is replaced.
     #[arg(long, value_name = "LINK")]
     pty: OutputPlace,
 
-    /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they are
-    /// lost at the end.
+    /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they
+    /// are lost at the end.
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
 
@@ -52,12 +52,12 @@ pub(super) struct SimulateArgs {
     #[arg(long)]
     blank: bool,
 
-    /// Let a scripted hand guide the rig whenever it is taught or floats: along this CSV of joint coordinates, or
-    /// without a value along the built-in path of `sinew record`.
+    /// Let a scripted hand guide the rig whenever its state is teaching or floating: along this CSV of joint
+    /// coordinates, or without a value along the built-in path of `sinew record`.
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1, default_missing_value = BUILT_IN)]
     guide: Option<PathBuf>,
 
-    /// Servos for joints that have none, as of `sinew play`.
+    /// Servos for joints that have none, as in `sinew play`.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<sinew_performance::play::ServoChoice>,
 
@@ -65,7 +65,7 @@ pub(super) struct SimulateArgs {
     driven: DrivenArgs,
 }
 
-/// Serves until it is told to end.
+/// Serves until a signal ends it.
 pub(super) fn run(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     thread::scope(|scope| {
         let builder = thread::Builder::new().stack_size(STACK_BYTES);
@@ -112,7 +112,7 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
             begun_us = Some(now_us);
         }
         was_led = is_led;
-        // Before its way it holds the beginning, behind it the end.
+        // Before its path the hand holds the first pose, after it the last.
         let way_us = now_us - begun_us.unwrap_or(now_us);
         hand.hold(1e-6 * way_us as f64, |dof, hand| {
             board.lead(dof, hand);

@@ -1,26 +1,26 @@
-//! Faults in words.
+//! Converts fault numbers and records to text.
 
 use sinew_board_client::{Board, Line};
 use sinew_firmware::supervisor::Fault;
 use sinew_host_util::command::note;
 use sinew_link::message::FaultRecord;
 
-/// The fault of a number, if this program knows it.
+/// Returns the fault with a number, if this program knows it.
 fn known(number: u8) -> Option<Fault> {
     Fault::ALL.into_iter().find(|fault| fault.number() == number)
 }
 
-/// The fault of a number; its number alone if this program does not know it.
+/// Returns the text of a fault, or its number if this program does not know it.
 pub(in crate::cli) fn named(number: u8) -> String {
     known(number).map_or_else(|| format!("fault {number}"), |fault| fault.to_string())
 }
 
-/// When a fault comes, and what to do.
+/// Returns the condition of a fault, and its remedy.
 pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
     known(number).map(|fault| format!("{}; to do: {}", fault.when(), fault.remedy()))
 }
 
-/// Says what faults a controller has told of, and what to do.
+/// Prints the faults that a controller has reported, with their remedies.
 pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
     let mut numbers: Vec<u8> = board.log.faults.iter().map(|fault| fault.fault).collect();
     numbers.extend(board.log.summary.and_then(|summary| summary.fault));
@@ -29,10 +29,10 @@ pub(in crate::cli) fn tell_faults<L: Line>(board: &Board<L>) {
     for number in numbers {
         note(format_args!("{}: {}", named(number), remedy(number).unwrap_or_default()));
     }
-    note(format_args!("`sinew board faults --clear` when it is mended"));
+    note(format_args!("`sinew board faults --clear` when its cause is removed"));
 }
 
-/// Where and when a fault came.
+/// Describes a fault record: fault, servo, state, time and count.
 pub(super) fn fault_text(record: &FaultRecord) -> String {
     let FaultRecord { fault, state, servo, start, time_us, times } = *record;
     let servo = servo.map_or_else(String::new, |servo| format!(", servo {servo}"));

@@ -1,4 +1,4 @@
-//! `sinew board upload`: a rig or a show to a controller.
+//! `sinew board upload`: uploads a rig or a show to a controller.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ use crate::cli::rig::read;
 
 /// Upload a rig or a show to a board.
 ///
-/// An upload that was interrupted goes on where it stopped. The board refuses uploads while the rig is armed.
+/// An interrupted upload continues where it stopped. The board refuses uploads while the rig is armed.
 #[derive(Debug, clap::Args)]
 pub(super) struct UploadArgs {
     #[command(subcommand)]
@@ -29,13 +29,13 @@ pub(super) struct UploadArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Upload a rig, with the servos on each line of the board. The board restarts with it.
+    /// Upload a rig, with the servos on each bus line of the board. The board restarts with it.
     Rig {
         /// A rig.toml, a URDF or an MJCF file.
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Servos for joints that have none, as of `sinew play`.
+        /// Servos for joints that have none, as in `sinew play`.
         #[arg(long, value_name = "[JOINT=]KIND")]
         servo: Vec<ServoChoice>,
 
@@ -47,7 +47,7 @@ enum What {
     },
     /// Upload a show of `sinew bake` into a free slot.
     Show {
-        /// The show.
+        /// The show file.
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
@@ -70,7 +70,7 @@ struct Common {
     approved_by: String,
 }
 
-/// Uploads.
+/// Uploads the rig or the show.
 pub(super) fn run(args: &UploadArgs) -> anyhow::Result<ExitCode> {
     match &args.what {
         What::Rig { file, servo, driven, common } => rig(file, servo, *driven, common),
@@ -126,7 +126,7 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
     Ok(ExitCode::SUCCESS)
 }
 
-/// The slot of a show on a board: uploaded if it is not there by its hash.
+/// Returns the slot of a show on a board. Uploads the show if no slot has its hash.
 pub(in crate::cli) fn put_show<L: Line>(
     board: &mut Board<L>,
     bytes: &[u8],
@@ -142,18 +142,18 @@ pub(in crate::cli) fn put_show<L: Line>(
             let shows = board.shows()?;
             let count = shows.iter().flatten().count();
             bail!(
-                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE --replace \
-                 SLOT` deletes one before",
+                "the board has room for {} shows of {} bytes, and holds {count}: `sinew board upload show FILE \
+                 --replace SLOT` deletes one first",
                 shows.len(),
                 board.about().capacities.slot_bytes
             )
         }
         put => put?,
     }
-    board.slot_of(&item)?.context("the board has taken the show, and does not have it")
+    board.slot_of(&item)?.context("the board accepted the show, but does not have it")
 }
 
-/// Uploads an item; a bar shows how far it is.
+/// Uploads an item, with a progress bar.
 pub(in crate::cli) fn put<L: Line>(
     board: &mut Board<L>,
     item: &Item,

@@ -1,4 +1,4 @@
-//! `sinew play --target PORT`: a show on a controller at a serial port.
+//! `sinew play --target PORT`: plays a show on a controller at a serial port.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -14,12 +14,12 @@ use sinew_show::Show;
 use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
 use crate::cli::stop::Stop;
 
-/// How often the state is looked at.
+/// Time between two checks of the state.
 const LOOK: Duration = Duration::from_millis(50);
-/// Snapshots a second.
+/// Telemetry rate, Hz.
 const RATE_HZ: f32 = 20.0;
 
-/// What is under way.
+/// Step of the performance that is in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
     Ready,
@@ -31,10 +31,10 @@ enum Phase {
 struct Performance<'b, L> {
     board: &'b mut Board<L>,
     phase: Phase,
-    /// Summaries that had come when the last command was done: those count no more.
+    /// Number of summaries received before the last command was done. They no longer count.
     before: u32,
     begun: Duration,
-    /// When the show began, and how long it is to run.
+    /// Time when the show began, and its longest duration.
     played: Option<Duration>,
     most: Option<Duration>,
     state: Option<State>,
@@ -42,8 +42,8 @@ struct Performance<'b, L> {
     bar: ProgressBar,
 }
 
-/// Uploads a show if it is not there, arms the rig, plays, and stops it. `rounds`: of a loop; else it runs until
-/// Ctrl-C.
+/// Uploads a show if the board lacks it, arms the rig, plays, and stops it. `rounds`: number of rounds of a loop;
+/// with `None` it plays until Ctrl-C.
 pub(super) fn perform(
     path: &Path,
     silence: Duration,
@@ -56,7 +56,7 @@ pub(super) fn perform(
     perform_on(&mut board, parts, bytes, rounds)
 }
 
-/// The same on a board in a session.
+/// Plays a show on a board with an open session.
 pub(super) fn perform_on<L: Line>(
     board: &mut Board<L>,
     parts: &RigParts,
@@ -95,7 +95,7 @@ impl<L: Line> Performance<'_, L> {
             let times = stop.times();
             if times > 1 {
                 note(format_args!(
-                    "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                    "ended at once: the board holds the pose; after 2 s it lowers the rig, then torque is off"
                 ));
                 return Ok(ExitCode::FAILURE);
             }
@@ -109,7 +109,7 @@ impl<L: Line> Performance<'_, L> {
                 }
                 self.command(Command::Stop, Phase::Stopping)?;
             }
-            // What was told before the last command counts no more.
+            // Ignores summaries from before the last command.
             if self.board.log.summaries < self.before + 2 {
                 continue;
             }
@@ -125,7 +125,7 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
-    /// The next command, by the state; or how it ended.
+    /// Sends the next command for the state, or returns how the performance ended.
     fn go_on(&mut self) -> anyhow::Result<Option<ExitCode>> {
         let Some(state) = self.board.state() else { return Ok(None) };
         match (self.phase, state) {
@@ -135,7 +135,7 @@ impl<L: Line> Performance<'_, L> {
                 self.command(Command::Play(Feed::Show), Phase::Playing)?;
                 self.played = Some(self.board.now());
             }
-            // The show is over, or a fault holds it.
+            // The show has ended, or a fault makes the rig hold.
             (Phase::Playing, State::Holding) => self.command(Command::Stop, Phase::Stopping)?,
             (Phase::Arming | Phase::Playing, State::Stopping | State::Lowering | State::Limp) => {
                 self.phase = Phase::Stopping;
@@ -149,7 +149,7 @@ impl<L: Line> Performance<'_, L> {
         Ok(None)
     }
 
-    /// Arms the rig as soon as it may be.
+    /// Arms the rig as soon as the board allows it.
     fn arm(&mut self, state: State) -> anyhow::Result<()> {
         let waits = self.board.now().saturating_sub(self.begun) < READY;
         if state != State::Limp && waits {
@@ -166,7 +166,7 @@ impl<L: Line> Performance<'_, L> {
         ExitCode::FAILURE
     }
 
-    /// States and faults as they come; on a terminal the rest as it is.
+    /// Prints new states and faults; on a terminal also a live status.
     fn tell(&mut self) {
         let since_s = self.board.now().saturating_sub(self.begun).as_secs_f64();
         let Some(summary) = self.board.log.summary else { return };

@@ -1,4 +1,4 @@
-//! What is seen while a show plays: states as they come, and on a terminal the joints that follow worst.
+//! Display while a show plays: states as they change, and on a terminal the joints with the largest errors.
 
 use std::time::{Duration, Instant};
 
@@ -9,12 +9,12 @@ use sinew_performance::play::SimulatedRig;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::Show;
 
-/// So many joints are shown.
+/// Number of joints that are shown.
 const WORST: usize = 6;
-/// So often.
+/// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);
 
-/// The display.
+/// The live display of a play.
 pub(super) struct Live {
     bar: ProgressBar,
     state: Option<State>,
@@ -26,7 +26,7 @@ pub(super) struct Live {
 }
 
 impl Live {
-    /// Of a show.
+    /// Creates the display of a show.
     pub(super) fn new(show: &Show<'_>) -> Self {
         let style = ProgressStyle::with_template("{msg}").expect("the template is sound");
         let bar = ProgressBar::new_spinner().with_style(style);
@@ -34,7 +34,7 @@ impl Live {
         Self { bar, state: None, has_waited: false, shown: Instant::now(), show_s, is_loop, ran: 0 }
     }
 
-    /// After a tick. `waits_for`: what moves before the rig is armed.
+    /// Updates the display after a tick. `waits_for`: the joint that must come to rest before the rig can be armed.
     pub(super) fn show(&mut self, sim: &SimulatedRig<'_, RigPlant>, waits_for: Option<Moving>) {
         let report = sim.report();
         self.ran += u64::from(sim.permission().runs);
@@ -61,7 +61,7 @@ impl Live {
         }
     }
 
-    /// Nothing more comes.
+    /// Clears the display at the end.
     pub(super) fn end(&self) {
         self.bar.finish_and_clear();
     }
@@ -94,7 +94,7 @@ impl Live {
         );
         let mut worst: Vec<usize> =
             (0..parts.names.len()).filter(|joint| parts.drives[*joint].is_some()).collect();
-        // Of servos that tell nothing that of the simulated rig.
+        // For servos that report nothing, the error of the simulated rig is used.
         let simulated = sim.simulated_errors();
         let error = |joint: usize| {
             if parts.tells_nothing(joint) { simulated[joint] } else { report.dofs[joint].error }

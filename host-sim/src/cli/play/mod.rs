@@ -1,9 +1,10 @@
-//! `sinew play`: a show on a rig, by the controller of the boards.
+//! `sinew play`: plays a show on a rig, with the controller of the boards.
 
 mod board;
 mod live;
 mod notes;
 mod nucleo;
+mod real_time;
 mod show;
 mod sim;
 
@@ -26,23 +27,23 @@ use super::target::Target;
 use super::unit_args::UnitArgs;
 use crate::cli::output::OutputPath;
 
-/// Rounds of a loop that nobody watches.
+/// Rounds of a loop that does not play in real time.
 const ROUNDS: u32 = 2;
 
 /// Play a show on a rig: on simulated servos, or on a board.
 ///
-/// The controller is the one that boards run. The simulated rig hangs on a stand. Power comes on; the rig is armed
-/// where it is, and goes to the show's first pose at 20 deg/s at most; it plays, goes to its rest pose, and is limp
-/// again. At the end a table shows how well each joint followed. Every run of a command puts the same bytes on the
-/// wire.
+/// The controller is the one that boards run. The simulated rig hangs on a stand. Power is switched on; the rig is
+/// armed where it is, moves to the show's first pose at 20 deg/s at most, plays, moves to its rest pose, and torque
+/// is off again. At the end a table shows how well each joint followed. Every run of the same command sends the same
+/// bytes to the servos.
 ///
-/// On a terminal it plays in real time and shows the joints that follow worst. Ctrl-C stops the rig safely: it goes to
-/// rest, then torque is off. A second Ctrl-C ends at once.
+/// On a terminal it plays in real time and shows the joints with the largest errors. Ctrl-C stops the rig safely: it
+/// moves to its rest pose, then torque is off. A second Ctrl-C ends at once.
 ///
-/// The exit code is 1 if a fault ended the show, 2 if the board is not heard any more.
+/// The exit code is 1 if a fault ended the show, 2 if the board does not answer any more.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A show of `sinew bake`; or a clip, built in or a file, which is baked as by `sinew bake --fit`.
+    /// A show of `sinew bake`; or a clip, built-in or a file, which is baked as by `sinew bake --fit`.
     #[arg(value_name = "SHOW|CLIP")]
     show: String,
 
@@ -68,10 +69,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
-    /// Let the simulated plant differ from the rig's file, which the controller believes: a factor on one of
-    /// `stiffness`, `play` and `damping` of gears, `friction`, `rotor` and `torque` of servos, and `masses` of bodies;
-    /// `output-friction`, the part of friction at output shafts, 0 to 1; `delay`, ticks by which readings are older.
-    /// May be repeated.
+    /// Let the simulated plant differ from the rig's file, on which the controller relies: a factor on one of
+    /// `stiffness`, `play` and `damping` of gears, `friction`, `rotor` and `torque` of servos, and `masses` of
+    /// bodies; or a value for `output-friction`, the part of friction at output shafts, 0 to 1, or `delay`, the added
+    /// age of readings in ticks. May be repeated.
     #[arg(long, value_name = "NAME=FACTOR")]
     plant: Vec<Change>,
 
@@ -107,7 +108,7 @@ pub(super) struct Args {
     seconds: Option<f64>,
 }
 
-/// Options of the pace.
+/// Options for the pace.
 #[derive(Debug, clap::Args)]
 struct Pace {
     /// Play as fast as the machine computes. Default if standard output is not a terminal.
@@ -127,7 +128,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 fn play(args: &Args) -> anyhow::Result<ExitCode> {
     args.check()?;
     let variation = Variation::of(&args.plant)?;
-    // What is missing is said before anything is fitted.
+    // Missing files are reported before the motion is fitted.
     args.find_files()?;
     let nucleo = (args.target == Target::Nucleo).then(nucleo::Files::find).transpose()?;
     let mut rig = args.on_rig.rig(&args.rig, ON_STAND)?;
@@ -154,7 +155,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
             board::perform(port, args.silence.time(), &parts, &bytes, rounds(true)?)
         }
         (Target::Nucleo, Some(files)) => {
-            // Nobody watches an emulated one in real time.
+            // Emulation is slower than real time, so loops end by themselves.
             nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
         }
         (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes),
@@ -182,7 +183,7 @@ impl Args {
         Ok(())
     }
 
-    /// Refuses files that are not there, but a clip without an extension: it may be built in.
+    /// Refuses files that do not exist. A clip without an extension may be built in.
     fn find_files(&self) -> anyhow::Result<()> {
         let show = Some(Path::new(&self.show)).filter(|show| show.extension().is_some());
         for path in show.into_iter().chain(self.mapping.as_deref()) {
@@ -197,12 +198,12 @@ impl Args {
         (!changes.is_empty()).then(|| changes.join(", "))
     }
 
-    /// Returns after how many rounds a loop is stopped; none for a show that ends by itself, or for a loop that goes
-    /// on.
+    /// Returns the number of rounds after which a loop is stopped; `None` for a show that ends by itself, or for a
+    /// loop that plays until Ctrl-C.
     fn rounds(&self, show: &Show<'_>, is_watched: bool) -> anyhow::Result<Option<u32>> {
         ensure!(
             show.is_loop() || self.rounds.is_none(),
-            "--rounds: {} is no loop: `sinew bake --loop` makes one",
+            "--rounds: {} is not a loop: `sinew bake --loop` makes one",
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))

@@ -3,10 +3,10 @@
 use sinew_host_util::command::note;
 use sinew_performance::play::{Drive, RigParts};
 
-/// Pulses that hobby servos bear by the common rule, us.
+/// Pulses that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
-/// Tells what the loop is.
+/// Prints the buses, drives and rates of the loop.
 pub(super) fn tell(parts: &RigParts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
@@ -39,8 +39,8 @@ pub(super) fn tell(parts: &RigParts) {
         let holds =
             holds.map_or_else(|| "no rate of this loop".to_owned(), |hz| format!("{hz} Hz"));
         note(format_args!(
-            "{} Hz are of this simulation: by the estimate a board of 180 MHz computes {:.1} ms a tick for {} servos, and \
-             holds {holds} (docs/speed.md)",
+            "{} Hz apply to this simulation only: by estimate, a board of 180 MHz computes {:.1} ms per tick for {} \
+             servos, and can run at {holds} (docs/speed.md)",
             parts.rate_hz,
             f64::from(compute_us) / 1000.0,
             parts.servos.len()
@@ -55,7 +55,7 @@ pub(super) fn tell(parts: &RigParts) {
     }
 }
 
-/// Tells what hobby servos get at the ends of their joints' ranges.
+/// Prints the pulses for hobby servos at the ends of their joints' ranges.
 fn tell_pulses(parts: &RigParts) {
     let all = parts.pulses_us();
     let told = |of: &[&(&str, [f32; 2])]| {

@@ -1,4 +1,5 @@
-//! `sinew play --target nucleo`: a show on the NUCLEO-F446RE's own image, on an emulated chip with simulated servos.
+//! `sinew play --target nucleo`: plays a show on the image of the NUCLEO-F446RE, on an emulated chip with simulated
+//! servos.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,13 +18,14 @@ use sinew_servo_sim::device::MEMORY_LEN;
 use super::board::perform_on;
 use crate::cli::board::put;
 
-/// Names the tool, and where `cargo xtask emulate` puts it in the folder of all that cargo builds.
+/// The emulator: the environment variable that names it, and the path in cargo's target folder where `cargo xtask
+/// emulate` puts it.
 const TOOL: (&str, &str) = ("SINEW_EMULATOR", "emulator/release/sinew-emulator");
-/// The same of the board's image.
+/// The board's image: its environment variable, and its path in cargo's target folder.
 const IMAGE: (&str, &str) = ("SINEW_NUCLEO_IMAGE", "arm/nucleo_f446re.elf");
-/// The emergency stop's loop is closed: this pin is high.
+/// Pin of the emergency stop. It is high while the stop's loop is closed.
 const E_STOP: &str = "PC8";
-/// For so long it may start, of its own time.
+/// Longest start of the image, in emulated time.
 const STARTS: Duration = Duration::from_secs(5);
 
 /// The files that an emulated NUCLEO needs.
@@ -33,10 +35,10 @@ pub(super) struct Files {
 }
 
 impl Files {
-    /// Finds the tool and the image.
+    /// Finds the emulator and the image.
     ///
     /// # Errors
-    /// It names what to run.
+    /// If one is missing. The error names the command that builds it.
     pub(super) fn find() -> anyhow::Result<Self> {
         let program = std::env::current_exe().unwrap_or_default();
         let target = program.ancestors().nth(2).unwrap_or(Path::new("target"));
@@ -53,7 +55,8 @@ impl Files {
     }
 }
 
-/// Power-on of a blank board; rig and show over its link; then as on any board, in the time of the emulated chip.
+/// Powers on a blank board, uploads rig and show over its host link, and plays as on any board, in the time of the
+/// emulated chip.
 pub(super) fn perform(
     Files { tool, image }: &Files,
     rig: &LoadedRig,
@@ -69,7 +72,7 @@ pub(super) fn perform(
     };
     ensure!(
         !line.is_of_pulses(),
-        "--target nucleo: servos that take pulses are not emulated there"
+        "--target nucleo: servos driven by pulses are not emulated there"
     );
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism)?;

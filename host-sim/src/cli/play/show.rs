@@ -1,4 +1,4 @@
-//! The show that is played: read from a file, or baked of a clip.
+//! The show to play: read from a file, or baked from a clip.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use super::Args;
 use crate::cli::performance::ON_STAND;
 
 impl Args {
-    /// Returns the bytes of the show: read, or baked of a clip. `bare`: the CRC of the rig without servos by --servo.
+    /// Returns the bytes of the show: read, or baked from a clip. `bare`: the CRC of the rig without the servos of
+    /// --servo.
     pub(super) fn read_or_bake(
         &self,
         rig: &LoadedRig,
@@ -50,7 +51,7 @@ impl Args {
         let show = Show::open(&bytes)?;
         if show.check_rig(parts.rig_crc()).is_err() && show.check_rig(bare).is_ok() {
             note(format_args!(
-                "note: {} was baked before servos were put on the rig: it may ask more of them than they can",
+                "note: {} was baked before servos were put on the rig: it may ask for more than they can do",
                 path.display()
             ));
             parts.take_shows_of(bare);

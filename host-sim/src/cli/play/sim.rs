@@ -1,8 +1,7 @@
-//! `sinew play --target sim`: a show on simulated servos, under the controller in this program.
+//! `sinew play --target sim`: plays a show on simulated servos, with the controller in this program.
 
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, bail};
 use sinew_firmware::supervisor::{Fault, FaultSet, Overload, Refused};
@@ -15,6 +14,7 @@ use sinew_show::Show;
 
 use super::Args;
 use super::live::Live;
+use super::real_time::RealTime;
 use crate::cli::output::OutputPath;
 use crate::cli::stop::Stop;
 
@@ -44,7 +44,7 @@ impl Args {
         };
         let mut live = Live::new(&show);
         let (mut director, mut tally) = (Director::default(), Tally::new(parts));
-        let start = Instant::now();
+        let mut pace = RealTime::begin();
         let ended = loop {
             let ended = director.tick(&mut sim, stop.times() > 0 || is_over(&tally));
             tally.note(&sim);
@@ -56,16 +56,16 @@ impl Args {
                 break ended;
             }
             if is_real_time {
-                let due = Duration::from_secs_f64(sim.time_s());
-                std::thread::sleep(due.saturating_sub(start.elapsed()));
+                pace.wait(sim.time_s());
             }
         };
         live.end();
+        pace.report();
         if let Some(recorder) = recorder {
             recorder.end().with_context(of_record)?;
             note(format_args!("wrote {}", of_record()));
         }
-        // Of a rig that was never armed there is nothing to tell but why.
+        // If the rig was never armed, only the reason is printed.
         if tally.ticks() > 0 || !matches!(ended, Some(Ended::Refused(_))) {
             print(&tally.table(&sim, director.raised()))?;
         }

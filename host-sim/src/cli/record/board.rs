@@ -1,4 +1,4 @@
-//! A rig at a controller is led by hand, until Ctrl-C.
+//! Records a rig on a controller that a person leads by hand, until Ctrl-C.
 
 use std::path::Path;
 use std::time::Duration;
@@ -16,13 +16,13 @@ use sinew_retarget::feasibility::RigMotion;
 use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
 use crate::cli::stop::Stop;
 
-/// Poses a second that are asked for: a hand's motion has nothing above 6 Hz.
+/// Poses per second. A hand's motion has nothing above 6 Hz.
 const RATE_HZ: f32 = 100.0;
-/// How often the state is looked at.
+/// Time between two checks of the state.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What was measured between `teaching` or `floating` and Ctrl-C, or for so many seconds; or until it was ended, and
-/// why.
+/// Returns the motion that was measured from the start of `teaching` or `floating` to Ctrl-C, or for `seconds`; with
+/// it the error that ended it early, if any.
 pub(super) fn led(
     port: &Path,
     silence: Duration,
@@ -35,14 +35,14 @@ pub(super) fn led(
     let mut board = open(Some(port), "--target")?;
     board.set_silence(silence);
     check_rig(&board, parts)?;
-    // As often as there are ticks: how long one is, the board alone knows.
+    // Asks for telemetry at every tick: only the board knows the length of a tick.
     let tick_s = f64::from(board.telemetry(f32::MAX, TelemetryParts::SUMMARY)?.rate_hz).recip();
     let told = board.telemetry(RATE_HZ, TelemetryParts::SUMMARY.and(TelemetryParts::POSE))?;
     ensure!(told.rate_hz > 0.0, "the controller sends no poses");
     let mut session = TeachSession { board, stop: Stop::new()?, state: None, bar: bar()? };
     let led = session.run(mode, seconds);
     session.bar.finish_and_clear();
-    // Whatever came between: the rig is limp before this ends, or a second Ctrl-C came.
+    // In any case the rig is limp before this function ends, unless there is a second Ctrl-C.
     let stopped = session.limp();
     let ended = led.and(stopped);
     let mut poses = session.board.log.poses.take().unwrap_or_default();
@@ -51,7 +51,7 @@ pub(super) fn led(
         Ok(motion) => return Ok((motion, ended)),
         Err(why) => why,
     };
-    // Nobody knows what came in a gap; what came before it is kept.
+    // Motion in a gap is unknown. The motion before the gap is kept.
     let first = poses.first().map_or(0, |pose| pose.tick);
     let until_s = if let ReceivedError::Gap { at_s, .. } = why { at_s } else { 0.0 };
     poses.retain(|pose| f64::from(pose.tick.wrapping_sub(first)) * tick_s <= until_s);
@@ -114,7 +114,7 @@ impl TeachSession {
         }
     }
 
-    /// Brings the rig to rest, and waits until it is limp. What comes meanwhile is no part of the motion.
+    /// Brings the rig to rest, and waits until it is limp. Poses during this time are not part of the motion.
     fn limp(&mut self) -> anyhow::Result<()> {
         let poses = self.board.log.poses.take();
         let limp = self.stop_and_wait();
@@ -129,7 +129,7 @@ impl TeachSession {
             while !matches!(self.look()?, Some(State::Limp | State::Off | State::Faulted)) {
                 if self.stop.times() > times {
                     bail!(
-                        "left at once: the board holds the pose, and after 2 s lowers it and is limp"
+                        "ended at once: the board holds the pose; after 2 s it lowers the rig, then torque is off"
                     );
                 }
             }
@@ -147,7 +147,7 @@ impl TeachSession {
         }
     }
 
-    /// Takes what comes; the state by a summary that is newer than what was asked for.
+    /// Receives messages until there is a summary that is newer than this call, and returns the state.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {

@@ -1,4 +1,4 @@
-//! `sinew record`: a rig is led by hand, and what was measured becomes a motion.
+//! `sinew record`: a rig is led by hand, and the measured positions become a motion.
 
 mod board;
 
@@ -33,17 +33,17 @@ use crate::cli::output::OutputPath;
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
 /// By default torque is off: hold the rig. With --float the rig carries its own weight by its model, and stays about
-/// where you leave it; for this every servo must have a current mode. The measured motion is low-passed, and rest at
-/// its beginning and end is cut; both are reported.
+/// where you leave it; for this every servo must have a current mode. The measured motion is low-pass filtered, and
+/// rest at its beginning and end is cut; both are reported.
 ///
-/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end it reports how far the
-/// result is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig goes to
-/// rest, and is limp before this ends.
+/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end the command reports how
+/// far the result is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig
+/// moves to its rest pose, and torque is off before the command ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Rig that you lead: `sim`, simulated servos as of `sinew play`; or the rig of the controller board at a serial
+    /// Rig that you lead: `sim`, simulated servos as in `sinew play`; or the rig of the controller board at a serial
     /// port, such as /dev/ttyACM0, or at the USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
@@ -76,15 +76,16 @@ pub(super) struct Args {
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
-    /// Cutoff of the low-pass, in Hz. 0: no low-pass.
+    /// Cutoff of the low-pass filter, in Hz. 0: no filter.
     #[arg(long, value_name = "HZ", default_value_t = 6.0, value_parser = cutoff, allow_negative_numbers = true)]
     cutoff_hz: f64,
 
-    /// Rate of the rows that are written, in Hz.
+    /// Rate of the rows in the output, in Hz.
     #[arg(long, value_name = "HZ", default_value_t = 100.0, value_parser = rate, allow_negative_numbers = true)]
     rate_hz: f64,
 
-    /// Fit a show within all limits of the rig: it is smoothed, slowed down, or drawn towards home where needed.
+    /// Fit a show within all limits of the rig: smooth it, slow it down, or draw it towards the home pose where
+    /// needed.
     #[arg(long)]
     fit: bool,
 
@@ -92,7 +93,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     release_test_s: Option<f64>,
 
-    /// Factor on the masses and inertias of the simulated bodies; the controller believes those of the rig's file.
+    /// Factor on the masses and inertias of the simulated bodies. The controller uses those of the rig's file.
     /// Default: 1.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     mass_scale: Option<f64>,
@@ -106,7 +107,7 @@ pub(super) struct Args {
     output: Vec<OutputPath>,
 }
 
-/// What was measured; of a scripted hand also where it led, and how far each coordinate went after it let go.
+/// The measured motion; with a scripted hand also its path, and the drift of each coordinate after the release.
 type Led = (RigMotion, Option<(GuideTrajectory, Vec<f64>)>);
 
 /// Runs the subcommand.
@@ -134,21 +135,21 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    /// Writes what a person led, as it was measured, beside the file that it was led for: nobody leads it twice alike.
+    /// Writes the motion of a person as it was measured, beside the first output file: nobody can repeat it exactly.
     fn keep(&self, rig: &LoadedRig, measured: &RigMotion) {
         let Some(path) = self.output.first() else { return };
         let kept = path.with_extension("led.csv");
         match output::write(&kept, table::csv(&rig.mechanism, measured, 0.0)) {
             Ok(()) => note(format_args!(
-                "{}: what was led, as it was measured: {:.2} s",
+                "{}: the motion as measured until then: {:.2} s",
                 kept.display(),
                 measured.duration_s()
             )),
-            Err(why) => note(format_args!("what was led is lost: {why:#}")),
+            Err(why) => note(format_args!("the measured motion is lost: {why:#}")),
         }
     }
 
-    /// Writes all files; says what they are.
+    /// Writes all output files, and returns a description of them.
     fn write(
         &self,
         rig: &LoadedRig,
@@ -158,7 +159,7 @@ impl Args {
         let taught = TeachResult::new(&rig.mechanism, measured, self.cutoff_hz, self.rate_hz)?;
         let [before_s, behind_s] = taught.cut_s;
         let mut text = format!(
-            "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s behind: {:.2} s are left\n",
+            "led for {:.2} s; cut {before_s:.2} s of rest before and {behind_s:.2} s after: {:.2} s remain\n",
             measured.duration_s(),
             taught.motion.duration_s(),
         );
@@ -229,7 +230,7 @@ impl Args {
         parts.with_context(|| self.rig.display().to_string())
     }
 
-    /// What a controller measured while somebody led its rig.
+    /// Returns the motion that a controller measured while a person led its rig.
     fn led_at(&self, port: &Path, rig: &LoadedRig) -> anyhow::Result<(Led, anyhow::Result<()>)> {
         let parts = self.parts(rig)?;
         let (motion, ended) =
@@ -237,7 +238,7 @@ impl Args {
         Ok(((motion, None), ended))
     }
 
-    /// What was measured while the scripted hand led.
+    /// Returns the motion that was measured while the scripted hand led.
     fn led(&self, rig: &LoadedRig) -> anyhow::Result<Led> {
         let of_rig = || self.rig.display().to_string();
         let guide = read_guide(rig, self.guide.as_deref())?;
@@ -262,7 +263,7 @@ impl Args {
         Ok((RigMotion { dt_s, rows }, Some((guide, drift))))
     }
 
-    /// Writes a show of a motion; says what it is, and which motion it has.
+    /// Writes a show of a motion. Returns its description, and the motion of the show.
     fn show(
         &self,
         rig: &LoadedRig,
@@ -295,7 +296,7 @@ impl Args {
         Ok((text, played))
     }
 
-    /// How far a motion is from where the hand led.
+    /// Describes how far a motion is from the hand's path.
     fn off(
         &self,
         rig: &LoadedRig,
@@ -305,13 +306,13 @@ impl Args {
         what: &str,
     ) -> anyhow::Result<String> {
         if self.fit && what == "the show" {
-            // It may have been slowed down.
+            // A slowed motion has other times than the path.
             return Ok(String::new());
         }
         let ([mean, most], at, time_s) =
             compare_with_guide(&rig.mechanism, motion, guide, begin_s)?;
         Ok(format!(
-            "{what} beside the hand's way: {} off in the mean, {} at most ({} at {time_s:.2} s)\n",
+            "{what} against the hand's path: mean error {}, largest {} ({} at {time_s:.2} s)\n",
             shown(mean),
             shown(most),
             coordinate(rig, at)
@@ -319,12 +320,12 @@ impl Args {
     }
 }
 
-/// An angle in words.
+/// Formats an angle in degrees.
 fn shown(radians: f64) -> String {
     format!("{:.2} deg", radians.to_degrees())
 }
 
-/// The name of a coordinate's joint.
+/// Returns the name of a coordinate's joint.
 fn coordinate(rig: &LoadedRig, at: usize) -> &str {
     let ranges = rig.mechanism.coordinate_ranges();
     let mut joints = rig.mechanism.bodies.iter().zip(ranges);

@@ -1,4 +1,4 @@
-//! `sinew rig check`: what a rig's numbers come to, and what is wrong with them.
+//! `sinew rig check`: quantities that follow from a rig's numbers, and errors in them.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use crate::cli::unit_args::UnitArgs;
 
 /// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
 ///
-/// Exit code 1 if the rig cannot do what it is for.
+/// Exit code 1 if the rig cannot do its work.
 #[derive(Debug, clap::Args)]
 pub(super) struct CheckArgs {
     /// The rig: rig.toml, URDF or MJCF.
@@ -29,12 +29,12 @@ pub(super) struct CheckArgs {
     #[command(flatten)]
     control: LoopArgs,
 
-    /// What to print.
+    /// Format of the output.
     #[arg(long, value_enum, default_value_t = Format::Words)]
     format: Format,
 }
 
-/// The control loop that gains are judged for.
+/// The control loop for which gains are judged.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub(super) struct LoopArgs {
     /// Control rate, in Hz.
@@ -45,7 +45,7 @@ pub(super) struct LoopArgs {
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
     latency_ticks: usize,
 
-    /// Bandwidth of the observer, in rad/s. Default: by the rule, from the gears.
+    /// Bandwidth of the observer, in rad/s. Default: computed from the gears.
     #[arg(long, value_name = "RAD_S", value_parser = bandwidth_rad_s)]
     bandwidth_rad_s: Option<f64>,
 }
@@ -99,7 +99,7 @@ pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     Ok(if fault { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
-/// The P gain of each servo that has one, by its name.
+/// Returns the P gain of each servo that has one, with the servo's name.
 fn gains(loaded: &LoadedRig) -> anyhow::Result<Vec<NamedGain>> {
     let rig = &loaded.description;
     let gains = position_gains(rig, Some(&loaded.mechanism))?;
@@ -159,9 +159,9 @@ fn words(
     line(format_args!("{}\n", joints(review)));
     if review.by_dof.iter().any(|dof| dof.control.is_some()) {
         line(format_args!(
-            "Loops by current, through their gears. Gear: resonance with the load held. Bandwidth: the observer's. What\n\
-             each loop bears before it shakes, with the lightest and the heaviest load of the poses tried:\n\
-             phase, factor on the torque, delay more than {} tick(s). Then the same of a gear with half the stiffness and\n\
+            "Loops by current, through their gears. Gear: resonance with the load held. Bandwidth: the observer's.\n\
+             Margins before each loop shakes, with the lightest and the heaviest load of the poses tried: phase, factor\n\
+             on the torque, delay beyond {} tick(s). Then the margins of a gear with half the stiffness and\n\
              twice the play.\n",
             review.control.latency_ticks
         ));
@@ -196,7 +196,7 @@ fn words(
     out
 }
 
-/// The bodies, each under its parent.
+/// Makes the table of bodies, each below its parent.
 fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
     let mut table = table(["body", "joint", "type", "kg"], [3]);
     let mut depths: Vec<usize> = Vec::new();
@@ -306,7 +306,7 @@ fn gain_table(gains: &[NamedGain]) -> Table {
     table
 }
 
-/// Phase, factor and delay that a loop bears.
+/// Formats the margins of a loop: phase, gain factor and delay.
 fn margins(stability: Stability) -> [String; 3] {
     let Some(margins) = stability.margins else {
         return ["shakes", "-", "-"].map(str::to_owned);

@@ -12,9 +12,9 @@ use crate::cli::unit_args::UnitArgs;
 
 /// Compute the efforts that given motions take: CSV from standard input, CSV to standard output.
 ///
-/// Columns in: q.NAME, qd.NAME, qdd.NAME in any order (rad or m, per s, per s²; the base at rest). Ball joints
-/// have q.NAME.x, .y, .z, .w and qd.NAME.0, .1, .2. Columns out: tau.NAME, in N m or N. Without any qd or qdd
-/// column these are zero.
+/// Columns in: q.NAME, qd.NAME, qdd.NAME in any order (in rad or m, per s, per s²; the base
+/// is at rest). Ball joints have q.NAME.x, .y, .z, .w and qd.NAME.0, .1, .2. Columns out:
+/// tau.NAME, in N m or N. Without any qd or qdd column these values are zero.
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct DynamicsArgs {
@@ -25,7 +25,7 @@ pub(super) struct DynamicsArgs {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Include the rotors' inertias, as seen through their gears.
+    /// Include the rotors' inertias, reflected through their gears.
     #[arg(long)]
     rotor: bool,
 
@@ -34,7 +34,7 @@ pub(super) struct DynamicsArgs {
     header: bool,
 }
 
-/// Computes and prints.
+/// Computes the efforts, or only the header, and prints them.
 pub(super) fn run(args: &DynamicsArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
     if args.header {

@@ -10,12 +10,12 @@ use sinew_rig::import::Options;
 
 use crate::cli::output::OutputPath;
 
-/// Reads a rig of any format; what an import changed is said on standard error.
+/// Reads a rig of any format. Notes of the import go to standard error.
 pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<LoadedRig> {
     read_as(path, &Options::default())
 }
 
-/// Reads a rig with the user's word on what the file leaves open.
+/// Reads a rig. `options` supply facts that the file leaves open.
 pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<LoadedRig> {
     let loaded = load(path, options)?;
     for line in &loaded.notes {
@@ -24,7 +24,7 @@ pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<LoadedRi
     Ok(loaded)
 }
 
-/// The file to write, and whether one that is there may be replaced.
+/// The output file, and whether an existing file may be replaced.
 #[derive(Debug, Args)]
 pub(super) struct OutputArgs {
     /// File to write. Default: standard output.
@@ -37,20 +37,20 @@ pub(super) struct OutputArgs {
 }
 
 impl OutputArgs {
-    /// Writes text, and says where.
+    /// Writes text to the file and prints its path; without a file, prints the text.
     pub(super) fn write(&self, text: &str) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
             sinew_host_util::command::print(text)?;
             return Ok(());
         };
         if path.exists() && !self.force {
-            bail!("{}: is there already; `--force` replaces it", path.display());
+            bail!("{}: exists already; `--force` replaces it", path.display());
         }
         write_file(path, text)
     }
 }
 
-/// Writes a file, and says so.
+/// Writes a file, and prints its path.
 pub(super) fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
     sinew_host_util::output::write(path, text)?;
     note(format_args!("wrote {}", path.display()));

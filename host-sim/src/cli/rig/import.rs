@@ -14,14 +14,14 @@ use sinew_rig::toml_file;
 use super::files::OutputArgs;
 use crate::cli::unit_args::UnitArgs;
 
-/// Write a rig.toml from a URDF or an MJCF file. It says what it changed, filled in or left out.
+/// Write a rig.toml from a URDF or an MJCF file. It reports what it changed, filled in or left out.
 #[derive(Debug, clap::Args)]
 pub(super) struct ImportArgs {
     /// URDF (with `xacro` expanded) or MJCF.
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// Leave out these joints, with everything beyond them, to cut a closed loop open.
+    /// Leave out these joints, with everything beyond them, to open a closed loop.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     cut: Vec<String>,
 
@@ -29,7 +29,7 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     open_loops: bool,
 
-    /// Replace impossible inertia by a ball's, and missing inertia by a point's.
+    /// Replace impossible inertia by that of a ball, and missing inertia by that of a point.
     #[arg(long)]
     repair_inertia: bool,
 
@@ -48,7 +48,7 @@ pub(super) struct ImportArgs {
     target: OutputArgs,
 }
 
-/// Reads and writes.
+/// Reads the file, applies the options and writes the rig.
 pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
     let options = Options {
         cut: args.cut.clone(),
@@ -68,7 +68,7 @@ pub(super) fn run(args: &ImportArgs) -> anyhow::Result<ExitCode> {
         })?;
         *axis = axis.map(|x| 0.0 - x);
     }
-    // A name that is there twice is meant once.
+    // A name that is given twice counts once.
     for name in args.inertia_g_mm2.iter().collect::<BTreeSet<_>>() {
         let body = loaded.description.bodies.iter_mut().find(|body| body.name == *name);
         let inertia = body.and_then(|body| body.inertia_kg_m2.as_mut());

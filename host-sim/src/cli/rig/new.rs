@@ -22,7 +22,7 @@ pub(super) struct NewArgs {
     target: OutputArgs,
 }
 
-/// Writes it.
+/// Writes a new arm or a new face.
 pub(super) fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
     let rig = match args.arm {
         Some(joints) => new::arm(usize::from(joints))?,

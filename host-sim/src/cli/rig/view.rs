@@ -1,4 +1,4 @@
-//! `sinew rig view`: a rig as a page.
+//! `sinew rig view`: a page that shows a rig.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,7 +13,7 @@ use crate::cli::unit_args::UnitArgs;
 
 /// Write a page that shows the rig in 3D: a slider for each joint, its axes, ranges and loads.
 ///
-/// One file that any browser opens from disk, without a network.
+/// The page is one file that any browser opens from disk, without a network.
 #[derive(Debug, clap::Args)]
 pub(super) struct ViewArgs {
     /// The rig: rig.toml, URDF or MJCF.
@@ -31,7 +31,7 @@ pub(super) struct ViewArgs {
     control: LoopArgs,
 }
 
-/// Draws.
+/// Checks the rig and writes the page.
 pub(super) fn run(args: &ViewArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
     let review = review(&loaded, args.control.control())?;

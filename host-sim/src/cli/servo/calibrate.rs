@@ -1,4 +1,4 @@
-//! `sinew servo calibrate`: ranges found by hand, into the rig file.
+//! `sinew servo calibrate`: finds ranges by hand, and writes them into the rig file.
 
 use std::io::{self, IsTerminal as _, Write as _};
 use std::path::PathBuf;
@@ -18,20 +18,21 @@ use super::rig::find_rate;
 
 /// Find the range of each joint by hand, and write it into the rig file.
 ///
-/// Drive by drive: torque goes off, you move the joint from stop to stop, and Enter takes the ends. Then you put it at
-/// its home, and Enter takes the servo's offset. Torque stays off, also where Ctrl-C or an error ends it. Only
-/// `range_deg` and `offset_deg` of the servos are changed; all else in the file stays as you wrote it.
+/// Drive by drive: torque is switched off, you move the joint from stop to stop, and Enter stores the ends. Then you
+/// put the joint at its home, and Enter stores the servo's offset. Torque stays off, also if Ctrl-C or an error ends
+/// the command. Only `range_deg` and `offset_deg` of the servos are changed; everything else in the file stays as you
+/// wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
-    /// The rig.toml.
+    /// The rig.toml to read and to change.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Which of the rig's buses hangs on the port. Default: its only one.
+    /// Name of the rig's bus that is connected to the port. Default: the rig's only bus.
     #[arg(long, value_name = "NAME")]
     rig_bus: Option<String>,
 
-    /// Joints, or servos. Default: all joints that have servos on this bus.
+    /// Joints or servos to calibrate. Default: all joints that have servos on this bus.
     #[arg(value_name = "JOINT")]
     joints: Vec<String>,
 
@@ -47,7 +48,7 @@ fn margin(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Calibrates, drive after drive; each is written before the next begins.
+/// Calibrates drive by drive. Each result is written before the next drive begins.
 pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     let mut text = sinew_mocap::read::text(&args.rig).with_context(name)?;
@@ -55,7 +56,7 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
         .with_context(|| format!("{}: calibration needs a rig.toml", name()))?;
     let servos = of_bus(&rig, args.rig_bus.as_deref())?;
     let drives = drives_of(&rig, &args.joints)?;
-    // A person moves each joint for it.
+    // Checked first, because a person moves each joint by hand.
     try_to_write(&args.rig)?;
     let mut client = line.client()?;
     find_rate(line, &mut client, &servos)?;
@@ -72,7 +73,7 @@ pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitC
     Ok(ExitCode::SUCCESS)
 }
 
-/// The servos of a drive that hang on this bus.
+/// Returns the servos of a drive that are on this bus.
 fn servos_of<'s>(rig: &Description, drive: usize, servos: &'s [RigServo]) -> Vec<&'s RigServo> {
     rig.drives[drive]
         .servos
@@ -81,7 +82,7 @@ fn servos_of<'s>(rig: &Description, drive: usize, servos: &'s [RigServo]) -> Vec
         .collect()
 }
 
-/// One drive; returns the rig's text with what was found.
+/// Calibrates one drive. Returns the rig's text with the found values.
 fn one(
     client: &mut PortClient,
     rig: &Description,
@@ -96,10 +97,10 @@ fn one(
     for servo in of_drive {
         servos.push(((*servo).clone(), open_rig_servo(client, servo)?));
     }
-    note(format_args!("{joints}: hold what would fall. Enter switches its torque off."));
+    note(format_args!("{joints}: hold the parts that would fall. Enter switches its torque off."));
     prompt.enter(|| Ok(client.ensure_going()?))?;
     let mut calibration = Calibration::begin(client, &servos)?;
-    note(format_args!("{joints}: move it from stop to stop. Enter takes the ends."));
+    note(format_args!("{joints}: move it from stop to stop. Enter stores the ends."));
     prompt.enter(|| {
         calibration.look(client)?;
         show(&calibration);
@@ -113,7 +114,7 @@ fn one(
     }
     let home = home_of(rig, drive).join(", ");
     note(format_args!(
-        "Now put it at home: {home}. Enter takes the offset; `s` and Enter leaves it."
+        "Now put it at home: {home}. Enter stores the offset; `s` and Enter skips it."
     ));
     let answer = prompt.enter(|| {
         calibration.look(client)?;
@@ -124,12 +125,12 @@ fn one(
     if answer.trim().eq_ignore_ascii_case("s") {
         return Ok(text);
     }
-    // With the range that was just found.
+    // Uses the range that was just found.
     let rig = toml_file::read(&text)?;
     Ok(edited(&text, &offsets(&rig, drive, &calibration.now_rad())?)?)
 }
 
-/// One line on a terminal, that the next one replaces.
+/// Shows a line on a terminal; the next line replaces it.
 fn show(calibration: &Calibration) {
     if io::stderr().is_terminal() {
         let _ = write!(io::stderr(), "\r\x1b[K{}", positions(calibration));

@@ -1,4 +1,4 @@
-//! The format of what a command prints.
+//! The format of a command's output.
 
 /// A format of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]

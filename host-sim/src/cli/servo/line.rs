@@ -1,4 +1,4 @@
-//! Options of the line, and the servos on it.
+//! Options for the port of servos, and opening servos on it.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,15 +14,15 @@ use sinew_servo_tools::{
 use crate::cli::board::open;
 use crate::cli::stop;
 
-/// Options of the line.
+/// Options for the port of servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct LineArgs {
     /// Serial port of the servos, such as /dev/ttyUSB0, or the link of `sinew servo simulate`.
     #[arg(long, value_name = "PORT", global = true)]
     port: Option<PathBuf>,
 
-    /// Serial port of a controller board that passes packets on to its servos, in place of --port. Without a value, or
-    /// `auto`: the USB port where a board answers. Its rig must be limp, off or faulted. Torque stays off, so
+    /// Serial port of a controller board that passes packets on to its servos, instead of --port. Without a value, or
+    /// with `auto`: the USB port where a board answers. Its rig must be limp, off or faulted. Torque stays off, so
     /// `identify` and `tap` cannot move a servo.
     #[arg(
         long,
@@ -34,7 +34,7 @@ pub(super) struct LineArgs {
     )]
     board: Option<PathBuf>,
 
-    /// Number of the board's line of servos, from 0.
+    /// Number of the board's bus line, from 0.
     #[arg(long, value_name = "N", global = true, default_value_t = 0, requires = "board")]
     line: u8,
 
@@ -42,7 +42,7 @@ pub(super) struct LineArgs {
     #[arg(long, value_enum, global = true)]
     protocol: Option<ProtocolArg>,
 
-    /// Rate of the servos, in bit/s. Default: all rates of the protocol are tried, the factory's first.
+    /// Rate of the servos, in bit/s. Default: all rates of the protocol are tried, the factory setting first.
     #[arg(long, value_name = "BAUD", global = true, value_parser = rate)]
     baud: Option<u32>,
 
@@ -94,7 +94,7 @@ fn tries(text: &str) -> Result<u32, String> {
 pub(super) type PortClient = Client<Box<dyn Exchange>>;
 
 impl LineArgs {
-    /// Opens the port, at the first rate that may be.
+    /// Opens the port, at the first possible rate.
     pub(super) fn client(&self) -> anyhow::Result<PortClient> {
         let (line, wait_ms): (Box<dyn Exchange>, u64) = if let Some(path) = &self.board {
             (Box::new(BoardServos::new(open(Some(path), "--board")?, self.line)?), 5)
@@ -114,12 +114,12 @@ impl LineArgs {
         Ok(client)
     }
 
-    /// The port of the servos, if a controller answers there: nothing that is done with servos can come of it.
+    /// Returns the port of --port if a controller answers there: commands for servos cannot work on it.
     pub(super) fn of_controller(&self) -> Option<&Path> {
         self.port.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
     }
 
-    /// Which protocols may be.
+    /// Returns the possible protocols.
     pub(super) fn protocols(&self) -> Vec<Protocol> {
         match self.protocol {
             Some(ProtocolArg::Dynamixel) => vec![Protocol::Dynamixel],
@@ -128,12 +128,12 @@ impl LineArgs {
         }
     }
 
-    /// Which rates may be; empty for all.
+    /// Returns the given rate; empty if all rates are possible.
     pub(super) fn bauds(&self) -> Vec<u32> {
         self.baud.into_iter().collect()
     }
 
-    /// The servo of an id, wherever it answers; where that is is said on standard error, unless it was told.
+    /// Finds the servo with an id. Its protocol and rate are printed to standard error, unless the rate was given.
     pub(super) fn servo(&self, id: u8) -> anyhow::Result<(PortClient, Servo)> {
         let mut client = self.client()?;
         let servo = self.find(&mut client, id, &self.protocols())?;
@@ -141,14 +141,15 @@ impl LineArgs {
         Ok((client, servo))
     }
 
-    /// Opens a servo for a command that moves or changes it: all other servos of the line are looked at, too.
+    /// Opens a servo for a command that moves or changes it. Also checks whether a program left another servo of the
+    /// bus line in the middle of its work.
     pub(super) fn servo_to_change(&self, id: u8) -> anyhow::Result<(PortClient, Servo)> {
         let (mut client, servo) = self.servo(id)?;
         tell_left_on_line(&mut client, servo.id)?;
         Ok((client, servo))
     }
 
-    /// The same on a line that is open.
+    /// Finds the servo with an id on an open port.
     pub(super) fn find(
         &self,
         client: &mut PortClient,
@@ -168,7 +169,7 @@ impl LineArgs {
     }
 }
 
-/// Opens a servo of a rig, and tells if a program left it.
+/// Opens a servo of a rig, and prints a note if a program left it in the middle of its work.
 pub(super) fn open_rig_servo(
     client: &mut PortClient,
     servo: &RigServo,
@@ -178,7 +179,7 @@ pub(super) fn open_rig_servo(
     Ok(found)
 }
 
-/// Tells of all other servos of a line that a program left.
+/// Prints a note for every other servo of the bus line that a program left in the middle of its work.
 pub(super) fn tell_left_on_line(client: &mut PortClient, known: u8) -> anyhow::Result<()> {
     for (id, left) in left::on_line(client, known)? {
         note(format_args!("servo {id}: {}", left.what));
@@ -186,9 +187,9 @@ pub(super) fn tell_left_on_line(client: &mut PortClient, known: u8) -> anyhow::R
     Ok(())
 }
 
-/// Tells of a servo that a program left in the middle of what it did.
+/// Prints a note if a program left the servo in the middle of its work.
 fn tell_left(client: &mut PortClient, servo: &Servo) {
-    // One that does not say so now says why in the next answer.
+    // An error is ignored: the next question to the servo reports it.
     if let Ok(Some(left)) = left::look(client, servo) {
         note(format_args!("servo {}: {}", servo.id, left.what));
     }

@@ -1,4 +1,4 @@
-//! `sinew servo`: bus servos before they move.
+//! `sinew servo`: setup and tests of bus servos.
 
 mod calibrate;
 mod format;
@@ -55,14 +55,15 @@ enum Command {
     Simulate(servos::ServosArgs),
 }
 
-/// Runs the subcommand. Where it comes to nothing, it may be that the port is a controller's.
+/// Runs the subcommand. If it fails, checks whether a controller answers at the port of the servos.
 pub(super) fn run(args: &ServoArgs) -> anyhow::Result<ExitCode> {
     let done = on_line(args);
     if !matches!(done, Ok(ExitCode::SUCCESS))
         && let Some(path) = args.line.of_controller()
     {
         bail!(
-            "{}: a controller answers here, not servos: `--board` takes it in place of `--port`, and it passes packets on",
+            "{}: a controller answers here, not servos: use `--board` in place of `--port`; the controller passes \
+             packets on",
             path.display()
         );
     }

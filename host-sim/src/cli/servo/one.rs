@@ -1,4 +1,4 @@
-//! What is done to one servo: its id, its rate, a wiggle, a reboot.
+//! Commands for a single servo: id, rate, identification, reboot.
 
 use std::process::ExitCode;
 
@@ -10,11 +10,11 @@ use super::line::LineArgs;
 /// Change a servo's id. Fails if a servo answers at the new id already.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetIdArgs {
-    /// Its id.
+    /// Present id of the servo.
     #[arg(value_name = "OLD", value_parser = clap::value_parser!(u8).range(0..=252))]
     old: u8,
 
-    /// New id.
+    /// New id of the servo.
     #[arg(value_name = "NEW", value_parser = clap::value_parser!(u8).range(0..=252))]
     new: u8,
 }
@@ -48,9 +48,9 @@ pub(super) fn set_baud(line: &LineArgs, args: &SetBaudArgs) -> anyhow::Result<Ex
 
 /// Identify a servo: it moves by 6 degrees to either side and back, with its light on if it has one.
 ///
-/// It moves slowly, and with at most 30 % of its torque beside what it holds; if torque was off, it is off afterwards.
-/// All registers are as before, also at Ctrl-C and where something fails. A servo that does not move as it is told is
-/// an error. Hold nothing fragile in its way.
+/// It moves slowly, with at most 30 % of its torque more than it needs to hold its load. If torque was off, it is off
+/// afterwards. All registers are restored, also after Ctrl-C or an error. It is an error if the servo does not move
+/// as commanded. Keep fragile things out of its way.
 #[derive(Debug, clap::Args)]
 pub(super) struct IdentifyArgs {
     /// The servo's id.
@@ -76,6 +76,6 @@ pub(super) struct RebootArgs {
 pub(super) fn reboot(line: &LineArgs, args: &RebootArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servo) = line.servo(args.id)?;
     client.reboot(&servo)?;
-    print(&format!("servo {} has started anew\n", servo.id))?;
+    print(&format!("servo {} has restarted\n", servo.id))?;
     Ok(ExitCode::SUCCESS)
 }

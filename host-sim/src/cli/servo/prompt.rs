@@ -1,4 +1,4 @@
-//! Waiting for Enter, while something else goes on.
+//! Waits for Enter while other work continues.
 
 use std::io;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
@@ -6,11 +6,11 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use anyhow::bail;
 use sinew_servo_tools::calibrate::LOOK_EVERY;
 
-/// Lines of standard input.
+/// Lines of standard input, read by a thread.
 pub(super) struct Prompt(Receiver<String>);
 
 impl Prompt {
-    /// Reads standard input from now on.
+    /// Starts to read standard input.
     pub(super) fn new() -> Self {
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {
@@ -24,7 +24,7 @@ impl Prompt {
         Self(receiver)
     }
 
-    /// Does `meanwhile` again and again until a line comes.
+    /// Repeats `meanwhile` until there is a line.
     pub(super) fn enter(
         &self,
         mut meanwhile: impl FnMut() -> anyhow::Result<()>,
@@ -35,7 +35,7 @@ impl Prompt {
                 Ok(line) => return Ok(line),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    bail!("the input ended; what was not told to be done is not done")
+                    bail!("the input ended; nothing more is done")
                 }
             }
         }

@@ -16,16 +16,16 @@ pub(super) struct ReadArgs {
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     id: u8,
 
-    /// The makers' names; case and what separates words do not matter: `goal-position`.
+    /// Names of the registers in the maker's manual. Case and separators do not matter: `goal-position`.
     #[arg(value_name = "NAME")]
     names: Vec<String>,
 
-    /// What to print: a table, or JSON, schema `sinew-servo-read/1`.
+    /// Format of the output: a table, or JSON, schema `sinew-servo-read/1`.
     #[arg(long, value_enum, default_value_t = Format::Words)]
     format: Format,
 }
 
-/// Reads and prints.
+/// Reads the registers and prints them.
 pub(super) fn read(line: &LineArgs, args: &ReadArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servo) = line.servo(args.id)?;
     let readings = registers::read(&mut client, &servo, &args.names)?;
@@ -68,7 +68,7 @@ pub(super) struct WriteArgs {
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     id: u8,
 
-    /// The maker's name; case and what separates words do not matter: `goal-position`.
+    /// Name of the register in the maker's manual. Case and separators do not matter: `goal-position`.
     #[arg(value_name = "NAME")]
     name: String,
 
@@ -76,12 +76,12 @@ pub(super) struct WriteArgs {
     #[arg(value_name = "VALUE", allow_negative_numbers = true)]
     value: String,
 
-    /// Take VALUE as the raw number.
+    /// VALUE is the raw number of the register.
     #[arg(long)]
     raw: bool,
 }
 
-/// Writes, and prints what the servo has.
+/// Writes, and prints the value that the servo then has.
 pub(super) fn write(line: &LineArgs, args: &WriteArgs) -> anyhow::Result<ExitCode> {
     let number = if args.raw {
         let raw = args.value.parse();

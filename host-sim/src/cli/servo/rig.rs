@@ -1,4 +1,4 @@
-//! `sinew servo diff` and `apply`: a rig's servos against its file.
+//! `sinew servo diff` and `apply`: compares a rig's servos with its file.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -21,7 +21,7 @@ pub(super) struct RigArgs {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Which of the rig's buses hangs on the port. Default: its only one.
+    /// Name of the rig's bus that is connected to the port. Default: the rig's only bus.
     #[arg(long, value_name = "NAME")]
     rig_bus: Option<String>,
 }
@@ -35,13 +35,13 @@ struct ModeArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ModeArg {
-    /// Position within a turn.
+    /// Position within one turn.
     Position,
-    /// Position with a limit of current: Dynamixels that measure it.
+    /// Position with a limit of the current; for Dynamixels that measure current.
     CurrentPosition,
-    /// Current: Dynamixels that measure it.
+    /// Current; for Dynamixels that measure it.
     Current,
-    /// PWM.
+    /// Duty cycle of the motor voltage (PWM).
     Pwm,
 }
 
@@ -56,11 +56,11 @@ impl From<ModeArg> for Mode {
     }
 }
 
-/// A servo of a rig, and the same on the line, or why it is not there.
+/// A servo of a rig, and the servo that was found on the bus line, or the error.
 pub(super) type FoundServo = (RigServo, Result<Servo, ServiceError>);
 
 impl RigArgs {
-    /// The rig's servos on the port.
+    /// Opens the rig's servos on the port.
     pub(super) fn servos(&self, line: &LineArgs) -> anyhow::Result<(PortClient, Vec<FoundServo>)> {
         let rig = read(&self.rig)?.description;
         let servos = of_bus(&rig, self.rig_bus.as_deref())?;
@@ -76,7 +76,7 @@ impl RigArgs {
     }
 }
 
-/// Goes to the rate at which the first of them answers.
+/// Sets the rate at which the first servo of the rig answers.
 pub(super) fn find_rate(
     line: &LineArgs,
     client: &mut PortClient,
@@ -85,7 +85,7 @@ pub(super) fn find_rate(
     let told = line.protocols();
     let mut silent = None;
     for servo in servos {
-        // A told protocol holds; else the model has one.
+        // A protocol that the user gives is used; else the model's own.
         let own = servo.protocol().filter(|own| told.contains(own)).map(|own| vec![own]);
         match line.find(client, servo.id, own.as_deref().unwrap_or(&told)) {
             Ok(_) => return Ok(()),
@@ -107,12 +107,12 @@ pub(super) struct DiffArgs {
     #[command(flatten)]
     mode: ModeArgs,
 
-    /// What to print: a table, or JSON, schema `sinew-servo-diff/1`.
+    /// Format of the output: a table, or JSON, schema `sinew-servo-diff/1`.
     #[arg(long, value_enum, default_value_t = Format::Words)]
     format: Format,
 }
 
-/// What a servo's comparison came to.
+/// Result of a servo's comparison.
 #[derive(serde::Serialize)]
 struct Compared {
     name: String,
@@ -121,7 +121,7 @@ struct Compared {
     differences: Vec<Difference>,
 }
 
-/// Compares and prints.
+/// Compares the servos' settings with the rig file and prints the differences.
 pub(super) fn diff(line: &LineArgs, args: &DiffArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servos) = args.rig.servos(line)?;
     let mode = args.mode.mode.into();
@@ -179,9 +179,9 @@ fn words(compared: &[Compared]) -> String {
     }
 }
 
-/// Tells what is wrong with a servo of a rig, by its name.
+/// Prints an error with the name of the rig's servo.
 fn tell(name: &str, error: &str) {
-    // Some errors begin with it.
+    // Some errors begin with the name.
     if error.starts_with(name) {
         note(format_args!("{error}"));
     } else {
@@ -223,7 +223,7 @@ pub(super) struct ApplyArgs {
     torque_off: bool,
 }
 
-/// Writes, servo by servo. One that fails does not keep the others from theirs.
+/// Writes the settings servo by servo. An error of one servo does not stop the others.
 pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servos) = args.rig.servos(line)?;
     let mode = args.mode.mode.into();

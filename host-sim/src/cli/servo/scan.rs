@@ -1,4 +1,4 @@
-//! `sinew servo scan` and `ping`: who is there.
+//! `sinew servo scan` and `ping`: finds servos that answer.
 
 use std::process::ExitCode;
 
@@ -10,18 +10,18 @@ use super::line::LineArgs;
 
 /// Search for servos at all rates of both protocols, or at those that --protocol and --baud name.
 ///
-/// Exit code 1 if there is none.
+/// Exit code 1 if no servo is found.
 #[derive(Debug, clap::Args)]
 pub(super) struct ScanArgs {
     /// Largest id to search for.
     #[arg(long, value_name = "ID", default_value_t = 252, value_parser = clap::value_parser!(u8).range(0..=252))]
     max_id: u8,
 
-    /// Ask every id at every rate, also where nothing answers a question to all ids. It takes some minutes.
+    /// Ask every id at every rate, also at rates where nothing answers a question to all ids. It takes some minutes.
     #[arg(long)]
     thorough: bool,
 
-    /// What to print: a table, or JSON, schema `sinew-servo-scan/1`.
+    /// Format of the output: a table, or JSON, schema `sinew-servo-scan/1`.
     #[arg(long, value_enum, default_value_t = Format::Words)]
     format: Format,
 }
@@ -55,10 +55,11 @@ fn tell(event: ScanEvent<'_>) {
         },
         ScanEvent::Left(id, left) => note(format_args!("  id {id}: {}", left.what)),
         ScanEvent::Collision(_, _, id) => note(format_args!(
-            "  id {id}: what answers is no packet. Two servos have this id? Connect them one at a time, and use set-id"
+            "  id {id}: the answer is not a valid packet. Do two servos have this id? Connect them one at a time, and \
+             use set-id"
         )),
         ScanEvent::Noise(..) => note(format_args!(
-            "  something was heard that is no packet: another rate or protocol, or a bad cable"
+            "  bytes arrived that are not a valid packet: another rate or protocol, or a bad cable"
         )),
     }
 }
@@ -97,12 +98,12 @@ fn json(found: &[Found]) -> anyhow::Result<String> {
 /// Ask whether a servo answers at an id, and print its model.
 #[derive(Debug, clap::Args)]
 pub(super) struct PingArgs {
-    /// Its id.
+    /// Id to ask.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     id: u8,
 }
 
-/// Asks, and prints what answers.
+/// Asks the servo, and prints its model.
 pub(super) fn ping(line: &LineArgs, args: &PingArgs) -> anyhow::Result<ExitCode> {
     let (client, servo) = line.servo(args.id)?;
     print(&format!(

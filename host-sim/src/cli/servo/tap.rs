@@ -1,4 +1,4 @@
-//! `sinew servo tap`: stiffness and damping of a gear, into the rig file.
+//! `sinew servo tap`: measures stiffness and damping of a gear, and writes them into the rig file.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -24,25 +24,25 @@ use crate::cli::rig::read;
 
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
-/// The servo creeps, gets more torque at once, brakes and goes back, again and again: its joint rings meanwhile. How
-/// far it moves, and with how much torque, is said before. Stand the rig at its home pose, and hold all other joints of
-/// the servo's limb: what hangs on it must be stiff. Its inertia is that of the rig file.
+/// The servo repeats this cycle: it moves slowly, its torque steps up, it brakes and moves back. Meanwhile its joint
+/// rings. The size of the motion and the torque are printed before. Put the rig in its home pose, and fix all other
+/// joints of the servo's limb: the parts on the servo must be stiff. Their inertia is that of the rig file.
 ///
-/// It asks before it moves. At Ctrl-C and at each error the servo brakes, and all its registers are as before; a servo
-/// that was limp is limp again. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of
-/// its kind are written: for all servos of this kind. Taps that tell too little are no result: exit code 2. Play is not
-/// measured.
+/// It asks before it moves. At Ctrl-C and at each error the servo brakes, and all its registers are restored; torque
+/// is off again if it was off before. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of its kind are written: they
+/// hold for all servos of this kind. If the taps do not determine the values, nothing is written: exit code 2. Play
+/// is not measured.
 #[derive(Debug, clap::Args)]
 pub(super) struct TapArgs {
-    /// The servo, as the rig calls it.
+    /// Name of the servo in the rig.
     #[arg(value_name = "SERVO")]
     servo: String,
 
-    /// The rig.toml. It is replaced, unless --output names another file.
+    /// The rig.toml. It is overwritten, unless --output names another file.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// New file to write, in place of the rig's own.
+    /// New file to write, instead of the rig's own.
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
     output: Option<OutputPath>,
 
@@ -50,7 +50,7 @@ pub(super) struct TapArgs {
     #[arg(long)]
     dry_run: bool,
 
-    /// Tap a simulated servo in place of that at --port.
+    /// Tap a simulated servo instead of the servo at --port.
     #[arg(long, value_enum, value_name = "TARGET", conflicts_with_all = ["port", "board"])]
     target: Option<TargetArg>,
 
@@ -62,16 +62,16 @@ pub(super) struct TapArgs {
     #[arg(long, value_name = "N", default_value_t = 150, value_parser = clap::value_parser!(u32).range(20..=1000))]
     taps: u32,
 
-    /// Part of its torque at standstill by which a tap steps, in %.
+    /// Size of the torque step of a tap, in % of the servo's torque at standstill.
     #[arg(long, value_name = "%", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=60))]
     strength: u8,
 
-    /// Inertia of what hangs on the servo, in kg m², with a weight that is fixed to it for the test. Default: that of
-    /// the rig at its home pose.
+    /// Inertia of the parts on the servo, in kg m², with any weight that is fixed to it for the test. Default: that
+    /// of the rig at its home pose.
     #[arg(long, value_name = "KG_M2", value_parser = inertia)]
     inertia_kg_m2: Option<f64>,
 
-    /// Do not ask before it moves.
+    /// Do not ask before the servo moves.
     #[arg(long)]
     yes: bool,
 }
@@ -94,7 +94,7 @@ fn inertia(text: &str) -> Result<f64, String> {
 pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     if let Some(path) = args.output.as_ref().filter(|path| path.exists()) {
-        bail!("{}: is there already", path.display());
+        bail!("{}: exists already", path.display());
     }
     if args.output.is_none() && !args.dry_run {
         try_to_write(&args.rig)?;
@@ -127,7 +127,7 @@ pub(super) fn run(line: &LineArgs, args: &TapArgs) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The servo of this name, on a bus.
+/// Returns the bus servo with a name.
 fn of_name(rig: &LoadedRig, name: &str) -> anyhow::Result<RigServo> {
     let description = &rig.description;
     let own = description.servos.iter().find(|servo| servo.name == name).with_context(|| {
@@ -136,7 +136,7 @@ fn of_name(rig: &LoadedRig, name: &str) -> anyhow::Result<RigServo> {
     })?;
     let on_bus = of_bus(description, Some(&own.bus))?;
     on_bus.into_iter().find(|servo| servo.name == name).with_context(|| {
-        format!("{name} takes pulses and tells nothing: only bus servos can be tapped")
+        format!("{name} is driven by pulses and reports nothing: only bus servos can be tapped")
     })
 }
 
@@ -164,7 +164,7 @@ fn on_port(
     tell_left_on_line(&mut client, servo.id)?;
     let test = TapTest::new(&mut client, &found, &servo.model, settings)?;
     note(format_args!(
-        "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Stand the rig at its home \
+        "{} (id {}): {} taps move it by up to {:.0} deg, with up to {:.0} % of its torque. Put the rig in its home \
          pose, hold the other joints of its limb, and keep your hands away",
         servo.name,
         servo.id,
@@ -179,7 +179,7 @@ fn on_port(
     Ok(test.run(&mut client)?)
 }
 
-/// As a table: what was found, how sure it is, and what the file had.
+/// Formats the result as a table: values, their uncertainty, and the previous values.
 fn words(servo: &RigServo, tapped: &Tapped) -> String {
     let header = ["", "found", "+- %", "least part", "most part", "before"];
     let mut table = table(header, 1..6);
@@ -212,7 +212,7 @@ fn words(servo: &RigServo, tapped: &Tapped) -> String {
     )
 }
 
-/// Stiffness and damping, each with how it was found.
+/// Returns stiffness and damping, each with a note on its source.
 fn sourced(servo: &RigServo, tapped: &Tapped, target: Option<TargetArg>) -> [SourcedValue; 2] {
     let simulated = if target.is_some() { " of a simulated servo" } else { "" };
     let Tapped { fitted, errors, taps, .. } = tapped;

@@ -1,4 +1,4 @@
-//! A simulated servo that is tapped, in simulated time.
+//! Tap test of a simulated servo, in simulated time.
 
 use std::io;
 use std::time::Duration;
@@ -16,14 +16,14 @@ use sinew_servo_tools::{Client, Exchange, Protocol, Settings as Patience};
 /// A simulated servo that is tapped in place of one at a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum TargetArg {
-    /// A simulated servo as the factory ships it, alone with what hangs on it at the rig's home pose.
+    /// A simulated servo with factory settings, alone with its load at the rig's home pose.
     Sim,
 }
 
 const BAUD: u32 = 1_000_000;
-/// Steps of the gear in one of the servo, so that they damp by no more than some per cent.
+/// Steps of the gear per step of the servo. With this number the integration adds only some per cent of damping.
 const GEAR_STEPS: u32 = 20;
-/// A controller's tick, by which readings that are late are counted.
+/// A controller's tick, s: the unit of the delay of readings.
 const TICK_S: f64 = 1e-3;
 
 /// Taps a simulated servo that moves its load by itself.
@@ -48,7 +48,7 @@ pub(super) fn tap(
     Ok(test.run(&mut client)?)
 }
 
-/// A simulated line, in its own time.
+/// A simulated bus line, in its own time.
 struct Line<'m>(Bench<'m, Vec<Arm>>);
 
 fn micros(time: Duration) -> u32 {

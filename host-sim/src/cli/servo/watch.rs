@@ -1,4 +1,4 @@
-//! `sinew servo watch`: what servos measure, as it changes.
+//! `sinew servo watch`: measurements of servos, repeated.
 
 use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _};
@@ -16,12 +16,12 @@ use super::line::{LineArgs, PortClient, open_rig_servo};
 use super::rig::find_rate;
 use crate::cli::rig::read;
 
-/// Print what servos measure, again and again: position, speed, current or load, supply, heat, errors.
+/// Print measurements of servos repeatedly: position, speed, current or load, supply, temperature, errors.
 ///
 /// On a terminal it prints a table; else a line for each servo. Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 pub(super) struct WatchArgs {
-    /// Ids of the servos. Default: those of the rig; without one, all that answer a scan.
+    /// Ids of the servos. Default: those of the rig; without a rig, all servos that answer a scan.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     ids: Vec<u8>,
 
@@ -29,7 +29,7 @@ pub(super) struct WatchArgs {
     #[arg(long, value_name = "RIG", conflicts_with = "ids")]
     rig: Option<PathBuf>,
 
-    /// Which of the rig's buses hangs on the port. Default: its only one.
+    /// Name of the rig's bus that is connected to the port. Default: the rig's only bus.
     #[arg(long, value_name = "NAME", requires = "rig")]
     rig_bus: Option<String>,
 
@@ -42,7 +42,7 @@ pub(super) struct WatchArgs {
     interval_ms: u64,
 }
 
-/// Watches and prints.
+/// Prints samples of the servos until the last one or Ctrl-C.
 pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode> {
     let (mut client, servos) = servos(line, args)?;
     let is_terminal = io::stdout().is_terminal();
@@ -53,7 +53,7 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
             servos.iter().map(|(name, servo)| (name, servo, look(&mut client, servo))).collect();
         if is_terminal {
             let text = page(&states);
-            // Back to the first line, and over what stood there.
+            // Moves back to the first line and clears the old table.
             let back =
                 if lines_above > 0 { format!("\x1b[{lines_above}A\x1b[J") } else { String::new() };
             lines_above = text.lines().count();
@@ -61,7 +61,7 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
         } else {
             print(&lines(start.elapsed(), &states))?;
         }
-        // A port that is gone stays gone.
+        // A lost port does not return.
         if let Some((.., Err(ServiceError::Line(error)))) =
             states.into_iter().find(|(.., state)| matches!(state, Err(ServiceError::Line(_))))
         {
@@ -75,7 +75,7 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whom to watch, by name.
+/// Returns the servos to watch, with their names.
 fn servos(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<(PortClient, Vec<(String, Servo)>)> {
     let of_rig = args.rig.as_deref().map(|path| -> anyhow::Result<_> {
         Ok(of_bus(&read(path)?.description, args.rig_bus.as_deref())?)

@@ -1,4 +1,4 @@
-//! Skeletons of every kind are searched and blended.
+//! Search and blend with all kinds of skeletons.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint, bvh};
 use super::json;
 use crate::common::{sinew_in, text};
 
-/// A creature of so many joints, each with two below it, that writhes; the last `still` of them do not.
+/// A moving creature with a number of joints, each with two children. The last `still` joints do not move.
 pub(super) fn creature(joints: usize, still: usize) -> Clip {
     let joint = |index: usize| SkeletonJoint {
         name: format!("feeler_{index}"),
@@ -45,7 +45,7 @@ fn any_skeleton_is_searched_and_blended() {
             let (found, told) =
                 json(folder.path(), &[&arguments[..], &["--metric", metric]].concat());
             assert!(told.contains("checked: the same moments"), "{told}");
-            // All joints swing 0.2 rad a frame: a period of 31.4 frames.
+            // All joints swing at 0.2 rad per frame: a period of 31.4 frames.
             assert_eq!(found["moments"][0]["frame"], 51, "{found}");
         }
     }
@@ -68,7 +68,7 @@ fn any_skeleton_is_searched_and_blended() {
     assert_eq!(read.skeleton.joints.len(), 40);
     let drawn = sinew_in(folder.path(), &[&blend[..], &["--picture", "b.svg"]].concat());
     assert!(
-        text(&drawn.stderr).contains("expected a human, which alone is drawn"),
+        text(&drawn.stderr).contains("expected a human (other skeletons are not drawn)"),
         "{}",
         text(&drawn.stderr)
     );
@@ -78,7 +78,7 @@ fn any_skeleton_is_searched_and_blended() {
     assert!(told.contains("expected at most 256 joints that move, found 2"), "{told}");
 }
 
-/// A dog that trots, with the names that capture software gives its joints: those of a human, and a tail.
+/// A trotting dog. Its joints have the names of capture software: those of a human, and a tail.
 fn dog() -> Clip {
     const JOINTS: [(&str, &str, [f64; 3]); 23] = [
         ("Hips", "", [0.0, 0.45, 0.0]),
@@ -116,7 +116,7 @@ fn dog() -> Clip {
         },
     };
     let skeleton = Skeleton { joints: JOINTS.iter().map(joint).collect() };
-    // A stride takes 20 frames; legs across from each other go together.
+    // A stride takes 20 frames; diagonal legs move together.
     let sample = |frame: usize, index: usize| {
         let name = JOINTS[index].0;
         let phase = core::f64::consts::TAU * frame as f64 / 20.0;
@@ -152,7 +152,7 @@ fn a_quadruped_is_searched_and_blended() {
             ["clip", "find", "dog.bvh", "--like", "dog.bvh@33", "--check", "--metric", metric];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
-        // A stride before or after.
+        // A stride earlier or later.
         let frame = found["moments"][0]["frame"].as_u64().expect("a frame");
         assert!([13, 53, 73].contains(&frame), "{metric}: {found}");
         assert!(found["moments"][0]["distance"].as_f64().unwrap() < 1e-3, "{found}");
@@ -170,7 +170,7 @@ fn a_quadruped_is_searched_and_blended() {
     let (blended, _) = json(folder.path(), &blend);
     let number = |name: &str| blended[name].as_f64().expect("a number");
     assert_eq!(blended["not_converged"], 0, "{blended}");
-    // The places have other phases of the stride: there is a way to go.
+    // The places have different phases of the stride, so the distance is not zero.
     assert!(number("geodesic_m") > 0.01, "{blended}");
     assert!(number("positions_m") <= number("geodesic_m"), "{blended}");
     assert!(number("geodesic_m") <= number("line_m") * (1.0 + 1e-3), "{blended}");
@@ -178,7 +178,7 @@ fn a_quadruped_is_searched_and_blended() {
     assert_eq!(read.skeleton.joints.len(), 23);
 }
 
-/// A chain of so many joints, all of which swing.
+/// A chain of joints that all swing.
 fn chain(joints: usize) -> Clip {
     let joint = |index: usize| SkeletonJoint {
         name: format!("link_{index}"),

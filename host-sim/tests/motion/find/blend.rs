@@ -1,4 +1,4 @@
-//! Two clips become one.
+//! Tests of blending two clips into one.
 
 use std::fs;
 
@@ -37,7 +37,7 @@ fn a_blend_is_a_file_that_is_read_again() {
         (joined.clip.skeleton, joined.clip.frame_time_s.to_bits()),
         (first.clip.skeleton, first.clip.frame_time_s.to_bits())
     );
-    // Up to the blend it is the first clip.
+    // Up to the blend the result is the first clip.
     let leaves = usize::try_from(told["leaves_a"]["frame"].as_u64().unwrap()).unwrap();
     for (joined, first) in
         joined.clip.frames[..=leaves].iter().flatten().zip(first.clip.frames.iter().flatten())
@@ -49,11 +49,11 @@ fn a_blend_is_a_file_that_is_read_again() {
     assert!(!picture.contains("NaN") && !picture.contains("inf") && !picture.contains("var("));
 }
 
-/// Where a blend would leave next to nothing of a clip it is not put, and what would do is told and does.
+/// A blend that would leave almost nothing of a clip is refused, with options that would work; they do.
 #[test]
 fn a_blend_leaves_enough_of_both_clips() {
     let folder = tempfile::tempdir().expect("a folder");
-    // A period of 1.05 s: of all places that are alike, the earliest is taken.
+    // A period of 1.05 s: among equal places the earliest is used.
     bvh::write(&folder.path().join("a.bvh"), &creature(12, 0), 0.01).expect("a clip");
     let blend = |leave: &[&'static str]| {
         let all =

@@ -1,4 +1,4 @@
-//! `sinew clip find` and `sinew clip blend` as commands: what they print, draw and write, and their exit codes.
+//! `sinew clip find` and `sinew clip blend` as commands: their output, pictures, files and exit codes.
 
 mod any_skeleton;
 mod blend;
@@ -13,7 +13,7 @@ use sinew_mocap::{bvh, gaps};
 
 use crate::common::{sinew_in, text};
 
-/// The first built-in clips as BVH files in the folder `clips`, and their names.
+/// Writes the first built-in clips as BVH files into the folder `clips`, and returns their names.
 fn clips(folder: &Path, count: usize) -> Vec<String> {
     fs::create_dir_all(folder.join("clips")).expect("a folder to write to");
     builtin::clips()

@@ -1,4 +1,4 @@
-//! Human figures are searched; what cannot be searched or blended is said.
+//! Search with human figures, and messages for clips that cannot be searched or blended.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::common::{sinew_in, text};
 fn a_moment_is_found_where_it_is_and_the_same_with_every_means() {
     let folder = tempfile::tempdir().expect("a folder");
     let names = clips(folder.path(), 3);
-    // The query is a copy: the clip itself counts.
+    // The query is a copy, so the clip itself counts.
     let query = folder.path().join("query.bvh");
     fs::copy(folder.path().join("clips").join(format!("{}.bvh", names[1])), query).expect("a copy");
     for (like, start_s, unit) in
@@ -72,7 +72,7 @@ fn where_the_query_is_from_does_not_count() {
     let names = clips(folder.path(), 2);
     let like = format!("clips/{}.bvh@2s", names[0]);
     let (found, told) = json(folder.path(), &["clip", "find", "clips", "--like", &like]);
-    assert!(told.contains(&format!("{}: where the query is from does not count", names[0])));
+    assert!(told.contains(&format!("{}: the query's own place does not count", names[0])));
     for moment in found["moments"].as_array().unwrap() {
         let apart_s = (moment["time_s"].as_f64().unwrap() - 2.0).abs();
         assert!(moment["clip"] != names[0].as_str() || apart_s > 0.5 - 1e-6, "{moment}");
@@ -155,7 +155,8 @@ fn damaged_files_are_left_out_of_folders() {
         let done = sinew_in(folder.path(), &words);
         let said = text(&done.stderr);
         assert!(done.status.success(), "{words:?}: {said}");
-        for (file, why) in [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are no text")]
+        for (file, why) in
+            [("cut.bvh", "expected"), ("packed.bvh", "found bytes that are not text")]
         {
             let is_told = |line: &str| {
                 line.starts_with("left out: ") && line.contains(file) && line.contains(why)
@@ -168,7 +169,7 @@ fn damaged_files_are_left_out_of_folders() {
         assert_eq!(strict.status.code(), Some(2), "{words:?}: {said}");
         assert!(said.contains("error: clips/cut.bvh"), "{words:?}: {said}");
     }
-    // Where nothing can be used, the first says why.
+    // If no file can be used, the error is that of the first.
     for name in &names {
         fs::remove_file(file(&format!("{name}.bvh"))).expect("a file");
     }
@@ -235,7 +236,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--steps", "5", "--metric", "angles"],
-            "--steps: expected with the metrics line and geodesic",
+            "--steps: expected only with the metrics line and geodesic",
         ),
         (
             vec!["clip", "find", "clips", "--like", &pose, "--picture", "a.jpg"],
@@ -263,7 +264,7 @@ fn what_cannot_be_done_is_said() {
         ),
         (
             vec!["clip", "blend", &pose, &pose, "--output", "no/a.bvh", "--blend-s", "0.1"],
-            "no/a.bvh: cannot be written: expected a folder that is there",
+            "no/a.bvh: cannot be written: expected an existing folder",
         ),
     ] {
         let output = sinew_in(folder.path(), &arguments);
@@ -287,7 +288,7 @@ fn cmu_is_searched_exactly_and_mostly_spared() {
             ["clip", "find", &folder_of_clips, "--like", &like, "--rate-hz", "12", "--check"];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
-        // The files of 31 joints; the others are of other skeletons.
+        // Clips with 31 joints are searched; the others have other skeletons.
         assert_eq!((&found["clips"], &found["left_out"]), (&175.into(), &81.into()));
         let computed = found["computed"].as_f64().unwrap();
         let spared = 1.0 - computed / found["distances"].as_f64().unwrap();

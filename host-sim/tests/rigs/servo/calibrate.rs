@@ -1,4 +1,4 @@
-//! `sinew servo calibrate` as a person uses it: a hand that is simulated moves the joint, prompts are answered.
+//! `sinew servo calibrate`: a simulated hand moves the joint, and the test answers the prompts.
 #![expect(
     clippy::cast_possible_truncation,
     reason = "positions go between threads as microradians"
@@ -15,7 +15,7 @@ use sinew_rig::toml_file;
 use sinew_servo_sim::bench::Bench;
 use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::line::{Line, LineDevice};
-use sinew_servo_sim::load::{Load, Plant, Shaft};
+use sinew_servo_sim::load::{Load, Plant, Push, Shaft};
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::port::Port;
 use sinew_servo_sim::supply::Supply;
@@ -23,20 +23,20 @@ use sinew_servo_sim::supply::Supply;
 use crate::common::{command, printed};
 
 const BAUD: u32 = 1_000_000;
-/// Nobody waits for longer than this.
+/// Longest wait of a test.
 const PATIENCE: Duration = Duration::from_mins(1);
 
-/// What the test and the servo's thread share. Positions in microradians from where the encoder counts zero.
+/// State that the test and the servo's thread share. Positions are in microradians from the encoder's zero.
 #[derive(Default)]
 struct Shared {
     hand_urad: AtomicI64,
     shaft_urad: AtomicI64,
-    /// Packets that the servo has heard.
+    /// Number of packets that the servo has received.
     heard: AtomicU64,
     stop: AtomicBool,
 }
 
-/// A hand on the horn: it pulls the shaft to where it is.
+/// A hand on the horn: it pulls the shaft to its own position.
 #[derive(Clone, Copy)]
 struct Hand {
     at_rad: f64,
@@ -48,7 +48,7 @@ impl Load for Hand {
     }
 
     fn torque_nm(&self, shaft: Shaft) -> f64 {
-        // 5 N m/rad up to 0.4 N m, critically damped and more: 2 √(5 · 1e-3) N m s.
+        // 5 N m/rad up to 0.4 N m, more than critically damped: 2 √(5 · 1e-3) N m s.
         (5.0 * (self.at_rad - shaft.position_rad)).clamp(-0.4, 0.4) - 0.2 * shaft.velocity_rad_s
     }
 }
@@ -62,13 +62,13 @@ impl Plant for Held<'_> {
         Hand { at_rad: 1e-6 * self.0.hand_urad.load(Ordering::Relaxed) as f64 }
     }
 
-    fn step(&mut self, _: f64, _: &[f64], shafts: &mut [Shaft]) {
+    fn step(&mut self, _: f64, _: &[Push], shafts: &mut [Shaft]) {
         let urad = (1e6 * shafts[0].position_rad).round();
         self.0.shaft_urad.store(urad as i64, Ordering::Relaxed);
     }
 }
 
-/// A bench that counts what the master says.
+/// A bench that counts packets of the master.
 struct Counted<'s> {
     bench: Bench<'s, Held<'s>>,
     shared: &'s Shared,
@@ -112,24 +112,24 @@ impl Shared {
         }
     }
 
-    /// Moves the joint there, and stays until it was read there.
+    /// Moves the joint to an angle, and waits until the servo was read there.
     #[track_caller]
     fn move_to(&self, degrees: f64) {
         let urad = (1e6 * (degrees + 180.0).to_radians()).round() as i64;
         self.hand_urad.store(urad, Ordering::Relaxed);
-        // 1 deg: friction holds an XL330 so far from a hand of 5 N m/rad.
+        // 1 deg: at this angle from a hand of 5 N m/rad, friction still holds an XL330.
         self.wait_until("the joint does not follow", |shared| {
             (shared.shaft_urad.load(Ordering::Relaxed) - urad).abs() < 17_000
         });
         let before = self.heard.load(Ordering::Relaxed);
-        // A question and its answer, begun after it was there.
+        // A question and its answer, both after the joint arrived.
         self.wait_until("nobody looks", |shared| {
             shared.heard.load(Ordering::Relaxed) >= before + 4
         });
     }
 }
 
-/// `sinew servo calibrate`, and what it says.
+/// The process `sinew servo calibrate`, and its output.
 struct Calibrate {
     child: Child,
     input: ChildStdin,
@@ -188,10 +188,10 @@ fn a_joint_that_is_moved_by_hand_gets_its_range_and_its_offset() {
 
     std::thread::scope(|scope| {
         scope.spawn(|| port.serve(&mut line, &shared.stop).unwrap());
-        // A test that fails ends the thread as well.
+        // A test that fails ends the thread, too.
         let _stop = StopAtEnd(&shared.stop);
         let mut calibrate = Calibrate::start(&rig, &link);
-        calibrate.says("hold what would fall");
+        calibrate.says("hold the parts that would fall");
         calibrate.enter();
         calibrate.says("from stop to stop");
         shared.move_to(-70.0);
@@ -208,12 +208,12 @@ fn a_joint_that_is_moved_by_hand_gets_its_range_and_its_offset() {
     let after = std::fs::read_to_string(&rig).unwrap();
     let found = toml_file::read(&after).unwrap();
     let [least, most] = found.servos[0].range_rad[0].map(f64::to_degrees);
-    // A degree of the hand's reach, and 2 of margin.
+    // One degree for the hand, and 2 of margin.
     assert!((least + 68.0).abs() < 1.1 && (most - 93.0).abs() < 1.1, "{least} {most}");
     let offset_deg = found.servos[0].offset_rad.unwrap().to_degrees();
     let turned_deg = f64::from(found.servos[0].direction) * home_deg;
     assert!((offset_deg - (25.0 - turned_deg)).abs() < 1.1, "{offset_deg}");
-    // All else is as it was.
+    // Everything else in the file is unchanged.
     let rest = |text: &str| -> Vec<String> {
         let keeps = |line: &&str| !line.starts_with("range_deg") && !line.starts_with("offset_deg");
         text.lines().filter(keeps).map(str::to_owned).collect()

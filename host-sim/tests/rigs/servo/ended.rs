@@ -1,4 +1,4 @@
-//! `sinew servo` that is ended half-way, as processes: nothing is left, or the next command tells of it.
+//! `sinew servo` ended in the middle, as processes: the servo is restored, or the next command reports it.
 
 use std::io::Read as _;
 use std::process::{Child, Command, Stdio};
@@ -7,7 +7,7 @@ use std::time::Duration;
 use super::on_bus::Bus;
 use crate::common::command;
 
-/// Registers that `identify` changes, of each kind.
+/// Registers that `identify` changes, for each kind of servo.
 const CHANGED: [(&str, &str, &[&str]); 2] = [
     (
         "xl330",
@@ -26,9 +26,9 @@ fn identify(bus: &Bus, protocol: &str) -> Child {
     identify.spawn().unwrap()
 }
 
-/// Ends a program by a signal once the servo's torque came on; its exit code, and what it said.
+/// Ends a program by a signal after the servo's torque was switched on. Returns its exit code and its output.
 fn end(mut child: Child, signal: &str) -> (Option<i32>, String) {
-    // It looks at the other servos for a second, and wiggles for 4 s.
+    // It looks at the other servos for a second, and moves for 4 s.
     std::thread::sleep(Duration::from_millis(2200));
     let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
@@ -54,7 +54,7 @@ fn a_signal_leaves_nothing_and_a_kill_is_told_by_the_next_command() {
             assert_eq!(held(), before, "{kind} {signal}");
         }
         assert_eq!(end(identify(&bus, protocol), "-KILL").0, None);
-        // As long as the watchdog takes.
+        // Waits for the watchdog.
         std::thread::sleep(Duration::from_millis(500));
         let (code, _, said) =
             bus.servo(&["ping", "2", "--baud", "1000000", "--protocol", protocol]);
@@ -69,7 +69,7 @@ fn a_signal_leaves_nothing_and_a_kill_is_told_by_the_next_command() {
             bus.not_done(&["identify", "2", "--protocol", protocol], 2)
                 .contains("a program that was ended")
         );
-        // Also by a command for another servo.
+        // A command for another servo reports it, too.
         let (code, _, said) =
             bus.servo(&["set-id", "3", "4", "--baud", "1000000", "--protocol", protocol]);
         assert!(code == 0 && said.contains("`sinew servo reboot 2`"), "{kind}: {said}");

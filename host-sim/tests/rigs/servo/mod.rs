@@ -1,4 +1,4 @@
-//! `sinew servo` as a person calls it.
+//! `sinew servo` as a command.
 
 #[cfg(unix)]
 mod calibrate;

@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::process::{end, start};
 use crate::common::{printed, sinew};
 
-/// Servos on a port.
+/// Simulated servos on a port.
 pub(super) struct Bus {
     folder: tempfile::TempDir,
     child: Option<Child>,
@@ -35,7 +35,7 @@ impl Bus {
         Self::link(self.folder.path())
     }
 
-    /// The servos of a rig that `sinew rig new` makes.
+    /// Simulates the servos of a rig of `sinew rig new`.
     fn of_new_arm(joints: &str, more: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (rig, link) = (folder.path().join("rig.toml"), Self::link(folder.path()));
@@ -50,7 +50,7 @@ impl Bus {
         self.folder.path().join("rig.toml")
     }
 
-    /// Exit code, standard output and standard error of `sinew servo ARGS --port LINK`.
+    /// Returns exit code, standard output and standard error of `sinew servo ARGS --port LINK`.
     pub(super) fn servo(&self, args: &[&str]) -> (i32, String, String) {
         let port = self.port();
         let output = sinew(&[&["servo"], args, &["--port", &port]].concat());
@@ -58,7 +58,8 @@ impl Bus {
         (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
     }
 
-    /// The same on the rate of the port, which must succeed. A busy machine may let the simulator wait.
+    /// Runs `sinew servo ARGS` at the rate of the port; it must succeed. Waits longer for answers, because a busy
+    /// machine may delay the simulator.
     #[track_caller]
     pub(super) fn done(&self, args: &[&str]) -> String {
         let args: Vec<&str> =
@@ -68,7 +69,7 @@ impl Bus {
         said
     }
 
-    /// The same, which must end with another code; all that it says.
+    /// Runs `sinew servo ARGS` at the rate of the port; it must end with code `expected`. Returns all its output.
     #[track_caller]
     pub(super) fn not_done(&self, args: &[&str], expected: i32) -> String {
         let args: Vec<&str> =
@@ -78,7 +79,7 @@ impl Bus {
         said + &errors
     }
 
-    /// The raw number in a register.
+    /// Returns the raw number in a register.
     pub(super) fn raw(&self, id: &str, register: &str) -> i64 {
         let read = self.done(&["read", id, register, "--format", "json"]);
         let object: Value = serde_json::from_str(&read).unwrap();
@@ -109,7 +110,7 @@ fn servos_are_found_asked_and_given_another_id() {
         .collect();
     assert_eq!(servos, [(1, "XL330-M288"), (2, "XL330-M288"), (3, "XL330-M288")]);
     assert!(bus.done(&["scan", "--max-id", "4"]).lines().nth(1).unwrap().contains("XL330-M288"));
-    // Without protocol and rate it looks for both, and says where it was found.
+    // Without protocol and rate the command searches for both, and prints them.
     let (code, said, errors) = bus.servo(&["ping", "2"]);
     assert_eq!((code, said.as_str()), (0, "servo 2: XL330-M288, firmware 52, at 1000000 baud\n"));
     assert!(errors.contains("Dynamixel at 1000000 baud"), "{errors}");
@@ -118,7 +119,7 @@ fn servos_are_found_asked_and_given_another_id() {
     assert_eq!(bus.done(&["set-id", "3", "7"]), "servo 3 is servo 7 now\n");
     assert!(bus.done(&["ping", "7"]).starts_with("servo 7: XL330-M288"));
     bus.not_done(&["ping", "3"], 2);
-    // Somebody has that id.
+    // Another servo has that id.
     assert!(bus.not_done(&["set-id", "1", "2"], 2).contains('2'));
     assert!(bus.done(&["ping", "1"]).starts_with("servo 1:"));
 }
@@ -127,7 +128,7 @@ fn servos_are_found_asked_and_given_another_id() {
 fn registers_are_read_and_written_by_name() {
     let bus = Bus::of_kind("sts3215", "4");
     assert!(bus.done(&["ping", "4"]).starts_with("servo 4: STS3215"));
-    // In the middle of its turn.
+    // The middle of its turn.
     let position = bus.raw("4", "present-position");
     assert!((position - 2048).abs() <= 2, "{position}");
     assert!(bus.done(&["read", "4"]).lines().count() > 30);
@@ -137,7 +138,7 @@ fn registers_are_read_and_written_by_name() {
     let written = bus.done(&["write", "4", "max-position-limit", "3000", "--raw"]);
     assert!(written.contains("(raw 3000)"), "{written}");
     assert_eq!(bus.raw("4", "max-position-limit"), 3000);
-    // The EEPROM is shut again.
+    // The EEPROM is locked again.
     assert_eq!(bus.raw("4", "lock"), 1);
     bus.not_done(&["write", "4", "max-position-limit", "70000", "--raw"], 2);
     bus.not_done(&["write", "4", "present-position", "1", "--raw"], 2);
@@ -158,10 +159,10 @@ fn a_rig_s_settings_are_compared_written_and_compared_again() {
     assert!(
         bus.done(&["apply", "--rig", rig]).lines().all(|line| line.ends_with("as it should be"))
     );
-    // One supply for all, as it was told.
+    // One supply for all servos, as the option says.
     assert_eq!(bus.raw("3", "present-input-voltage"), 46);
 
-    // One that is changed and holds something is left alone, and the other ones are looked at.
+    // A changed servo that holds a load is left alone, and the others are still checked.
     bus.done(&["write", "2", "return-delay-time", "100", "--raw"]);
     bus.done(&["write", "2", "torque-enable", "1", "--raw"]);
     let left = bus.not_done(&["apply", "--rig", rig], 2);

@@ -5,14 +5,14 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 
 use crate::common::command;
 
-/// Returns `sinew servo simulate`, its output piped.
+/// Returns the command `sinew servo simulate`, with piped output.
 pub(crate) fn simulate(args: &[&str]) -> Command {
     let mut command = command();
     command.args(["servo", "simulate"]).args(args).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
 
-/// Starts it, and waits for `ready`.
+/// Starts the process, and waits for `ready`.
 pub(crate) fn start(args: &[&str]) -> Child {
     let mut child = simulate(args).spawn().unwrap();
     let mut line = String::new();
@@ -25,7 +25,7 @@ pub(crate) fn start(args: &[&str]) -> Child {
     child
 }
 
-/// Ends it as a shell does, and says how it ended.
+/// Ends the process by a signal, and returns its exit status.
 pub(crate) fn end(mut child: Child, signal: &str) -> ExitStatus {
     let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());

@@ -1,4 +1,4 @@
-//! `sinew servo`, as a person calls it: what is refused, and with which words.
+//! Refusals of `sinew servo`, and their messages.
 
 use crate::common::sinew;
 
@@ -17,7 +17,7 @@ fn a_port_that_is_not_named_or_not_there_says_so() {
     assert!(none.contains("--port PORT") && none.contains("/dev/ttyUSB0"), "{none}");
     let missing = refused(&["ping", "1", "--port", "/dev/no-such-port"], 2);
     assert!(missing.contains("/dev/no-such-port: there is no such port"), "{missing}");
-    // Options of the line go before and behind the command.
+    // Options of the port may be before or after the command.
     let missing = refused(&["--port", "/dev/no-such-port", "--baud", "57600", "watch", "1"], 2);
     assert!(missing.contains("no such port"), "{missing}");
     let file = tempfile::NamedTempFile::new().unwrap();

@@ -1,4 +1,4 @@
-//! `sinew servo simulate`, as a person calls it.
+//! `sinew servo simulate` as a command.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
@@ -12,13 +12,13 @@ use crate::common::printed;
 /// A ping of servo 3: ROBOTIS e-manual, protocol 2.0.
 const PING: [u8; 10] = [0xFF, 0xFF, 0xFD, 0x00, 0x03, 0x03, 0x00, 0x01, 0x1A, 0xE6];
 
-/// Asks a ping, and what comes within a second; empty if nothing does.
+/// Sends a ping, and returns the answer within a second; empty if there is none.
 fn ping(link: &Path) -> Vec<u8> {
     let mut port = OpenOptions::new().read(true).write(true).open(link).unwrap();
     port.write_all(&PING).unwrap();
     let (send, receive) = mpsc::channel();
     let mut reader: File = port.try_clone().unwrap();
-    // If nothing comes, the thread ends with the terminal.
+    // Without an answer, the thread ends with the terminal.
     std::thread::spawn(move || {
         let mut reply = [0; 14];
         if reader.read_exact(&mut reply).is_ok() {
@@ -61,7 +61,7 @@ fn each_bus_of_a_rig_has_a_link_and_a_fault_has_its_servo() {
     assert!(ping(&link).is_empty());
     assert!(end(child, "-TERM").success());
 
-    // The first servo alone on another bus.
+    // The first servo is alone on another bus.
     let at = text.find("[[servo]]").unwrap() + "[[servo]]".len();
     let [before, behind] = [&text[..at], &text[at..]];
     std::fs::write(&rig, format!("{before}\nbus = \"neck\"{behind}")).unwrap();
@@ -89,7 +89,7 @@ fn what_cannot_be_is_refused_with_what_could() {
         (&["--kind", "xl330", "--supply", "5,0", "--pty", link], "`V,OHM,A`"),
         (&["--kind", "xl330", "--fault", "1:mute", "--pty", link], "one of: silent"),
         (&["--kind", "xl330", "--fault", "2:silent", "--pty", link], "expected one of 1"),
-        (&["--kind", "xl330", "--pty", taken], "is no link"),
+        (&["--kind", "xl330", "--pty", taken], "is not a link"),
         (&["--rig", "none.toml", "--pty", link], "none.toml"),
     ] {
         let output = simulate(args).output().unwrap();

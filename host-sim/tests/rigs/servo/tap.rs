@@ -1,4 +1,4 @@
-//! `sinew servo tap`: of a simulated servo in simulated time, and at the port of `sinew servo simulate`.
+//! `sinew servo tap`: with a simulated servo in simulated time, and at the port of `sinew servo simulate`.
 
 use std::path::{Path, PathBuf};
 
@@ -7,14 +7,14 @@ use sinew_rig::toml_file;
 
 use crate::common::{printed, sinew};
 
-/// An arm of XL330s in a folder.
+/// Writes an arm with XL330 servos into a folder.
 fn arm(folder: &Path) -> PathBuf {
     let rig = folder.join("rig.toml");
     printed(&["rig", "new", "--arm", "3", "-o", rig.to_str().unwrap()]);
     rig
 }
 
-/// Exit code, standard output and standard error of `sinew servo tap turn1 --rig RIG ARGS`.
+/// Returns exit code, standard output and standard error of `sinew servo tap turn1 --rig RIG ARGS`.
 fn tap(rig: &Path, args: &[&str]) -> (i32, String, String) {
     let start = ["servo", "tap", "turn1", "--rig", rig.to_str().unwrap()];
     let output = sinew(&[&start, args].concat());
@@ -22,7 +22,7 @@ fn tap(rig: &Path, args: &[&str]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// A weight that makes the arm ring, as heavy as the rotor of its servo.
+/// A weight with the inertia of the servo's rotor, so that the arm rings.
 const WEIGHT: [&str; 4] = ["--target", "sim", "--inertia-kg-m2", "0.0018"];
 
 #[test]
@@ -54,14 +54,14 @@ fn a_gear_that_is_softer_than_the_file_says_comes_into_the_file() {
         source.starts_with("tap test of a simulated servo of turn1, 150 taps: +- "),
         "{source}"
     );
-    // All else is as its kind has it.
+    // All other values are those of its kind.
     let with_its_gear = ServoModel {
         gear_stiffness_nm_rad: built_in.gear_stiffness_nm_rad.clone(),
         gear_damping_nm_s: built_in.gear_damping_nm_s.clone(),
         ..model.clone()
     };
     assert_eq!(with_its_gear, built_in);
-    // Into another file, and into none.
+    // Writes to another file, and with --dry-run to none.
     let other = folder.path().join("other.toml");
     let (code, ..) = tap(&rig, &[&WEIGHT as &[&str], &["-o", other.to_str().unwrap()]].concat());
     assert_eq!(code, 0);
@@ -69,7 +69,7 @@ fn a_gear_that_is_softer_than_the_file_says_comes_into_the_file() {
     assert_eq!(code, 0);
     assert_eq!(std::fs::read_to_string(&rig).unwrap(), after);
     let read = toml_file::read(&std::fs::read_to_string(&other).unwrap()).unwrap();
-    // The simulated servo is what the file says now.
+    // The simulated servo now matches the file.
     let off = read.servo_models[0].gear_stiffness() / model.gear_stiffness() - 1.0;
     assert!(off.abs() < 0.2, "{off}");
 }
@@ -81,7 +81,7 @@ fn what_tells_too_little_is_refused_and_leaves_the_file() {
     let before = std::fs::read_to_string(&rig).unwrap();
     let start = ["--target", "sim"];
     for (args, words) in [
-        // Three light links alone.
+        // Three light links without a weight.
         (&[] as &[&str], "Fix a weight to it"),
         (&["--inertia-kg-m2", "0.05"], "has 0.05000"),
         (
@@ -140,7 +140,7 @@ mod at_a_port {
         let mut line = String::new();
         said.read_line(&mut line).unwrap();
         assert!(line.contains("turn1 (id 1): 150 taps move it by up to"), "{line}");
-        // Some taps long.
+        // Long enough for some taps.
         std::thread::sleep(Duration::from_secs(3));
         let status = end(tap, "-INT");
         let mut rest = String::new();

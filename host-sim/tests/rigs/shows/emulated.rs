@@ -1,9 +1,9 @@
-//! `sinew play --target nucleo`: the NUCLEO's own image performs by one command.
+//! `sinew play --target nucleo`: the NUCLEO's own image plays a show with one command.
 
 use super::done;
 use crate::common::{command, path};
 
-/// An arm of three, and two seconds of punches.
+/// Writes an arm with three joints, and two seconds of punches.
 fn arguments(folder: &std::path::Path) -> [String; 10] {
     let [rig, map] = ["arm.toml", "map.toml"].map(|name| path(folder, name));
     done(&["rig", "new", "--arm", "3", "-o", &rig]);

@@ -1,4 +1,4 @@
-//! A face of servos: they follow a clip's jaw and brows by curves, and perform by pulses.
+//! A face: it follows a clip's jaw and brows by curves, and plays with pulses.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,7 +9,7 @@ use sinew_show::{Player, Show};
 use super::done;
 use crate::common::path;
 
-/// A head with a jaw and two brows, 60 frames at 30 Hz: the jaw opens to 20 degrees and closes, the brows go up by 10.
+/// A head with a jaw and two brows, 60 frames at 30 Hz: the jaw opens to 20 degrees and closes, the brows rise by 10.
 fn bvh() -> String {
     let mut text = String::from(
         "HIERARCHY\nROOT Head\n{\nOFFSET 0 160 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n",
@@ -37,7 +37,7 @@ fn eight_servos_of_a_face_follow_by_curves() {
     std::fs::write(&clip, bvh()).unwrap();
     done(&["rig", "new", "--face", "-o", &rig]);
     let mechanism = super::mechanism(&rig);
-    // The first eight hinges of the face; each takes a share of its range.
+    // The first eight hinges of the face; each gets a share of its range.
     let hinges: Vec<_> = mechanism
         .bodies
         .iter()
@@ -89,25 +89,25 @@ fn eight_servos_of_a_face_follow_by_curves() {
     let show = Show::open(&bytes).unwrap();
     let mut player = Player::<64>::new(show).unwrap();
     let (nq, nv) = (show.channel_count(), show.dof_count());
-    // In the middle of the clip all are where their curves end, but for what the show rounds.
+    // In the middle of the clip all hinges are at the ends of their curves, except for the rounding of the show.
     let (mut q, mut qd, mut qdd) = (vec![0.0; nq], vec![0.0; nv], vec![0.0; nv]);
     let middle = show.position_at_us(super::whole_us(f64::from(show.duration_s()) / 2.0));
     player.state_at(middle, &mut q, &mut qd, &mut qdd).unwrap();
     for (link, range) in hinges {
         let [_, to] = ends(link.home[0], link.ranges[0]);
         let off_deg = (f64::from(q[range.start]) - to).to_degrees();
-        // 0.25 degrees of the show, and the clip's samples stand beside the middle.
+        // 0.25 degrees of the show, and the clip's samples are not exactly at the middle.
         assert!(off_deg.abs() < 0.3, "{}: {off_deg}", link.joint_name);
     }
 }
 
-/// From home to a third of the way to the farther end of the range.
+/// Returns home, and the point a third of the way to the farther end of the range.
 fn ends(home: f64, [least, most]: [f64; 2]) -> [f64; 2] {
     let far = if most - home > home - least { most } else { least };
     [home, home + (far - home) / 3.0]
 }
 
-/// Eyes and jaw by pulses of a PCA9685: nothing is told, so nothing is recorded as measured.
+/// Eyes and jaw are driven by pulses of a PCA9685. Such servos report nothing, so no measurement is recorded.
 #[test]
 fn a_face_performs_by_pulses() {
     let folder = tempfile::tempdir().unwrap();
@@ -123,7 +123,7 @@ fn a_face_performs_by_pulses() {
     let cells: Vec<&str> = jaw.split_whitespace().collect();
     assert_eq!([cells[1], cells[5], cells[6], cells[7]], ["pulses", "-", "-", "-"], "{table}");
     let largest: f64 = cells[3].parse().unwrap();
-    // It lags, and does not move at all without its pulses: the jaw opens by 17 deg.
+    // The jaw opens by 17 deg. It lags; without pulses it would not move at all.
     assert!(largest > 0.1 && largest < 6.0, "{table}");
     let recording = Recording::open(Path::new(&recorded)).unwrap();
     let at = recording.joints().iter().position(|joint| joint == "jaw").unwrap();
@@ -134,5 +134,8 @@ fn a_face_performs_by_pulses() {
         assert!(rows.commanded.iter().all(|x| x.is_finite()));
         assert!(part.servos.iter().all(|servo| servo.current.iter().all(|x| x.is_nan())));
     }
-    super::refused(&["record", "--target", "sim", "--rig", &rig, "-o", &csv], "takes pulses");
+    super::refused(
+        &["record", "--target", "sim", "--rig", &rig, "-o", &csv],
+        "is driven by pulses",
+    );
 }

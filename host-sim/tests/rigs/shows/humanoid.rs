@@ -1,4 +1,4 @@
-//! A humanoid of hinges, made here: what a URDF of a walking toy has.
+//! A generated humanoid of hinges, like a URDF of a walking toy.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn link(name: &str, mass: f64) -> String {
     )
 }
 
-/// A URDF, z up, x forward. Speeds in rad/s, torques in N m.
+/// Returns a URDF, z up, x forward. `speed` in rad/s, `effort` in N m.
 fn urdf(speed: f64, effort: f64) -> String {
     let mut text = String::from("<robot name='toy'>\n");
     text += &link("pelvis", 0.8);
@@ -77,7 +77,7 @@ fn urdf(speed: f64, effort: f64) -> String {
                 ));
                 parent = child;
             }
-            // Something beyond the elbow, that a hand may be taken for.
+            // A body beyond the elbow that can serve as a hand.
             if from == "torso" {
                 let hand = format!("{side}_hand");
                 text += &link(&hand, 0.03);
@@ -120,12 +120,13 @@ fn a_map_that_nobody_has_edited_makes_the_same_show() {
     let [report, notes] = done(&["bake", "punches_01", "--rig", &rig, "-o", &without]);
     assert_eq!(std::fs::read(with).unwrap(), std::fs::read(without).unwrap());
     assert!(notes.contains("8 limbs followed"), "{notes}");
-    // Without a fit the show is as near to the performer as what was taken over. Both are rounded to a tenth.
+    // Without a fit the show is as near to the performer as the retargeted motion. Both numbers are rounded to a
+    // tenth.
     let mean = |text: &str, behind: &str| -> f64 {
         let (_, text) = text.split_once(behind).unwrap();
         text.split_whitespace().next().unwrap().parse().unwrap()
     };
-    let [taken, shown] = [mean(&notes, "limbs followed, "), mean(&report, "limbs: ")];
+    let [taken, shown] = [mean(&notes, "limbs followed, mean error "), mean(&report, "limbs: ")];
     assert!((taken - shown).abs() < 0.11, "{taken} {shown}");
     assert!(report.contains("l_knee") && report.contains("Not looked at: collisions"), "{report}");
 
@@ -139,7 +140,7 @@ fn a_map_that_nobody_has_edited_makes_the_same_show() {
 #[test]
 fn a_fitted_show_exceeds_no_limit_by_an_independent_check() {
     let folder = tempfile::tempdir().unwrap();
-    // Slow and weak: a punch is too fast for it.
+    // Slow and weak: a punch is too fast for this rig.
     let rig = toy(folder.path(), 5.0, 1.2);
     let show = path(folder.path(), "punches.show");
     let bake = ["bake", "punches_01", "--rig", &rig, "--seconds", "6", "-o", &show];
@@ -150,7 +151,7 @@ fn a_fitted_show_exceeds_no_limit_by_an_independent_check() {
     assert!(report.contains("No limit is exceeded") && report.contains("Fitted"), "{report}");
     let bytes = std::fs::read(&show).unwrap();
     independent::exceeds_nothing(&super::mechanism(&rig), &bytes);
-    // It is slower, and its time code goes with the clip: at the cue of 2 s it shows 2 s, but for a frame.
+    // The show is slower, and its time code follows the clip: at the cue of 2 s it shows 2 s, within a frame.
     let show = Show::open(&bytes).unwrap();
     let bow = show.cues().next().unwrap();
     assert!(bow.sample > show.position_at_us(2_000_000).sample(), "{report}");
@@ -167,7 +168,7 @@ fn a_clip_is_tracked_and_three_errors_are_told() {
     done(&["clip", "export", "kicks_01", "--rig", &rig, "--rate-hz", "50", "-o", &csv]);
     let table = std::fs::read_to_string(&csv).unwrap();
     let header = table.lines().next().unwrap();
-    // It has feet: it travels.
+    // A rig with feet travels.
     assert!(header.starts_with("time,root_x,") && header.contains(",l_knee"), "{header}");
     let bvh = path(folder.path(), "toy.bvh");
     done(&["clip", "export", "kicks_01", "--rig", &rig, "--base", "stand", "-o", &bvh]);
@@ -214,7 +215,7 @@ fn what_cannot_be_is_refused_in_words() {
     assert!(!Path::new(&out).exists());
 }
 
-/// The robots of `SINEW_DATA`: a walk and a fight on each, within its limits, tracked.
+/// The robots of `SINEW_DATA`: each performs a walk and a fight within its limits, and tracks them.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_perform_a_walk_and_a_fight() {
@@ -241,7 +242,7 @@ fn robots_perform_a_walk_and_a_fight() {
             &rig,
         ];
         if file.contains("poppy") {
-            // What the check finds.
+            // The check reports this axis.
             import.extend(["--turn-axis", "l_knee_y"]);
         }
         done(&import);

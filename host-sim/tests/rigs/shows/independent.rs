@@ -1,22 +1,22 @@
-//! Whether a show keeps to a rig's limits, computed apart from what is tested: positions from the decoder, speeds and
-//! accelerations from differences of them, efforts by Newton and Euler in f64, body by body in the world.
+//! Checks independently of the tested code that a show keeps to a rig's limits: positions from the decoder, speeds
+//! and accelerations from their differences, efforts by Newton and Euler in f64, body by body in the world frame.
 
 use glam::DVec3;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel, Pose};
 use sinew_show::{Player, Show};
 
-/// Time between the positions that are differenced, s: roundings of f32 make 0.02 rad/s² of it.
+/// Time between the positions that are differenced, s. Rounding to f32 adds errors of 0.02 rad/s².
 const H_S: f64 = 4e-3;
-/// What differences of that step leave, as a share, beside the roundings: the third derivative over 24 h².
+/// Error of differences with that step, as a share, besides the rounding: the third derivative over 24 h².
 const ROOM: f64 = 0.01;
 
-/// Refuses a show that exceeds a limit at any of 500 instants a second; of a loop also over its seam.
+/// Refuses a show that exceeds a limit at any of 500 instants per second; for a loop also across its seam.
 pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
     let show = Show::open(bytes).unwrap();
     let mut player = Player::<256>::new(show).unwrap();
     let (nq, nv) = (show.channel_count(), show.dof_count());
-    // Behind its end a loop goes on.
+    // A loop continues after its end.
     let behind_s = if show.is_loop() { 0.1 } else { 0.0 };
     let end_s = f64::from(show.duration_s()) + behind_s;
     let mut at = |time_s: f64| -> Vec<f64> {
@@ -54,7 +54,7 @@ pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
             let [own, other] = [linked.body, linked.other].map(|body| now[ranges[body].start]);
             let sum = linked.factor * own + linked.other_factor * other;
             let [least, most] = linked.range;
-            // What is tied is rounded to f32, twice.
+            // Tied coordinates are rounded to f32, twice.
             assert!(
                 sum >= least - 1e-5 && sum <= most + 1e-5,
                 "{sum} of {least} to {most} at {time_s}"
@@ -72,10 +72,10 @@ pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
     }
 }
 
-/// Torques of the hinges: the moment about each joint of all bodies beyond it, with rotors and friction.
+/// Returns the torques of the hinges: the moment about each joint of all bodies beyond it, with rotors and friction.
 fn efforts(mechanism: &Mechanism, q: &[f64], motion: &[[f64; 2]]) -> Vec<f64> {
     let poses: Vec<Pose> = mechanism.poses(q);
-    // Angular velocity and acceleration, and acceleration of the origin less gravity, in the world.
+    // Angular velocity and acceleration, and acceleration of the origin minus gravity, in the world.
     let mut moving: Vec<[DVec3; 3]> = Vec::new();
     for (body, link) in mechanism.bodies.iter().enumerate() {
         let [speed, acceleration] = motion[body];
@@ -93,7 +93,7 @@ fn efforts(mechanism: &Mechanism, q: &[f64], motion: &[[f64; 2]]) -> Vec<f64> {
         let own_dw = dw + axis * acceleration + w.cross(axis * speed);
         moving.push([own_w, own_dw, a + dw.cross(arm) + w.cross(w.cross(arm))]);
     }
-    // What the joint passes on: moment about its origin, and force.
+    // Load that the joint passes on: moment about its origin, and force.
     let mut passed = vec![[DVec3::ZERO; 2]; poses.len()];
     for (body, link) in mechanism.bodies.iter().enumerate().rev() {
         let [w, dw, a] = moving[body];

@@ -1,4 +1,4 @@
-//! Shows that go round.
+//! Tests of looping shows.
 
 use sinew_show::Show;
 
@@ -22,7 +22,7 @@ fn a_fitted_loop_keeps_all_limits_over_its_seam() {
     assert!(show.is_loop());
     // A cue at the end is still within the round.
     assert!(show.cues().next().unwrap().sample < show.length(), "{report}");
-    // It looks on behind the end.
+    // This check also looks past the end.
     independent::exceeds_nothing(&super::mechanism(&rig), &bytes);
 }
 
@@ -34,7 +34,7 @@ fn what_cannot_go_round_is_refused_in_words() {
     let bake = ["bake", "punches_01", "--rig", &rig, "--seconds", "4", "-o", &out];
     for (arguments, part) in [
         (&["--loop", "--loop-blend-s", "5"][..], "that the motion lasts, found 5.000 s"),
-        (&["--loop", "--loop-blend-s", "0.05"], "to meet its beginning within 0.05 s"),
+        (&["--loop", "--loop-blend-s", "0.05"], "to return to its start within 0.05 s"),
         (&["--loop-blend-s", "1"], "--loop"),
     ] {
         refused(&[&bake[..], arguments].concat(), part);

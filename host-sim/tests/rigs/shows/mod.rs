@@ -1,4 +1,4 @@
-//! A clip on a rig, as a person calls it: map, bake, export, evaluate.
+//! A clip on a rig, through the commands map, bake, export and evaluate.
 
 mod emulated;
 mod face;
@@ -13,7 +13,7 @@ mod servos;
 
 use crate::common::sinew;
 
-/// What it prints, and what it notes.
+/// Runs a command that must succeed. Returns standard output and standard error.
 #[track_caller]
 fn done(arguments: &[&str]) -> [String; 2] {
     let output = sinew(arguments);
@@ -31,13 +31,13 @@ fn refused(arguments: &[&str], part: &str) -> String {
     told
 }
 
-/// The bodies of a rig's file.
+/// Reads the bodies of a rig's file.
 fn mechanism(rig: &str) -> sinew_rig::Mechanism {
     let options = sinew_rig::import::Options::default();
     sinew_performance::rig::load(rig.as_ref(), &options).unwrap().mechanism
 }
 
-/// A time of a show in microseconds.
+/// Converts a time of a show to microseconds.
 fn whole_us(time_s: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let us = (time_s * 1e6).round() as u64;

@@ -11,12 +11,12 @@ use rayon::prelude::*;
 use super::{done, refused};
 use crate::common::{command, path};
 
-/// A desk arm, and a show of it: its first bend swings by 60 deg with a forearm.
+/// Writes a desk arm, and a show for it: its first bend swings by 60 deg with a forearm.
 pub(super) fn arm(folder: &Path) -> [String; 2] {
     arm_with(folder, &[])
 }
 
-/// The same, with more options of its bake.
+/// Writes a desk arm and a show for it, with more options for the bake.
 fn arm_with(folder: &Path, options: &[&str]) -> [String; 2] {
     let [rig, map, show] = ["arm.toml", "map.toml", "arm.show"].map(|name| path(folder, name));
     done(&["rig", "new", "--arm", "3", "-o", &rig]);
@@ -31,7 +31,7 @@ fn arm_with(folder: &Path, options: &[&str]) -> [String; 2] {
     [rig, show]
 }
 
-/// The number behind a row's drive and method: mean and largest error, deg.
+/// Returns mean and largest error from the table's row of a drive, deg.
 #[track_caller]
 pub(super) fn errors(table: &str, drive: &str) -> [f64; 2] {
     let row = table.lines().find(|line| line.trim_start().starts_with(drive)).expect(table);
@@ -78,17 +78,17 @@ fn a_loop_is_played_round_after_round() {
         assert!(table.contains("faults: none"), "{table}");
         let ran_s = table.split("the show ran, ").nth(1).unwrap().split(' ').next().unwrap();
         let ran_s: f64 = ran_s.parse().unwrap();
-        // It is printed to 10 ms, and the command to stop acts within a tick or two of 2 ms.
+        // The time is printed to 10 ms, and a stop command acts within a tick or two of 2 ms.
         assert!((ran_s - rounds * round_s).abs() < 0.01, "{ran_s} of {rounds} times {round_s}");
-        // As in one that ends: nothing jumps at the seam.
+        // As in a show that ends: nothing jumps at the seam.
         assert!(errors(&table, "current")[1] < 15.0, "{table}");
     }
     let folder = tempfile::tempdir().unwrap();
     let [rig, once] = arm(folder.path());
-    refused(&["play", &once, "--rig", &rig, "--rounds", "3"], "is no loop");
+    refused(&["play", &once, "--rig", &rig, "--rounds", "3"], "is not a loop");
 }
 
-/// Starts a play in real time, and waits until its show runs. What it notes goes on.
+/// Starts a play in real time, and waits until its show runs. Its later notes remain readable.
 fn playing(rig: &str, show: &str) -> (Child, BufReader<std::process::ChildStderr>) {
     let mut child = command()
         .args(["play", show, "--rig", rig, "--real-time"])
@@ -141,7 +141,7 @@ fn a_second_ctrl_c_ends_at_once() {
     let mut told = String::new();
     notes.read_to_string(&mut told).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(1), "{told}");
-    // Whether it was still stopping, or lowered already, is a matter of how busy the machine is.
+    // Its state, stopping or lowered already, depends on how busy the machine is.
     assert!(told.contains("torque was left on at 3 servos") && !told.contains("limp"), "{told}");
 }
 
@@ -150,7 +150,7 @@ fn two_buses_of_two_protocols_play_side_by_side() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, _] = arm(folder.path());
     let text = std::fs::read_to_string(&rig).unwrap();
-    // Servos of two voltages have no supply in common: each bus gets its own.
+    // Servos of two voltages have no common supply: each bus gets its own.
     let (head, supply) = text.split_once("[supply]").unwrap();
     let (_, behind) = supply.split_once("\n[").unwrap();
     let text = format!("{head}[{behind}");
@@ -177,7 +177,7 @@ fn what_cannot_be_played_is_refused_in_words() {
     for (arguments, part) in [
         (&["play", &show, "--rig", &other][..], "does not play on this rig"),
         (&["play", &show, "--rig", &rig, "--servo", "xm430"], "each joint has a servo already"),
-        (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz does fit"),
+        (&["play", &show, "--rig", &rig, "--rate-hz", "2000"], "500 Hz is possible"),
         (&["play", &show, "--rig", &rig, "--rate-hz", "nan"], "a whole number from 1 to 10000"),
         (&["play", &show, "--rig", &rig, "--baud", "12345"], "4000000"),
         (&["play", &show, "--rig", &rig, "--seconds", "2"], "--seconds: is of clips"),
@@ -185,7 +185,7 @@ fn what_cannot_be_played_is_refused_in_words() {
     ] {
         refused(arguments, part);
     }
-    // A file that is not there is told of before anything else.
+    // A missing file is reported before anything else.
     let missing = path(folder.path(), "nosuch.show");
     let told = refused(&["play", &missing, "--rig", &rig], "nosuch.show: No such file");
     assert!(!told.contains("bus"), "{told}");
@@ -218,7 +218,7 @@ fn a_recording_has_a_row_a_tick() {
             }
         }
         rows += 1;
-        // 500 ticks a second.
+        // 500 ticks per second.
         assert!((numbers["time_s"] - f64::from(rows) * 2e-3).abs() < 1e-9, "{numbers:?}");
         if state == "playing" {
             let [commanded, measured] = ["bend2.commanded", "bend2.measured"].map(|n| numbers[n]);
@@ -249,7 +249,7 @@ fn robots_follow_within_their_bounds() {
         done(&[&import[..], more].concat());
     };
     import("robotis-op3/robotis_op3.urdf", &[], &op3);
-    // What the check finds.
+    // The check reports this axis.
     let turned = ["--turn-axis", "l_knee_y"];
     import("poppy-humanoid/Poppy_Humanoid.urdf", &turned, &poppy);
     let built = ["mx-28", "l_hip_y=mx-64", "r_hip_y=mx-64", "abs_x=mx-64", "abs_y=mx-64"];
@@ -275,7 +275,7 @@ fn robots_follow_within_their_bounds() {
         // Weak servos carry stronger ones.
         ("Poppy", &poppy, &["mx-28", "l_*=mx-64", "r_*=mx-64"], &["current", "position"]),
     ];
-    // The fight lasts six times as long: the two purest ways, and the hardest.
+    // The fight takes six times as long, so it runs with three ways: the two with only one drive, and the hardest.
     let walk = ways.iter().map(|way| ("walk/07_01.bvh", way));
     let fight = [&ways[0], &ways[4], &ways[6]].map(|way| ("fight/02_05.bvh", way));
     let runs: Vec<_> = walk.chain(fight).collect();
@@ -296,7 +296,7 @@ fn robots_follow_within_their_bounds() {
             let rate = notes.split("position; ").nth(1).unwrap().split(',').next().unwrap();
             let row = |drive: &&str| {
                 let [mean, largest] = errors(&table, drive);
-                // What the issue of the controller asks of a fitted show.
+                // Required bounds for a fitted show.
                 let bound_deg = if *drive == "current" { 3.0 } else { 5.0 };
                 assert!(mean <= bound_deg, "{name}, {clip}: {table}");
                 let line = table.lines().find(|line| line.trim_start().starts_with(drive));

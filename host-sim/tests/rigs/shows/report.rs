@@ -10,7 +10,7 @@ use super::play::{arm, errors};
 use super::{done, refused};
 use crate::common::path;
 
-/// A recording of an arm that plays for 4 s, its rig, and the table of the play.
+/// Returns a recording of an arm that plays for 4 s, its rig, and the table of the play.
 fn recorded(folder: &Path) -> [String; 3] {
     let [rig, show] = arm(folder);
     let file = path(folder, "arm.parquet");
@@ -22,7 +22,7 @@ fn rows(file: &str) -> Vec<Part> {
     Recording::open(Path::new(file)).unwrap().parts().map(Result::unwrap).collect()
 }
 
-/// Against the rows as the reader of all Parquet files has them.
+/// Compares the recording with the rows that a general Parquet reader reads.
 #[test]
 fn a_recording_is_read_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
@@ -73,22 +73,23 @@ fn a_page_is_written_beside_its_recording() {
     let html = path(folder.path(), "arm.html");
     assert!(notes.contains(&format!("wrote {html}")) && !notes.contains("cut off"), "{notes}");
     let page = std::fs::read_to_string(&html).unwrap();
-    // The play's own sums.
+    // The mean and largest error that the play printed.
     let [mean, most] = errors(&table, "current");
     let told = format!("were {mean:.2}° from their targets in the mean, and {most:.2}° at most");
-    for part in [&told, "no fault came", "bend2", "lowering", "Limited"] {
+    for part in [&told, "there was no fault", "bend2", "lowering", "Limited"] {
         assert!(page.contains(part), "{part}");
     }
-    // Nothing is fetched: the one address is the name of SVG's elements.
+    // Nothing is fetched: the only address is the name of SVG's elements.
     let page_without_names = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!page_without_names.contains("http://") && !page.contains("https://"));
-    // With the same rig it is the same page.
+    // With the same rig given, the page is the same.
     let other = path(folder.path(), "other.html");
     done(&["report", &file, "--rig", &rig, "-o", &other]);
     assert_eq!(std::fs::read_to_string(&other).unwrap(), page);
 }
 
-/// Wherever it ends, what is read is a beginning of the whole; and an end between two parts is one.
+/// A recording may end anywhere: the part that is read is a beginning of the whole, and an end between two parts is a
+/// valid end.
 #[test]
 fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -105,7 +106,7 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
                     continue;
                 }
                 let parts: Vec<Part> = recording.parts().map(Result::unwrap).collect();
-                // NaN is not itself.
+                // NaN does not equal itself, so the texts are compared.
                 let [read, written] = [&parts, &whole[..parts.len()]].map(|p| format!("{p:?}"));
                 assert!(read == written, "at {at}");
             }
@@ -114,7 +115,7 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
             Err(why) => panic!("at {at}: {why}"),
         }
     }
-    // The last part has the end of the file itself.
+    // The last part ends with the file itself.
     let lens = whole.iter().map(|part| part.time_s.len());
     let ends: Vec<usize> =
         lens.scan(0, |end, len| Some(*end + len).inspect(|to| *end = *to)).collect();
@@ -127,7 +128,7 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
     assert!(std::fs::read_to_string(path(folder.path(), "cut.html")).unwrap().contains(&told));
 }
 
-/// Refused, or said to be cut off: what is shown then is as it was written.
+/// Every flipped bit is refused, or the page is said to be cut off; then the shown part is as it was written.
 #[test]
 fn each_flipped_bit_of_a_recording_is_told() {
     let folder = tempfile::tempdir().unwrap();
@@ -140,7 +141,7 @@ fn each_flipped_bit_of_a_recording_is_told() {
         (seed >> 20) % most
     };
     let bits = 8 * bytes.len() as u64;
-    // Anywhere, and in the last end: lengths, names, the checksum itself.
+    // Bits anywhere, and bits in the file's end: lengths, names, the checksum itself.
     let anywhere: Vec<u64> = (0..200).map(|_| below(bits)).collect();
     let in_end: Vec<u64> = (0..200).map(|_| bits - 1 - below(8 * 1500)).collect();
     let [mut refused, mut cut] = [0, 0];
@@ -177,7 +178,7 @@ fn what_is_no_recording_is_refused_in_words() {
     for (arguments, part) in [
         (&["report", &rig][..], "found a rig.toml"),
         (&["report", "nothing.parquet"], "nothing.parquet: No such file"),
-        (&["report", &short], "nothing of it is whole"),
+        (&["report", &short], "no part of it is complete"),
         (&["report", &damaged], "is damaged: its checksum"),
         (&["report", &file, "--rig", &other], "it is another rig"),
         (&["report", &file, "-o", &file], "is the recording, which would be lost"),

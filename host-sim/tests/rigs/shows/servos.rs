@@ -1,4 +1,4 @@
-//! Positions of servos, as the Blender add-on writes them: out, and back in.
+//! Positions of servos in the format of the Blender add-on: exported, and read again.
 
 use super::done;
 use crate::common::path;
@@ -32,7 +32,7 @@ fn servo_positions_come_back_as_the_same_motion() {
     ]);
     let [report, _] = done(&["bake", &json, "--rig", &rig, "-o", &first]);
     assert!(report.contains("arm on"), "{report}");
-    // What was read once is the same motion when it is written and read again.
+    // A motion that was read once stays the same when it is written and read again.
     let again = path(folder.path(), "again.json");
     done(&["clip", "export", &json, "--rig", &rig, "--rate-hz", "50", "-o", &again]);
     done(&["bake", &again, "--rig", &rig, "-o", &second]);

@@ -1,4 +1,4 @@
-//! Fuzz targets: each takes its corpus, then inputs that bolero finds.
+//! Fuzz targets: each runs its corpus, then inputs that bolero finds.
 
 #[cfg(feature = "bolero")]
 mod firmware;

@@ -1,16 +1,16 @@
-//! Random rigs by number: the same on every run.
+//! Random rigs by number: the same in every run.
 
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use sinew_test_support::rig::{Joints, Rig, figures, rigs_with_rotors};
 
-/// Most bodies of a rig.
+/// Largest number of bodies in a rig.
 const BODIES: usize = 64;
 
-/// How much two states of a figure differ, rad.
+/// Sizes of the difference between two states of a figure, rad.
 const SIZES: [f32; 4] = [1e-4, 1e-2, 0.3, 2.0];
 
-/// The rig of a number.
+/// A case, identified by its number.
 pub(crate) struct Case {
     number: u64,
 }
@@ -20,12 +20,12 @@ impl Case {
         Self { number }
     }
 
-    /// A rig with joints of all kinds, and a motion of it.
+    /// Returns a rig with joints of all kinds, and a motion of it.
     pub(crate) fn rig(&self) -> Rig {
         self.drawn(0, &rigs_with_rotors(BODIES, Joints::Mixed))
     }
 
-    /// Two states of a figure of mocap, desired and measured.
+    /// Returns two states of a mocap figure, desired and measured.
     pub(crate) fn figures(&self) -> (Rig, Rig) {
         let size = SIZES[usize::try_from(self.number % 4).expect("below 4")];
         self.drawn(1, &figures(BODIES, size))

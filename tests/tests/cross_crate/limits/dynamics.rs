@@ -14,7 +14,7 @@ use super::tally::{Quantity, Table};
 
 pub(crate) const GRAVITY_M_S2: Vec3 = Vec3::new(0.3, -9.7, 1.1);
 
-/// A rig as the core has it, and the same with its rounding.
+/// A rig as the core uses it, and with its rounding.
 pub(crate) struct Sides {
     pub(crate) rig: Rig,
     pub(crate) states: Vec<JointState>,
@@ -28,7 +28,7 @@ impl Sides {
         Self { rig, states, rounded }
     }
 
-    /// Wrenches of the joints that these accelerations take, with their rounding.
+    /// Returns the wrenches of the joints for these accelerations, with their rounding.
     pub(crate) fn rounded_wrenches(&self, accelerations: &[Motion]) -> Vec<Motion> {
         let Rounded { links, joints } = &self.rounded;
         rounding::inverse_dynamics(links, joints, accelerations, Vector::known(GRAVITY_M_S2))
@@ -43,7 +43,7 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
     accelerations(&sides, table);
 }
 
-/// A list of vectors against the same with their rounding.
+/// Compares a list of vectors with the list that carries its rounding.
 pub(crate) fn vectors(
     table: &mut Table,
     [name, unit]: [&'static str; 2],
@@ -113,7 +113,7 @@ fn elements(
 ) {
     for (row, numbers) in rounded.iter().enumerate() {
         for (column, number) in numbers.iter().enumerate() {
-            // H is positive definite: no element exceeds the geometric mean of its two diagonal ones.
+            // H is positive definite: no element exceeds the geometric mean of its two diagonal elements.
             let scale = (rounded[row][row].exact() * rounded[column][column].exact()).sqrt();
             let quantity = Quantity { name, unit: "kg m²", scale };
             let error = got(row, column) - number.exact();
@@ -124,7 +124,7 @@ fn elements(
 
 fn accelerations(sides: &Sides, table: &mut Table) {
     let bodies = sides.rig.tree.bodies();
-    // Drives as large as the motion of the rig needs.
+    // Drives that are as large as the rig's motion requires.
     let drives = sides.rig.wrenches(&sides.states, &sides.rig.accelerations(), GRAVITY_M_S2, &[]);
     let mut workspace = vec![ArticulatedBody::default(); bodies.len()];
     let mut got = vec![Twist::ZERO; bodies.len()];

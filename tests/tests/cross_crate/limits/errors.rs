@@ -1,4 +1,4 @@
-//! State errors of two states of a figure, and ticks that make torques of them.
+//! State errors of two states of a figure, and ticks that turn them into torques.
 
 use std::f64::consts::PI;
 
@@ -23,10 +23,10 @@ const LOCAL: [&str; 4] = ["local angle", "local way", "local rate", "local speed
 const WORLD: [&str; 4] = ["world angle", "world way", "world rate", "world speed"];
 const TURNED: [&str; 4] = ["turned angle", "turned way", "turned rate", "turned speed"];
 
-/// Sine of an angle below which the core takes two directions for one, or for opposites.
+/// Sine of an angle below which the core treats two directions as equal, or as opposite.
 const SMALLEST_SINE: f64 = 1e-6;
 
-/// A figure as it is to be and as it is, joints and bodies with their rounding.
+/// Desired and measured figure, joints and bodies with their rounding.
 struct Pair {
     desired: Side,
     measured: Side,
@@ -71,7 +71,7 @@ pub(crate) fn compare(case: &Case, table: &mut Table) {
         &mut got,
         &mut status,
     );
-    // Half a turn may be about any axis: nothing is to be compared.
+    // The axis of a half turn is arbitrary: such cases are not compared.
     let turned: Option<Vec<_>> =
         (0..count).map(|body| pair.turned(body, aims.as_slice()[body], status[body])).collect();
     if let Some(turned) = &turned {
@@ -98,7 +98,7 @@ impl Pair {
         Difference::between(&self.desired.bodies[body], &self.measured.bodies[body])
     }
 
-    /// None: half a turn, to f32.
+    /// Returns the error of a body by Linear Compensation. `None` for a half turn, within the precision of f32.
     fn turned(&self, body: usize, aim: Aim, status: AimStatus) -> Option<Turned> {
         let of = |difference| Some(Turned { difference, left_out_rad: 0.0 });
         let Aim::Child(child) = aim else { return of(self.world(body)) };
@@ -110,7 +110,7 @@ impl Pair {
         if unclear && arm.exact().dot(way) < 0.0 {
             return if status == AimStatus::Antiparallel { of(self.world(body)) } else { None };
         }
-        // Where f32 cannot tell two directions apart the core leaves the turn out, which is as small.
+        // If f32 cannot distinguish two directions, the core leaves out the turn, which is as small.
         let largest = SMALLEST_SINE + turned.sine.limit();
         let left_out_rad = if turned.sine.exact() < largest { largest } else { 0.0 };
         Some(Turned { difference: turned.difference, left_out_rad })
@@ -120,7 +120,7 @@ impl Pair {
 /// An error by Linear Compensation.
 struct Turned {
     difference: Difference,
-    /// How much of the turn the core may have left out.
+    /// Size of a turn that the core may have left out, rad.
     left_out_rad: f64,
 }
 
@@ -145,7 +145,7 @@ fn errors(
     vectors(table, [names[3], "m/s"], speeds, rounded.iter().map(|error| error.linear_rate));
 }
 
-/// Wrenches of a tick of a controller against those of the same errors with their rounding.
+/// Compares the wrenches of a controller's tick with those of the same errors with their rounding.
 fn tick(
     table: &mut Table,
     pair: &Pair,

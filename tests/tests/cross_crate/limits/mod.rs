@@ -1,9 +1,9 @@
-//! Limits that follow from the rounding of each case hold on rigs that nobody has looked at: random trees of all kinds
-//! of joints, up to 64 bodies, with rotors and without.
+//! Limits that follow from the rounding of each case hold on unseen rigs: random trees of all kinds of joints, up to
+//! 64 bodies, with rotors and without.
 //!
-//! Each case is computed by the core and once more with its rounding
-//! ([`sinew_verification::rounding`]); each number may be off by its own limit. `SINEW_CASES` says how many cases
-//! (default: 200); `cargo xtask limits` runs 10,000 and prints what a mistake must be to be noticed.
+//! Each case is computed by the core, and again with its rounding ([`sinew_verification::rounding`]); each number has
+//! a limit of its own. `SINEW_CASES` sets the number of cases (default: 200). `cargo xtask limits` runs 10,000 and
+//! prints the smallest error that would be noticed.
 
 mod case;
 mod dynamics;
@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use case::Case;
 use tally::Table;
 
-/// How many cases are compared.
+/// Returns the number of cases to compare.
 fn cases() -> u64 {
     match std::env::var("SINEW_CASES") {
         Ok(cases) => cases.parse().expect("SINEW_CASES is a number of cases"),
@@ -26,10 +26,10 @@ fn cases() -> u64 {
     }
 }
 
-/// So many cases take a quarter of a minute: each time a line says how far it is.
+/// Number of cases between two progress lines; they take about 15 s.
 const TOLD: u64 = 500;
 
-/// Compares all cases in one way and prints the table of it.
+/// Compares all cases in one way and prints their table.
 fn all_within(title: &str, compare: impl Fn(&Case, &mut Table) + Sync) {
     let (cases, done) = (cases(), AtomicU64::new(0));
     let table = (0..cases)

@@ -1,4 +1,4 @@
-//! Mistakes that are planted are found: limits are no wider than what they are for.
+//! Deliberate errors are found: the limits are not too wide.
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointState, Tree, Twist};
@@ -9,10 +9,10 @@ use sinew_verification::rounding::Vector;
 use super::case::Case;
 use super::dynamics::{GRAVITY_M_S2, Sides};
 
-/// How many rigs each mistake is planted in.
+/// Number of rigs in which each error is planted.
 const RIGS: u64 = 60;
 
-/// Whether a wrench of a wrong rig, or of a wrong motion of it, is over the limit that the right one has.
+/// Whether a wrench of a wrong rig, or of a wrong motion, exceeds the limit of the right one.
 fn found(right: &Sides, wrong: &Rig, states: &[JointState], accelerations: &[Twist]) -> bool {
     let got = wrong.wrenches(states, accelerations, GRAVITY_M_S2, &[]);
     let rounded = right.rounded_wrenches(&motions(&right.rig.accelerations()));
@@ -24,7 +24,7 @@ fn found(right: &Sides, wrong: &Rig, states: &[JointState], accelerations: &[Twi
     })
 }
 
-/// Counts the rigs in which a mistake about the last body, which carries nothing, is found.
+/// Counts the rigs in which an error of the last body, which has no children, is found.
 fn found_in(plant: impl Fn(&mut Body)) -> usize {
     let is_found = |number: &u64| {
         let right = Sides::new(Case::new(*number).rig());
@@ -42,14 +42,14 @@ fn a_right_rig_is_within_its_limits() {
     assert_eq!(found_in(|_| {}), 0);
 }
 
-/// A force may be off by 2e-5 of the largest in 99 of 100 rigs (the table of `cargo xtask limits`): five times as much
-/// is found in each of these.
+/// In 99 of 100 rigs a force has a limit of 2e-5 of the largest force or less (the table of `cargo xtask limits`). An
+/// error of five times that is found in every rig.
 #[test]
 fn a_mass_off_by_a_ten_thousandth_is_found() {
     assert_eq!(found_in(|body| body.inertia.mass_kg *= 1.000_1), 60);
 }
 
-/// A ten-thousandth of the 0.2 m that it may be away from the origin.
+/// A ten-thousandth of 0.2 m, its largest distance from the origin.
 #[test]
 fn a_centre_of_mass_off_by_20_um_is_found() {
     assert_eq!(found_in(|body| body.inertia.center_of_mass_m += Vec3::splat(2e-5)), 60);
@@ -65,7 +65,7 @@ fn a_speed_off_by_a_ten_thousandth_is_found() {
         }
         found(&right, &right.rig, &states, &right.rig.accelerations())
     };
-    // Where nothing turns, speeds make no force.
+    // If no joint turns, speeds cause no force.
     let turns =
         |right: &Sides| right.states.iter().any(|state| state.velocity.angular != Vec3::ZERO);
     let right = (0..RIGS).map(|number| Sides::new(Case::new(number).rig()));

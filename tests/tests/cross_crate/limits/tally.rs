@@ -1,19 +1,20 @@
-//! Errors against their limits, by quantity, over many cases.
+//! Errors compared with their limits, by quantity, over many cases.
 
 use std::fmt;
 
 use sinew_verification::rounding::LAMBDA;
 
-/// One quantity.
+/// Results of one quantity.
 #[derive(Debug, Clone)]
 struct Row {
     name: &'static str,
     unit: &'static str,
     compared: u64,
-    /// The largest share that an error is of its own limit, and where.
+    /// The largest ratio of an error to its limit, and its place.
     share: f64,
     worst: String,
-    /// By case: the smallest mistake that is noticed wherever it is, over the largest number of its kind in the case.
+    /// For each case: the smallest error that is noticed everywhere, relative to the largest number of its kind in
+    /// the case.
     notices: Vec<f64>,
 }
 
@@ -24,7 +25,7 @@ pub(crate) struct Table {
     rows: Vec<Row>,
 }
 
-/// What one comparison is of.
+/// The subject of a comparison.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Quantity {
     pub(crate) name: &'static str,
@@ -34,9 +35,9 @@ pub(crate) struct Quantity {
 }
 
 impl Row {
-    /// How large a share may be among so many: one number in 1 / 4e-9 passes λ = 8 by chance (Student's distribution of
-    /// 32 degrees of freedom), and there the tail falls with the 20th power or faster. One row in a hundred may come as
-    /// far.
+    /// Returns the largest allowed ratio for this number of comparisons. One number in 1 / 4e-9 exceeds λ = 8 by
+    /// chance (Student's distribution with 32 degrees of freedom), and the tail falls with the 20th power or faster.
+    /// One row in a hundred may reach the result.
     fn allowed(&self) -> f64 {
         let expected = 4e-9 * self.compared as f64;
         (expected / 0.01).powf(1.0 / 20.0).max(1.0)
@@ -44,7 +45,7 @@ impl Row {
 }
 
 impl Table {
-    /// An empty one.
+    /// Creates an empty table.
     pub(crate) fn of_case(case: u64) -> Self {
         Self { case, rows: Vec::new() }
     }
@@ -58,7 +59,7 @@ impl Table {
         limit: f64,
     ) {
         let Quantity { name, unit, scale } = quantity;
-        // What was computed in f64 was rounded, too. A limit that is not finite would excuse anything.
+        // Results in f64 are rounded, too. An infinite limit would excuse any error, so it counts as zero.
         let allowed = limit + LAMBDA * f64::EPSILON * scale;
         let allowed = if allowed.is_finite() { allowed } else { 0.0 };
         let error = if error.is_finite() { error.abs() } else { f64::INFINITY };
@@ -70,7 +71,7 @@ impl Table {
         }
         row.compared += 1;
         if scale > 0.0 {
-            // A mistake may be against the error.
+            // A mistake may have the opposite sign of the error.
             row.notices[0] = row.notices[0].max((allowed + error) / scale);
         }
     }
@@ -84,7 +85,7 @@ impl Table {
         &mut self.rows[index]
     }
 
-    /// Together with another.
+    /// Merges two tables.
     pub(crate) fn with(mut self, other: Self) -> Self {
         for theirs in other.rows {
             match self.rows.iter_mut().find(|row| row.name == theirs.name) {
@@ -101,14 +102,14 @@ impl Table {
         self
     }
 
-    /// What is over its limit: the quantity, its largest share, and where.
+    /// Returns the quantities that exceed their limits, with their largest ratio and its place.
     pub(crate) fn over(&self) -> Vec<String> {
         let over = self.rows.iter().filter(|row| row.share.is_nan() || row.share > row.allowed());
         over.map(|row| format!("{}: {:.3} at {}", row.name, row.share, row.worst)).collect()
     }
 }
 
-/// Widths of the columns.
+/// Prints the table. The numbers in the format strings are widths of columns.
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (half, most) = ("in half of cases", "in 99 of 100");

@@ -1,5 +1,5 @@
-//! Compensation for several children at once: that it is the best turn, by a search in f64 that shares nothing with
-//! the core's.
+//! Compensation for several children at once. A search in f64 that shares no code with the core shows that the core
+//! finds the best turn.
 
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 use proptest::prelude::*;
@@ -15,11 +15,11 @@ use sinew_test_support::rig::{CAPACITY, figures};
 /// Bodies of a figure that is larger than the paper's 18.
 const MOST: usize = 24;
 
-/// Some ten roundings of 1.2e-7 in f32.
+/// About ten roundings of 1.2e-7 in f32.
 const SMALL: f32 = 2e-6;
 
-/// The least-squares problem of one body, by Davenport's quaternion method: the best rotation is the
-/// eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, found here by squaring it.
+/// The least-squares problem of one body, solved by Davenport's quaternion method: the best rotation is the
+/// eigenvector of the largest eigenvalue of a symmetric 4 x 4 matrix, found by repeated squaring.
 struct Wahba {
     arms: Vec<DVec3>,
     shift: DVec3,
@@ -30,22 +30,22 @@ impl Wahba {
         Self { arms: arms.iter().map(|arm| arm.as_dvec3()).collect(), shift: shift.as_dvec3() }
     }
 
-    /// Sum of the squared distances of all children from their goals, m².
+    /// Returns the sum of the squared distances of all children from their goals, m².
     fn cost(&self, turn: DQuat) -> f64 {
         self.arms.iter().map(|arm| (turn * *arm - (*arm + self.shift)).length_squared()).sum()
     }
 
-    /// What a difference in turn costs at most, m².
+    /// Returns the largest cost that a turn can make, m².
     fn scale(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length() * (*arm + self.shift).length()).sum()
     }
 
-    /// By how much a shift of all goals turns at most, m.
+    /// Returns the sum of the arms' lengths, m: the largest effect of a shift of all goals.
     fn levers(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length()).sum()
     }
 
-    /// Profile matrix `Σ b aᵀ`.
+    /// Returns the profile matrix `Σ b aᵀ`.
     fn profile(&self) -> DMat3 {
         self.arms.iter().fold(DMat3::ZERO, |sum, a| {
             let b = *a + self.shift;
@@ -58,7 +58,7 @@ impl Wahba {
         let trace = b.x_axis.x + b.y_axis.y + b.z_axis.z;
         let z = self.arms.iter().fold(DVec3::ZERO, |sum, a| sum + a.cross(*a + self.shift));
         let s = b + b.transpose() - DMat3::from_diagonal(DVec3::splat(trace));
-        // In the order x y z w, with a multiple of the identity that makes every eigenvalue positive.
+        // In the order x y z w, plus a multiple of the identity that makes every eigenvalue positive.
         let mut k = DMat4::from_cols(
             s.x_axis.extend(z.x),
             s.y_axis.extend(z.y),
@@ -74,7 +74,8 @@ impl Wahba {
         DQuat::from_vec4(longest.expect("four columns").normalize())
     }
 
-    /// Smallest curvature of the cost at a turn over its scale: how well the best turn is defined.
+    /// Returns the smallest curvature of the cost at a turn, relative to its scale: how well the best turn is
+    /// defined.
     fn definite(&self, turn: DQuat) -> f64 {
         let c = self.profile() * DMat3::from_quat(turn.inverse());
         let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
@@ -83,7 +84,7 @@ impl Wahba {
         1.0 / (inverse.iter().map(|x| x * x).sum::<f64>().sqrt() * self.scale())
     }
 
-    /// Share of the squared arms across the line that they lie along best: zero for one line.
+    /// Returns the share of the squared arms perpendicular to their best common line: zero if all are on one line.
     fn width(&self) -> f64 {
         let (squares, moment) =
             self.arms.iter().fold((0.0, DMat3::ZERO), |(squares, moment), a| {
@@ -99,13 +100,13 @@ fn state(rotation: Quat, position_m: Vec3) -> BodyState {
     BodyState { pose: Transform::new(rotation, position_m), velocity: Twist::ZERO }
 }
 
-/// The turn of the desired orientation that an error stands for.
+/// Returns the turn of the desired orientation that corresponds to an error.
 fn turn_of(error: &StateError, desired: &BodyState, measured: &BodyState) -> DQuat {
     let turned = error_rotation(error.angular_rad) * measured.pose.rotation.as_dquat();
     turned * desired.pose.rotation.as_dquat().inverse()
 }
 
-/// By the shorter way.
+/// Returns the rotation vector of the shorter turn.
 fn rotation_vector(turn: DQuat) -> DVec3 {
     (if turn.w < 0.0 { -turn } else { turn }).to_scaled_axis()
 }
@@ -118,7 +119,7 @@ fn all(arms: &[Vec3], desired: &BodyState, measured: &BodyState) -> (StateError,
     compensate_all(arms.iter().copied(), Compensation::default(), desired, measured)
 }
 
-/// The turn for arms whose body is shifted by `shift`, neither of them turned.
+/// Returns the turn for arms whose body is shifted by `shift`. Neither body is turned.
 fn turn(arms: &[Vec3], shift: Vec3) -> (Vec3, AimStatus) {
     let (error, status) = all(arms, &state(Quat::IDENTITY, shift), &BodyState::WORLD);
     (error.angular_rad, status)
@@ -160,7 +161,7 @@ proptest! {
         let allowed = 1e-6 * problem.scale();
         let (cost, least) = (problem.cost(got), problem.cost(best));
         prop_assert!(cost <= least + allowed, "{cost} m², the least is {least} m²");
-        // Roundings turn it the further the less it is defined.
+        // The less the turn is defined, the more rounding changes it.
         let angle = rotation_vector(got * best.inverse()).length();
         let definite = problem.definite(best);
         prop_assert!(angle * definite < f64::from(SMALL), "{angle} rad off, {definite}");
@@ -201,8 +202,8 @@ proptest! {
             }
             let (got, best) = (turn_of(&errors[index], &d[index], &m[index]), problem.best());
             let (cost, least) = (problem.cost(got), problem.cost(best));
-            // The core knows the ways between the figures as well as f32 has their positions. A goal that is off by δ
-            // changes what a turn costs by 2 δ times its arm at most, that of either of the two turns.
+            // The core knows the vectors between the figures only to the f32 precision of their positions. A goal
+            // that is off by δ changes the cost of a turn by at most 2 δ times its arm, for both turns.
             let (desired_m, measured_m) = (origin, m[index].pose.translation_m);
             let rounding_m = f64::from(f32::EPSILON * (desired_m.length() + measured_m.length()));
             let allowed = 1e-6 * problem.scale() + 4.0 * rounding_m * problem.levers();
@@ -254,7 +255,7 @@ proptest! {
     fn the_rate_is_that_of_the_turn(
         (arms, shift, rate, spin) in (arms(), vector(), vector(), vector()),
     ) {
-        // The desired body turns with its arms and moves past the measured one, 0.1 mm away.
+        // The desired body turns with its arms and moves past the measured body, 0.1 mm away.
         let shift = shift * 1e-4;
         let problem = Wahba::new(&arms, shift);
         prop_assume!(problem.width() > 1e-2);
@@ -277,8 +278,8 @@ proptest! {
         };
         let got = of(RateTerm::Corrected);
         let off = (got.as_dvec3() - expected).length();
-        // It is of first order. What is left out is the turn that a shift of this length can make, times the speeds of
-        // arms and goals: that changes the moments which are balanced, and the rate by as much over the curvature.
+        // The method is of first order. It neglects the turn that a shift of this length can make, times the speeds
+        // of arms and goals: this changes the balanced moments, and the rate by as much divided by the curvature.
         let speeds = f64::from(spin.length() + (got - spin).length());
         let definite = problem.definite(DQuat::IDENTITY);
         let largest_turn = problem.shift.length() * problem.levers() / (definite * problem.scale());
@@ -296,7 +297,7 @@ fn evenly_placed_children_need_no_turn() {
     for shift in [Vec3::ZERO, Vec3::X * 0.05, Vec3::Y * 0.3, Vec3::new(0.1, -0.2, 0.3)] {
         assert_eq!(turn(&hips, shift), (Vec3::ZERO, AimStatus::Parallel), "{shift}");
     }
-    // In a plane with the origin, but not through it: a shift in the plane turns nothing out of it.
+    // In a plane parallel to one through the origin: a shift in the plane causes no turn out of it.
     let hips = hips.map(|hip| hip - Vec3::Y * 0.1);
     let (turned, status) = turn(&hips, Vec3::new(0.05, 0.0, 0.0));
     assert_eq!(status, AimStatus::Compensated);
@@ -305,11 +306,11 @@ fn evenly_placed_children_need_no_turn() {
 
 #[test]
 fn what_has_no_one_best_turn_is_not_turned() {
-    // The body is far beyond its goals: half a turn, about X or -X.
+    // The body is far beyond its goals: a half turn, about X or -X.
     let even = [Vec3::new(0.1, -0.3, 0.0), Vec3::new(-0.1, -0.3, 0.0)];
     let shift = Vec3::Y * 2.0;
     assert_eq!(turn(&even, shift), (Vec3::ZERO, AimStatus::Antiparallel));
-    // A little to the side it is well defined, and almost as long: what one child does too.
+    // A little to the side the turn is well defined, and almost as long, as with one child.
     let (error, status) = turn(&even, shift + Vec3::Z * 0.01);
     assert_eq!(status, AimStatus::Compensated);
     assert!(error.x.abs() > 3.0, "{error}");

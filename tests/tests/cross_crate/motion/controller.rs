@@ -1,4 +1,4 @@
-//! The control tick as a whole: nothing that is not a number comes out, limits hold, capacity does not show.
+//! The control tick as a whole: all outputs are numbers, limits hold, and the capacity has no effect.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -34,7 +34,7 @@ fn methods<const N: usize>(tree: &Tree<N>) -> [Method<N>; 5] {
     ]
 }
 
-/// The methods that go with inverse dynamics: all.
+/// Returns all methods that work with inverse dynamics.
 fn methods_of_inverse_dynamics<const N: usize>(tree: &Tree<N>) -> Vec<Method<N>> {
     let weights = BodyWeights::rotations(tree);
     methods(tree).into_iter().chain([Method::ResolvedAcceleration { weights }]).collect()
@@ -61,7 +61,7 @@ fn vectors(count: usize) -> impl Strategy<Value = Vec<Vec3>> {
     vec(prop::array::uniform3(number()).prop_map(Vec3::from_array), count)
 }
 
-/// Overwrites all but the rotations of the states with numbers of any size.
+/// Replaces everything except the rotations of the states with numbers of any size.
 fn with_any_numbers(
     states: &[JointState],
     numbers: &mut std::slice::Iter<'_, Vec3>,
@@ -117,7 +117,7 @@ proptest! {
                 let got = limited.tick(&mut targets, &measured, &[], &mut workspace);
                 prop_assert!(finite(got), "{got:?}");
                 for (got, wanted) in got.iter().zip(&wanted) {
-                    // In units of the largest component: a square of a subnormal would vanish.
+                    // In units of the largest component: the square of a subnormal number would be zero.
                     let (moment, force) = (got.value.moment_nm.length(), got.value.force_n.length());
                     prop_assert!(moment <= 5.0 * (1.0 + 1e-6) && force <= 50.0 * (1.0 + 1e-6));
                     let kept = got.value == wanted.value;
@@ -137,7 +137,7 @@ proptest! {
     fn what_comes_from_outside_may_be_anything(
         (rig, wrenches) in (rigs(16, Joints::Mixed), vec(any::<[f32; 6]>(), 0..20)),
     ) {
-        // External wrenches are no checked type: NaN and infinities too.
+        // External wrenches are an unchecked type: NaN and infinities are possible.
         let external: Vec<_> = wrenches
             .iter()
             .map(|w| Wrench::new(Vec3::new(w[0], w[1], w[2]), Vec3::new(w[3], w[4], w[5])))
@@ -177,8 +177,7 @@ proptest! {
         let largest = wrenches.iter().fold(1.0f32, |largest, w| {
             largest.max(w.moment_nm.abs().max_element()).max(w.force_n.abs().max_element())
         });
-        // A rotation and its inverse leave 1.2e-7 rad, which is acted on with kp, against this
-        // inertia.
+        // A rotation times its inverse leaves 1.2e-7 rad, which kp multiplies with this inertia.
         let inertia: f32 = bodies
             .iter()
             .zip(rig.world())
@@ -208,7 +207,7 @@ proptest! {
 proptest! {
     #![proptest_config(property(50))]
 
-    /// Two trees of one size, and the joints' targets of both.
+    /// Uses one set of targets with two trees of equal size.
     #[test]
     fn targets_follow_the_tree_that_asks((desired, measured) in figures(18, 0.6)) {
         let mut bodies = desired.tree.bodies().to_vec();
@@ -226,7 +225,7 @@ proptest! {
         }
     }
 
-    /// Methods ask for different parts of the bodies' states, which targets remember.
+    /// Methods use different parts of the bodies' states, which targets cache.
     #[test]
     fn targets_tell_every_method_the_same_whichever_has_used_them(
         rig in prop_oneof![rigs(16, Joints::Mixed), rigs(16, Joints::Figure)],
@@ -258,7 +257,7 @@ proptest! {
             (0..tree.len()).map(|joint| if joint % 2 == 0 { gains() } else { odd }).collect();
         let same = vec![gains(); tree.len()];
         for method in methods(tree) {
-            // Without inverse dynamics no joint's torque depends on another's gains.
+            // Without inverse dynamics no joint's torque depends on another joint's gains.
             let tick = |uniform: Gains, by_joint: Option<&[Gains]>| {
                 let mut controller = TorqueController::new(tree.clone(), uniform, method.clone())
                     .and_then(|controller| controller.with_law(ControlLaw::ProportionalDerivative))
@@ -286,8 +285,8 @@ proptest! {
         let generations = |count| tick(Method::Accumulated(References::generations(tree, count)));
         prop_assert_eq!(generations(tree.len()), tick(Method::World));
         let (local, one) = (tick(Method::Local), generations(1));
-        // Local errors are the joints' own, the others come by way of the world: some ten roundings of angles
-        // and rates, times the gains, as a share of the largest torque.
+        // Local errors are in joint axes, the others are computed in the world: they differ by about ten roundings of
+        // angles and rates, times the gains, as a share of the largest torque.
         let largest = |of: fn(&Wrench) -> Vec3| {
             local.iter().map(|torque| of(&torque.value).length()).fold(1.0, f32::max)
         };
@@ -328,7 +327,7 @@ proptest! {
         let mut bodies = free.bodies().to_vec();
         bodies[0].joint = JointKind::Fixed;
         let fixed = Tree::<CAPACITY>::from_bodies(&bodies).expect("a good tree");
-        // The performance's root is where the rig's is, and stays there.
+        // The performance's root equals the rig's, and stays there.
         let mut targets = targets(&desired);
         let mut states = measured.states();
         let root = JointState { pose: bodies[0].placement, velocity: Twist::ZERO };
@@ -353,7 +352,7 @@ proptest! {
             prop_assert_eq!(errors[0].linear_m, Vec3::ZERO);
             let mut expected: Vec<_> = driven.iter().map(|torque| torque.value).collect();
             if law == ControlLaw::InverseDynamics {
-                // A free root may follow what Linear Compensation turns it for; one that stays is fixed.
+                // A free root may follow the turn by Linear Compensation; a fixed root stays.
                 let mut commands = other.commands()[..free.len()].to_vec();
                 commands[0] = Twist::ZERO;
                 let mut scratch = vec![BodyMotion::default(); free.len()];

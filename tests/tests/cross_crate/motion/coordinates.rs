@@ -1,4 +1,5 @@
-//! Joint coordinates against the states that they stand for, of random rigs of all joint kinds up to full capacity.
+//! Joint coordinates compared with the states that they describe, for random rigs of all joint kinds up to full
+//! capacity.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -17,7 +18,7 @@ use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// Targets of a rig, set by its coordinates.
+/// Returns targets of a rig, set by its coordinates.
 fn targets(rig: &Rig) -> JointTargets<CAPACITY> {
     let [q, qd, qdd] = rig.coordinates();
     let mut targets = JointTargets::rest(&rig.tree);
@@ -25,7 +26,7 @@ fn targets(rig: &Rig) -> JointTargets<CAPACITY> {
     targets
 }
 
-/// What accelerations along the degrees of freedom take, without gravity.
+/// Returns the efforts for accelerations along the dofs, without gravity.
 fn efforts(rig: &Rig, qd: &[f32], qdd: &[f32]) -> Vec<f32> {
     let (tree, [q, ..]) = (&rig.tree, rig.coordinates());
     let mut targets = JointTargets::rest(tree);
@@ -58,7 +59,7 @@ proptest! {
         let targets = targets(&rig);
         prop_assert_eq!(targets.states(), expected.as_slice());
         for (got, expected) in targets.accelerations().iter().zip(rig.accelerations()) {
-            // Added in another order.
+            // The sums have another order.
             prop_assert!((got.angular - expected.angular).length() < 1e-4);
             prop_assert!((got.linear - expected.linear).length() < 1e-4);
         }
@@ -73,13 +74,13 @@ proptest! {
             let (range, dofs) = (tree.coordinates(body), tree.dofs(body));
             let (got, expected) = (&q_back[range.clone()], &q[range]);
             let off = |sign: f32| {
-                // Both signs of a quaternion are one rotation; a position has one.
+                // Both signs of a quaternion are the same rotation; a position has one sign.
                 let signed = |k: usize| if k < 4 { sign * expected[k] } else { expected[k] };
                 got.iter().enumerate().map(|(k, x)| (x - signed(k)).abs()).fold(0.0, f32::max)
             };
             let quaternion = got.len() >= 4;
             let off = if quaternion { off(1.0).min(off(-1.0)) } else { off(1.0) };
-            // Angles are up to 2 rad, from quaternions of f32; positions to 1 m.
+            // Angles are up to 2 rad, from f32 quaternions; positions up to 1 m.
             prop_assert!(off < 3e-6, "joint {body}: {got:?} {expected:?}");
             for k in dofs {
                 prop_assert!((qd_back[k] - qd[k]).abs() < 5e-6);
@@ -114,7 +115,7 @@ proptest! {
         let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
         let got = [velocity.angular, velocity.linear, acceleration.angular, acceleration.linear];
         for (got, expected) in got.iter().zip(expected) {
-            // Terms of h² of up to 5 rad/s and 35 rad/s², and f32.
+            // Terms of h² at up to 5 rad/s and 35 rad/s², and rounding of f32.
             let off = (got.as_dvec3() - expected).length();
             prop_assert!(off < 1e-3, "{:?}: {got} {expected}", rig.tree.bodies()[0].joint);
         }
@@ -210,7 +211,7 @@ proptest! {
                 }
             }
         }
-        // On the target there is nothing to feed back.
+        // On the target the feedback is zero.
         if law == ControlLaw::InverseDynamics && most.is_infinite() {
             let states = desired.states();
             controller.tick(&mut wanted, &states, &[], &mut workspace);
@@ -260,7 +261,7 @@ fn body(parent: Option<usize>, joint: JointKind) -> Body {
     }
 }
 
-/// A ball, and a hinge on it: five coordinates, four degrees of freedom.
+/// A ball joint, and a hinge on it: five coordinates, four dofs.
 fn leg() -> Tree<3> {
     let hinge = JointKind::Revolute { axis: Vec3::X };
     Tree::from_bodies(&[body(None, JointKind::Spherical), body(Some(0), hinge)]).unwrap()
@@ -381,7 +382,7 @@ fn what_the_tick_refuses_has_no_effort() {
     for reason in [LimitReason::NotFinite, LimitReason::NoRoom] {
         workspace.torques_mut()[1] = Limited { value: Wrench::ZERO, reason: Some(reason) };
         let mut commands = [DofCommand::default(); 4];
-        // Pushed from outside, so that there is something to feed forward.
+        // An external push, so that there is a feedforward torque.
         let pushed = [Wrench::new(Vec3::X * 2.0, Vec3::ZERO); 2];
         controller
             .dof_commands(&targets, &measured, &pushed, &mut workspace, &mut commands)

@@ -1,4 +1,4 @@
-//! Inverse dynamics of random rigs of all joint kinds, up to full capacity, against laws of mechanics.
+//! Inverse dynamics of random rigs of all joint kinds, up to full capacity, checked with laws of mechanics.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -12,18 +12,19 @@ use sinew_test_support::rounded::Rounded;
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// What f32 may be off by, relative to the largest of the rig: some ten roundings of 6e-8 for each joint of a
-/// chain of up to 128, of which most cancel.
+/// Largest error of f32, relative to the largest value of the rig: about ten roundings of 6e-8 for each joint of a
+/// chain of up to 128, most of which cancel.
 const RELATIVE: f64 = 5e-6;
 
-/// Numerical derivatives of the reference, over the largest: their order of error at 30 rad/s, the end of a long chain.
+/// Error of the reference's numerical derivatives, relative to the largest value, at 30 rad/s: the end of a long
+/// chain.
 const DERIVED: f64 = 1e-6;
 
 fn torques(rig: &Rig) -> Vec<Wrench> {
     rig.wrenches(rig.states().as_slice(), &rig.accelerations(), GRAVITY, &[])
 }
 
-/// Largest moment and force, and no less than one unit of each.
+/// Returns the largest moment and force, at least one unit of each.
 fn scale(wrenches: &[Wrench]) -> (f64, f64) {
     wrenches.iter().fold((1.0, 1.0), |(moment, force), wrench| {
         let largest = |so_far: f64, v: Vec3| so_far.max(f64::from(v.abs().max_element()));
@@ -72,7 +73,7 @@ proptest! {
         let (power, largest) = powers.fold((0.0, 1.0f64), |(sum, largest), p| (sum + p, largest.max(p.abs())));
         let expected = reference::power_w(&rig, GRAVITY.as_dvec3());
         let (moment, force) = scale(&wrenches);
-        // Each power is a product of a wrench, off by RELATIVE, and speeds of up to 3 on three axes.
+        // Each power is a product of a wrench, with the error RELATIVE, and speeds of up to 3 on three axes.
         let allowed = RELATIVE * (largest + 5.0 * (moment + force));
         prop_assert!((power - expected).abs() < allowed, "{power} W, the energy grows by {expected} W");
     }
@@ -173,7 +174,8 @@ proptest! {
         let largest = |of: fn(&BodyState) -> Vec3| {
             world.iter().map(|state| of(state).abs().max_element()).fold(1.0, f32::max)
         };
-        // Every joint of a chain, up to 128, turns all beyond it by some 6e-8 rad, mostly this way and that.
+        // Every joint of a chain, up to 128, turns everything beyond it by about 6e-8 rad, mostly in changing
+        // directions.
         let position = 5e-6 * largest(|state| state.pose.translation_m);
         let angular = 4e-6 * largest(|state| state.velocity.angular);
         let linear = 4e-6 * largest(|state| state.velocity.linear);

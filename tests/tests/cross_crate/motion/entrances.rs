@@ -1,5 +1,5 @@
-//! Every entrance of the core refuses what is bad, each with its own error that says what would be right; and the
-//! extremes that it must take.
+//! Every public function of the core refuses bad input with a specific error that names valid input. It accepts the
+//! allowed extremes.
 
 use std::error::Error;
 use std::num::NonZeroU16;
@@ -38,12 +38,12 @@ fn body(parent: Option<usize>) -> Body {
     }
 }
 
-/// Two children on a root.
+/// Returns a tree with two children on a root.
 fn fork() -> Tree<3> {
     Tree::from_bodies(&[body(None), body(Some(0)), body(Some(0))]).expect("a good tree")
 }
 
-/// Three bodies in a row.
+/// Returns a tree with three bodies in a row.
 fn chain() -> Tree<3> {
     Tree::from_bodies(&[body(None), body(Some(0)), body(Some(1))]).expect("a good tree")
 }
@@ -52,7 +52,7 @@ fn gains() -> Gains {
     Gains::critically_damped(200.0).expect("a good gain")
 }
 
-/// The refusal of a bad input: the expected one, with a message that has these words in it.
+/// Checks that a bad input is refused with the expected error, and that its message contains these words.
 #[track_caller]
 fn refused<T, E: Error + PartialEq>(result: Result<T, E>, expected: &E, words: &[&str]) {
     let Err(error) = result else { panic!("taken, expected {expected:?}") };
@@ -296,7 +296,7 @@ fn trajectories_and_differences() {
     refused(refusal, &StateInputError::NonFinite, &["finite"]);
 }
 
-/// Every method on a tree, from rest to a pose that is a little off: torques for all, all finite.
+/// Runs every method on a tree, from rest to a slightly different pose: all torques must be finite.
 fn every_method_runs<const N: usize>(bodies: &[Body]) {
     let tree = Tree::<N>::from_bodies(bodies).expect("a good tree");
     let mut targets = JointTargets::rest(&tree);
@@ -373,7 +373,7 @@ fn rest_poses() {
     refused(new(&[Some(1), None, None]), &second, &["joint 2", "joint 1 is the root"]);
     refused(new(&[None, Some(1)]), &E::Loop { joint: 1 }, &["joint 1", "its own ancestor"]);
     refused(new(&[Some(0)]), &E::Loop { joint: 0 }, &["without a parent"]);
-    // No root at all; and a joint that hangs on a loop without being in it.
+    // Trees without a root; and a joint that is attached to a loop but is not part of it.
     for parents in [[Some(1), Some(2), Some(0)], [Some(1), Some(2), Some(1)]] {
         let Err(E::Loop { joint }) = new(&parents) else { panic!("{parents:?} was taken") };
         assert!(parents.contains(&Some(joint)), "{joint} is in no loop of {parents:?}");
@@ -436,7 +436,7 @@ fn importance() {
     }
     let few = samples(0.1, &radii_m, &middle[..1]);
     refused(few, &E::TooFewSamples { joint: 2 }, &["joint 2"]);
-    // Bones without length or thickness are no error, but if there is nothing else there are no weights.
+    // Bones without length or thickness are valid, but if there are no others, there are no weights.
     let point = RestPose::<3>::new(&[None, Some(0)], &[Vec3::X; 2]).expect("a skeleton");
     let nothing = E::Sum { value: 0.0 };
     refused(descendants_length(&point, 0.0, 1.0), &nothing, &["above 0"]);
@@ -479,7 +479,7 @@ fn vertices() {
     assert!(matches!(mesh.add(Vec3::X, f32::NAN, &good), Err(E::Area { .. })));
     assert!(matches!(mesh.add(Vec3::X, 0.1, &[(0, f32::NAN)]), Err(E::Influence { .. })));
 
-    // Shares of a byte's full scale, and a vertex of no triangle.
+    // Shares with the full scale of a byte, and a vertex that belongs to no triangle.
     mesh.add(Vec3::Y, 0.2, &[(0, 255.0)]).expect("shares of any scale");
     mesh.add(Vec3::Y, 0.0, &[(0, 1.0)]).expect("an area of nothing");
     let weights = mesh.importance().expect("weights");

@@ -1,5 +1,5 @@
-//! Nothing that is not a number comes out of the core, whatever goes in: every public function and constructor with the
-//! ends of f32, with what is no number at all, and with the poses at which formulas break down.
+//! The core never returns values that are not numbers, for any input: every public function and constructor with the
+//! ends of f32, with NaN and infinities, and with the poses at which formulas are singular.
 
 use std::num::NonZeroU16;
 
@@ -43,10 +43,10 @@ use sinew_test_support::extreme::{
 };
 use sinew_test_support::property;
 
-/// Bodies of the rigs: enough for forks and chains.
+/// Number of bodies of the rigs: enough for forks and chains.
 const N: usize = 6;
 
-/// How far from unit length a rotation may be that is kept: a rounding or two.
+/// Largest deviation from unit length of a stored rotation: a rounding or two.
 const UNIT: f32 = 4.0 * f32::EPSILON;
 
 fn unit(q: Quat) -> bool {
@@ -65,13 +65,13 @@ fn sound_targets(targets: &JointTargets<N>) -> bool {
     targets.states().iter().all(sound) && targets.accelerations().iter().all(|a| a.is_finite())
 }
 
-/// What may be asked of a drive: numbers; nothing at all where something was none.
+/// Checks a drive's command: it is a number, and zero if an input was not a number.
 fn sound_torque(torque: &Limited<Wrench>) -> bool {
     let nothing = torque.reason != Some(LimitReason::NotFinite) || torque.value == Wrench::ZERO;
     torque.value.is_finite() && nothing
 }
 
-/// Every method with every setting that changes what is computed.
+/// Returns every method with every setting that changes its computation.
 fn methods(tree: &Tree<N>, beta: f32, point: Vec3) -> Vec<Method<N>> {
     let aims = |aim: Aim| {
         let all: Vec<_> = tree.bodies().iter().map(|_| aim).collect();
@@ -118,14 +118,14 @@ proptest! {
         if v.x.is_finite() && v.y.is_finite() {
             let angle = math::atan2(v.y, v.x);
             let exact = f64::from(v.y).atan2(f64::from(v.x));
-            // Of the smallest numbers the ratio has no digits left; at the origin there is no angle.
+            // A ratio of the smallest numbers has no exact digits; at the origin there is no angle.
             let told = v.x.abs().max(v.y.abs()) >= f32::MIN_POSITIVE;
-            // The half turn has two names.
+            // A half turn has two values, π and -π.
             let exact = if v.y == 0.0 { exact.abs() } else { exact };
             prop_assert!((f64::from(angle) - exact).abs() < 1e-6 || !told, "{v}: {angle} {exact}");
             prop_assert!(angle.abs() <= math::PI, "{v}: {angle}");
         }
-        // Rotation vectors whose squared length f32 has.
+        // Only rotation vectors whose squared length fits into f32.
         if v.length_squared().is_finite() {
             prop_assert!(unit(math::exp(v)), "exp({v}) = {}", math::exp(v));
         }
@@ -147,14 +147,14 @@ proptest! {
             Ok(weights) => {
                 let sound = |weight: &f32| weight.is_finite() && *weight >= 0.0;
                 let sum: f64 = weights.normalised().as_slice().iter().map(|w| f64::from(*w)).sum();
-                // Of sums that are not normal the quotients have fewer digits.
+                // For sums that are not normal numbers the quotients have fewer digits.
                 let small = weights.as_slice().iter().sum::<f32>() < 1e-37;
                 weights.as_slice().iter().all(sound) && (small || (sum - 1.0).abs() < 1e-6)
             }
             Err(_) => true,
         };
         prop_assert!(sound(Importance::new(&numbers)));
-        // Any, which are seldom a skeleton's; and a skeleton's.
+        // Arbitrary parents, which rarely form a skeleton; and parents of a skeleton.
         let regular: Vec<_> = (0..N).map(|j| j.checked_sub(1).map(|last| parents[j].unwrap_or(0).min(last))).collect();
         for (parents, positions_m) in [(&parents, &positions_m), (&regular, &positions_m), (&regular, &tame_m)] {
             let Ok(pose) = RestPose::<N>::new(parents, positions_m) else { continue };
@@ -165,7 +165,8 @@ proptest! {
             prop_assert!(sound(cylinder_samples(&pose, &radii_m, base, points, samples.iter().copied())));
             let mut mesh = MeshSurface::new(pose, base).expect("finite, zero or more");
             for (position_m, area_m2, influences) in &vertices {
-                // What is refused changes nothing; sums of what is taken may overflow, which is told at the end.
+                // A refused vertex changes nothing. Sums of accepted vertices may overflow; this is reported at the
+                // end.
                 let _ = mesh.add(*position_m, *area_m2, influences);
             }
             prop_assert!(sound(mesh.importance()));
@@ -230,7 +231,7 @@ proptest! {
             let squared = column.angular.length_squared() + column.linear.length_squared();
             prop_assert!((squared - 1.0).abs() <= UNIT, "{column:?}");
         }
-        // No principal moment is above the sum of the others: in f64, which has room for the squares.
+        // No principal moment exceeds the sum of the others. Computed in f64, which has room for the squares.
         let m = sinew_core::glam::Mat3::from_cols(
             Vec3::new(moments.x, products.x, products.y),
             Vec3::new(products.x, moments.y, products.z),
@@ -330,7 +331,7 @@ proptest! {
         for outer in [OuterJoints::Locked, OuterJoints::Free] {
             let inertias = reflected_inertia(&scene.tree, &scene.measured, outer);
             let finite = inertias.iter().all(ReflectedInertia::is_finite);
-            // What overflows is not taken by the one who needs it.
+            // A settings function that needs inertias refuses them if they overflow.
             let taken = controller.clone().with_inertia_scaled_pd(&inertias);
             prop_assert_eq!(taken.is_ok(), finite, "{:?}", inertias);
         }
@@ -415,9 +416,9 @@ proptest! {
         let all = compensate_all(arms.iter().copied(), settings, &desired, &measured);
         let one = arms.first().map(|arm| (compensate(Some(*arm), settings, &desired, &measured), huge(arm)));
         for ((error, status), huge) in one.into_iter().chain([(all, arms.iter().any(huge))]) {
-            // Of the orientation there is always an error, unless β itself makes none.
+            // The angular error is always finite, unless β itself is infinite or huge.
             prop_assert!(error.angular_rad.is_finite() || !beta.is_finite() || beta.abs() > 1e18, "{status:?} {error:?}");
-            // Before a goal that has no direction itself, it does not matter how far away the body is.
+            // If the goal has no direction itself, the distance of the body does not matter.
             let refused = matches!(status, AimStatus::NotFinite | AimStatus::ZeroAim);
             prop_assert!(!huge || refused, "{status:?}");
         }
@@ -442,7 +443,7 @@ proptest! {
 proptest! {
     #![proptest_config(property(1500))]
 
-    /// The tick with every method, law and setting on rigs and states from the ends of f32.
+    /// The tick with every method, law and setting, on rigs and states from the ends of f32.
     #[test]
     fn ticks(
         scene in scenes::<N>(),
@@ -481,7 +482,7 @@ proptest! {
     }
 }
 
-/// Frames of one list of poses after the other. Before the first they move on as in their first step.
+/// Returns lists of poses as frames, one after the other. Frames before the first continue its first step backwards.
 struct AsPoses<'a> {
     frames: &'a [&'a [Transform]],
     before: Vec<Transform>,
@@ -504,7 +505,7 @@ impl FrameSource for AsPoses<'_> {
 proptest! {
     #![proptest_config(property(500))]
 
-    /// Frames from the ends of f32 and beyond, with sensors that say anything.
+    /// Frames from the ends of f32 and beyond, with sensors that report anything.
     #[test]
     fn frames_of_poses(
         scene in scenes::<N>(),
@@ -515,7 +516,7 @@ proptest! {
         let bodies = scene.tree.len();
         let frames: Vec<_> = poses.chunks_exact(N).map(|frame| &frame[..bodies]).collect();
         for method in MethodName::ALL {
-            // Spelled out: any period will do.
+            // Settings with explicit values, so that any period is valid.
             let settings = settings(method).effective(dt_s);
             let timing = Timing { dt_s, latency_ticks: 1 };
             let (tree, workspace) = (scene.tree.clone(), Workspace::<N, N>::resolving());
@@ -523,7 +524,7 @@ proptest! {
             let Ok(mut tracker) = tracker else { continue };
             let mut frames = AsPoses { frames: &frames, before: Vec::new() };
             for (tick, sensed) in (0..).zip(sensed.chunks_exact(N)) {
-                // A refused frame or reading has no torques.
+                // A refused frame or reading gives no torques.
                 if let Ok(asked) = tracker.step(&mut frames, tick, &sensed[..bodies]) {
                     prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
                 }
@@ -563,7 +564,7 @@ proptest! {
             time_code: None,
             course: &[],
         };
-        // Joints that are all fixed have none.
+        // If all joints are fixed, there is no show.
         let Ok(written) = write(&motion, &ShowSettings::default()) else { return Ok(()) };
         let show = Show::open(&written.bytes).expect("what was written");
         for method in METHODS {
@@ -575,7 +576,7 @@ proptest! {
             };
             for tick in [0, 1, 2, 3, first, first.saturating_add(1)] {
                 replay.sense(tick);
-                // Accelerations beyond what a tracker takes are refused: a show at a high rate has such.
+                // Accelerations beyond the tracker's bounds are refused; a show at a high rate may have them.
                 if let Ok(asked) = replay.step(tick) {
                     prop_assert!(asked.torques().iter().all(sound_torque), "{method} {tick}");
                 }
@@ -584,12 +585,12 @@ proptest! {
     }
 }
 
-/// A number that coordinates may be, and now and then any.
+/// A valid number for a coordinate, and sometimes any value.
 fn coordinate() -> impl Strategy<Value = f32> + Clone {
     prop_oneof![12 => -2.0f32..2.0, 12 => -1e6f32..=1e6, 1 => any_number()]
 }
 
-/// Coordinates of a tree: positions, whose quaternions are rotations now and then none, speeds and accelerations.
+/// Coordinates of a tree: positions (sometimes with quaternions that are not rotations), speeds and accelerations.
 #[derive(Debug, Clone)]
 struct Coordinates {
     q: Vec<f32>,
@@ -618,7 +619,7 @@ fn coordinates(tree: &Tree<N>) -> impl Strategy<Value = Coordinates> + use<> {
     })
 }
 
-/// Frames of one set of coordinates after the other.
+/// Returns sets of coordinates as frames, one after the other.
 struct InCoordinates<'a>(&'a [Coordinates]);
 
 impl FrameSource for InCoordinates<'_> {
@@ -632,7 +633,7 @@ impl FrameSource for InCoordinates<'_> {
 proptest! {
     #![proptest_config(property(500))]
 
-    /// Coordinates of rigs from the ends of f32, in and out, by hand and through the tracker.
+    /// Coordinates of rigs from the ends of f32, set and read back, directly and through the tracker.
     #[test]
     fn coordinates_of_trees(
         (scene, all) in scenes::<N>().prop_flat_map(|scene| {
@@ -715,7 +716,7 @@ fn possible(m: &sinew_core::glam::Mat3) -> bool {
     }
     let m = nalgebra::Matrix3::from_column_slice(&m.to_cols_array()) / size;
     let moments = m.symmetric_eigenvalues();
-    // The core's own share of rounding, twice.
+    // Twice the tolerance of the core.
     moments.iter().all(|moment| *moment >= -2e-2 && 2.0 * moment <= moments.sum() + 2e-2)
 }
 
@@ -723,7 +724,7 @@ fn gains() -> Gains {
     Gains::critically_damped(200.0).expect("a good gain")
 }
 
-/// Two bodies on joints of a kind, the second this far above the first.
+/// Returns two bodies on joints of a kind, the second at a height above the first.
 fn chain(joint: JointKind, height_m: f32) -> Tree<N> {
     let body = |parent: Option<usize>, height_m| Body {
         parent,
@@ -739,7 +740,7 @@ fn chain(joint: JointKind, height_m: f32) -> Tree<N> {
     Tree::from_bodies(&[body(None, 0.0), body(Some(0), height_m)]).expect("a good tree")
 }
 
-/// A body, and around it others on joints of a kind, at these places times a length.
+/// Returns a body surrounded by others on joints of a kind, at offsets times a length.
 fn star(joint: JointKind, offsets: &[Vec3], length_m: f32) -> Tree<N> {
     let root = chain(joint, 0.0).bodies()[0];
     let mut tree = Tree::from_bodies(&[root]).expect("a root");
@@ -750,7 +751,7 @@ fn star(joint: JointKind, offsets: &[Vec3], length_m: f32) -> Tree<N> {
     tree
 }
 
-/// One number at a time, from the table: what is taken, and what is said of the rest.
+/// Tries one number at a time, from the table: which settings accept it, and the error for the others.
 #[test]
 fn settings_take_the_numbers_that_they_should() {
     let tree = chain(JointKind::Spherical, 0.1);
@@ -783,7 +784,7 @@ fn settings_take_the_numbers_that_they_should() {
             x.is_finite(),
             "{x}"
         );
-        // A period is one that speeds and disturbances can be had from.
+        // A period is valid if speeds and disturbances can be computed with it.
         let period = x > 0.0 && x.is_finite() && x.recip().is_finite();
         assert_eq!(ObserverSettings::differences(x).is_ok(), period, "{x}");
         if let Ok(settings) = ObserverSettings::extended_state(0.5 / x, x) {
@@ -809,7 +810,7 @@ fn settings_take_the_numbers_that_they_should() {
 #[test]
 fn what_overflows_is_said_to() {
     let huge = Gains::new(1e37, 0.0).expect("a finite gain");
-    // 1 + dt² kp is too large, kd is not: without a word the gains came out as zero.
+    // 1 + dt² kp overflows, kd does not. Earlier the gains silently became zero.
     assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
 
     let plate = RotationalInertia::diagonal(3e38, 1e38, 0.0);
@@ -854,7 +855,7 @@ fn a_slide_to_beyond_the_end_of_f32_stays_where_it_is() {
     assert_eq!(nearest, [slide.placement]);
 }
 
-/// Targets of [`chain`] whose first joint is at a pose.
+/// Returns targets of [`chain`] whose first joint has a pose.
 fn targets_at(tree: &Tree<N>, pose: Transform) -> JointTargets<N> {
     let mut targets = JointTargets::rest(tree);
     let state = JointState { pose, velocity: Twist::ZERO };
@@ -876,7 +877,7 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
         let half = Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
         let mut targets = targets_at(&tree, Transform::new(half, Vec3::ZERO));
         for method in methods(&tree, 1.0, Vec3::Y * 0.1) {
-            // Aiming, the first body has to turn otherwise.
+            // When aiming, the first body has another desired turn.
             let aims = matches!(method, Method::LinearCompensation { .. });
             let controller = TorqueController::new(tree.clone(), gains(), method).expect("a rig");
             let torques = controller.tick(&mut targets, &measured, &[], &mut workspace).to_vec();
@@ -890,7 +891,8 @@ fn a_half_turn_is_taken_the_way_that_its_quaternion_says() {
     }
 }
 
-/// A body that should turn about a point where it is not: what compensation makes of goals without a direction.
+/// The status of Linear Compensation for goals without a direction: the body should turn about a point at which it
+/// already is.
 #[test]
 fn goals_without_a_direction_are_world_errors_and_said_to_be() {
     let measured_at = |tree: &Tree<N>, at: Vec3| {
@@ -931,7 +933,7 @@ fn goals_without_a_direction_are_world_errors_and_said_to_be() {
     }
 }
 
-/// Three children of one root, of no length, on one line, or evenly around it.
+/// Three children of one root: without offsets, on one line, or evenly around it.
 #[test]
 fn several_goals_without_a_direction_are_said_to_be() {
     let mut workspace = Workspace::resolving();
@@ -957,7 +959,7 @@ fn several_goals_without_a_direction_are_said_to_be() {
 
 #[test]
 fn a_rig_of_nothing_asks_for_nothing() {
-    // Massless bodies whose joints coincide: no torque is needed for any motion, and none is made up.
+    // Massless bodies whose joints coincide: every motion needs zero torque, and the result must be zero.
     let frame = |parent| Body {
         parent,
         joint: JointKind::Spherical,
@@ -979,7 +981,7 @@ fn a_rig_of_nothing_asks_for_nothing() {
     }
 }
 
-/// Speeds that no machine has are taken; where their squares overflow, the joint gets nothing and the reason is said.
+/// Impossible speeds are accepted. If their squares overflow, the joint gets no torque, and the reason is reported.
 #[test]
 fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     let speeds = [1.0, 1e3, 1e6, 1e15, 1e25, f32::MAX];
@@ -1017,12 +1019,12 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     }
 }
 
-/// Resolved acceleration divides by what has the sixth power of the rig's length: where that overflows, it must not
-/// look as if nothing had to move.
+/// Resolved acceleration divides by a value with the sixth power of the rig's length. If it overflows, the result
+/// must not look as if no motion were needed.
 #[test]
 fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     let mut refused = 0;
-    // A row of two bodies, and three about one: then no axis of the first is easier than the others.
+    // A row of two bodies, and three bodies around one: in the latter all axes of the first are equally easy.
     let row = [Vec3::Y].as_slice();
     let around = [Vec3::X, Vec3::Y, Vec3::Z].as_slice();
     for (kind, directions) in [
@@ -1055,7 +1057,7 @@ fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     assert!(refused > 0);
 }
 
-/// What comes from outside is a slice of numbers that nobody has looked at.
+/// External wrenches are a slice of unchecked numbers.
 #[test]
 fn external_wrenches_that_are_no_numbers_stop_the_joints_that_bear_them() {
     let tree = chain(JointKind::Spherical, 0.1);

@@ -1,5 +1,5 @@
-//! Forward dynamics of random rigs of all joint kinds, up to full capacity, against inverse dynamics; and of
-//! mechanisms whose joints meet no inertia.
+//! Forward dynamics of random rigs of all joint kinds, up to full capacity, compared with inverse dynamics; and of
+//! mechanisms whose joints move no inertia.
 
 use proptest::prelude::*;
 use sinew_core::dynamics::{
@@ -15,8 +15,8 @@ use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// What f32 may be off by, in wrenches, relative to the largest of the rig or of what its accelerations cost: that of
-/// inverse dynamics (see `dynamics.rs`). Forward dynamics takes no more: its factors are those of a rig whose inertia
+/// Largest error of f32, in wrenches, relative to the largest of the rig or of the cost of its accelerations: that of
+/// inverse dynamics (see `dynamics.rs`). Forward dynamics adds no more: its factors are those of a rig whose inertia
 /// is off by a few roundings. The accelerations themselves may be off by that times the condition of the mass matrix,
 /// which has no bound: 1e8 in chains of 128 bodies.
 const RELATIVE: f32 = 5e-6;
@@ -47,7 +47,7 @@ fn inverse(
     out
 }
 
-/// What the drives deliver of the joints' wrenches.
+/// Returns the part of the joints' wrenches that the drives deliver.
 fn drives(bodies: &[Body], joints: &[JointState], wrenches: &[Wrench]) -> Vec<Wrench> {
     let rig = bodies.iter().zip(joints).zip(wrenches);
     rig.map(|((body, joint), wrench)| {
@@ -63,9 +63,10 @@ fn largest(wrenches: &[Wrench]) -> f32 {
     })
 }
 
-/// What the accelerations cost, one by one: the largest of their sums without regard to sign.
+/// Returns the largest sum over the efforts of single accelerations, without regard to sign.
 ///
-/// In a limp rig they are large and take each other away, so that the wrenches are no measure of the rounding.
+/// In a rig without torques the efforts are large and cancel each other, so that the wrenches do not show the size of
+/// the rounding.
 fn largest_cost(bodies: &[Body], joints: &[JointState], accelerations: &[Twist]) -> f32 {
     let size = dof_count(bodies);
     let mut matrix = vec![0.0; size * size];
@@ -81,7 +82,7 @@ fn largest_cost(bodies: &[Body], joints: &[JointState], accelerations: &[Twist])
     matrix.chunks_exact(size.max(1)).map(cost).fold(0.0, f32::max)
 }
 
-/// Inverse dynamics asks the drives for what forward dynamics was given.
+/// Checks that inverse dynamics returns the drives' efforts that were given to forward dynamics.
 fn assert_drives_give(
     bodies: &[Body],
     joints: &[JointState],
@@ -100,7 +101,7 @@ fn assert_drives_give(
     Ok(())
 }
 
-/// Wrenches of some size for all bodies but the last ones.
+/// Returns wrenches for all bodies except the last third.
 fn external(rig: &Rig) -> Vec<Wrench> {
     let of_body = |numbers: [f32; 6]| {
         let [a, b, c, d, e, f] = numbers;
@@ -129,7 +130,7 @@ proptest! {
     fn any_drives_make_some_acceleration(rig in rigs_with_rotors(CAPACITY, Joints::Mixed)) {
         let (bodies, states) = (rig.tree.bodies(), rig.states());
         let joints = states.as_slice();
-        // The limp rig, and what the outside was in the other test.
+        // Drives without torque, and drives with the external wrenches of the other test.
         for given in [vec![Wrench::ZERO; bodies.len()], {
             let mut some = external(&rig);
             some.resize(bodies.len(), Wrench::ZERO);
@@ -192,7 +193,7 @@ proptest! {
         let needed = inverse(bodies, joints, &rig.accelerations(), GRAVITY, &[]);
         let few = &bodies[..left];
         let expected = forward(few, &joints[..left], &needed[..left], GRAVITY, &[]);
-        // What a workspace held before does not matter either.
+        // The earlier content of a workspace has no effect either.
         let mut workspace = vec![ArticulatedBody::default(); count + 1];
         let untouched = Twist::new(Vec3::ONE, Vec3::ONE);
         for short in 0..5 {
@@ -219,7 +220,7 @@ proptest! {
         let of_body = |(index, body): (usize, &Body)| {
             let inertia = match (weightless >> index) & 1 {
                 0 => body.inertia,
-                // A point, here or there, or nothing at all.
+                // A point mass, or no mass at all.
                 _ if index % 3 == 0 => {
                     Inertia { rotational_kg_m2: RotationalInertia::default(), ..body.inertia }
                 }
@@ -274,7 +275,7 @@ fn a_tree_of_nothing_is_held_by_every_joint() {
 
 #[test]
 fn a_bob_on_a_thread_swings_and_does_not_spin() {
-    // However the arm points, the torque about it has nothing to turn.
+    // For every direction of the arm, the torque about the arm meets no inertia.
     for arm in [Vec3::X, Vec3::Y, Vec3::new(0.48, -0.6, 0.64), Vec3::new(1.0, 1e-4, -1e-5)] {
         let arm = arm * 0.5;
         let bob = [body(None, JointKind::Spherical, point(2.0, arm))];
@@ -287,7 +288,7 @@ fn a_bob_on_a_thread_swings_and_does_not_spin() {
             // 2 kg at 0.5 m: 0.5 kg m².
             let expected = (across + arm.cross(GRAVITY * 2.0)) / (2.0 * arm.length_squared());
             let error = (got.angular - expected).abs().max_element();
-            // The direction of the arm is known to some roundings; gravity and torque make some 20 rad/s².
+            // The direction of the arm is exact to some roundings; gravity and torque cause about 20 rad/s².
             assert!(error < 2e-5 * expected.length(), "{arm} {torque}: {got:?} {expected}");
         }
     }
@@ -342,7 +343,7 @@ fn two_hinges_on_one_axis_with_nothing_between_leave_the_inner_one_alone() {
 
 #[test]
 fn a_slice_that_is_no_tree_is_no_trap() {
-    // A body that names itself or one behind it hangs on the world.
+    // A body whose parent is itself or a later body is attached to the world.
     let solid = Inertia {
         mass_kg: 1.0,
         center_of_mass_m: Vec3::X,

@@ -1,5 +1,5 @@
-//! The weights of Geno's joints against the list in D. Holden, "Joint Error Propagation" (2025), as a committed
-//! snapshot. `INSTA_UPDATE=always` with this test accepts a change.
+//! The weights of Geno's joints compared with the list in D. Holden, "Joint Error Propagation" (2025), as a committed
+//! snapshot. Run this test with `INSTA_UPDATE=always` to accept a change.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ fn geno() -> Character {
     character::read(&file, &Options::default()).expect("Geno")
 }
 
-/// One way to make a list, and the published list beside it.
+/// A computed list of weights, and the published list.
 struct Comparison {
     name: &'static str,
     how: &'static str,
@@ -35,18 +35,18 @@ struct Comparison {
 }
 
 impl Comparison {
-    /// Ours over the published, by joint.
+    /// Returns the computed weight divided by the published one, by joint.
     fn ratios(&self) -> impl Iterator<Item = f64> {
         self.ours.iter().zip(&self.published).map(|(ours, published)| ours / published)
     }
 
-    /// The joint whose ratio is furthest from 1, and by how much.
+    /// Returns the joint whose ratio is farthest from 1, and its deviation.
     fn worst(&self) -> (usize, f64) {
         let off = self.ratios().map(|ratio| (ratio - 1.0).abs()).enumerate();
         off.max_by(|a, b| a.1.total_cmp(&b.1)).expect("joints")
     }
 
-    /// The largest difference.
+    /// Returns the largest difference.
     fn difference(&self) -> f64 {
         let pairs = self.ours.iter().zip(&self.published);
         pairs.map(|(ours, published)| (ours - published).abs()).fold(0.0, f64::max)
@@ -57,7 +57,7 @@ impl Comparison {
     }
 }
 
-/// Ranks from the least; equal values share the mean of theirs.
+/// Returns the ranks, from the smallest value; equal values share the mean of their ranks.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let rank = |value: &f64| {
         let below = values.iter().filter(|other| *other < value).count();
@@ -67,7 +67,7 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     values.iter().map(rank).collect()
 }
 
-/// Pearson's.
+/// Returns Pearson's correlation.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (mean_a, mean_b) = (mean(a), mean(b));
@@ -152,10 +152,10 @@ fn weights_of_geno_beside_the_published_ones() {
     let [lengths, mesh, _, mesh_article, cylinders, cylinders_article] = &comparisons;
     assert!(lengths.difference() < 1e-5, "{}", lengths.difference());
     assert!(mesh.worst().1 < 0.03 && mesh.rank_correlation() > 0.999, "{:?}", mesh.worst());
-    // What eight printed decimals leave of weights near 0.0006.
+    // The precision of eight printed decimals for weights near 0.0006.
     assert!(mesh_article.worst().1 < 1e-4, "{:?}", mesh_article.worst());
     assert!(cylinders.rank_correlation() > 0.99, "{}", cylinders.rank_correlation());
-    // Of a thousand random points about 1 % is left.
+    // A thousand random points leave an error of about 1 %.
     assert!(cylinders_article.worst().1 < 0.01, "{:?}", cylinders_article.worst());
     insta::assert_snapshot!("published", table(&rows, &comparisons));
 }

@@ -1,5 +1,5 @@
-//! Importance of joints: against surface integrals in f64, its own estimate from points and finer and finer meshes;
-//! and how it changes with the skeleton.
+//! Importance of joints: compared with surface integrals in f64, with its estimate from points, and with finer and
+//! finer meshes; and its change with the skeleton.
 
 use std::num::NonZeroU16;
 
@@ -18,7 +18,7 @@ use sinew_test_support::property;
 /// The core's largest capacity.
 const N: usize = 128;
 
-/// A skeleton of some metres, of bones with some thickness.
+/// A skeleton of some metres, with thick bones.
 #[derive(Debug, Clone)]
 struct Skeleton {
     parents: Vec<Option<usize>>,
@@ -39,7 +39,7 @@ impl Skeleton {
         cylinder_surface(&self.rest_pose(), &self.radii_m, base_m3).expect("good settings")
     }
 
-    /// The weights of a mesh that has a vertex at each joint, half bound to it and half to its parent.
+    /// Returns the weights of a mesh with a vertex at each joint, bound half to it and half to its parent.
     fn mesh(&self, base_m3: f32) -> Importance<N> {
         let mut surface = MeshSurface::new(self.rest_pose(), base_m3).expect("a good base");
         for (joint, (parent, position_m)) in self.parents.iter().zip(&self.positions_m).enumerate()
@@ -50,7 +50,7 @@ impl Skeleton {
         surface.importance().expect("weights")
     }
 
-    /// Its joints in another order: joint `j` becomes joint `place[j]`.
+    /// Returns the skeleton with its joints in another order: joint `j` becomes joint `place[j]`.
     fn reordered(&self, place: &[usize]) -> Self {
         let mut other = self.clone();
         for (joint, &to) in place.iter().enumerate() {
@@ -62,7 +62,7 @@ impl Skeleton {
     }
 }
 
-/// Skeletons of 1 to `most` joints, parents first: chains, stars and anything between; some bones without length or
+/// Skeletons of 1 to `most` joints, parents first: chains, stars and mixtures; some bones have no length or
 /// thickness.
 fn skeletons(most: usize) -> impl Strategy<Value = Skeleton> {
     let joint = (
@@ -98,7 +98,7 @@ fn with_order(most: usize) -> impl Strategy<Value = (Skeleton, Vec<usize>)> {
     })
 }
 
-/// The largest difference of two lists of weights, each over the expected weight.
+/// Returns the largest difference of two lists of weights, relative to the expected weight.
 fn worst(got: &[f32], expected: impl IntoIterator<Item = f64>) -> f64 {
     let off = |(got, expected): (&f32, f64)| (f64::from(*got) / expected - 1.0).abs();
     got.iter().zip(expected).map(off).fold(0.0, f64::max)
@@ -130,7 +130,7 @@ proptest! {
             (skeleton.mesh(1e-3), other.mesh(1e-3)),
         ] {
             let expected = place.iter().map(|to| f64::from(second.as_slice()[*to]));
-            // Sums in another order: no more than a rounding or two, however many terms.
+            // The sums have another order: the error is a rounding or two, for any number of terms.
             let off = worst(first.as_slice(), expected);
             prop_assert!(off <= 2.0 * f64::from(f32::EPSILON), "{off:e}");
         }
@@ -138,7 +138,7 @@ proptest! {
 
     #[test]
     fn weights_have_the_dimensions_of_their_units(skeleton in skeletons(N)) {
-        // Twice as large, which f32 does without rounding.
+        // Twice as large, which f32 computes without rounding.
         let mut double = skeleton.clone();
         double.positions_m.iter_mut().for_each(|position_m| *position_m *= 2.0);
         double.radii_m.iter_mut().for_each(|radius_m| *radius_m *= 2.0);
@@ -167,7 +167,7 @@ proptest! {
             (skeleton.lengths(0.1, 0.9), moved.lengths(0.1, 0.9)),
             (skeleton.cylinders(1e-3), moved.cylinders(1e-3)),
         ] {
-            // Positions of some 8 m are rounded to 5e-7 m, bones are 0.1 m and more, and so is the base.
+            // Positions of about 8 m are rounded to 5e-7 m; bones and base are at least 0.1 m.
             let off = worst(second.as_slice(), wide(&first));
             prop_assert!(off < 1e-5, "{off:e}");
         }
@@ -176,7 +176,7 @@ proptest! {
     #[test]
     fn more_makes_no_weight_less(skeleton in skeletons(N), joint in any::<prop::sample::Index>()) {
         let least = |weights: Importance<N>, than: &Importance<N>| {
-            // Rounding alone may take two units of the last place.
+            // Rounding alone may reduce a weight by two units of the last place.
             let slack = 1.0 - 2.0 * f32::EPSILON;
             weights.as_slice().iter().zip(than.as_slice()).all(|(more, less)| *more >= less * slack)
         };
@@ -188,7 +188,7 @@ proptest! {
         let mut thicker = skeleton.clone();
         thicker.radii_m[joint.index(skeleton.radii_m.len())] += 0.05;
         prop_assert!(least(thicker.cylinders(1e-3), &cylinders));
-        // A joint counts at least what those below it do, and the way there.
+        // A joint's weight is at least that of each descendant plus the distance to it.
         let rest_pose = skeleton.rest_pose();
         let whole = skeleton.lengths(0.1, 1.0);
         for (below, weight) in whole.as_slice().iter().enumerate() {
@@ -237,7 +237,7 @@ proptest! {
         let estimate = cylinder_samples(&rest_pose, &skeleton.radii_m, 1e-3, POINTS, samples)
             .expect("good settings");
         for (joint, (got, exact)) in estimate.as_slice().iter().zip(exact.as_slice()).enumerate() {
-            // The distance of one point deviates by no more than half of how far two of them can be apart.
+            // The distance of a point deviates by at most half of the largest distance between two points.
             let variance = rest_pose.descendants(joint).iter().map(|bone| {
                 let radius_m = skeleton.radii_m[bone];
                 let start_m = skeleton.positions_m[skeleton.parents[bone].expect("a descendant")];
@@ -251,7 +251,8 @@ proptest! {
     }
 }
 
-/// Weights in m³ that a joint at `point_m` has of one cylinder alone, and that the joint at the start of it has.
+/// Returns two weights in m³ of one cylinder alone: of a joint at `point_m`, and of the joint at the cylinder's
+/// start.
 fn of_one(point_m: Vec3, start_m: Vec3, end_m: Vec3, radius_m: f32) -> [f32; 2] {
     let rest_pose = RestPose::<3>::new(&[None, Some(0), Some(1)], &[point_m, start_m, end_m])
         .expect("a good skeleton");
@@ -262,8 +263,8 @@ fn of_one(point_m: Vec3, start_m: Vec3, end_m: Vec3, radius_m: f32) -> [f32; 2] 
 
 #[test]
 fn one_cylinder_is_as_exact_as_said_from_everywhere() {
-    // All in lengths of the cylinder: where the foot is, how thick it is, how far beside it or over its surface the
-    // point.
+    // In units of the cylinder's length: position of the point's foot on the axis, radius of the cylinder, and
+    // distance of the point from the axis or the surface.
     let feet =
         [-100.0, -10.0, -1.0, -0.1, -0.01, -1e-4, 0.0, 1e-4, 0.01, 0.1, 0.3, 0.5, 0.9, 1.0, 7.0];
     let radii = [1e-5, 1e-4, 1e-3, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0, 1000.0];
@@ -288,7 +289,7 @@ fn one_cylinder_is_as_exact_as_said_from_everywhere() {
             }
         }
     }
-    // The rule itself is off by 1.6e-7 where it is worst.
+    // The rule itself has an error of 1.6e-7 in the worst case.
     assert!(most > 1e-7, "{most:e}: say that it is better");
 }
 
@@ -298,7 +299,7 @@ fn points_on_a_grid_come_to_the_cylinders() {
     const POINTS: NonZeroU16 = NonZeroU16::new(SIDE * SIDE).expect("some");
     let middle = |k: u16| (f32::from(k) + 0.5) / f32::from(SIDE);
     let grid = || (0..SIDE * SIDE).map(|k| (middle(k / SIDE), middle(k % SIDE)));
-    // Upwards, downwards, next to downwards and aslant.
+    // Upwards, downwards, almost downwards and oblique.
     for direction in [Vec3::Z, -Vec3::Z, Vec3::new(1e-4, 0.0, -1.0), Vec3::new(0.6, -0.3, -0.7)] {
         let start_m = Vec3::new(0.3, -0.2, 0.1);
         let positions_m = [Vec3::ZERO, start_m, start_m + direction * 0.4];
@@ -307,20 +308,20 @@ fn points_on_a_grid_come_to_the_cylinders() {
         let exact = cylinder_surface(&arm, &radii_m, 1e-3).expect("weights");
         let got = cylinder_samples(&arm, &radii_m, 1e-3, POINTS, grid().chain(grid()));
         let expected = exact.as_slice().iter().map(|weight| f64::from(*weight));
-        // The midpoint rule of 96 steps: (1 / 96)² / 24 times the second derivative.
+        // Error of the midpoint rule with 96 steps: (1 / 96)² / 24 times the second derivative.
         let off = worst(got.expect("weights").as_slice(), expected);
         assert!(off < 1e-5, "{direction}: {off:e}");
     }
 }
 
-/// The corners of a tube of `sides` times `rings` rectangles, and the area that each stands for if every rectangle is
-/// two triangles and a corner has a third of those around it.
+/// Returns the corners of a tube of `sides` times `rings` rectangles, each with its area: every rectangle is two
+/// triangles, and a corner has a third of the triangles around it.
 fn tube(sides: u16, rings: u16, radius_m: f32, length_m: f32) -> Vec<(Vec3, f32)> {
     let chord_m = 2.0 * radius_m * (math::PI / f32::from(sides)).sin();
     let rectangle_m2 = chord_m * length_m / f32::from(rings);
     (0..=rings)
         .flat_map(|ring| {
-            // One triangle at an end's corner and two beside it: half of the six elsewhere.
+            // A corner at an end has three triangles, half of the six elsewhere.
             let area_m2 = if ring == 0 || ring == rings { 0.5 } else { 1.0 } * rectangle_m2;
             let along_m = length_m * f32::from(ring) / f32::from(rings);
             (0..sides).map(move |side| {
@@ -336,12 +337,12 @@ fn the_mesh_of_a_tube_is_the_cylinder_and_many_vertices_cost_no_digits() {
     let positions_m = [Vec3::new(-0.2, 0.05, 0.1), Vec3::ZERO, Vec3::X * 0.4];
     let arm = RestPose::<3>::new(&[None, Some(0), Some(1)], &positions_m).expect("an arm");
     let cylinder = cylinder_surface(&arm, &[0.0, 0.0, 0.05], 1e-3).expect("weights");
-    // The last has 102,656 vertices.
+    // The last mesh has 102,656 vertices.
     for (sides, rings, limit) in [(16, 20, 8e-3), (64, 80, 5e-4), (256, 400, 3e-5)] {
         let corners = tube(sides, rings, 0.05, 0.4);
         let mut mesh = MeshSurface::new(arm.clone(), 1e-3).expect("a base");
         for (position_m, area_m2) in &corners {
-            // What the bone to the hand carries, the elbow moves.
+            // The elbow moves the skin of the bone to the hand.
             mesh.add(*position_m, *area_m2, &[(1, 1.0)]).expect("a vertex");
         }
         let weights = mesh.importance().expect("weights");

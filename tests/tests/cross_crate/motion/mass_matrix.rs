@@ -1,4 +1,4 @@
-//! The mass matrix of random rigs of all joint kinds, against inverse dynamics, kinetic energy and forward
+//! The mass matrix of random rigs of all joint kinds, compared with inverse dynamics, kinetic energy and forward
 //! dynamics.
 
 use glam::DVec3;
@@ -15,7 +15,7 @@ use sinew_test_support::{property, reference};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// What f32 may be off by, relative to the largest that an element can be: as in `dynamics.rs`.
+/// Largest error of f32, relative to the largest possible size of an element: as in `dynamics.rs`.
 const RELATIVE: f64 = 5e-6;
 
 fn matrix_of(bodies: &[Body], joints: &[JointState]) -> DMatrix<f32> {
@@ -26,12 +26,12 @@ fn matrix_of(bodies: &[Body], joints: &[JointState]) -> DMatrix<f32> {
     DMatrix::from_row_slice(size, size, &out)
 }
 
-/// Numbers along the dofs of all joints, from a vector of each.
+/// Returns numbers along the dofs of all joints, from a vector of each.
 fn along_dofs(rig: &Rig, of_joint: impl Fn(usize, &Twist) -> f32) -> Vec<f64> {
     dofs(rig).iter().map(|(joint, column)| f64::from(of_joint(*joint, column))).collect()
 }
 
-/// All degrees of freedom: their joint, and their column of its motion subspace.
+/// Returns all dofs: their joint, and their column of its motion subspace.
 fn dofs(rig: &Rig) -> Vec<(usize, Twist)> {
     let states = rig.states();
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
@@ -60,7 +60,7 @@ fn inverse(
     out
 }
 
-/// Accelerations of the joints at constant speed of their axes.
+/// Returns the accelerations of the joints at constant speed of their axes.
 fn bias_accelerations(rig: &Rig) -> Vec<Twist> {
     let states = rig.states();
     let rig = rig.tree.bodies().iter().zip(states.as_slice());
@@ -88,10 +88,10 @@ proptest! {
             for (row, (joint, along)) in dofs.iter().enumerate() {
                 let got = f64::from(matrix[(row, column)]);
                 let expected = f64::from(wrenches[*joint].power_w(*along));
-                // No element of a positive definite matrix exceeds the mean of its two diagonal ones.
+                // No element of a positive definite matrix exceeds the geometric mean of its two diagonal elements.
                 let size = f64::from(matrix[(row, row)] * matrix[(column, column)]).sqrt();
                 let error = (got - expected).abs();
-                // Both are off.
+                // Both values have an error.
                 prop_assert!(error <= 2.0 * RELATIVE * size, "{row} {column}: {got} {expected} of {size}");
             }
         }
@@ -103,7 +103,7 @@ proptest! {
         let matrix = matrix_of(rig.tree.bodies(), states.as_slice());
         prop_assert_eq!(&matrix, &matrix.transpose());
         prop_assert!(matrix.iter().all(|x| x.is_finite()));
-        // With ones on the diagonal, less rounding.
+        // Scaled to ones on the diagonal, with a tolerance for rounding.
         let sizes = matrix.diagonal().map(|x| f64::from(x).sqrt());
         let scaled = DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |row, column| {
             let rounding = if row == column { RELATIVE } else { 0.0 };
@@ -121,7 +121,7 @@ proptest! {
         let speeds = DVector::from_vec(speeds);
         let got = 0.5 * speeds.dot(&(&matrix * &speeds));
         let expected = reference::energy_j(&rig, DVec3::ZERO, 0.0);
-        // Terms cancel: on the scale of all of them.
+        // Terms cancel, so the tolerance is relative to the sum of their sizes.
         let sizes = matrix.diagonal().map(f64::sqrt).component_mul(&speeds).abs();
         let allowed = RELATIVE * sizes.sum().powi(2) + 1e-9;
         prop_assert!((got - expected).abs() <= allowed, "{got} J, {expected} J by the poses");
@@ -133,7 +133,7 @@ proptest! {
         let matrix = matrix_of(bodies, states.as_slice()).cast::<f64>();
         prop_assume!(!matrix.is_empty());
         let eigenvalues = matrix.clone().symmetric_eigenvalues();
-        // Beyond, f32 leaves no digit of some acceleration.
+        // Beyond this condition, f32 leaves no exact digit of some acceleration.
         prop_assume!(eigenvalues.min() > 1e-5 * eigenvalues.max());
         let drives = inverse(&rig, states.as_slice(), &rig.accelerations(), GRAVITY);
         let bias_motion = bias_accelerations(&rig);
@@ -150,8 +150,8 @@ proptest! {
             bodies, states.as_slice(), &drives, GRAVITY, &[], &mut workspace, &mut out,
         );
         let got = along_dofs(&rig, |joint, column| dot(out[joint] - bias_motion[joint], column));
-        // Some ten roundings of the forces for each of up to eight joints in a row, most of which cancel, and
-        // what acceleration that is where the inertia is least.
+        // About ten roundings of the forces for each of up to eight joints in a row, most of which cancel, and the
+        // acceleration that they cause where the inertia is smallest.
         let forces = given.amax() + bias.amax() + eigenvalues.max() * solved.amax();
         let allowed = 1e-6 * forces / eigenvalues.min();
         for (dof, (got, solved)) in got.iter().zip(&solved).enumerate() {
@@ -188,7 +188,7 @@ fn a_sleigh_and_its_load_share_their_mass() {
     };
     let slide = JointKind::Prismatic { axis: Vec3::X };
     let turn = JointKind::Revolute { axis: Vec3::X };
-    // Two loads on the sleigh, which know nothing of each other; and a wheel of no inertia.
+    // Two loads on the sleigh, which are independent of each other; and a wheel without inertia.
     let bodies = [
         body(None, slide, 5.0),
         body(Some(0), slide, 2.0),
@@ -213,7 +213,7 @@ fn a_sleigh_and_its_load_share_their_mass() {
 
 #[test]
 fn a_slice_that_is_no_tree_is_no_trap() {
-    // A body that names itself or one behind it hangs on the world.
+    // A body whose parent is itself or a later body is attached to the world.
     let body = |parent| Body {
         parent: Some(parent),
         joint: JointKind::Prismatic { axis: Vec3::X },

@@ -1,4 +1,4 @@
-//! The motion core against oracles, against its own laws over random trees, and at its edges.
+//! Tests of the motion core: with oracles, with laws over random trees, and with extreme inputs.
 
 mod all_children;
 mod controller;

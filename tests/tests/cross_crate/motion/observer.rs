@@ -1,4 +1,4 @@
-//! The observer: what it filters, learns and foresees, and what it must never do.
+//! The observer: its filter, its learning, its prediction, and behaviour that is forbidden.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -32,7 +32,7 @@ fn rig(joints: &[JointKind]) -> Tree<3> {
     tree
 }
 
-/// A free root, a ball joint and a hinge.
+/// Returns a free root, a ball joint and a hinge.
 fn mixed() -> Tree<3> {
     rig(&[JointKind::Free, JointKind::Spherical, JointKind::Revolute { axis: Vec3::Z }])
 }
@@ -41,7 +41,7 @@ fn slide() -> Tree<3> {
     rig(&[JointKind::Prismatic { axis: Vec3::X }])
 }
 
-/// A rig that does what its commands and a disturbance say: velocity first, then pose.
+/// A rig that follows its commands and a disturbance exactly: velocity first, then pose.
 struct Plant {
     states: Vec<JointState>,
 }
@@ -69,7 +69,7 @@ impl Plant {
     }
 }
 
-/// Accelerations of the joints of [`mixed`] that differ from tick to tick.
+/// Returns accelerations of the joints of [`mixed`] that differ from tick to tick.
 fn wave(tick: usize) -> [Twist; 3] {
     #[expect(clippy::cast_precision_loss, reason = "small")]
     let t = tick as f32 * DT_S;
@@ -102,7 +102,7 @@ fn the_state_that_a_late_command_meets_is_foreseen() {
         let mut observer =
             Observer::<3, 4>::new(settings, &JointStates::rest(&tree), delay).unwrap();
         let mut plant = Plant::new(&tree);
-        // What the plant does at tick k was commanded at tick k - delay; before, the first command is held.
+        // At tick k the plant executes the command of tick k - delay; before that, the first command.
         let acting = |tick: usize| wave(tick.saturating_sub(delay));
         for tick in 0..400 {
             if tick > 0 {
@@ -113,7 +113,7 @@ fn the_state_that_a_late_command_meets_is_foreseen() {
                 }
                 let foreseen = observer.states().as_slice();
                 let (pose, velocity) = farthest(foreseen, &meets.states);
-                // Rounding of a pose is 1e-7; in 2 ms that is 1e-4 of a velocity, which the observer filters.
+                // A pose is rounded to 1e-7; over 2 ms that is 1e-4 of a velocity, which the observer filters.
                 assert!(pose < 2e-6, "delay {delay}, tick {tick}: {pose} rad or m");
                 assert!(velocity < 2e-4, "delay {delay}, tick {tick}: {velocity} rad/s or m/s");
             }
@@ -142,10 +142,10 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
         observer.observe(&tree, &plant.poses()).unwrap();
     }
     for (learnt, true_one) in observer.disturbances().iter().zip(&disturbance) {
-        // 30 of its time constants on: rounding of the poses, times (1 - β)³ / dt², summed.
+        // After 30 time constants: rounding of the poses, times (1 - β)³ / dt², summed.
         assert!(math::length(learnt.angular - true_one.angular) < 0.05, "{learnt:?}");
     }
-    // Lost ticks do not make it forget.
+    // Lost ticks do not delete what was learnt.
     let mut now = JointStates::rest(&tree);
     for (joint, state) in plant.states.iter().enumerate() {
         now.set(joint, *state).unwrap();
@@ -162,7 +162,7 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
     }
 }
 
-/// A load on the first axis of a universal joint, whose second axis swings: both stay known.
+/// A load on the first axis of a universal joint, whose second axis swings: the observer follows both.
 #[test]
 fn a_universal_joint_under_load_is_followed() {
     let tree = rig(&[JointKind::Universal { first: Vec3::X, second: Vec3::Y }]);
@@ -173,7 +173,7 @@ fn a_universal_joint_under_load_is_followed() {
     for tick in 0u16..4000 {
         let t = f32::from(tick) * DT_S;
         let (s, c) = math::sin_cos(3.0 * t);
-        // The first axis is accelerated by the load alone, the second swings to and fro by 1 rad as commanded.
+        // The load alone accelerates the first axis; the second swings by 1 rad as commanded.
         let (angles, speeds) = ([0.5 * load * t * t, s], [load * t, 3.0 * c]);
         let state = kind.state(placement, &angles, &speeds).unwrap();
         if tick > 0 {
@@ -191,13 +191,14 @@ fn a_universal_joint_under_load_is_followed() {
                 math::length(math::log(turn)),
                 math::length(seen.velocity.angular - state.velocity.angular),
             );
-            // Over a period the axes turn by 6 mrad, and what goes along them is right to first order in that.
+            // In a period the axes turn by 6 mrad, and the prediction is exact to first order in that angle.
             assert!(off < 2e-3 && spin < 0.1, "{t} s: {off} rad, {spin} rad/s");
         }
     }
 }
 
-/// Taken off the targets, a linear disturbance goes through the desired pose's axes to the same world vector.
+/// Subtracted from the targets, a linear disturbance is converted through the axes of the desired pose to the same
+/// world vector.
 #[test]
 fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {
     let tree = rig(&[JointKind::Free]);
@@ -228,12 +229,12 @@ fn all_poles_are_at_the_bandwidth() {
     let tree = slide();
     for bandwidth in [20.0f32, 100.0, 400.0] {
         let beta = f64::from(-bandwidth * DT_S).exp();
-        // So far off that the bound on disturbances would count.
+        // The error is so large that the bound on disturbances would act.
         let settings = ObserverSettings::extended_state(bandwidth, DT_S).unwrap();
         let settings = settings.with_disturbance_limits(1e6, 1e6).unwrap();
         let rest = JointStates::rest(&tree);
         let mut observer = Observer::<3, 1>::new(settings, &rest, 0).unwrap();
-        // The true slide stands 0.1 m off from where the observer begins.
+        // The true slide is 0.1 m away from the observer's start.
         let off = rest.as_slice()[0].pose.rotation * Vec3::X * 0.1;
         let there = Transform {
             translation_m: rest.as_slice()[0].pose.translation_m + off,
@@ -250,7 +251,7 @@ fn all_poles_are_at_the_bandwidth() {
         for window in errors.windows(4) {
             let expected =
                 3.0 * beta * window[2] - 3.0 * beta * beta * window[1] + beta.powi(3) * window[0];
-            // Rounding of positions of 0.3 m against 0.1 m.
+            // Rounding of positions of 0.3 m compared with 0.1 m.
             assert!((window[3] - expected).abs() < 3e-6, "{bandwidth}: {} {expected}", window[3]);
         }
     }
@@ -272,7 +273,7 @@ fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
         observer.observe(&tree, &stuck).unwrap();
         assert!(math::length(observer.disturbances()[0].linear) <= 4.0 * (1.0 + 1e-6));
     }
-    // Freed and at rest, it forgets.
+    // When it is free and at rest, the disturbance decays.
     for _ in 0..500 {
         observer.record_commands(&[Twist::ZERO], &[]);
         observer.observe(&tree, &stuck).unwrap();
@@ -339,7 +340,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
 proptest! {
     #![proptest_config(property(200))]
 
-    /// Without a filter it is the difference of two frames, as it always was.
+    /// Without a filter the velocity is the difference of two frames, as before.
     #[test]
     fn without_a_filter_states_are_backward_differences(
         steps in vec((vector(0.05), vector(0.05), vector(0.02)), 2..20),
@@ -360,12 +361,12 @@ proptest! {
             observer.observe(&tree, &poses).unwrap();
             backward_states([&before, &poses], DT_S, &mut expected).unwrap();
             let (pose, velocity) = farthest(observer.states().as_slice(), expected.as_slice());
-            // Poses round at 1e-7 a few times; over 2 ms that is some 3e-4 of velocities of up to 45 rad/s.
+            // Poses are rounded a few times at 1e-7; over 2 ms that is about 3e-4 of velocities of up to 45 rad/s.
             prop_assert!(pose < 1e-6 && velocity < 1e-3, "{pose} {velocity}");
         }
     }
 
-    /// Nothing that can come through the entrances leaves it with what is no number, or deaf to what comes next.
+    /// No input that is accepted can make the state non-finite, or stop the observer from following later input.
     #[test]
     fn wild_numbers_are_survived(exponent in 0i32..38, sign in any::<bool>()) {
         let tree = mixed();
@@ -387,7 +388,7 @@ proptest! {
     }
 }
 
-/// Two slides fall alike; the one of the wider bandwidth has learnt it sooner.
+/// Two slides fall alike; the joint with the higher bandwidth learns it sooner.
 #[test]
 fn each_joint_has_its_own_bandwidth() {
     let tree = rig(&[JointKind::Prismatic { axis: Vec3::X }; 2]);
@@ -405,8 +406,8 @@ fn each_joint_has_its_own_bandwidth() {
             observer.observe(&tree, &poses).unwrap();
         }
     }
-    // 0.05 s are 6 time constants of one, and 2 of the other: 1 - e^-x (1 + x + x²/2) is learnt, three poles being
-    // equal, and a tick's share more, since the estimate is that of the tick's end.
+    // 0.05 s are 6 time constants of one joint, and 2 of the other. With three equal poles 1 - e^-x (1 + x + x²/2) is
+    // learnt, plus the part of one tick, since the estimate is that of the tick's end.
     let learnt = |observer: &Observer<3, 1>, joint: usize| observer.disturbances()[joint].linear.x;
     assert!((learnt(&observer, 1) - 2.0 * 0.938).abs() < 0.05, "{}", learnt(&observer, 1));
     assert!(learnt(&observer, 0) < 1.0, "{}", learnt(&observer, 0));

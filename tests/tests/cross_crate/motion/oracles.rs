@@ -1,4 +1,5 @@
-//! Golden numbers, recomputed by the code of `sinew evaluate verify`; and that it would notice a wrong one.
+//! Golden numbers, recomputed by the code of `sinew evaluate verify`; and checks that a wrong number would be
+//! noticed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +11,7 @@ fn oracles() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("oracles")
 }
 
-/// A folder with one file of the oracles, changed.
+/// Creates a folder with one changed file of the oracles.
 fn folder_with(file: &str, change: impl Fn(&str) -> String) -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let text = fs::read_to_string(oracles().join(file)).expect("the oracles are there");
@@ -50,7 +51,7 @@ fn all_are_within_their_limits() {
 
 #[test]
 fn a_wrong_number_is_over_its_limit() {
-    // A torque, a rotation error, a velocity and a command, each off by a thousandth or so.
+    // A torque, a rotation error, a velocity and a command, each off by about a thousandth.
     for (file, quantity, right, wrong) in [
         ("rnea_05.json", "tau", "\"tau\":[[", "\"tau\":[[1"),
         ("solids.json", "volume", "\"volume\":", "\"volume\":1"),
@@ -66,7 +67,7 @@ fn a_wrong_number_is_over_its_limit() {
         ),
     ] {
         let folder = folder_with(file, |text| {
-            // A digit in front of the first number, behind its sign.
+            // Inserts a digit before the first number, after its sign.
             let minus = format!("{right}-");
             if text.contains(&minus) {
                 text.replacen(&minus, &wrong.replace("[1", "[-1"), 1)

@@ -1,4 +1,4 @@
-//! Distances of poses, and the metric that they come of, over random rigs.
+//! Distances of poses, and the metric from which they follow, over random rigs.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -19,7 +19,7 @@ struct Case {
     with_root: bool,
 }
 
-/// Rigs of all sizes, the second pose being that of the next joint of its kind.
+/// Rigs of all sizes. The second pose has the coordinates of the next joint of the same kind.
 fn cases(most: usize) -> impl Strategy<Value = Case> {
     (rigs(most, Joints::Mixed), vec(0.1f32..2.0, most), any::<bool>()).prop_map(
         |(rig, mut weights, with_root)| {
@@ -48,7 +48,7 @@ impl Case {
             .map(|motions| self.space().coordinates(&self.poses(motions)).expect("good poses"))
     }
 
-    /// Motions of all joints, of some size.
+    /// Returns motions of all joints.
     fn motions(&self, seed: f32) -> Vec<Twist> {
         let number =
             |index: usize, axis: u8| sine(seed + 3.0 * index as f32 + 0.7 * f32::from(axis));
@@ -63,7 +63,7 @@ impl Case {
     }
 }
 
-/// How large the figure is, m.
+/// Returns the size of the figure, m.
 fn size_m(poses: &BodyPoses<CAPACITY>) -> f32 {
     poses.positions_m().fold(0.1, |largest, position| largest.max(math::length(position)))
 }
@@ -72,7 +72,7 @@ fn sine(x: f32) -> f32 {
     math::sin_cos(x).0
 }
 
-/// Products over all joints of two lists of motions.
+/// Returns the sum over all joints of the products of two lists of motions.
 fn dot(a: &[Twist], b: &[Twist]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from(a.angular.dot(b.angular) + a.linear.dot(b.linear))).sum()
 }
@@ -97,7 +97,7 @@ proptest! {
             let size_m = size_m(&space.body_poses(&a));
             for (ours, kinematics) in space.body_poses(&a).positions_m().zip(case.rig.world()) {
                 let off_m = (ours - kinematics.pose.translation_m).abs().max_element();
-                // Each joint down a chain turns and adds an offset: some five roundings.
+                // Each joint of a chain adds a turn and an offset: about five roundings.
                 prop_assert!(off_m < 1e-6 * size_m * CAPACITY as f32 * 0.2, "{off_m} of {size_m}");
             }
         }
@@ -118,14 +118,15 @@ proptest! {
         let (am, mb) = (distances(&a, &middle, &at, &mt), distances(&middle, &b, &mt, &bt));
         for kind in 0..3 {
             prop_assert!((ab[kind] - ba[kind]).abs() <= 1e-5 * ab[kind] + 1e-6);
-            // Rotation vectors are no true metric: where a turn has two names, a way by a third pose may be shorter.
+            // Distances of rotation vectors are not a true metric: where a turn has two vectors, a path through a
+            // third pose may be shorter.
             let holds = ab[kind] <= (am[kind] + mb[kind]) * 1.0001 + 1e-5;
             prop_assert!(holds || kind == 0, "triangle {kind}");
         }
         prop_assert_eq!(space.angle_distance(&a, &a).to_bits(), 0);
-        // Of a straight line in angles no part is longer than its share.
+        // On a straight line in angles no part is longer than its share.
         prop_assert!(am[0] < 0.3 * ab[0] * 1.001 + 1e-5 && mb[0] < 0.7 * ab[0] * 1.001 + 1e-5);
-        // No way is shorter than the straight one through space, and more of its points only make a way longer.
+        // No path is shorter than the straight one through space, and more points can only make a path longer.
         let by_steps = [1, 4, 16, 64].map(|steps| space.line_distance(&a, &b, steps, &mut workspace));
         let rounding_m = 1e-5 * size_m(&at) * 7.0;
         prop_assert!((by_steps[0] - ab[2]).abs() < rounding_m);
@@ -143,9 +144,9 @@ proptest! {
             .collect();
         let one = space.curve_length(&placed);
         let four = space.line_distance(&a, &b, steps, &mut LineWorkspace::new());
-        // Each body down a chain adds some five roundings to its position, of the size of the largest of all poses: by
-        // Higham & Mary at most λ = 8 times the root of their number. A step is the difference of two positions of all
-        // bodies, and there are two ways to it.
+        // Each body of a chain adds about five roundings to its position, of the size of the largest pose: by Higham
+        // & Mary at most λ = 8 times the root of their number. A step is the difference of two positions of all
+        // bodies, and there are two paths to it.
         let bodies = case.rig.tree.len() as f32;
         let largest_m = placed.iter().map(size_m).fold(0.0, f32::max);
         let of_position_m = 8.0 * (5.0 * bodies).sqrt() * f32::EPSILON / 12f32.sqrt() * largest_m;
@@ -186,7 +187,7 @@ proptest! {
                 let mut one = vec![Twist::ZERO; count];
                 one[joint] = *unit;
                 space.metric_product(&placed, &one, &mut product);
-                // The projector's trace over all six units is that over the columns of the subspace.
+                // The trace of the projector over all six unit vectors equals that over the columns of the subspace.
                 trace += dot(&product, &one);
             }
         }
@@ -203,7 +204,7 @@ proptest! {
         let step = 3e-3;
         let motions = case.motions(0.7);
         let moved = |sign: f32| -> f64 {
-            // As far as the joints let it: what `coordinates` leaves of the pose.
+            // Moved as far as the joints allow: the part of the pose that `coordinates` keeps.
             let motions: Vec<Twist> = motions.iter().map(|motion| *motion * (sign * step)).collect();
             let placed = space.body_poses(&space.moved(&at, &motions));
             f64::from(space.curve_energy(&[before.clone(), placed, after.clone()]))
@@ -211,7 +212,7 @@ proptest! {
         let numeric = (moved(1.0) - moved(-1.0)) / f64::from(2.0 * step);
         let exact = dot(&gradient, &motions);
         let energy = f64::from(space.curve_energy(&[before.clone(), here, after.clone()]));
-        // f32 rounds energies; and third derivatives.
+        // Rounding of energies in f32; and third derivatives.
         let size = energy + f64::from(size_m(&before)).powi(2);
         let tolerance = size * case.rig.tree.len() as f64 * (3e-7 / f64::from(step) + 1e-3);
         prop_assert!((numeric - exact).abs() < tolerance, "{numeric} {exact} {tolerance}");

@@ -1,4 +1,4 @@
-//! What f32 costs: the core's inverse dynamics against the same in f64, over ten thousand random states of each kind of
+//! The error of f32: the core's inverse dynamics compared with f64, over ten thousand random states of each kind of
 //! rig, up to 64 bodies in a row.
 
 use proptest::prelude::*;
@@ -12,18 +12,18 @@ use sinew_test_support::rig::{Joints, Rig, Shape, build, rigs};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 
-/// States of each kind.
+/// Number of states of each kind.
 const STATES: usize = 10_000;
 
-/// The most that a torque may be off by, of the largest of its state.
+/// Largest error of a torque, relative to the largest torque of its state.
 const MOST: f64 = 1e-5;
 
-/// The same at the speeds of no machine: 64 joints that all turn one way at 20 rad/s, or slide on each other at 20
-/// m/s, so that the outer ones go at 1000 rad/s and more. What is off by a rounding at the root then has a lever of
-/// all of them.
+/// Largest error at impossible speeds: 64 joints that all turn one way at 20 rad/s, or slide on each other at 20 m/s,
+/// so that the outer ones move at 1000 rad/s and more. A rounding error at the root then has the lever of all of
+/// them.
 const MOST_OF_NO_MACHINE: f64 = 2e-5;
 
-/// Numbers from -1 to 1, the same on every run (Steele, Lea & Flood's `SplitMix64`, 2014).
+/// Numbers from -1 to 1, the same in every run (Steele, Lea & Flood's `SplitMix64`, 2014).
 struct Random(u64);
 
 impl Random {
@@ -50,14 +50,14 @@ impl Random {
     }
 }
 
-/// How the speeds of a state are chosen.
+/// Choice of the speeds of a state.
 #[derive(Debug, Clone, Copy)]
 enum Speeds {
-    /// Each joint its own, up to 3 rad/s about each axis.
+    /// Independent speeds of the joints, up to 3 rad/s about each axis.
     Own,
-    /// Up to 20 rad/s, as in a punch, and 500 rad/s².
+    /// Independent speeds up to 20 rad/s, as in a punch, and accelerations up to 500 rad/s².
     Fast,
-    /// All joints one way, so that the speeds add up from body to body: up to 20 rad/s each.
+    /// All joints turn one way, up to 20 rad/s each, so that the speeds add up from body to body.
     Whip,
 }
 
@@ -85,7 +85,7 @@ fn in_f32(rig: &Rig, accelerations: &[Twist]) -> Vec<Wrench> {
     out
 }
 
-/// Largest error of a joint's moment and of its force, each over the largest of the state.
+/// Returns the largest error of a joint's moment and of its force, relative to the largest value of the state.
 fn error(rig: &Rig) -> f64 {
     let accelerations = rig.accelerations();
     let got = in_f32(rig, &accelerations);
@@ -144,7 +144,7 @@ fn f32_is_within_1e_5_of_the_largest_torque() {
 proptest! {
     #![proptest_config(property(100))]
 
-    /// The judge is one that agrees with what follows from poses alone.
+    /// The f64 reference agrees with results that are derived only from poses.
     #[test]
     fn f64_is_what_newton_and_euler_ask(rig in rigs(24, Joints::Mixed)) {
         let (bodies, states) = (rig.tree.bodies(), rig.states());
@@ -158,7 +158,7 @@ proptest! {
         for ((got, expected), pose) in got.iter().zip(&expected).zip(&poses) {
             let moment = (pose.rotation * got.moment_nm - expected.moment_nm).length();
             let force = (pose.rotation * got.force_n - expected.force_n).length();
-            // The states are those coordinates rounded to f32, a few roundings of 6e-8 for each of up to 24 joints.
+            // The states are the coordinates rounded to f32: a few roundings of 6e-8 for each of up to 24 joints.
             prop_assert!(moment.max(force) < 2e-6 * largest, "{moment} {force} of {largest}");
         }
     }

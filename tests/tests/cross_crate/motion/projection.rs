@@ -1,4 +1,4 @@
-//! The manifold projection against dense least squares in f64.
+//! The manifold projection compared with dense least squares in f64.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -13,16 +13,16 @@ use sinew_test_support::reference::Pose;
 use sinew_test_support::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
 use sinew_test_support::subtree_form::SubtreeForm;
 
-/// Bodies of the rigs whose dense problems are solved often.
+/// Largest number of bodies in rigs whose dense problems are solved often.
 const MOST: usize = 24;
 
-/// Most sweeps of a call.
+/// Largest number of sweeps per call.
 const MANY: u8 = u8::MAX;
 
-/// After which a rig counts as one that moves for ever.
+/// Number of calls after which a rig counts as one that never settles.
 const MOST_CALLS: usize = 12;
 
-/// A rig, where its bodies should be, and how the projection is set.
+/// A rig, the desired poses of its bodies, and the settings of the projection.
 #[derive(Debug, Clone)]
 struct Case {
     rig: Rig,
@@ -42,13 +42,14 @@ impl Case {
         if self.root_held { projection.with_root_held() } else { projection }
     }
 
-    /// The first call, with at least the twenty sweeps that it makes.
+    /// Returns the result of the first call, which makes at least twenty sweeps.
     fn projected(&self, sweeps: u8) -> Vec<Transform> {
         let mut workspace = Box::new(ProjectionWorkspace::new());
         self.next(sweeps, &mut workspace)
     }
 
-    /// After so many sweeps that nothing moves any more, or for ever: some rigs come nearer by only 1 % with each.
+    /// Returns the result after sweeps until the pose is stationary, or a maximum number of calls: some rigs improve
+    /// by only 1 % per call.
     fn settled(&self) -> Vec<Transform> {
         let mut workspace = Box::new(ProjectionWorkspace::new());
         let mut last = self.next(MANY, &mut workspace);
@@ -82,26 +83,26 @@ fn number() -> impl Strategy<Value = f32> {
     -1.0f32..1.0
 }
 
-/// The poses of a rig's joints.
+/// Returns the poses of a rig's joints.
 fn joint_poses(rig: &Rig) -> Vec<Transform> {
     rig.states().as_slice().iter().map(|state| state.pose).collect()
 }
 
-/// How a desired pose is off one that the rig can take: its dimensions by up to `stretch` of them, then its joints by
-/// up to `twist` rad in any direction, as no joint of this kind may be able to.
+/// Deviation of a desired pose from one that the rig can reach: its dimensions by a share of up to `stretch`, its
+/// joints by up to `twist` rad in any direction, even directions that the kind of joint cannot turn.
 #[derive(Debug, Clone, Copy)]
 struct Unlike {
     stretch: f32,
     twist: f32,
 }
 
-/// What ranges the joints of a case have.
+/// The joint ranges of a case.
 #[derive(Debug, Clone, Copy)]
 enum Ranged {
     No,
-    /// With ends next to where the joints are, so far off at the most.
+    /// Ranges with ends at most this far from the joints' positions.
     Near(f32),
-    /// Anywhere.
+    /// Ranges that do not depend on the joints' positions.
     Wild,
 }
 
@@ -122,7 +123,7 @@ fn cases(
                 pose.translation_m *= 1.0 + unlike.stretch * numbers[0];
                 let twist = Vec3::new(numbers[1], numbers[2], numbers[3]) * unlike.twist;
                 pose.rotation = math::unit(pose.rotation * math::exp(twist));
-                // Some positions do not count at all, save where without them nothing would be best.
+                // Some positions have no weight, except where the problem would then be undetermined.
                 let slides = matches!(body.joint, JointKind::Free | JointKind::Prismatic { .. });
                 let least = if slides { 0.2 } else { 0.0 };
                 let position = (2.0 * numbers[4]).max(least);
@@ -134,8 +135,8 @@ fn cases(
     )
 }
 
-/// A range of a kind of joint from six numbers; every fourth joint has none. `near`: its ends are up to so far (rad
-/// or m) from where the joint is, on any side.
+/// Returns a range for a kind of joint from six numbers; every fourth joint has none. With `Near`, its ends are at
+/// most that far (rad or m) from the joint's position.
 fn range(joint: JointKind, at: &Coordinates, numbers: &[f32], ranged: Ranged) -> JointRange {
     let ends = |a: f32, b: f32, middle: f32| match ranged {
         Ranged::Near(near) => [middle + near * a.min(b), middle + near * a.max(b)],
@@ -171,12 +172,12 @@ fn largest_distance(poses: &[Transform], dense: &[Pose]) -> f64 {
         .fold(0.0, |most, (pose, dense)| most.max(distance(&nearest_pose::pose(pose), dense)))
 }
 
-/// What f32 knows of a pose that some twenty others were multiplied into: four hundred roundings of 6e-8, which go to
-/// and fro, are 1e-6. Ten times as much for rigs that hold less well than others where their best is.
+/// Precision of f32 for a pose that is a product of about twenty others: four hundred roundings of 6e-8, partly
+/// cancelling, are 1e-6. Ten times more for rigs with less stable optima.
 const SMALL: f64 = 1e-5;
 
-/// What the cost may be above the least by roundings: in proportion to them where joints are pressed against the ends
-/// of their ranges, else to their squares.
+/// Largest excess of the cost over the minimum by rounding. It is proportional to the rounding where joints are
+/// pressed against the ends of their ranges, else to its square.
 const SMALL_SHARE: f64 = 1e-5;
 
 proptest! {
@@ -189,13 +190,14 @@ proptest! {
             cases(MOST, Joints::Mixed, Unlike { stretch: 0.1, twist: 0.0 }, Ranged::No),
         ],
     ) {
-        // From where the joints are as desired no turn is left over, and the derivative of its logarithm is one.
+        // If the joints have their desired poses, no turn remains, and the derivative of its logarithm is the
+        // identity.
         let problem = case.problem();
         let (dense, largest) = problem.step(&problem.nearest(&case.desired));
-        // A step of three such components is cut short.
+        // A step with three larger components is shortened.
         prop_assume!(largest < 0.28);
 
-        // The first call makes more sweeps than one: here of a pose that it has nothing to do for.
+        // The first call makes more sweeps than one: here it gets a pose that needs no correction.
         let mut workspace = ProjectionWorkspace::new();
         let alike = Case { desired: joint_poses(&case.rig), ..case.clone() };
         alike.next(1, &mut workspace);
@@ -219,7 +221,7 @@ proptest! {
         prop_assert!(cost <= least * (1.0 + SMALL_SHARE) + 1e-10, "{cost} m², the least is {least} m²");
         let off = problem.off_the_best(&got);
         prop_assert!(off < SMALL, "{off:e} rad or m from where Karush, Kuhn and Tucker have it");
-        // There may be more than one best; next to one of them the dense solution is this one.
+        // There may be several optima; the dense solution near this one must be equal to it.
         let again = problem.joint_poses(&problem.solve(&got));
         let apart = largest_distance(&case.settled(), &again);
         prop_assert!(apart < 2.0 * SMALL, "{apart:e} rad or m apart");
@@ -229,8 +231,8 @@ proptest! {
     fn with_ranges_far_off_it_settles_next_to_an_optimum(
         case in cases(MOST, Joints::Mixed, Unlike { stretch: 0.1, twist: 0.1 }, Ranged::Near(0.8)),
     ) {
-        // Joints change between the ends of their ranges for ever: undamped sweeps were at up to four times the least
-        // cost. The largest that damping left in 1200 cases was 19 % above it.
+        // Joints may alternate between the ends of their ranges forever: without damping, costs up to four times the
+        // minimum remained. With damping, the largest excess in 1200 cases was 19 %.
         let problem = case.problem();
         let got = problem.nearest(&case.settled());
         let (cost, least) = (problem.cost(&got), problem.cost(&problem.solve(&got)));
@@ -247,11 +249,11 @@ proptest! {
         let mut frame = case;
         for _ in 0..6 {
             let got = frame.next(1, &mut workspace);
-            // Only what f32 rounds: of an angle, and of a way out to where it is.
+            // Only rounding of f32: of an angle, and of a distance of this size.
             let way = got.iter().fold(1.0, |most, pose| pose.translation_m.length().max(most));
             let outside = frame.problem().excess(&got);
             prop_assert!(outside < 1e-6 * f64::from(way), "{outside:e} rad or m outside, of {way} m");
-            // From frame to frame as far off as no performer goes.
+            // Changes from frame to frame that are larger than any performer's.
             for (pose, turn) in frame.desired.iter_mut().zip(&turns) {
                 pose.translation_m = (pose.translation_m * (1.0 + growth)).clamp_length_max(1e4);
                 pose.rotation = math::unit(pose.rotation * *turn);
@@ -301,7 +303,7 @@ proptest! {
             let got = frame.next(1, &mut workspace);
             prop_assert!(got.iter().all(|pose| pose.is_finite()), "{got:?}");
         }
-        // The joints come back from where the huge pose has pulled them: to an optimum, not always to the same.
+        // The joints return from the huge pose: to an optimum, but not always to the same.
         let mut got = case.next(MANY, &mut workspace);
         for _ in 0..2 {
             got = case.next(MANY, &mut workspace);
@@ -318,7 +320,7 @@ fn body(parent: Option<usize>, joint: JointKind, offset_m: Vec3) -> Body {
     Body { parent, joint, placement, inertia: Inertia::default(), rotor_inertia: 0.0 }
 }
 
-/// As many bodies as fit, each on the one before, and where a tenth longer ones are that wind along.
+/// Returns a chain with the largest number of bodies, with desired poses on a curve that is a tenth longer.
 fn longest_chain(joint: impl Fn(usize) -> JointKind) -> Case {
     let mut tree = Tree::new();
     let mut desired = Vec::new();
@@ -344,8 +346,8 @@ fn the_longest_chains_reach_the_dense_optimum() {
     };
     let ball = |index: usize| if index == 0 { JointKind::Free } else { JointKind::Spherical };
     for case in [Box::new(longest_chain(hinges)), Box::new(longest_chain(ball))] {
-        // A turn far in moves all of the seven metres farther out, which f32 knows to a few micrometres: the pose is
-        // only good to half a milliradian, and the cost to the square of that.
+        // A turn near the root moves all of the seven metres beyond it, which f32 resolves to a few micrometres: the
+        // pose is exact only to half a milliradian, and the cost to the square of that.
         let problem = case.problem();
         let got = problem.nearest(&case.settled());
         let (cost, least) = (problem.cost(&got), problem.cost(&problem.solve(&got)));
@@ -409,7 +411,7 @@ fn ranges_that_do_not_fit_are_refused() {
     }
 }
 
-/// A figure of 18 bodies, by parent and offset in m.
+/// A figure of 18 bodies: parent and offset in m.
 const FIGURE: [(usize, [f32; 3]); 18] = [
     (0, [0.0, 1.0, 0.0]),
     (0, [0.0, 0.15, 0.0]),
@@ -439,7 +441,7 @@ fn figure() -> Tree<18> {
     Tree::from_bodies(&bodies.collect::<Vec<_>>()).expect("a figure")
 }
 
-/// A tenth larger, its joints in smooth motion of a few rad/s.
+/// Returns poses of a figure a tenth larger, whose joints move smoothly at a few rad/s.
 fn performance(tree: &Tree<18>, time_s: f32) -> Vec<Transform> {
     let joint = |(index, body): (usize, &Body)| {
         let swing = |k: u8| {
@@ -452,7 +454,7 @@ fn performance(tree: &Tree<18>, time_s: f32) -> Vec<Transform> {
     tree.bodies().iter().enumerate().map(joint).collect()
 }
 
-/// Mean over the frames of what each route's cost is above the least, as a share of it.
+/// Returns the mean over the frames of the excess of the cost over the minimum, as a share of the minimum.
 fn mean_excess(mut project: impl FnMut(&Tree<18>, &[Transform], &mut [Transform])) -> f64 {
     const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
     let tree = figure();
@@ -463,7 +465,7 @@ fn mean_excess(mut project: impl FnMut(&Tree<18>, &[Transform], &mut [Transform]
         let desired = performance(&tree, frame as f32 * 0.01);
         let mut out = desired.clone();
         project(&tree, &desired, &mut out);
-        // After the start.
+        // Skips the start.
         if frame >= 20 {
             let problem = Problem::new(&tree, &weights, &ranges, false, &desired);
             let got = problem.nearest(&out);
@@ -493,8 +495,9 @@ fn articulated_sweeps_are_nearer_to_the_best_than_the_subtree_form() {
         let mut route = SubtreeForm::new(&figure(), RECOMMENDED_ROTATION_WEIGHT_M);
         mean_excess(|tree, desired, out| route.project(tree, desired, sweeps, out))
     };
-    // Two sweeps of a subtree take as many instructions as an articulated one, counted on x86-64: 36 800 a frame and
-    // 37 100. Above the least by 3.6e-5 and 2.4e-6 of it; twice as many sweeps, by 1.4e-6 and 4e-8.
+    // Two sweeps of the subtree form take as many instructions as one articulated sweep, counted on x86-64: 36 800
+    // and 37 100 per frame. The excesses over the minimum are 3.6e-5 and 2.4e-6; with twice as many sweeps, 1.4e-6
+    // and 4e-8.
     for sweeps in 1..=2 {
         let (articulated, subtree) = (articulated(sweeps), subtree(2 * usize::from(sweeps)));
         assert!(
@@ -502,7 +505,7 @@ fn articulated_sweeps_are_nearer_to_the_best_than_the_subtree_form() {
             "{sweeps}: {articulated} of the least above it, {subtree}"
         );
     }
-    // Both look for the same.
+    // Both algorithms have the same optimum.
     let converged = subtree(60);
     assert!(converged < SMALL_SHARE, "{converged} of the least above it");
 }

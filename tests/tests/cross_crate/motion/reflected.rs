@@ -1,4 +1,4 @@
-//! Reflected inertia against the mass matrix, column by column from inverse dynamics, in f64.
+//! Reflected inertia compared with the mass matrix in f64, whose columns come from inverse dynamics.
 
 use nalgebra::DMatrix;
 use proptest::prelude::*;
@@ -8,7 +8,7 @@ use sinew_core::{JointState, JointStates, Twist, Wrench};
 use sinew_test_support::property;
 use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
 
-/// The rig, standing still in its pose.
+/// Returns the states of the rig at rest in its pose.
 fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
     let mut states = JointStates::rest(&rig.tree);
     for (joint, state) in rig.states().as_slice().iter().enumerate() {
@@ -17,7 +17,7 @@ fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
     states
 }
 
-/// All degrees of freedom: their joint, and their column of its motion subspace.
+/// Returns all dofs: their joint, and their column of its motion subspace.
 fn dofs(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
@@ -28,7 +28,7 @@ fn dofs(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
         .collect()
 }
 
-/// The joint-space inertia: what acceleration along one dof costs along all.
+/// Returns the joint-space inertia: column by column the efforts for an acceleration along one dof.
 fn mass_matrix(rig: &Rig, states: &JointStates<CAPACITY>, dofs: &[(usize, Twist)]) -> DMatrix<f64> {
     let count = rig.tree.len();
     let mut matrix = DMatrix::zeros(dofs.len(), dofs.len());
@@ -44,7 +44,7 @@ fn mass_matrix(rig: &Rig, states: &JointStates<CAPACITY>, dofs: &[(usize, Twist)
             matrix[(row, column)] = f64::from(out[*joint].power_w(*motion));
         }
     }
-    // Rounding must not leave it unsymmetric.
+    // Removes asymmetry that is caused by rounding.
     (&matrix + matrix.transpose()) * 0.5
 }
 
@@ -61,7 +61,7 @@ proptest! {
         let locked = reflected_inertia(&rig.tree, &states, OuterJoints::Locked);
         let free = reflected_inertia(&rig.tree, &states, OuterJoints::Free);
         for joint in 0..rig.tree.len() {
-            // The parent is held: only the dofs from this joint outwards are left.
+            // The parent is fixed: only the dofs from this joint outwards remain.
             let subtree = rig.tree.subtree(joint);
             let inside: Vec<usize> =
                 (0..dofs.len()).filter(|f| subtree.contains(dofs[*f].0)).collect();
@@ -73,7 +73,8 @@ proptest! {
             }
             let outwards = matrix.select_rows(&inside).select_columns(&inside);
             let values = outwards.clone().symmetric_eigenvalues();
-            // f32 leaves some 1e-6 of the largest: what is near that has no inverse to compare with.
+            // f32 leaves an error of about 1e-6 of the largest value: a smaller eigenvalue has no inverse to compare
+            // with.
             prop_assume!(values.min() > 1e-3 * values.max());
             let block = |m: &DMatrix<f64>| m.select_rows(&own).select_columns(&own);
             let inverse = outwards.clone().try_inverse().expect("it is well conditioned");

@@ -1,4 +1,4 @@
-//! Resolved acceleration against forward dynamics, dense least squares and the law that it promises, in f64.
+//! Resolved acceleration compared with forward dynamics, dense least squares and its own control law, in f64.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
@@ -43,7 +43,7 @@ fn targets(rig: &Rig) -> JointTargets<CAPACITY> {
     targets
 }
 
-/// The figure as the simulator has it.
+/// Returns the figure as a plant of the simulator.
 fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
     let bodies = rig.tree.bodies().iter().map(|body| {
         let i = &body.inertia.rotational_kg_m2;
@@ -72,7 +72,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
     ArticulatedPlant::new(&mechanism, &start, dt_s, 1).expect("a tree with a state for each body")
 }
 
-/// Drives the plant as the controller asks, from the states that it is in.
+/// Drives the plant with the controller's torques for its measured states.
 fn drive(
     controller: &TorqueController<CAPACITY>,
     targets: &JointTargets<CAPACITY>,
@@ -94,13 +94,13 @@ fn drive(
     Drive { torque_nm, force_n }
 }
 
-/// A row for each component of each body's acceleration.
+/// Returns a vector with the components of each body's acceleration.
 fn rows(accelerations: &[[DVec3; 2]]) -> DVector<f64> {
     let components = accelerations.iter().flatten().flat_map(DVec3::to_array);
     DVector::from_iterator(6 * accelerations.len(), components)
 }
 
-/// Accelerations of the bodies for those of each dof.
+/// Returns the matrix that maps accelerations of dofs to accelerations of bodies.
 fn jacobian(rig: &Rig) -> DMatrix<f64> {
     let poses = reference::poses(rig, 0.0);
     let mut columns = Vec::new();
@@ -152,8 +152,8 @@ proptest! {
             let error = turn(motion.pose.rotation, goal[body].rotation);
             let rate = goal_moving[body].velocity.angular.as_dvec3() - motion.angular_rad_s;
             let wanted = of_goal[body][0] + error * kp + rate * kd;
-            // Rounding of the torques in f32, against inertias that differ a thousandfold and more: thin bodies have
-            // almost none about their axis.
+            // Rounding of the torques in f32, divided by inertias that differ a thousandfold and more: thin bodies
+            // have almost none about their axis.
             let off = (angular[body] - wanted).length();
             prop_assert!(off < 3e-3 * (1.0 + wanted.length()), "body {body}: {off} of {wanted}");
         }
@@ -206,11 +206,12 @@ proptest! {
         let roots = rows(&roots.collect::<Vec<_>>());
         let weighted = DMatrix::from_diagonal(&roots) * &jacobian;
         let singular_values = weighted.singular_values();
-        // f32 leaves a share of some 1e-7 times the square of the condition.
+        // f32 leaves an error of about 1e-7 times the square of the condition.
         let condition = singular_values.max() / singular_values.min();
         prop_assume!(condition < 30.0);
         let target = (doubles(&wanted) - &bias).component_mul(&roots);
-        // By the normal equations: where singular values are almost equal, nalgebra's singular vectors are off by 5 %.
+        // By the normal equations: where singular values are almost equal, nalgebra's singular vectors have errors of
+        // 5 %.
         let normal = (weighted.transpose() * &weighted).cholesky().expect("the condition is good");
         let best = normal.solve(&(weighted.transpose() * target));
         let expected = jacobian * best + bias;
@@ -242,7 +243,7 @@ proptest! {
     }
 }
 
-/// The same figure, standing still.
+/// Returns the figure at rest.
 fn at_rest(rig: &Rig) -> Rig {
     let mut rig = rig.clone();
     for motion in &mut rig.motions {
@@ -251,7 +252,7 @@ fn at_rest(rig: &Rig) -> Rig {
     rig
 }
 
-/// What the joints' sensors tell.
+/// Returns the readings of the joints' sensors.
 fn sensed(rig: &Rig, motions: &[MovingPose]) -> JointStates<CAPACITY> {
     let world: Vec<_> = motions
         .iter()
@@ -268,8 +269,8 @@ fn sensed(rig: &Rig, motions: &[MovingPose]) -> JointStates<CAPACITY> {
     states
 }
 
-/// How far the bodies' errors in the world are at most from the fastest return without overshoot, as a share of
-/// the largest at the start. A figure at rest is let go to a pose.
+/// Returns the largest difference between the bodies' errors in the world and the critically damped return, as a
+/// share of the largest error at the start. A figure at rest is released towards a pose.
 fn off_law(desired: &Rig, measured: &Rig, method: Method<CAPACITY>, dt_s: f64) -> f64 {
     let controller = controller(desired, method);
     let targets = targets(desired);
@@ -304,13 +305,13 @@ proptest! {
         prop_assume!(desired.tree.len() > 2);
         let (desired, measured) = (at_rest(&desired), at_rest(&measured));
         let off = |method, dt_s| off_law(&desired, &measured, method, dt_s);
-        // Semi-implicit Euler is off by a share of dt λ, 0.057.
+        // The error of semi-implicit Euler is a share of dt λ, 0.057.
         let of = |method: fn(&Rig) -> Method<CAPACITY>| {
             [4e-3, 2e-3].map(|dt_s| off(method(&desired), dt_s))
         };
         let [coarse, fine] = of(resolved);
         prop_assert!(coarse < 0.02 && fine < 0.55 * coarse, "{fine} after {coarse}");
-        // Without steps it would be off by less than a tenth of that. World still is off, in every figure.
+        // Without steps the error would be less than a tenth of that. World still has an error, in every figure.
         let [direct_coarse, direct_fine] = of(|_| Method::World);
         let without_steps = 2.0 * direct_fine - direct_coarse;
         prop_assert!(without_steps > 0.2 * coarse, "{without_steps} without, {coarse} with");

@@ -1,5 +1,4 @@
-//! What makes the core compute the same bits on every machine: glam without SIMD, and one door to
-//! elementary functions.
+//! Conditions for the same bits on every machine: glam without SIMD, and a single module for elementary functions.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -10,7 +9,7 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// Features that the whole workspace, host tools included, switches on in the core's glam.
+/// Returns the features that the whole workspace, host tools included, enables in the core's glam.
 fn glam_features() -> BTreeSet<String> {
     let output = Command::new(env!("CARGO"))
         .current_dir(workspace())
@@ -60,10 +59,10 @@ fn rust_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Lines of code with their numbers: without comments and what is only for tests.
+/// Returns lines of code with their numbers, without comments and tests.
 fn code(text: &str) -> Vec<(usize, &str)> {
     let lines: Vec<_> = text.lines().collect();
-    // The module of tests is the last item of a file.
+    // The test module is the last item of a file.
     let tests =
         lines.windows(2).position(|pair| pair[0] == "#[cfg(test)]" && pair[1].starts_with("mod "));
     let without_comment = |line| str::split("//", line);
@@ -74,15 +73,15 @@ fn code(text: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// `str::split_once` that keeps the whole line where there is no separator.
+/// `str::split_once` that returns the whole line if there is no separator.
 mod str {
     pub(super) fn split<'a>(separator: &str, line: &'a str) -> &'a str {
         line.split_once(separator).map_or(line, |(before, _)| before)
     }
 }
 
-/// Elementary functions of f32 and of glam's types (which compute a root or an angle by themselves), and what
-/// differs between machines.
+/// Elementary functions of f32 and of glam's types (which compute a root or an angle by themselves), and functions
+/// that differ between machines.
 const NOT_IN_CORE: [&str; 45] = [
     "f64",
     "mul_add",

@@ -1,4 +1,4 @@
-//! What the error methods promise (the list of the paper's method description), on random figures.
+//! Properties of the error methods (the list of the paper's method description), on random figures.
 
 use proptest::prelude::*;
 use sinew_core::glam::{Quat, Vec3};
@@ -15,11 +15,11 @@ use sinew_verification::rounding::{Difference, Rotation, Vector};
 /// Bodies of a figure that is larger than the paper's 18.
 const MOST: usize = 24;
 
-/// What two ways of computing a rotation or a position of such a figure may differ by, rad or m: some ten
+/// Largest difference between two ways of computing a rotation or a position of such a figure, rad or m: about ten
 /// roundings of 1.2e-7 (positions of up to 4 m).
 const SMALL: f32 = 2e-6;
 
-/// The same of velocities of up to 50 rad/s and 50 m/s.
+/// Largest difference for velocities of up to 50 rad/s and 50 m/s.
 const SMALL_RATE: f32 = 4e-5;
 
 type Errors = Vec<StateError>;
@@ -65,7 +65,7 @@ fn parents(figure: &Rig) -> References<CAPACITY> {
     References::new(&figure.tree, &parents).expect("parents are ancestors")
 }
 
-/// World states of a figure whose root is where `root` takes it.
+/// Returns the states of a figure whose root is moved by `root`: joints, and bodies in the world.
 fn moved(figure: &Rig, root: Transform) -> (Vec<JointState>, Vec<BodyState>) {
     let mut joints = figure.states().as_slice().to_vec();
     joints[0].pose = root * joints[0].pose;
@@ -88,8 +88,8 @@ fn near(got: &StateError, expected: &StateError) -> Result<(), String> {
     }
 }
 
-/// What rounding may do to errors of two states that some body, or the world, sees; the root of both is where `root`
-/// takes it, and what is seen is turned by `after`.
+/// Returns the rounding limits of errors of two states relative to their references. The root of both is moved by
+/// `root`, and the errors are turned by `after`.
 fn limits(
     figures: [&Rig; 2],
     root: Transform,
@@ -115,7 +115,7 @@ fn limits(
     differences
 }
 
-/// Two ways to one error: each is off by its own rounding.
+/// Compares two computations of an error: each has its own rounding.
 fn all_within(
     got: &[StateError],
     expected: &[StateError],
@@ -153,7 +153,7 @@ fn all_near(got: &[StateError], expected: &[StateError]) -> Result<(), TestCaseE
     Ok(())
 }
 
-/// The compensated desired orientation, from the error it leads to.
+/// Returns the compensated desired orientation, from its error.
 fn turned(error: &StateError, measured: &BodyState) -> Quat {
     math::exp(error.angular_rad) * measured.pose.rotation
 }
@@ -279,7 +279,7 @@ proptest! {
         let some = References::generations(tree, count);
         prop_assert_eq!(&References::new(tree, some.as_slice()), &Ok(some.clone()), "ancestors all");
         for (joint, reference) in some.as_slice().iter().enumerate() {
-            // The supporters of a joint, itself among them, from the root on.
+            // The supporters of a joint, including itself, from the root outwards.
             let supporters: Vec<_> = tree.supporters(joint).iter().collect();
             let expected = supporters.len().checked_sub(1 + count).map(|index| supporters[index]);
             prop_assert_eq!(*reference, expected, "joint {}", joint);
@@ -320,7 +320,7 @@ proptest! {
         prop_assert_eq!(&plain.0, &world_errors(&d, &m), "no rotation without a linear error");
         for (index, status) in status.iter().enumerate() {
             prop_assert!(*status != AimStatus::Compensated, "{index}");
-            // The rate of the turn is there all the same, across the way to the child.
+            // The rate of the turn is still present, perpendicular to the vector to the child.
             let extra = errors[index].angular_rate_rad_s - plain.0[index].angular_rate_rad_s;
             prop_assert!(
                 (*status == AimStatus::Parallel) || extra == Vec3::ZERO,
@@ -353,7 +353,7 @@ proptest! {
             // The nearest point of the sphere that the child can reach.
             let nearest = (math::length(goal - from) - math::length(arm)).abs();
             prop_assert!((after - nearest).abs() < SMALL, "{index}: {after}, {nearest}");
-            // A turn along the arm would be of no use. Near half a turn its axis is only as good as the sine.
+            // A turn about the arm would be useless. Near a half turn the axis is only as exact as the sine.
             let phi = math::log(turn);
             let sine = math::length((turn * arm).cross(arm)) / arm.length_squared();
             let along = phi.dot(arm) / math::length(arm);
@@ -367,7 +367,7 @@ proptest! {
     fn the_rate_of_half_the_squared_error_is_its_product_with_the_rate(
         (desired, measured) in figures(MOST, 1.0),
     ) {
-        // d/dt |e|²/2 = e · ė exactly. Taken over 4 ms, in which a state turns by its velocity.
+        // d/dt |e|²/2 = e · ė exactly. Computed over 4 ms, in which a state turns by its velocity.
         let h = 2e-3f32;
         let at = |state: &BodyState, t: f32| BodyState {
             pose: Transform::new(
@@ -388,7 +388,8 @@ proptest! {
             let angle = math::length(error.angular_rad);
             let (speed, way) =
                 (math::length(d.velocity.angular) + math::length(m.velocity.angular), math::length(error.linear_m));
-            // The chord misses the tangent by (ω h)² of the rate; each half square carries 1e-7 of its size.
+            // The chord differs from the tangent by (ω h)² of the rate; each half square has an error of 1e-7 of its
+            // size.
             let turning = speed * h;
             let allowed = turning * turning * speed * (1.0 + angle) + 5e-7 * (angle * angle + way * way) / h + 2e-4;
             prop_assume!(angle < 3.0);

@@ -1,4 +1,4 @@
-//! The supply that all joints share: its bound, its conditions of optimality in f64, its refusals and extremes.
+//! The supply that all joints share: its bound, its optimality conditions in f64, its refusals and extremes.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ use sinew_test_support::rig::{CAPACITY, Joints, rigs};
 
 type Torque = Limited<Wrench>;
 
-/// A share of a sum, in the core's precision.
+/// Returns a share of a sum, in the core's precision.
 #[expect(clippy::cast_possible_truncation, reason = "supplies are f32")]
 fn share_nm(sum_nm: f64, share: f32) -> f32 {
     sum_nm as f32 * share
@@ -47,7 +47,7 @@ fn sum_nm(torques: &[Torque]) -> f64 {
     torques.iter().map(|torque| moment(torque).length()).sum()
 }
 
-/// Moments of very different sizes, some of them none, with a weight for each, and a supply as a share of their sum.
+/// Moments of very different sizes, some of them zero, a weight for each, and a supply as a share of their sum.
 fn cases() -> impl Strategy<Value = (Vec<(Vec3, f32)>, f32)> {
     let size = prop_oneof![Just(0.0_f32), (-3.0_f32..3.0).prop_map(|power| 10.0_f32.powf(power))];
     let component = || -1.0_f32..1.0;
@@ -75,12 +75,12 @@ proptest! {
         if share > 1.001 {
             prop_assert_eq!(&given, &wanted, "there is enough: every bit stays");
         }
-        // 128 sums of f32 are off by at most so many half units of the last place; some ten were seen.
+        // 128 sums of f32 have an error of at most 128 half units of the last place; about ten were observed.
         let rounding = 128.0 * f64::from(f32::EPSILON);
         prop_assert!(sum_nm(&given) <= f64::from(supply_nm) * (1.0 + rounding));
         let is_cut = share < 0.999 && wanted_sum > 0.0;
         if is_cut {
-            // What there is is used.
+            // The whole supply is used.
             prop_assert!(sum_nm(&given) >= f64::from(supply_nm) - wanted_sum * rounding);
         }
         let rule = |joint: usize| if alike { None } else { Some(f64::from(weights[joint])) };
@@ -101,7 +101,7 @@ proptest! {
     fn what_carries_is_left_and_the_rest_is_cut_alike((joints, share) in cases(), carrying in 0.0_f32..1.5) {
         let (moments, others): (Vec<Vec3>, Vec<f32>) = joints.into_iter().unzip();
         let wanted = torques(&moments);
-        // As large as what is wanted, and turned another way.
+        // As large as the wanted moments, with another direction.
         let carried: Vec<Wrench> = moments
             .iter()
             .zip(&others)
@@ -126,7 +126,7 @@ proptest! {
             } else {
                 (supply / sum, 0.0)
             };
-            // As s is known to a rounding of the sums, and s by their difference.
+            // The share s is known to a rounding of the sums, divided by their difference.
             let known = rounding * (sum + sum_carried) * (1.0 + sum / (sum - sum_carried).abs());
             for ((given, wanted), carried) in given.iter().zip(&wanted).zip(&carried) {
                 let expected = of(carried) * left + moment(wanted) * s;
@@ -162,13 +162,13 @@ proptest! {
         let supply_nm = share_nm(sum_carried, 1.0) + share_nm(sum_wanted - sum_carried, share);
         let mut given = wanted.clone();
         TorqueSupply::new(&rig.tree, supply_nm).unwrap().share_acceleration(&mut given, &carried);
-        // What the same share of all accelerations needs, the root's among them: torques are linear in them.
+        // The torques for the same share of all accelerations, including the root's: torques are linear in them.
         for ((given, wanted), carried) in given.iter().zip(&commanded).zip(&carried) {
             let way = *wanted - *carried;
             let expected = *carried + Wrench::new(way.moment_nm * share, way.force_n * share);
             let size = wanted.moment_nm.length() + carried.moment_nm.length() + wanted.force_n.length() + carried.force_n.length();
             let off = given.value - expected;
-            // As the share is known: to a rounding of the sums over their difference.
+            // The precision of the share: a rounding of the sums, divided by their difference.
             prop_assert!(off.moment_nm.length() + off.force_n.length() <= 1e-4 * size + 1e-5, "{off:?} of {size}");
         }
     }
@@ -220,9 +220,9 @@ proptest! {
     }
 }
 
-/// The lengths of the moments that make the weighted sum of squared losses least, by Karush, Kuhn and Tucker's
-/// conditions: some price of a N m, at which each joint sells what it would rather. In proportion to what it wants
-/// where a joint has no weight.
+/// Returns the lengths of the moments that minimize the weighted sum of squared losses, by the Karush-Kuhn-Tucker
+/// conditions: at a price per N m, each joint gives up the torque that it values less. Without a weight, joints are
+/// cut in proportion to their wanted torque.
 fn optimum(wanted: &[Torque], supply_nm: f64, weight: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
     let at = |price: f64| -> Vec<f64> {
         let lengths = wanted.iter().map(|torque| moment(torque).length()).enumerate();
@@ -279,7 +279,7 @@ fn accelerations_are_cut_alike() {
             controller.bias_wrenches(&measured, &[], &mut workspace, &mut carried);
             prop_assert_eq!(workspace.torques(), before.torques());
             prop_assert_eq!(workspace.commands(), before.commands());
-            // The torques of the same commands by a share, and of none, are on one line: dynamics is affine.
+            // The torques for a share of the commands, and for none, are on one line: dynamics is affine.
             let part: Vec<Twist> = tree
                 .bodies()
                 .iter()

@@ -1,4 +1,5 @@
-//! The tracker as a whole: both kinds of frames, both kinds of readings, refusals, and what it asks of a source.
+//! The tracker as a whole: both kinds of frames, both kinds of readings, refusals, and its requests to a source of
+//! frames.
 
 use sinew_core::coordinates::DofCommand;
 use sinew_core::glam::Vec3;
@@ -26,7 +27,7 @@ fn arm() -> Tree<JOINTS> {
     Tree::from_bodies(&[0, 1, 2].map(link)).unwrap()
 }
 
-/// Position, speed and acceleration of joint `joint` at frame `index`: sines of their own.
+/// Returns position, speed and acceleration of a joint at a frame: each joint moves on its own sine.
 fn motion(joint: usize, index: i32) -> [f32; 3] {
     let (rate, phase) = (3.0 + joint as f32, joint as f32);
     let t_s = index as f32 * DT_S;
@@ -34,7 +35,7 @@ fn motion(joint: usize, index: i32) -> [f32; 3] {
     [0.3 * sine, 0.3 * rate * cosine, -0.3 * rate * rate * sine]
 }
 
-/// The motion in coordinates, and the numbers of the frames that were asked for.
+/// The motion in coordinates, with a record of the requested frames.
 #[derive(Default)]
 struct InCoordinates {
     numbers: [[f32; JOINTS]; 3],
@@ -55,7 +56,7 @@ impl FrameSource for InCoordinates {
     }
 }
 
-/// The same as poses; `bad` frames have one that is none.
+/// The motion as poses. The frame `bad` has an invalid pose.
 #[derive(Default)]
 struct AsPoses {
     poses: [Transform; JOINTS],
@@ -134,15 +135,15 @@ fn differences_of_poses_come_near_to_exact_derivatives() {
             states.map(|(state, rate)| (state.velocity.angular, rate.angular)).collect::<Vec<_>>()
         };
         for (exact, differenced) in of(&exact).iter().zip(of(&differenced)) {
-            // The velocity at the end of a step of constant acceleration: third derivatives of 0.3 * 5³ over 2 ms, and
-            // for accelerations a rounding of 1e-7 over the square of that.
+            // The velocity at the end of a step of constant acceleration: third derivatives of 0.3 * 5³ over 2 ms,
+            // and for accelerations a rounding of 1e-7 over the square of that.
             assert!((exact.0 - differenced.0).length() < 0.04 * 2.0, "{exact:?} {differenced:?}");
             assert!((exact.1 - differenced.1).length() < 0.2, "{exact:?} {differenced:?}");
         }
     }
 }
 
-/// One pose for ever.
+/// A source with a constant pose.
 struct Still;
 
 impl FrameSource for Still {
@@ -153,7 +154,7 @@ impl FrameSource for Still {
 
 #[test]
 fn a_rig_that_does_not_move_has_no_velocity_from_the_first_tick_on() {
-    // An observer, as `recommended` has one, expects a rig that follows its torques: this one does not.
+    // The observer of `recommended` expects a rig that follows its torques: this one does not.
     for method in [MethodName::Local, MethodName::World, MethodName::LinearCompensation] {
         let mut tracker = tracker(Settings { method, ..Settings::default() }, 0);
         let first = tracker.step(&mut Still, 0, &rest()).unwrap().torques().to_vec();
@@ -198,13 +199,13 @@ fn a_refused_frame_has_no_torques_and_is_asked_for_once() {
         let mut frames = AsPoses { bad: Some(6), ..AsPoses::default() };
         let refused: Vec<_> =
             (0..12).filter(|tick| tracker.step(&mut frames, *tick, &rest()).is_err()).collect();
-        // The tick that looks ahead to it.
+        // The tick whose prediction needs the frame.
         let tick = if settings.method == MethodName::Recommended { 5 } else { 4 };
         assert_eq!(refused, [tick]);
     }
 }
 
-/// Counts the frames that are taken.
+/// Counts the frames that are requested.
 #[derive(Default)]
 struct Counted {
     frames: AsPoses,
@@ -238,7 +239,7 @@ fn after_a_jump_targets_go_on_until_new_frames_tell_them() {
                 continue;
             }
             late.step(&mut frames, tick, &rest()).unwrap();
-            // No tick is dearer than another.
+            // No tick requests more frames than another.
             assert_eq!(i32::try_from(frames.taken), Ok(tick - 10));
             let (of_late, of_steady) = (late.targets().states(), steady.targets().states());
             if tick <= 13 {
@@ -251,7 +252,8 @@ fn after_a_jump_targets_go_on_until_new_frames_tell_them() {
                 }
             } else {
                 for (late, steady) in of_late.iter().zip(of_steady) {
-                    // The projection comes from elsewhere, to a few roundings; else they are the same.
+                    // The projection starts from another pose, so it differs by a few roundings; other results are
+                    // equal.
                     let allowed =
                         if settings.method == MethodName::Recommended { 5e-7 } else { 0.0 };
                     let off = (late.pose.rotation - steady.pose.rotation).length();
@@ -309,24 +311,24 @@ fn a_source_of_the_other_kind_needs_a_beginning() {
     }
 }
 
-/// The positions of the motion at a tick, as encoders read them.
+/// Returns the positions of the motion at a tick, as encoders read them.
 fn positions(tick: i32) -> [f32; JOINTS] {
     [0, 1, 2].map(|joint| motion(joint, tick)[0])
 }
 
-/// The same as poses.
+/// Returns the poses of the motion at a tick.
 fn poses(tick: i32) -> [Transform; JOINTS] {
     let mut frames = AsPoses::default();
     frames.frame(tick);
     frames.poses
 }
 
-/// All numbers that a run of some ticks asks for.
+/// Returns all efforts of a run of some ticks.
 fn run(tracker: &mut Tracker<JOINTS, 8>, ticks: core::ops::Range<i32>) -> Vec<[f32; JOINTS]> {
     let mut frames = AsPoses::default();
     let of_tick = |tick| {
         let mut efforts = [0.0; JOINTS];
-        // A rig that is a little late: with errors, and with disturbances for the observer.
+        // A rig that lags a little: there are errors, and disturbances for the observer.
         let measured = poses(tick - 2);
         tracker.step(&mut frames, tick, &measured).unwrap().efforts(&mut efforts).unwrap();
         efforts
@@ -369,8 +371,8 @@ fn positions_alone_are_the_same_as_their_poses() {
             of_positions.step(&mut frames, tick, Measured::Positions { q: &q }).unwrap();
             let states = |tracker: &Tracker<JOINTS, 8>| tracker.states().as_slice().to_vec();
             for (a, b) in states(&of_poses).iter().zip(states(&of_positions)) {
-                // The same turns, made by sine and cosine or by the exponential: some roundings, of differences 500
-                // times as much.
+                // Equal turns, made by sine and cosine or by the exponential: some roundings, and for velocities
+                // their differences times 500.
                 assert!((a.pose.rotation - b.pose.rotation).length() < 5e-7, "{a:?} {b:?}");
                 let off = (a.velocity.angular - b.velocity.angular).length();
                 assert!(off < 5e-7 * 500.0, "{a:?} {b:?}");
@@ -391,10 +393,10 @@ fn a_rig_with_encoders_begins_with_its_speeds() {
     let (mut at, mut speeds) = ([0.0; JOINTS], [0.0; JOINTS]);
     tracker.states().coordinates(&arm(), &mut at, &mut speeds).unwrap();
     for (speed, expected) in speeds.iter().zip(qd) {
-        // A product with an axis and one back.
+        // A product with an axis, and the projection back.
         assert!((speed - expected).abs() <= 1e-6, "{speeds:?}");
     }
-    // Without speeds it stands.
+    // Without given speeds, the speeds are zero.
     tracker.begin(&mut AsPoses::default(), 0, Measured::Positions { q: &q }).unwrap();
     tracker.states().coordinates(&arm(), &mut at, &mut speeds).unwrap();
     assert!(speeds.iter().all(|speed| speed.abs() <= 0.0));
@@ -405,7 +407,7 @@ fn velocities_span_the_ticks_that_were_skipped() {
     for settings in [world(), Settings::recommended()] {
         let mut tracker = tracker(settings, 0);
         let mut frames = InCoordinates::default();
-        // The first joint turns evenly, 0.01 rad in a tick of 2 ms.
+        // The first joint turns evenly, by 0.01 rad per tick of 2 ms.
         let reading = |tick: i32| [0.01 * tick as f32, 0.0, 0.0];
         for tick in [0, 1, 2, 7] {
             if tick == 7 {
@@ -415,7 +417,7 @@ fn velocities_span_the_ticks_that_were_skipped() {
             tracker.step(&mut frames, tick, Measured::Positions { q: &q }).unwrap();
         }
         let speed = tracker.states().as_slice()[0].velocity.angular.y;
-        // Roundings of 0.07 rad over 10 ms.
+        // Rounding of 0.07 rad over 10 ms.
         assert!((speed - 5.0).abs() < 1e-4, "{speed}");
     }
 }
@@ -477,7 +479,7 @@ fn settings_and_timings_that_cannot_be_are_refused() {
     for (settings, key) in [(live, "differences"), (slow, "observer")] {
         let error = made(settings, DT_S, 0);
         assert_eq!(error, TrackerError::Setting(SettingError::Fixed { key }));
-        // In a comparison the others have it, and this method its own.
+        // In a comparison the other methods use the setting, and this method its own.
         let compared = settings.with_method(MethodName::Recommended);
         assert_eq!(compared.effective(DT_S), Settings::recommended().effective(DT_S));
         assert_eq!(
@@ -502,7 +504,7 @@ fn a_latency_that_is_looked_ahead_over_asks_for_the_frame_that_a_torque_meets() 
     }
 }
 
-/// The motion in coordinates, by a source that says so.
+/// The motion in coordinates, from a source that announces it.
 struct Alone(InCoordinates);
 
 impl FrameSource for Alone {
@@ -526,14 +528,14 @@ fn a_source_of_coordinates_alone_needs_no_projection() {
         let torques = whole.step(&mut frames.0, tick, &rest()).unwrap().torques().to_vec();
         assert_eq!(lean.step(&mut frames.1, tick, &rest()).unwrap().torques(), torques);
     }
-    // A tracker that has begun with poses takes coordinates only when it begins anew.
+    // A tracker that has begun with poses accepts coordinates only after a new start.
     let mut of_poses = tracker(world(), 0);
     of_poses.step(&mut AsPoses::default(), 0, &rest()).unwrap();
     let refused = of_poses.step(&mut frames.1, 1, &rest()).unwrap_err();
     assert_eq!(refused, StepError::Frame(InputError::Kind));
 }
 
-/// A rig that is held where it is, off its target.
+/// Returns the torques for a rig that is held in place, away from its target.
 fn asked_nm(note: bool) -> Vec<f32> {
     let settings = Settings {
         observer: ObserverChoice { bandwidth_rad_s: 50.0, cancel: true, predict: true },
@@ -554,14 +556,14 @@ fn asked_nm(note: bool) -> Vec<f32> {
 #[test]
 fn a_drive_at_its_limit_is_asked_for_no_more() {
     let [free, noted] = [false, true].map(asked_nm);
-    // Without a word of the limit, each tick asks for more.
+    // If limits are not reported, each tick asks for more.
     assert!(free[199].abs() > 3.0 * free[1].abs(), "{} {}", free[1], free[199]);
-    // Neighbours that learn move the estimate's speeds a little.
+    // Neighbours that still learn change the estimated speeds a little.
     let most = noted.iter().map(|effort| effort.abs()).fold(0.0, f32::max);
     assert!(most < 1.2 * noted[1].abs(), "{} {most}", noted[1]);
 }
 
-/// Zero for ever.
+/// A source whose coordinates are all zero.
 struct AtZero;
 
 impl FrameSource for AtZero {
@@ -571,7 +573,7 @@ impl FrameSource for AtZero {
     }
 }
 
-/// At its target without gravity its drive is asked for nothing; then it is pushed.
+/// At its target without gravity the drive gets zero torque; then the joint is pushed.
 #[test]
 fn a_drive_that_is_limited_without_a_side_learns_neither_way() {
     let pushed_nm = |note: bool, off_rad: f32| {

@@ -1,4 +1,4 @@
-//! Interpolation and finite differences, there and back.
+//! Interpolation and finite differences, and their inverses.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ use sinew_test_support::property;
 
 const DT_S: f32 = 0.01;
 
-/// Part of a frame over which a velocity is taken from the smooth path.
+/// Part of a frame over which a velocity of the smooth path is computed.
 const STEP: f32 = 1e-2;
 
 fn vector(size: f32) -> impl Strategy<Value = Vec3> {
@@ -33,7 +33,7 @@ fn pose() -> impl Strategy<Value = Transform> {
     (rotation(), vector(2.0)).prop_map(|(rotation, way)| Transform::new(rotation, way))
 }
 
-/// Frames that go on from each other by up to 0.2 rad and 5 cm.
+/// Frames that differ from each other by up to 0.2 rad and 5 cm.
 fn frames() -> impl Strategy<Value = Vec<Transform>> {
     (pose(), vec((vector(0.1), vector(0.05), any::<bool>()), 3..12)).prop_map(|(first, steps)| {
         let mut frames = vec![first];
@@ -78,7 +78,7 @@ proptest! {
         prop_assert_eq!(start.translation_m, from.translation_m);
         prop_assert!((end.translation_m - to.translation_m).abs().max_element() < 1e-6);
         let between = interpolate(&from, &to, t);
-        // An angle near π is good to the rounding of its cosine, 1e-7, over its sine.
+        // An angle near π has the error of its cosine, 1e-7, divided by its sine.
         let allowed = 1e-6 / (0.5 * (3.1 - whole)).min(1.0);
         prop_assert!((angle_between(from.rotation, between.rotation) - t * whole).abs() < allowed);
         prop_assert!((angle_between(between.rotation, to.rotation) - (1.0 - t) * whole).abs() < allowed);
@@ -126,7 +126,7 @@ proptest! {
         for (index, frame) in frames.iter().enumerate() {
             let mut sampled = [Transform::IDENTITY];
             trajectory.sample(index as f32 * DT_S, &mut sampled);
-            // The time is off by a rounding: 1e-6 of a step of 0.2 rad and 5 cm.
+            // The time has a rounding error: 1e-6 of a step of 0.2 rad and 5 cm.
             prop_assert!(angle_between(sampled[0].rotation, frame.rotation) < 2e-6);
             prop_assert!((sampled[0].translation_m - frame.translation_m).abs().max_element() < 1e-6);
         }
@@ -142,7 +142,7 @@ proptest! {
             let window = [trajectory.frame(index), trajectory.frame(index + 1)];
             backward_states(window, DT_S, &mut measured).expect("good frames");
             let (target, measured) = (targets.states()[0], measured.as_slice()[0]);
-            // Body axes of both ends of a steady turn: the same components.
+            // In a steady turn the body axes of both ends give the same components.
             prop_assert_eq!(target.velocity.angular, measured.velocity.angular);
             let (forward, backward) = (
                 target.pose.rotation * target.velocity.linear,
@@ -156,8 +156,8 @@ proptest! {
     fn differences_of_a_polynomial_are_its_derivative(
         (order, coefficients, at) in (1usize..5, vec(-3i8..=3, 5), -4i8..=4),
     ) {
-        // Whole numbers, so that f32 is exact: p(t) of degree `order`, whose derivative of that order is
-        // order! times its first coefficient.
+        // Integers, so that f32 is exact: p(t) of degree `order`, whose derivative of that order is order! times its
+        // first coefficient.
         let value = |t: f32| coefficients[..=order].iter().fold(0.0, |sum, c| sum * t + f32::from(*c));
         let factorial = (1..=order).fold(1.0, |product, k| product * k as f32);
         for scheme in [Scheme::Forward, Scheme::Backward, Scheme::Central] {
@@ -169,8 +169,8 @@ proptest! {
         }
     }
 
-    /// A rig that is on the frame before and on this one, and takes the acceleration of aligned targets for one
-    /// period, velocity first, is on the next frame.
+    /// A rig was at the previous frame and is at the present one. If it has the acceleration of aligned targets for
+    /// one period, velocity first, it reaches the next frame.
     #[test]
     fn aligned_targets_lead_to_the_next_frame(frames in frames()) {
         let tree = one_joint();
@@ -189,7 +189,7 @@ proptest! {
         }
     }
 
-    /// Those of a live stream are of the step that led here, and of the change from the one before it.
+    /// Live targets use only the last step and the change from the step before it.
     #[test]
     fn live_targets_know_nothing_of_the_next_frame(frames in frames()) {
         let tree = one_joint();
@@ -200,8 +200,8 @@ proptest! {
             let (state, a) = (targets.states()[0], targets.accelerations()[0]);
             let velocity = of_rotations(Scheme::Backward, 1, &rotations[1..], DT_S).unwrap();
             let acceleration = of_rotations(Scheme::Backward, 2, &rotations, DT_S).unwrap();
-            // The products of unit quaternions are added up in another order, a few roundings of 1 over the period; and
-            // times the rate, or over the period, is one of the velocity.
+            // The products of unit quaternions are added in another order: a few roundings of 1, divided by the
+            // period; and of the velocity, times the rate or divided by the period.
             let close = |a: Vec3, b: Vec3, of: f32| (a - b).length() <= 4.0 * f32::EPSILON * of;
             let faster = velocity.length().max((velocity - acceleration * DT_S).length());
             let of = faster + 1.0 / DT_S;
@@ -210,7 +210,7 @@ proptest! {
         }
     }
 
-    /// The smooth path goes through all frames, and its velocity does not jump at them.
+    /// The smooth path goes through all frames, and its velocity is continuous at them.
     #[test]
     fn the_smooth_path_has_one_velocity_at_every_frame(frames in frames()) {
         for window in frames.windows(5) {
@@ -224,8 +224,8 @@ proptest! {
             let after = interpolate_smoothly(going, STEP);
             let arrives = math::log(before.rotation.conjugate() * c.rotation) / STEP;
             let leaves = math::log(c.rotation.conjugate() * after.rotation) / STEP;
-            // Second derivatives are at most some 6 times the way of a frame (0.2 rad, 0.1 m), to either side, and
-            // the inverse Jacobian is good to 1e-4; roundings are 1e-7 / STEP.
+            // Second derivatives are at most about 6 times a frame's step (0.2 rad, 0.1 m), on either side, and the
+            // inverse Jacobian is exact to 1e-4; rounding is 1e-7 / STEP.
             prop_assert!(math::length(arrives - leaves) < 12.0 * 0.2 * STEP, "{arrives} {leaves}");
             let arrives = (c.translation_m - before.translation_m) / STEP;
             let leaves = (after.translation_m - c.translation_m) / STEP;

@@ -1,5 +1,4 @@
-//! Each kind of servo by each class of drive: how still it stands, how it follows, what it heats. `docs/drives.md` has
-//! the table.
+//! Each kind of servo with each class of drive: stillness, tracking errors and heat. `docs/drives.md` has the table.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -15,23 +14,23 @@ use super::run::{Rig, Run};
 
 /// The clip that a rig follows.
 const CLIP: &str = "kicks_01";
-/// The servo of the starter arm, for which its masses are.
+/// The servo of the starter arm, for which its masses are chosen.
 const STARTER: &str = "XL330-M288-T";
 
-/// Numbers of the runs of a rig.
+/// Results of a rig's runs.
 struct Row {
     name: String,
-    /// On each of [`plants`].
+    /// Stillness on each of [`plants`].
     still: [Stillness; 4],
     mean_deg: f64,
     largest_deg: f64,
-    /// Of the winding that loses most, mean of the time, W; and what it warms its case by if that goes on, K.
+    /// Mean power of the winding with the largest loss, W; and the final rise of its case temperature, K.
     held: [f64; 2],
     moved: [f64; 2],
 }
 
-/// As the rig's file has it; a gear with twice the play, half the stiffness, a third of the damping, and all friction
-/// on the rotor; motors of other constants.
+/// Returns variations of the plant: as in the rig's file; a gear with twice the play, half the stiffness, a third of
+/// the damping, and all friction on the rotor; motors with other constants.
 fn plants() -> [Variation; 4] {
     let own = Variation::default();
     let worse = Variation { play: 2.0, stiffness: 0.5, damping: 0.33, ..own };
@@ -43,8 +42,8 @@ fn plants() -> [Variation; 4] {
     ]
 }
 
-/// The starter arm with servos of a kind, its masses in proportion to their torque.
-fn arm_of(model: &str) -> Rig {
+/// Returns the starter arm with servos of a kind, and masses in proportion to their torque.
+pub(super) fn arm_of(model: &str) -> Rig {
     let mut arm = sinew_rig::new::arm(6).unwrap();
     let [own, starter] = [model, STARTER].map(|name| ServoModel::built_in(name).unwrap());
     let factor = own.stall_torque_nm.value / starter.stall_torque_nm.value;
@@ -54,7 +53,8 @@ fn arm_of(model: &str) -> Rig {
     Rig::new(arm)
 }
 
-/// A run; mean power of the winding that loses most, W, and what it warms its case by at last, K.
+/// Runs a show. Also returns the mean power of the winding with the largest loss, W, and the final rise of its case
+/// temperature, K.
 fn heated(rig: &Rig, show: impl FnOnce(u32) -> Vec<u8>, variation: Variation) -> (Run, [f64; 2]) {
     let servos = rig.description.servos.len();
     let (mut sums, mut ticks) = (vec![0.0; servos], 0.0);
@@ -73,7 +73,7 @@ fn row(name: String, mut rig: Rig, drive: Drive, poses: &Poses) -> Row {
     rig.drive = Some(drive);
     let mut held = [0.0; 2];
     let still = plants().map(|variation| {
-        // A run that ends in a fault is in the table, as one that swings without end.
+        // A run that ends in a fault is listed in the table as one that swings without end.
         let run = AssertUnwindSafe(|| heated(&rig, rig.show_of(&poses.motion), variation));
         let Ok((run, heat)) = catch_unwind(run) else {
             let (peak_to_peak_deg, offset_deg) = (f64::INFINITY, f64::INFINITY);
@@ -152,7 +152,7 @@ fn classes_of_an_arm() {
 struct Robot {
     name: &'static str,
     file: &'static str,
-    /// A knee that turns the other way.
+    /// A knee whose axis is reversed.
     turned: Option<&'static str>,
     servos: &'static [&'static str],
     drives: &'static [Drive],

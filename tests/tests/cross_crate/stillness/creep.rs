@@ -1,4 +1,4 @@
-//! Targets that creep.
+//! Joints with slowly moving targets.
 
 use rayon::prelude::*;
 use sinew_retarget::feasibility::RigMotion;
@@ -7,14 +7,14 @@ use sinew_servo_sim::variation::Variation;
 use super::measure::POSES_DEG;
 use super::run::Rig;
 
-/// Rows of the motion come so often, s; it stands, creeps, and stands again.
+/// Time between rows of the motion, s. The target stands still, moves slowly, and stands still again.
 const DT_S: f64 = 0.01;
 const STANDS_S: f64 = 2.0;
 const CREEPS_S: f64 = 6.0;
-/// A stick-slip step is over within this, s.
+/// Longest duration of a stick-slip step, s.
 const STEP_S: f64 = 0.1;
 
-/// Below, at and above the speed from which a target counts as one that moves: 1.146 deg/s.
+/// Speeds below, at and above the one from which a target counts as moving: 1.146 deg/s.
 const SPEEDS_DEG_S: [f64; 5] = [0.1, 0.5, 1.1, 1.2, 2.0];
 
 #[test]
@@ -40,7 +40,7 @@ fn a_creeping_joint_does_not_slip_by_more_than_its_play() {
                 )]
                 let apart = (STEP_S * run.rate_hz).round() as usize;
                 let steps = samples.iter().zip(&samples[apart..]);
-                // What the target goes meanwhile is no step.
+                // The motion of the target meanwhile does not count as a step.
                 let slip = |(a, b): (&super::run::Sample, &super::run::Sample)| {
                     ((b.measured - a.measured) - (b.commanded - a.commanded)).abs()
                 };
@@ -67,7 +67,7 @@ fn a_creeping_joint_does_not_slip_by_more_than_its_play() {
     for (speed, found) in rows {
         for (name, slip, play, jump, friction) in found {
             assert!(slip <= play, "{speed} deg/s, {name}");
-            // A zone that ended at once would feed the whole friction forward in a tick.
+            // A transition zone that ended at once would add the whole friction as feedforward in one tick.
             assert!(jump < 0.75 * friction, "{speed} deg/s, {name}");
         }
     }

@@ -1,4 +1,4 @@
-//! The starter arm follows built-in clips, as `sinew play` puts them on it.
+//! The starter arm follows built-in clips, as with `sinew play`.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ const MEAN_DEG: f64 = 0.27;
 const LARGEST_DEG: f64 = 2.5;
 const CURRENT_A: f64 = 0.6;
 
-/// A built-in clip as a show of a rig, which is told the rig's CRC.
+/// Returns a function that makes a show of a built-in clip for the rig with a CRC.
 pub(super) fn clip_show<'r>(rig: &'r Rig, name: &'r str) -> impl FnOnce(u32) -> Vec<u8> + 'r {
     move |rig_crc| {
         let loaded = LoadedRig {

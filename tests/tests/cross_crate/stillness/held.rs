@@ -1,4 +1,4 @@
-//! The starter arm, as it is and as it was, holds six poses.
+//! The starter arm, in its present and its old form, holds six poses.
 
 use rayon::prelude::*;
 use sinew_performance::play::Drive;
@@ -8,7 +8,7 @@ use super::limits::{Limits, ON_ROTOR, SPLIT};
 use super::measure::Poses;
 use super::run::Rig;
 
-/// An arm on plants that differ from its file: each within its limits.
+/// Checks an arm on plants that differ from its file: each within its limits.
 fn holds(rig: &Rig, plants: &[(String, Variation, Limits)]) {
     let poses = Poses::of_arm();
     let runs: Vec<_> = plants
@@ -26,7 +26,7 @@ fn holds(rig: &Rig, plants: &[(String, Variation, Limits)]) {
     }
 }
 
-/// As its kinds have it, heavier and lighter, and with as little damping as is known of no gear.
+/// Returns plants: with the servos' own values, heavier and lighter, and with the lowest known damping of a gear.
 fn plants(friction: &str, own: Variation, limits: Limits) -> [(String, Variation, Limits); 4] {
     [
         ("as it is", own),
@@ -41,7 +41,8 @@ fn split() -> [(String, Variation, Limits); 4] {
     plants("split friction", Variation::default(), SPLIT)
 }
 
-/// Nothing holds a shaft within the play: with less damping too it floats to and fro for longer than a pose is held.
+/// With all friction on the rotor, nothing holds a shaft within the play. If the damping is also low, the shaft
+/// oscillates for longer than a pose is held, so that plant is left out.
 fn on_rotor() -> Vec<(String, Variation, Limits)> {
     let own = Variation { output_friction: Some(0.0), ..Variation::default() };
     plants("friction on the rotor", own, ON_ROTOR).into_iter().take(3).collect()

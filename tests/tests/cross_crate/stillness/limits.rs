@@ -1,12 +1,12 @@
-//! What a rig that stands may do at most.
+//! Largest motion of a rig that stands still.
 
 use super::measure::Stillness;
 use super::run::Run;
 
-/// What is allowed beyond half the play and a step of the encoder, deg.
+/// Allowed offset beyond half the play and a step of the encoder, deg.
 const OFFSET_DEG: f64 = 0.3;
 
-/// Greatest numbers that are allowed; none for what is not asked.
+/// Largest allowed numbers; infinite if there is no limit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     pub(super) peak_to_peak_deg: f64,
@@ -14,15 +14,15 @@ pub(super) struct Limits {
     pub(super) alternating_a: f64,
 }
 
-/// With friction at both ends of the gear.
+/// Limits with friction at both ends of the gear.
 pub(super) const SPLIT: Limits =
     Limits { peak_to_peak_deg: 0.3, speed_deg_s: 2.0, alternating_a: 0.05 };
-/// With all friction on the rotor.
+/// Limits with all friction on the rotor.
 pub(super) const ON_ROTOR: Limits =
     Limits { peak_to_peak_deg: 0.6, speed_deg_s: 3.0, alternating_a: f64::INFINITY };
 
 impl Run {
-    /// What is not within the limits, by window and joint, in words; and the greatest of each number.
+    /// Describes the numbers that exceed the limits, by window and joint; also returns the largest of each number.
     pub(super) fn beyond(
         &self,
         windows_s: &[[f64; 2]],

@@ -1,4 +1,4 @@
-//! The starter arm stands for ten minutes.
+//! The starter arm stands still for ten minutes.
 
 use sinew_retarget::feasibility::RigMotion;
 use sinew_servo_sim::variation::Variation;
@@ -7,7 +7,7 @@ use super::measure::POSES_DEG;
 use super::run::Rig;
 
 const HOLD_S: f64 = 600.0;
-/// In the last of it, s, the cases get warmer by this at most, K.
+/// The last part of the time, s, and the largest rise of the case temperatures in it, K.
 const LAST_S: f64 = 60.0;
 const RISE_K: f64 = 0.2;
 

@@ -1,22 +1,22 @@
-//! How still a rig stands: poses that are held, and numbers of the ticks within a window.
+//! Measures how still a rig stands: poses that are held, and statistics of the ticks within a window.
 
 use sinew_retarget::feasibility::RigMotion;
 
 use super::run::{Run, Sample};
 
-/// Rows of a motion come so often, s.
+/// Time between rows of a motion, s.
 const DT_S: f64 = 0.01;
-/// So long each pose is held, s.
+/// Time for which each pose is held, s.
 const HOLD_S: f64 = 5.0;
-/// What counts of it, s: the rig has settled, and does not yet go on.
+/// Part of that time that is measured, s: the rig has settled, and does not yet move on.
 const WINDOW_S: [f64; 2] = [1.5, 4.8];
-/// The fastest of a way between poses, rad/s, and the least time of it, s.
+/// Largest speed between poses, rad/s, and least time between poses, s.
 const MOST_RAD_S: f64 = 0.872_664_6;
 const LEAST_S: f64 = 1.0;
-/// Speeds are differences over this, s.
+/// Time over which speeds are measured, s.
 const SPEED_S: f64 = 0.01;
 
-/// Six poses of an arm of six, deg.
+/// Six poses of an arm with six joints, deg.
 pub(super) const POSES_DEG: [[f64; 6]; 6] = [
     [0.0, 20.0, 20.0, 0.0, 20.0, 20.0],
     [0.0, 60.0, 20.0, 0.0, 20.0, 20.0],
@@ -34,12 +34,12 @@ pub(super) struct Poses {
 }
 
 impl Poses {
-    /// Of an arm of six.
+    /// Returns the poses of an arm with six joints.
     pub(super) fn of_arm() -> Self {
         Self::of(&POSES_DEG.map(|pose| pose.map(f64::to_radians).to_vec()))
     }
 
-    /// Ways between the poses are those of least jerk.
+    /// Returns poses with minimum-jerk motions between them.
     pub(super) fn of(poses: &[Vec<f64>]) -> Self {
         let rows_in = |time_s: f64| {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
@@ -69,7 +69,7 @@ impl Poses {
     }
 }
 
-/// How still a dof stood within a window, deg and A.
+/// Stillness of a dof within a window, in deg and A.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Stillness {
     pub(super) peak_to_peak_deg: f64,
@@ -99,7 +99,7 @@ impl Stillness {
         }
     }
 
-    /// The greater of both, number by number.
+    /// Returns the larger of each number.
     pub(super) fn max(self, other: Self) -> Self {
         Self {
             peak_to_peak_deg: self.peak_to_peak_deg.max(other.peak_to_peak_deg),
@@ -110,7 +110,7 @@ impl Stillness {
     }
 }
 
-/// Greatest less least position, rad.
+/// Returns the largest minus the smallest position, rad.
 pub(super) fn peak_to_peak(samples: &[Sample]) -> f64 {
     let ends = samples.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], sample| {
         [least.min(sample.measured), most.max(sample.measured)]
@@ -119,14 +119,14 @@ pub(super) fn peak_to_peak(samples: &[Sample]) -> f64 {
 }
 
 impl Run {
-    /// Ticks of a dof within a window.
+    /// Returns the ticks of a dof within a window.
     pub(super) fn window(&self, dof: usize, window_s: [f64; 2]) -> &[Sample] {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "ticks")]
         let [from, to] = window_s.map(|time_s| (time_s * self.rate_hz).round() as usize);
         &self.samples[dof][from..to]
     }
 
-    /// By window and dof.
+    /// Returns the stillness by window and dof.
     pub(super) fn stillness(&self, windows_s: &[[f64; 2]]) -> Vec<Vec<Stillness>> {
         let of_window = |window: &[f64; 2]| {
             let dofs = 0..self.names.len();

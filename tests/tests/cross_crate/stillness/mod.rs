@@ -1,4 +1,4 @@
-//! Rigs that stand still.
+//! Tests of rigs that stand still.
 
 mod classes;
 mod creep;
@@ -6,6 +6,7 @@ mod follow;
 mod held;
 mod limits;
 mod long;
+mod lowered;
 mod measure;
 mod onset;
 mod position;

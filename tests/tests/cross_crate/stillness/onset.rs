@@ -1,5 +1,5 @@
-//! Where a joint on a soft gear begins to swing: as computed from the poles of the linear loop, and as the core's
-//! tracker does it on the simulated gear.
+//! The onset of oscillation of a joint on a soft gear: computed from the poles of the linear loop, and simulated with
+//! the core's tracker and the simulated gear.
 
 use std::collections::VecDeque;
 
@@ -13,32 +13,32 @@ use sinew_rig::review::{ControlLoop, FlexibleJoint};
 use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::model::{Gear, Parameters};
 
-/// Steps of the simulated gear in a tick: its own damping by the step is then nothing.
+/// Steps of the simulated gear in a tick: with this number its numerical damping is negligible.
 const STEPS: u32 = 30;
-/// How far a load winds up the gear, rad, so that its teeth touch. The load comes at once, which is the push that a
-/// swing begins with.
+/// Windup of the gear by a load, rad, so that its teeth touch. The load is applied at once; this push starts the
+/// oscillation.
 const WINDUP_RAD: f64 = 1e-3;
-/// How far from its target a joint without such a load begins, rad.
+/// Initial distance from its target of a joint without a load, rad.
 const AWAY_RAD: f64 = 2e-4;
-/// A swing below this is noise of f32, rad.
+/// A smaller oscillation is noise of f32, rad.
 const NOISE_RAD: f64 = 2e-6;
-/// A swing above this may have all that the limits allow, rad.
+/// A larger oscillation may have reached the largest amplitude that the limits allow, rad.
 const LARGE_RAD: f64 = 5e-4;
-/// How far apart both onsets may be.
+/// Largest relative difference of the two onsets.
 const CLOSE: f64 = 0.15;
 
 #[derive(Debug, Clone, Copy)]
 struct Case {
     kind: &'static str,
-    /// The load's inertia, in rotors.
+    /// Inertia of the load, in multiples of the rotor's.
     load: f64,
-    /// What is left of the gear's stiffness, and of its damping.
+    /// Remaining shares of the gear's stiffness and damping.
     left: [f64; 2],
     rate_hz: u32,
     latency_ticks: usize,
 }
 
-/// Thirty: kinds, loads, gears, rates and latencies in turn.
+/// Returns thirty cases: kinds, loads, gears, rates and latencies in turn.
 fn cases() -> Vec<Case> {
     let kinds = ["XL330-M288-T", "XM430-W350-T", "MX-64", "MX-28"];
     let loads = [1.0, 3.0, 10.0, 0.5, 30.0];
@@ -50,7 +50,7 @@ fn cases() -> Vec<Case> {
         .map(|case| {
             let (rate_hz, latency_ticks) = timings[case % timings.len()];
             Case {
-                // The turns of kinds and timings, eight and four long, would coincide.
+                // The cycles of kinds and timings, with lengths four and eight, would coincide.
                 kind: kinds[(case + case / timings.len()) % kinds.len()],
                 load: loads[case % loads.len()],
                 left: left[case % left.len()],
@@ -61,7 +61,7 @@ fn cases() -> Vec<Case> {
         .collect()
 }
 
-/// A target that stands.
+/// A target that stands still.
 struct Stand([Transform; 1]);
 
 impl FrameSource for Stand {
@@ -107,15 +107,15 @@ impl Case {
         }
     }
 
-    /// The bandwidth of the rule, rad/s.
+    /// Returns the bandwidth by the rule, rad/s.
     fn by_rule(&self) -> f64 {
         let joint = self.joint();
         let both = 1.0 + 1.0 / self.load.max(1.0);
         (0.3 * joint.resonance_rad_s() * both.sqrt()).min(150.0)
     }
 
-    /// Whether a push grows, by the tracker and the simulated gear. Teeth without a load part in each swing, and have
-    /// no damping meanwhile: no linear model has that.
+    /// Whether an oscillation grows, with the tracker and the simulated gear. Teeth without a load separate in each
+    /// swing and then have no damping: no linear model contains that.
     #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
     fn swings(&self, bandwidth_rad_s: f64, torque_share: f64, is_loaded: bool) -> bool {
         let joint = self.joint();
@@ -158,7 +158,7 @@ impl Case {
         let mut due: VecDeque<f64> = std::iter::repeat_n(0.0, self.latency_ticks).collect();
         let mut stand = Stand([Transform::IDENTITY]);
         let mut largest = [0.0_f64; 3];
-        // Three times 0.8 s: in the first of them all but the slowest part decays.
+        // Three times 0.8 s: in the first part everything except the slowest component decays.
         let span = self.rate_hz * 4 / 5;
         for tick in 0..3 * span {
             let q = [gear.shaft.position_rad as f32];
@@ -176,14 +176,15 @@ impl Case {
                 *slot = slot.max(gear.shaft.position_rad.abs());
             }
         }
-        // What grows fast is soon as large as the observer's limits let it be, and then no longer grows.
+        // A fast oscillation soon reaches the largest amplitude that the observer's limits allow, and then grows no
+        // more.
         let is_at_limits = largest[2] > LARGE_RAD && largest[2] > 0.9 * largest[1];
         largest[2] > NOISE_RAD && largest[2] > largest[1] || is_at_limits
     }
 }
 
-/// The least of the numbers at which a swing grows, from `from` up in steps of a fifth, then to a percent; none up
-/// to `to`.
+/// Returns the smallest number at which an oscillation grows: searched from `from` in steps of a fifth, then to a
+/// percent; `None` if there is none up to `to`.
 fn onset([from, to]: [f64; 2], grows: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut low, mut high) = (from, from);
     while !grows(high) {
@@ -210,7 +211,7 @@ fn a_joint_begins_to_swing_where_its_poles_say() {
                 case.control(bandwidth_rad_s, share).growth_per_s(&joint) > 0.0
             };
             let rule = case.by_rule();
-            // Of the torque, at the rule's bandwidth; of the bandwidth, up to once in a tick.
+            // Factors on the torque, at the rule's bandwidth; and bandwidths, up to the tick rate.
             let factors = [1.0, 20.0];
             let bandwidths = [0.5 * rule, f64::from(case.rate_hz)];
             let factor = [
@@ -255,14 +256,14 @@ fn a_joint_begins_to_swing_where_its_poles_say() {
     );
     for (case, (_, factor, bandwidth)) in all.iter().zip(&rows) {
         for [computed, loaded, not_loaded] in [factor, bandwidth] {
-            // An onset that only one of both finds is beyond the end of the other's search.
+            // An onset that only one search finds is beyond the end of the other search.
             assert_eq!(computed.is_some(), loaded.is_some(), "{case:?}");
             if let (Some(computed), Some(loaded)) = (computed, loaded) {
                 let apart = (computed / loaded - 1.0).abs();
                 assert!(apart < CLOSE, "{case:?}: {computed:.2} computed, {loaded:.2} simulated");
             }
             if let (Some(computed), Some(not_loaded)) = (computed, not_loaded) {
-                // Less damping: never later, and by no more than a third earlier.
+                // Less damping: never later, and at most a third earlier.
                 let share = not_loaded / computed;
                 assert!((0.67..1.05).contains(&share), "{case:?}: {computed:.2}, {not_loaded:.2}");
             }

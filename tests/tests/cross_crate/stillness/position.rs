@@ -1,4 +1,4 @@
-//! Rigs whose servos are driven by position stand still, by P gains of the rule.
+//! Rigs whose servos are driven by position stand still, with P gains by the rule.
 
 use rayon::prelude::*;
 use sinew_performance::play::Drive;
@@ -9,16 +9,16 @@ use super::measure::{Poses, peak_to_peak};
 use super::robots::{MIXED, OP3, POPPY, poses, robot};
 use super::run::{Rig, Run};
 
-/// The largest peak to peak on a worse gear, deg.
+/// The largest peak-to-peak motion on a worse gear, deg.
 const SWING_DEG: f64 = 0.6;
-/// The starter arm's XL330 are simulated a quarter stiffer than their model: they are lifted too far, by this at most
-/// beyond what friction and play leave, deg.
+/// The starter arm's XL330 are simulated a quarter stiffer than their model: they lift the arm too far, at most by
+/// this beyond the effect of friction and play, deg.
 const LIFTED_DEG: f64 = 0.3;
-/// The damping of its load leaves Poppy's trunk less stiff than its gear could bear: it rests this much farther off at
-/// most, deg.
+/// Because of the damping of its load, Poppy's trunk is less stiff than its gear would allow: it rests at most this much
+/// farther off, deg.
 const TRUNK_DEG: f64 = 0.05;
 
-/// As its kinds have it; with half the stiffness, twice the play and a third of the damping, alone and together.
+/// Returns worse gears: half the stiffness, twice the play and a third of the damping, alone and together.
 fn worse() -> Vec<(&'static str, Variation)> {
     let own = Variation::default();
     let soft = Variation { stiffness: 0.5, ..own };
@@ -34,14 +34,14 @@ fn by_position(rig: Rig) -> Rig {
     Rig { drive: Some(Drive::Position), ..rig }
 }
 
-/// Dofs that stand farther off or move more than allowed; `is_asked` says of which.
+/// Describes the dofs that are farther off or move more than allowed; `is_asked` selects dofs.
 fn beyond(
     run: &Run,
     poses: &Poses,
     lifted_deg: f64,
     is_asked: impl Fn(&str) -> bool,
 ) -> Vec<String> {
-    // What a servo by position draws at rest is its own loop's.
+    // At rest, the current of a servo driven by position depends on its own loop.
     let limits = Limits { alternating_a: f64::INFINITY, ..SPLIT };
     let mut beyond = Vec::new();
     for (window, dofs) in run.stillness(&poses.windows_s).into_iter().enumerate() {
@@ -61,7 +61,8 @@ fn beyond(
     beyond
 }
 
-/// The largest peak to peak of any window, deg, and dofs that swing by more than is allowed, or more and more.
+/// Returns the largest peak-to-peak motion of any window, deg, and the dofs that swing more than allowed, or with
+/// growing amplitude.
 fn swings(
     rig: &Rig,
     run: &Run,
@@ -85,7 +86,7 @@ fn swings(
     (most_deg, bad)
 }
 
-/// A rig stands, and no swing grows on a worse gear.
+/// Checks that a rig stands still, and that no swing grows on a worse gear.
 fn stands(
     name: &str,
     rig: &Rig,
@@ -136,7 +137,7 @@ fn robots_stand_by_position() {
 #[ignore = "needs SINEW_DATA"]
 fn an_op3_with_weak_arms_stands() {
     let rig = robot(OP3, None, MIXED);
-    // What is driven by current has tests of its own.
+    // Servos driven by current have tests of their own.
     let is_weak = |name: &str| {
         ["head_", "l_sho_", "r_sho_", "l_el", "r_el"].iter().any(|own| name.starts_with(own))
     };

@@ -1,4 +1,4 @@
-//! The starter arm is pushed, and stands again.
+//! The starter arm is pushed, and comes to rest again.
 
 use sinew_retarget::feasibility::RigMotion;
 use sinew_servo_sim::variation::Variation;
@@ -7,13 +7,13 @@ use super::limits::SPLIT;
 use super::measure::{POSES_DEG, peak_to_peak};
 use super::run::Rig;
 
-/// When the first joint is pushed, s; then one after the other; and for how long.
+/// Time of the first joint's push, s; interval to the next joint's push, s; and duration of a push, s.
 const FIRST_S: f64 = 3.0;
 const EVERY_S: f64 = 2.0;
 const PUSH_S: f64 = 0.2;
-/// So long after the push it stands.
+/// Time after the push until the joint is at rest, s.
 const SETTLED_S: f64 = 0.5;
-/// What is allowed beyond half the play and a step of the encoder, rad.
+/// Allowed offset beyond half the play and a step of the encoder, rad.
 const OFFSET_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
 
 #[test]
@@ -31,7 +31,7 @@ fn a_pushed_arm_stands_again_without_ringing() {
                 let most_nm = rig.model(dof).continuous_torque_nm.value;
                 *pushed_nm = 0.5 * (most_nm - asked_nm.abs());
                 assert!(*pushed_nm > 0.0);
-                // Down, where the joint carries already.
+                // In the direction of the load that the joint already carries.
                 sim.push(dof, -pushed_nm.abs() * asked_nm.signum());
             } else if since_s >= PUSH_S {
                 sim.push(dof, 0.0);
@@ -48,12 +48,12 @@ fn a_pushed_arm_stands_again_without_ringing() {
         let away = off([begin_s(dof), end_s]).into_iter().map(f64::abs).fold(0.0, f64::max);
         let allowed = run.blind_rad[dof] + OFFSET_RAD;
         let after = off([end_s + SETTLED_S, end_s + EVERY_S - PUSH_S]);
-        // It stands as a pose is held: by its mean offset, and by how far it goes to and fro.
+        // It stands as still as a held pose: by its mean offset, and by its peak-to-peak motion.
         let left = (after.iter().sum::<f64>() / after.len() as f64).abs();
         let swing_deg =
             peak_to_peak(run.window(dof, [end_s + SETTLED_S, end_s + EVERY_S - PUSH_S]))
                 .to_degrees();
-        // A turn back is a change of side, beyond what is allowed.
+        // A reversal is a change of side, with an offset beyond the allowed one.
         let mut sides: Vec<f64> = off([end_s, end_s + EVERY_S - PUSH_S])
             .into_iter()
             .filter(|off| off.abs() > allowed)

@@ -17,10 +17,10 @@ pub(super) const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
 /// An OP3 with weaker servos in its head and arms.
 pub(super) const MIXED: &[&str] =
     &["xm430", "head_*=xl430", "l_sho_*=xl430", "r_sho_*=xl430", "l_el=xl430", "r_el=xl430"];
-/// How far joints are from home in the poses, rad; within the ranges.
+/// Distance of joints from home in the poses, rad, within the ranges.
 const AWAY_RAD: f64 = 0.25;
 
-/// A robot, its left knee turned where that is asked, and servos on it.
+/// Returns a robot with servos on it; the axis of the joint `turned` is reversed.
 pub(super) fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
     let data: PathBuf = std::env::var_os("SINEW_DATA").expect("SINEW_DATA").into();
     let text = std::fs::read_to_string(data.join("urdf").join(file)).unwrap();
@@ -34,7 +34,7 @@ pub(super) fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
     Rig::new(rig)
 }
 
-/// Home, and poses round it.
+/// Returns home, and poses around it.
 pub(super) fn poses(rig: &Rig) -> Poses {
     let home = rig.mechanism.home();
     let links = &rig.mechanism.bodies;

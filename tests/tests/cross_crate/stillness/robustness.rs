@@ -1,4 +1,4 @@
-//! The starter arm stands on gears that are worse than its file says.
+//! The starter arm stands still on gears that are worse than its file says.
 
 use rayon::prelude::*;
 use sinew_servo_sim::variation::Variation;
@@ -6,13 +6,13 @@ use sinew_servo_sim::variation::Variation;
 use super::measure::{Poses, peak_to_peak};
 use super::run::Rig;
 
-/// The largest peak to peak, deg.
+/// The largest peak-to-peak motion, deg.
 const SWING_DEG: f64 = 0.6;
 
-/// The largest peak to peak with all three differences of the gear at once, deg.
+/// The largest peak-to-peak motion with all three changes of the gear at once, deg.
 const TRIPLE_DEG: f64 = 1.0;
 
-/// A gear that differs: in its stiffness, its play, its damping, or in several of them.
+/// Returns gears with other stiffness, play, damping, or several of these.
 fn gears() -> Vec<(String, Variation)> {
     let of_mask = |mask: u32| {
         let has = |bit: u32| mask & (1 << bit) != 0;
@@ -28,8 +28,8 @@ fn gears() -> Vec<(String, Variation)> {
     (0..8).map(of_mask).collect()
 }
 
-/// Each gear but the worst; the arm's own and each that differs in one number, with something else that is off; and
-/// servos of another friction and torque.
+/// Returns each gear except the worst; the arm's own gear and each gear with one change, combined with another error;
+/// and servos with other friction and torque.
 fn plants() -> Vec<(String, Variation)> {
     let mut plants = gears();
     plants.pop();
@@ -74,7 +74,7 @@ fn no_swing_grows_on_the_worst_gear() {
     none_grows("starter arm", &Rig::new_arm(), vec![worst], TRIPLE_DEG);
 }
 
-/// Prints a table of plants, and holds each of them to the most.
+/// Prints a table of plants, and checks the largest motion of each.
 fn none_grows(arm: &str, rig: &Rig, plants: Vec<(String, Variation)>, most_deg: f64) {
     let poses = Poses::of_arm();
     let rows: Vec<_> = plants
@@ -92,7 +92,7 @@ fn none_grows(arm: &str, rig: &Rig, plants: Vec<(String, Variation)>, most_deg: 
                     let step = rig.model(dof).resolution_rad.value.to_degrees();
                     worst_deg = worst_deg.max(all);
                     growth_deg = growth_deg.max(second - first);
-                    // Between encoder steps numbers are rounded.
+                    // Numbers are rounded to encoder steps.
                     if second > first + 1.01 * step || all > most_deg {
                         bad.push(format!(
                             "pose {number}, {joint}: {first:.3}, then {second:.3}, {all:.3} in all"

@@ -1,4 +1,4 @@
-//! A rig that plays a motion on simulated servos, and what every tick was.
+//! A rig that plays a motion on simulated servos, with a record of every tick.
 
 use sinew_performance::play::{Director, Drive, Ended, Memory, Options, RigParts, SimulatedRig};
 use sinew_performance::{Baker, ShowMarks};
@@ -10,27 +10,27 @@ use sinew_servo_sim::plant::RigPlant;
 use sinew_servo_sim::variation::Variation;
 use sinew_show::write::Settings;
 
-/// The old starter arm, which shook.
+/// The old starter arm, which oscillated.
 const OLD_ARM: &str = include_str!("../../../support/rigs/arm_62ff7e0.toml");
-/// A run takes its motion's time and this at most, s: to arm, to go to the first pose, to stop.
+/// Longest time of a run besides its motion, s: to arm, to move to the first pose, to stop.
 const BESIDE_S: u32 = 30;
 
-/// A rig that is driven by current wherever it can be.
+/// A rig that is driven by current wherever possible.
 pub(super) struct Rig {
     pub(super) description: Description,
     pub(super) mechanism: Mechanism,
     pub(super) drive: Option<Drive>,
 }
 
-/// How near shows are to their motions, rad.
+/// Tolerance of shows, rad.
 const SHOW_RAD: f64 = 2e-4;
 
-/// One dof in a tick, rad and A.
+/// State of one dof in a tick, in rad and A.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) commanded: f64,
     pub(super) measured: f64,
-    /// As the controller tells it: less what was commanded a tick before.
+    /// Error that the controller reports, rad: the command of the tick before minus the measured position.
     pub(super) error_rad: f64,
     pub(super) current_a: f64,
     pub(super) is_limited: bool,
@@ -40,9 +40,9 @@ pub(super) struct Sample {
 pub(super) struct Run {
     pub(super) rate_hz: f64,
     pub(super) names: Vec<String>,
-    /// Half the play and a step of the encoder of each dof's servos, rad.
+    /// Half the play plus a step of the encoder of each dof's servos, rad.
     pub(super) blind_rad: Vec<f64>,
-    /// By dof, tick after tick.
+    /// Samples by dof, then by tick.
     pub(super) samples: Vec<Vec<Sample>>,
 }
 
@@ -52,7 +52,7 @@ impl Rig {
         Self { description, mechanism, drive: None }
     }
 
-    /// The starter arm.
+    /// Returns the starter arm.
     pub(super) fn new_arm() -> Self {
         Self::new(sinew_rig::new::arm(6).unwrap())
     }
@@ -61,12 +61,12 @@ impl Rig {
         Self::new(sinew_rig::toml_file::read(OLD_ARM).unwrap())
     }
 
-    /// The kind of the servo that turns a dof.
+    /// Returns the model of a servo.
     pub(super) fn model(&self, servo: usize) -> ServoModel {
         self.description.servo_model(&self.description.servos[servo].model).unwrap()
     }
 
-    /// Plays a motion, and records it. `on_tick` sees the rig before each tick of the show.
+    /// Plays a motion, and records it. `on_tick` receives the rig before each tick of the show.
     pub(super) fn play(
         &self,
         motion: &RigMotion,
@@ -76,12 +76,12 @@ impl Rig {
         self.perform(self.show_of(motion), variation, on_tick)
     }
 
-    /// A motion as a show of the rig, which is told its CRC.
+    /// Returns a function that makes a show of a motion for the rig with a CRC.
     pub(super) fn show_of<'r>(
         &'r self,
         motion: &'r RigMotion,
     ) -> impl FnOnce(u32) -> Vec<u8> + use<'r> {
-        // A show is within its tolerance of its motion, and where that stands it creeps to and fro in it.
+        // A show may differ from its motion by its tolerance, so a constant pose moves slowly within it.
         let settings = Settings { angle_rad: SHOW_RAD, ..Settings::default() };
         move |rig_crc| {
             let baker = Baker { mechanism: &self.mechanism, rig: rig_crc, settings };
@@ -89,7 +89,7 @@ impl Rig {
         }
     }
 
-    /// The same of a show, which is told the CRC of its rig.
+    /// Plays a show, and records it. `show` makes the show for the rig's CRC.
     pub(super) fn perform(
         &self,
         show: impl FnOnce(u32) -> Vec<u8>,

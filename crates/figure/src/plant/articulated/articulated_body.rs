@@ -1,35 +1,34 @@
-//! A body with all that hangs on it, as its joint feels it.
+//! The articulated inertia of a body and all its descendants, at the body's joint.
 
 use glam::{DMat3, DVec3};
 
 use super::spatial::{MotionAxis, World, skew, skew_times, times_skew_transposed};
 
-/// A body with all that hangs on it, as felt at its joint:
-/// `torque = A α + B a + torque_bias`, `force = Bᵀ α + M a + force_bias`,
-/// with the body's angular acceleration α and its joint's acceleration a.
+/// Equations of motion of a body with all its descendants, at its joint: `torque = A α + B a + torque_bias`,
+/// `force = Bᵀ α + M a + force_bias`, with the body's angular acceleration α and its joint's acceleration a.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Articulated {
-    /// A.
+    /// Matrix A of the equations.
     rotational: DMat3,
-    /// B.
+    /// Matrix B of the equations.
     coupling: DMat3,
-    /// M.
+    /// Matrix M of the equations.
     mass: DMat3,
     pub(super) torque_bias: DVec3,
     pub(super) force_bias: DVec3,
-    /// α if a is zero.
+    /// Angular acceleration α if a is zero.
     free: DVec3,
-    /// What a takes from α: `A⁻¹ B`.
+    /// Decrease of α per unit of a: `A⁻¹ B`.
     dragged: DMat3,
-    /// α.
+    /// Angular acceleration α.
     pub(super) angular: DVec3,
-    /// a, less gravity.
+    /// Acceleration a of the joint, minus gravity.
     pub(super) linear: DVec3,
 }
 
 impl Articulated {
-    /// Returns a body by itself: Newton's and Euler's equations about its joint. The mass comes in kg, the first moment
-    /// in kg m and the rotational inertia in kg m², in body axes.
+    /// Creates the equations of a body alone: Newton's and Euler's equations about its joint. The mass is in kg,
+    /// the first moment in kg m and the rotational inertia in kg m², in body axes.
     #[inline]
     pub(super) fn of_body(
         world: &World,
@@ -50,7 +49,8 @@ impl Articulated {
         }
     }
 
-    /// Lets the joint turn under its torque. What is left is `force = mass a + force_bias`, returned.
+    /// Lets the joint turn under its torque. The remaining equation is `force = mass a + force_bias`; its mass and
+    /// force bias are returned.
     #[inline]
     pub(super) fn release(&mut self, torque: DVec3) -> (DMat3, DVec3) {
         let inverse = self.rotational.inverse();
@@ -72,7 +72,7 @@ impl Articulated {
         self.torque_bias += torque + child.arm_m.cross(force);
     }
 
-    /// Adds a child that passes on all that its bearings carry.
+    /// Adds a child that transmits everything that its bearings carry.
     #[inline]
     pub(super) fn carry_all(&mut self, child: &World, passed: &Self) {
         let turned = times_skew_transposed(passed.coupling, child.arm_m);
@@ -87,14 +87,14 @@ impl Articulated {
         self.torque_bias += passed.torque_bias + child.arm_m.cross(passed.force_bias);
     }
 
-    /// Moves a released body with its joint.
+    /// Computes the acceleration of a released body from its joint's.
     #[inline]
     pub(super) fn follow(&mut self, linear: DVec3) {
         self.linear = linear;
         self.angular = self.free - self.dragged * linear;
     }
 
-    /// Torque and force that an acceleration takes.
+    /// Returns the torque and force needed for an acceleration.
     #[inline]
     pub(super) fn push(&self, by: MotionAxis) -> MotionAxis {
         MotionAxis {
@@ -103,14 +103,14 @@ impl Articulated {
         }
     }
 
-    /// The same with the biases.
+    /// Returns the torque and force needed for an acceleration, with the biases.
     #[inline]
     pub(super) fn feel(&self, by: MotionAxis) -> MotionAxis {
         let MotionAxis { angular, linear } = self.push(by);
         MotionAxis { angular: angular + self.torque_bias, linear: linear + self.force_bias }
     }
 
-    /// Takes the product of two columns off.
+    /// Subtracts the outer product of two columns.
     #[inline]
     pub(super) fn take(&mut self, a: MotionAxis, b: MotionAxis) {
         let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);

@@ -1,44 +1,44 @@
-//! What holds a joint: Coulomb friction and the ends of its range, over a step.
+//! Constraints on a dof over a step: Coulomb friction and the ends of its range.
 //!
-//! Both act on the speed `v` at the end of the step, with an effort that is just as large as it has to be. So they are
-//! stable at any step, and need no stiffness that nobody knows:
+//! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore
+//! stable for any step size, and need no stiffness parameter, which nobody would know:
 //!
-//! - friction holds a dof at `v = 0` as long as that takes no more than the friction, and brakes with all of it
-//!   otherwise;
-//! - an end of the range lets a dof come to it within the step and no farther: an inelastic stop. Its effort only
-//!   pushes back. A dof that starts beyond may not go on, and is not thrown back.
+//! - friction holds a dof at `v = 0` if the effort for that is at most the friction, and otherwise brakes with the
+//!   whole friction;
+//! - an end of the range lets a dof reach it within the step, but not pass it: an inelastic stop. Its effort only
+//!   pushes back. A dof that starts beyond the end may not move farther, but is not thrown back.
 //!
-//! With the mechanism between them, this is a linear complementarity problem with a positive definite matrix: it has
-//! one solution. The modes of all dofs are guessed, a pass of forward dynamics tells what holds them and how fast they
-//! are, and what does not agree is guessed again. If that does not end, one at a time (Murty's least index), which
-//! does.
+//! Together with the mechanism, this is a linear complementarity problem with a positive definite matrix, which
+//! has exactly one solution. It is solved iteratively: the modes of all dofs are guessed, a pass of forward
+//! dynamics computes the holding efforts and the speeds, and the modes that contradict them are changed. If this
+//! does not converge, one mode is changed at a time (Murty's least index), which always terminates.
 
-/// The motion of a dof in a step.
+/// The mode of motion of a dof in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Mode {
-    /// It moves, in this direction if there is friction; zero if there is none.
+    /// The dof moves, in this direction if it has friction; the direction is zero without friction.
     Slide(f64),
-    /// Friction holds it.
+    /// Friction holds the dof.
     Stick,
-    /// It comes to the lower end of its range.
+    /// The dof arrives at the lower end of its range.
     Low,
-    /// It comes to the upper end of its range.
+    /// The dof arrives at the upper end of its range.
     High,
 }
 
-/// A bound that may hold a dof in a step.
+/// The bounds that may hold a dof in a step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
-    /// Speeds that lead to the ends of the range.
+    /// Speeds at which the dof reaches the ends of its range within the step.
     ends: [f64; 2],
     friction: f64,
 }
 
-/// Efforts and speeds that differ by less, as a share of what they are, are the same.
+/// Relative difference below which two efforts or speeds are equal.
 const ROUNDING: f64 = 1e-9;
 
 impl Mode {
-    /// That of a dof that nothing stops.
+    /// Returns the mode of an unconstrained dof with this speed.
     pub(super) fn of_speed(friction: f64, speed: f64) -> Self {
         match (friction > 0.0, speed == 0.0) {
             (false, _) => Self::Slide(0.0),
@@ -49,14 +49,14 @@ impl Mode {
 }
 
 impl Bounds {
-    /// Those of a dof at a coordinate in its range, for a step of `h` seconds. `back`: the speed at which it may be
-    /// brought back if it is beyond an end.
+    /// Creates the bounds of a dof at coordinate `at`, for a step of `h` seconds. `back` is the speed at which the
+    /// dof may be moved back if it is beyond an end.
     pub(super) fn new(range: [f64; 2], at: f64, friction: f64, h: f64, back: f64) -> Self {
         let [low, high] = range.map(|end| (end - at) / h);
         Self { ends: [low.min(back), high.max(-back)], friction }
     }
 
-    /// Effort of the friction on a dof, if it slides.
+    /// Returns the effort of the friction on a dof, if it slides.
     pub(super) fn braking(self, mode: Mode) -> f64 {
         match mode {
             Mode::Slide(direction) => -direction * self.friction,
@@ -64,7 +64,7 @@ impl Bounds {
         }
     }
 
-    /// The speed that a dof is held at.
+    /// Returns the speed at which the mode holds a dof; `None` for a sliding dof.
     pub(super) fn held_speed(self, mode: Mode) -> Option<f64> {
         match mode {
             Mode::Slide(_) => None,
@@ -74,13 +74,13 @@ impl Bounds {
         }
     }
 
-    /// The mode that agrees better: `speed` at the end of the step, and `effort` that holds it there. `scale`: of
-    /// the efforts that it is the difference of.
+    /// Returns the mode that agrees with the result: `speed` at the end of the step, and the `effort` that holds
+    /// the dof there. `scale` is the magnitude of the efforts of which `effort` is the difference, for rounding.
     pub(super) fn next(self, mode: Mode, speed: f64, effort: f64, scale: f64) -> Mode {
         let Self { ends: [low, high], friction } = self;
         let slide = |direction: f64| Mode::Slide(if friction > 0.0 { direction } else { 0.0 });
         let least = ROUNDING * (friction + scale.abs());
-        // What friction gives at a speed.
+        // Returns the friction at a speed.
         let at = |speed: f64, towards: f64| {
             if speed == 0.0 { towards * friction } else { -speed.signum() * friction }
         };

@@ -1,12 +1,13 @@
-//! Forward dynamics by the articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008,
-//! chapter 7), O(n).
+//! Forward dynamics by the articulated-body algorithm (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter
+//! 7), O(n).
 //!
-//! All is in world axes, each body about its own joint. Accelerations are the classical ones of the joints, so no
-//! linear velocity of bodies enters, and nothing is turned from body to body.
+//! All quantities are in world axes, each body's about its own joint. Accelerations are the classical
+//! accelerations of the joints: the bodies' linear velocities are not needed, and nothing is rotated between
+//! bodies.
 //!
-//! A drive acts on all three turns of a ball joint, so a subtree on one passes nothing on to its parent but a force at
-//! the joint, and the inertia that the parent feels there is a 3x3 matrix. Other joints pass on what their bearings
-//! carry: three such matrices.
+//! A drive acts on all three rotations of a ball joint. A subtree on a ball joint therefore transmits only a force
+//! at the joint to its parent, and the inertia that the parent feels there is a 3x3 matrix. Other joints also
+//! transmit the loads on their bearings: three 3x3 matrices.
 
 use glam::DVec3;
 
@@ -17,7 +18,7 @@ use super::spatial::{MAX_DOFS, MotionAxis, World};
 use super::tree::{Link, RootMount, Tree};
 
 impl Tree {
-    /// Works out the accelerations that the drives make; friction and the ends of ranges as over `h` seconds.
+    /// Computes the accelerations under the drives, with friction and range ends as they act over `h` seconds.
     pub(super) fn accelerate(&mut self, h: f64) {
         self.pass(h);
         if !self.links.iter().any(|link| link.joint.as_deref().is_some_and(Joint::is_bounded)) {
@@ -25,7 +26,8 @@ impl Tree {
         }
         let dofs: usize =
             self.links.iter().filter_map(|link| Some(link.joint.as_ref()?.count)).sum();
-        // All at once as often as helps, then one by one; it ends long before.
+        // First all modes at once, for as long as that may help; then one at a time. It terminates long before the
+        // limit.
         for round in 0..10 + 4 * dofs {
             if !self.agree(h, round < 10) {
                 break;
@@ -34,7 +36,7 @@ impl Tree {
         }
     }
 
-    /// Forward dynamics with the modes as they are.
+    /// Runs forward dynamics with the present modes.
     fn pass(&mut self, h: f64) {
         for link in &mut self.links {
             link.articulated = Articulated::of_body(
@@ -80,7 +82,7 @@ impl Tree {
         }
     }
 
-    /// Gravity is an acceleration of the world upwards.
+    /// Computes the acceleration of the root. Gravity is modelled as an upward acceleration of the world.
     fn accelerate_root(&mut self, h: f64) {
         let root = &mut self.links[0];
         let axes = root.world.axes;
@@ -108,7 +110,8 @@ impl Tree {
         self.root_acceleration_m_s2 = root.articulated.linear + self.gravity_m_s2;
     }
 
-    /// Changes modes that do not agree with the accelerations, all or the first; says whether there was one.
+    /// Changes the modes that contradict the accelerations: all of them, or only the first. Returns whether a mode
+    /// was changed.
     pub(super) fn agree(&mut self, h: f64, all: bool) -> bool {
         let mut changed = false;
         for link in &mut self.links {
@@ -122,8 +125,8 @@ impl Tree {
 }
 
 impl Link {
-    /// Lets the free dofs of the joint move. What is left is felt by the parent at the joint, returned: in terms of the
-    /// acceleration that the body would have there if it were fast to the parent.
+    /// Eliminates the free dofs of the joint. Returns the articulated inertia that the parent feels at the joint,
+    /// in terms of the acceleration that the body would have there if it were rigidly attached to the parent.
     fn release_dofs(&mut self, torque: DVec3, h: f64) -> Articulated {
         let Some(joint) = self.joint.as_mut() else { return self.articulated };
         let World { axes, angular_bias_rad_s2, linear_bias_m_s2, .. } = self.world;
@@ -152,7 +155,7 @@ impl Link {
             for (column, other) in free.iter().enumerate() {
                 inertia[row][column] = joint.motion_axes[*other].dot(pushed[row]);
             }
-            // Viscous friction is that at the end of the step: stable however large it is.
+            // The viscous friction is computed at the end of the step, which is stable for any coefficient.
             inertia[row][row] += joint.rotor + h * joint.damping;
             let bounds = joint.bounds(*dof, &self.in_parent.pose, h);
             efforts[row] = at.dot(MotionAxis { angular: torque, linear: force })
@@ -180,7 +183,7 @@ impl Link {
         passed
     }
 
-    /// Moves a body whose dofs are released with its parent, which has these accelerations at the joint.
+    /// Computes the acceleration of a body with released dofs, from its parent's accelerations at the joint.
     fn follow_dofs(&mut self, angular: DVec3, linear: DVec3) {
         let Some(joint) = self.joint.as_mut() else { return };
         let parent = MotionAxis { angular, linear };
@@ -196,13 +199,13 @@ impl Link {
         self.articulated.angular = angular + angular_bias_rad_s2 + own.angular;
         self.articulated.linear = linear + linear_bias_m_s2 + own.linear;
         let to_body = self.world.axes.transpose();
-        // The derivative of components: that of the axes as well.
+        // The derivative of the components in body axes includes that of the axes.
         self.spin_rate_rad_s2 = to_body * (own.angular + joint.bias_rad_s2());
         self.slide_rate_m_s2 = to_body * own.linear;
     }
 
-    /// Changes modes of the joint's dofs that do not agree with what they do, all or the first; says whether there was
-    /// one.
+    /// Changes the modes of the joint's dofs that contradict their motion: all of them, or only the first. Returns
+    /// whether a mode was changed.
     fn agree(&mut self, h: f64, all: bool) -> bool {
         let Some(joint) = self.joint.as_mut().filter(|joint| joint.is_bounded()) else {
             return false;
@@ -234,8 +237,8 @@ impl Link {
     }
 }
 
-/// Inverts the leading part of a symmetric, positive definite matrix in place: Gauss and Jordan, which needs no pivots
-/// for such.
+/// Inverts the leading part of a symmetric, positive definite matrix in place by Gauss-Jordan elimination. A
+/// matrix of this kind needs no pivoting.
 pub(super) fn invert(m: &mut [[f64; MAX_DOFS]; MAX_DOFS], count: usize) {
     for pivot in 0..count {
         let factor = 1.0 / m[pivot][pivot];

@@ -1,6 +1,6 @@
-//! Joints of any kind in reduced coordinates: their state, the dofs that they leave free, and how these go on.
+//! Joints of any kind in reduced coordinates: their state, their dofs, and the integration of the state.
 //!
-//! A ball joint without rotor, friction and range needs none of this: see `dynamics.rs`.
+//! A ball joint without rotor, friction and range needs none of this; see `dynamics.rs`.
 
 use std::f64::consts::TAU;
 
@@ -10,7 +10,7 @@ use super::bounds::{Bounds, Mode};
 use super::spatial::{InParent, MAX_DOFS, MotionAxis, World};
 use crate::plant::{JointModel, Link as Given, Pose};
 
-/// A response of the dofs of a joint to the acceleration of its parent there: `rates = alone - dragged · (α, a)`.
+/// The response of a joint's dofs to the acceleration of its parent there: `rates = alone - dragged · (α, a)`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct DofResponse {
     pub(super) alone: [f64; MAX_DOFS],
@@ -21,25 +21,25 @@ pub(super) struct DofResponse {
 #[derive(Debug, Clone)]
 pub(super) struct Joint {
     kind: JointModel,
-    /// Pose of the joint frame in the parent's.
+    /// Pose of the joint frame in the parent's frame.
     placement: Pose,
-    /// The inertia that the rotor adds along each dof.
+    /// Inertia that the rotor adds along each dof.
     pub(super) rotor: f64,
     /// Coulomb friction along each dof.
     pub(super) friction: f64,
     /// Viscous friction along each dof.
     pub(super) damping: f64,
-    /// Least and most of each coordinate; infinite where there is no limit.
+    /// Lower and upper limit of each coordinate; infinite if there is no limit.
     ranges: [[f64; 2]; 2],
-    /// Angles or the distance of a joint of one or two axes.
+    /// Angles or distance of a joint of one or two axes.
     coordinates: [f64; 2],
-    /// Along the dofs.
+    /// Speeds along the dofs.
     pub(super) speeds: [f64; MAX_DOFS],
     /// Force of the drive on the body, body axes.
     pub(super) force_n: DVec3,
 
     pub(super) motion_axes: [MotionAxis; MAX_DOFS],
-    /// How many of them there are.
+    /// Number of dofs.
     pub(super) count: usize,
     pub(super) modes: [Mode; MAX_DOFS],
     /// Accelerations along the dofs.
@@ -47,7 +47,8 @@ pub(super) struct Joint {
     pub(super) response: DofResponse,
 }
 
-/// Where a joint stands along its axes. Poses do not count turns: an angle is the one next to the middle of its range.
+/// Returns the coordinates of a joint along its axes. Poses do not count turns: each angle is the value nearest to
+/// the middle of its range.
 fn coordinates(given: &Given, in_joint: &Pose) -> [f64; 2] {
     let mut coordinates = given.joint.along(in_joint);
     if let JointModel::Revolute(_) | JointModel::Universal(_) = given.joint {
@@ -62,7 +63,7 @@ fn coordinates(given: &Given, in_joint: &Pose) -> [f64; 2] {
 }
 
 impl Joint {
-    /// The joint of a body; `None` for a ball joint that turns freely.
+    /// Creates the joint of a body; `None` for a ball joint that turns freely.
     pub(super) fn new(given: &Given, state: &InParent) -> Option<Self> {
         let free = given.rotor_inertia == 0.0
             && given.friction == 0.0
@@ -103,7 +104,7 @@ impl Joint {
         Some(joint)
     }
 
-    /// Axes of the dofs that turn, in the body; zero for those that slide.
+    /// Returns the axes of the rotational dofs in the body's frame; zero for translational dofs.
     fn axes_in_body(&self, in_parent: &Pose) -> [DVec3; MAX_DOFS] {
         let mut axes = [DVec3::ZERO; MAX_DOFS];
         match self.kind {
@@ -118,7 +119,7 @@ impl Joint {
                 axes[..3].copy_from_slice(&DVec3::AXES);
             }
             JointModel::Spherical => {
-                // The first is the one that leads to the end of the range.
+                // The first axis is that of the turn towards the end of the range.
                 let (axis, _) = self.swing(in_parent);
                 let (second, third) = axis.any_orthonormal_pair();
                 axes[..3].copy_from_slice(&[axis, second, third]);
@@ -127,7 +128,7 @@ impl Joint {
         axes
     }
 
-    /// Directions of the dofs that slide, in the parent; zero for those that turn.
+    /// Returns the directions of the translational dofs in the parent's frame; zero for rotational dofs.
     fn slides_in_parent(&self) -> [DVec3; MAX_DOFS] {
         let mut slides = [DVec3::ZERO; MAX_DOFS];
         match self.kind {
@@ -138,20 +139,20 @@ impl Joint {
         slides
     }
 
-    /// Whether a ball joint may come to the end of its range in a step. Elsewhere its friction acts along the axes of
-    /// the body, as that of three drives does.
+    /// Returns whether a ball joint may reach the end of its range in a step. Otherwise its friction acts along
+    /// the axes of the body, like the friction of three drives.
     fn is_near_end(&self, in_parent: &Pose) -> bool {
-        /// The slowest control that there is.
+        /// Longest time step of any control.
         const STEP_S: f64 = 0.1;
-        /// More than it can gain by speeding up within a step.
+        /// Margin larger than the angle that acceleration can add within a step.
         const MARGIN_RAD: f64 = 0.1;
         let [_, end] = self.ranges[0];
-        // The same along any three axes.
+        // The length is the same for any three orthogonal axes.
         let speed_rad_s = DVec3::from_slice(&self.speeds[..3]).length();
         end.is_finite() && self.swing(in_parent).1 + STEP_S * speed_rad_s + MARGIN_RAD >= end
     }
 
-    /// Axis and angle of a ball joint's turn from its placement.
+    /// Returns axis and angle of a ball joint's rotation from its placement.
     fn swing(&self, in_parent: &Pose) -> (DVec3, f64) {
         let turn = self.placement.rotation.conjugate() * in_parent.rotation;
         let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -159,15 +160,15 @@ impl Joint {
         (turn.xyz().normalize_or(DVec3::X), angle_rad)
     }
 
-    /// Whether something may hold it: friction or the end of a range.
+    /// Returns whether friction or the end of a range may hold the joint.
     pub(super) fn is_bounded(&self) -> bool {
         self.friction > 0.0 || self.ranges.iter().flatten().any(|end| end.is_finite())
     }
 
     /// Returns the bounds that may hold a dof, for a step of `h` seconds.
     pub(super) fn bounds(&self, dof: usize, in_parent: &Pose, h: f64) -> Bounds {
-        // A ball joint's turns across the one that leads to its end lead a little beyond it, too, of second order in
-        // the step; they would add up.
+        // A ball joint's turns perpendicular to the turn that leads to its end also lead a little beyond the end,
+        // of second order in the step. Without the correction they would accumulate.
         const BACK_RAD_S: f64 = 1.0;
         let none = [f64::NEG_INFINITY, f64::INFINITY];
         let back = if self.kind == JointModel::Spherical { BACK_RAD_S } else { 0.0 };
@@ -183,11 +184,11 @@ impl Joint {
         Bounds::new(range, at, self.friction, h, back)
     }
 
-    /// Updates the motion axes, with the body's parent and the body in the world.
+    /// Updates the motion axes from the poses of the body and its parent in the world.
     pub(super) fn update_motion_axes(&mut self, in_parent: &Pose, parent: &World, body: &World) {
         let (axes, slides) = (self.axes_in_body(in_parent), self.slides_in_parent());
         if self.kind == JointModel::Spherical {
-            // Other axes from step to step, the same spin.
+            // The axes change from step to step, but the spin does not.
             let spin = body.spin_rad_s;
             for (speed, axis) in self.speeds.iter_mut().zip(axes).take(3) {
                 *speed = axis.dot(spin);
@@ -199,10 +200,11 @@ impl Joint {
         }
     }
 
-    /// The acceleration of the body that the dofs have by moving themselves, the parent's turn left out.
+    /// Returns the acceleration of the body that results from the motion of its own dofs, without the parent's
+    /// rotation.
     pub(super) fn bias_rad_s2(&self) -> DVec3 {
         match self.kind {
-            // The first axis carries the second round.
+            // The first axis rotates the second.
             JointModel::Universal(_) => {
                 let [first, second, ..] = self.motion_axes;
                 first.angular.cross(second.angular) * (self.speeds[0] * self.speeds[1])
@@ -211,7 +213,7 @@ impl Joint {
         }
     }
 
-    /// Semi-implicit Euler over `h` seconds: the speeds first.
+    /// Integrates by semi-implicit Euler over `h` seconds: speeds first.
     pub(super) fn advance(&mut self, h: f64, in_parent: &mut InParent) {
         let axes = self.axes_in_body(&in_parent.pose);
         for (speed, rate) in self.speeds.iter_mut().zip(self.rates).take(self.count) {
@@ -238,7 +240,7 @@ impl Joint {
         }
     }
 
-    /// Where the body of a joint of one or two axes is.
+    /// Returns the pose and velocity of the body relative to its parent, for a joint of one or two axes.
     pub(super) fn in_parent(&self) -> InParent {
         let in_joint = self.kind.motion(&self.coordinates);
         let pose = self.placement.child(in_joint.position_m, in_joint.rotation);

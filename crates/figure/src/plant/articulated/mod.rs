@@ -1,5 +1,5 @@
-//! The exact plant: reduced coordinates, so that joints cannot drift apart, and forward dynamics of our own
-//! in f64. It is the judge of the others.
+//! The exact plant: reduced coordinates, which keep joints from drifting apart, and our own forward dynamics in
+//! f64. It is the reference for the other plants.
 
 mod articulated_body;
 mod bounds;
@@ -19,12 +19,13 @@ use tree::Tree;
 
 /// A mechanism in reduced coordinates: a position and a velocity for each dof of its joints.
 ///
-/// Takes any tree of joints, with what their rotors add to their inertia, viscous and Coulomb friction, and ranges.
-/// Viscous friction is implicit, Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All
-/// three are stable at any step.
+/// Accepts any tree of joints, with rotor inertia, viscous and Coulomb friction, and ranges. Viscous friction is
+/// implicit; Coulomb friction and the ends of ranges hold a joint exactly: see `bounds.rs`. All three are stable
+/// for any step size.
 ///
-/// Each substep is one of semi-implicit Euler, the velocities first. The torques are held over the substeps
-/// in the axes of the bodies that they act on, as motors do, the root's force in the root's.
+/// Each substep is a step of semi-implicit Euler, velocities first. Over the substeps the torques are constant in
+/// the axes of the bodies on which they act, like those of motors, and the root's force is constant in the root's
+/// axes.
 #[derive(Debug, Clone)]
 pub struct ArticulatedPlant {
     tree: Tree,
@@ -33,26 +34,26 @@ pub struct ArticulatedPlant {
     poses: Vec<Pose>,
 }
 
-/// How a mechanism accelerates.
+/// Accelerations of a mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accelerations {
     /// Classical acceleration of the root's origin in m/s², world axes.
     pub root_m_s2: DVec3,
-    /// By joint, in rad/s², along the turns that it leaves free: the derivative of the components in body axes of its
-    /// body's angular velocity against the parent, the root's against the world.
+    /// Angular acceleration of each joint in rad/s², along its rotational dofs: the derivative of the components
+    /// in body axes of its body's angular velocity relative to the parent. The root's is relative to the world.
     pub joints_rad_s2: Vec<DVec3>,
-    /// By joint, in m/s², along the slides that it leaves free, body axes; the root's are above.
+    /// Linear acceleration of each joint in m/s², along its translational dofs, body axes. For the root see
+    /// `root_m_s2`.
     pub slides_m_s2: Vec<DVec3>,
 }
 
 impl ArticulatedPlant {
-    /// Builds the mechanism in the given state, one of `start` per body.
+    /// Builds the mechanism in the given state. `start` has one state per body.
     ///
-    /// The joints take their positions and velocities along what they leave free from it. A bolted root has no
-    /// velocity.
+    /// From `start` each joint takes its position and velocity along its dofs. A bolted root has no velocity.
     ///
     /// # Errors
-    /// [`PlantError`] if this is no tree with a state for each body, or a number is one that no machine has.
+    /// [`PlantError`] if this is not a tree with a state for each body, or a number is physically impossible.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
@@ -67,14 +68,14 @@ impl ArticulatedPlant {
         Ok(Self { tree, dt_s, substeps, poses })
     }
 
-    /// The same under another gravity, in m/s², world axes.
+    /// Sets gravity, in world axes, m/s².
     #[must_use]
     pub fn with_gravity(mut self, gravity_m_s2: DVec3) -> Self {
         self.tree.gravity_m_s2 = gravity_m_s2;
         self
     }
 
-    /// What this plant is.
+    /// Returns a description of this plant.
     pub const fn description(substeps: usize) -> Description {
         Description {
             name: "articulated",
@@ -89,7 +90,7 @@ impl ArticulatedPlant {
         }
     }
 
-    /// Forward dynamics: the accelerations that the drives make in the present state.
+    /// Computes forward dynamics: the accelerations under the drives in the present state.
     pub fn accelerations(&mut self, drive: &Drive) -> Accelerations {
         self.tree.set_drive(drive);
         self.tree.accelerate(self.dt_s / self.substeps as f64);
@@ -100,7 +101,7 @@ impl ArticulatedPlant {
         }
     }
 
-    /// How the bodies move.
+    /// Returns the poses and velocities of the bodies.
     pub fn motions(&self) -> Vec<MovingPose> {
         self.tree.motions(&self.poses)
     }

@@ -1,13 +1,13 @@
-//! Motion axes, states of bodies and matrices that all files here compute with.
+//! Motion axes, states of bodies, and matrix operations for all files of this module.
 
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::plant::Pose;
 
-/// The largest number of degrees of freedom of a joint.
+/// Maximum number of dofs of a joint.
 pub(super) const MAX_DOFS: usize = 6;
 
-/// The motion along a dof of a joint: what its unit speed adds to the body's velocity, world axes.
+/// The motion along a dof of a joint: the change of the body's velocity per unit speed, world axes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MotionAxis {
     pub(super) angular: DVec3,
@@ -29,36 +29,36 @@ impl MotionAxis {
     }
 }
 
-/// A pose and a velocity of a body in its parent.
+/// Pose and velocity of a body relative to its parent.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct InParent {
     pub(super) pose: Pose,
-    /// Body axes.
+    /// Angular velocity, body axes.
     pub(super) spin_rad_s: DVec3,
-    /// Of the origin, the parent's axes.
+    /// Velocity of the origin, in the parent's axes.
     pub(super) slide_m_s: DVec3,
 }
 
-/// A rotation and velocities of a body, world axes: what follows from the joints.
+/// Rotation and velocities of a body in the world, computed from the joints.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct World {
     pub(super) rotation: DQuat,
-    /// The rotation as a matrix.
+    /// Rotation as a matrix.
     pub(super) axes: DMat3,
-    /// From the parent's joint to this one.
+    /// Vector from the parent's joint to this joint.
     pub(super) arm_m: DVec3,
     pub(super) angular_rad_s: DVec3,
-    /// Velocity of the joint less that of the parent there.
+    /// Velocity of the joint relative to the parent's point there.
     pub(super) slide_m_s: DVec3,
-    /// Angular acceleration less the parent's, if the components of the spin stay.
+    /// Angular acceleration relative to the parent's, if the components of the spin are constant.
     pub(super) angular_bias_rad_s2: DVec3,
-    /// Acceleration of the joint less the parent's, if the parent turns steadily.
+    /// Acceleration of the joint relative to the parent's, if the parent's angular velocity is constant.
     pub(super) linear_bias_m_s2: DVec3,
-    /// Angular velocity against the parent, body axes.
+    /// Angular velocity relative to the parent, body axes.
     pub(super) spin_rad_s: DVec3,
 }
 
-/// The matrix of `v ×`.
+/// Returns the matrix of `v ×`.
 #[inline]
 pub(super) fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(
@@ -68,13 +68,13 @@ pub(super) fn skew(v: DVec3) -> DMat3 {
     )
 }
 
-/// `skew(v) m`, without the products by zero.
+/// Computes `skew(v) m` without the products by zero.
 #[inline]
 pub(super) fn skew_times(v: DVec3, m: DMat3) -> DMat3 {
     DMat3::from_cols(v.cross(m.x_axis), v.cross(m.y_axis), v.cross(m.z_axis))
 }
 
-/// `m skew(v)ᵀ`, without the products by zero.
+/// Computes `m skew(v)ᵀ` without the products by zero.
 #[inline]
 pub(super) fn times_skew_transposed(m: DMat3, v: DVec3) -> DMat3 {
     DMat3::from_cols(

@@ -1,4 +1,4 @@
-//! The tree of bodies, its state, and how the state goes on.
+//! The tree of bodies, its state, and the integration of the state.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -7,14 +7,14 @@ use super::joint::Joint;
 use super::spatial::{InParent, World, skew};
 use crate::plant::{Drive, GRAVITY_M_S2, JointModel, Link as Given, Mechanism, MovingPose, Pose};
 
-/// A tree of bodies in reduced coordinates; parents come before children.
+/// A tree of bodies in reduced coordinates. Parents precede their children.
 #[derive(Debug, Clone)]
 pub(super) struct Tree {
     pub(super) root: RootMount,
     pub(super) gravity_m_s2: DVec3,
-    /// Of the root's origin, in the world.
+    /// Position of the root's origin, in the world.
     root_position_m: DVec3,
-    /// Of the root's origin, world axes.
+    /// Velocity of the root's origin, world axes.
     root_velocity_m_s: DVec3,
     /// Classical acceleration of the root's origin, world axes.
     pub(super) root_acceleration_m_s2: DVec3,
@@ -23,18 +23,18 @@ pub(super) struct Tree {
     pub(super) links: Vec<Link>,
 }
 
-/// How the root is held.
+/// The connection of the root to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RootMount {
-    /// It is bolted to the world where it starts.
+    /// The root is bolted to the world at its initial position.
     Fixed,
-    /// It moves freely, driven by a force and a torque from outside.
+    /// The root moves freely, driven by an external force and torque.
     Driven,
-    /// It hangs on the world by a joint like any other.
+    /// The root is connected to the world by an ordinary joint.
     ByJoint,
 }
 
-/// A body and the joint that it moves on; the root moves against the world.
+/// A body and its joint. The root moves relative to the world.
 #[derive(Debug, Clone)]
 pub(super) struct Link {
     pub(super) parent: Option<usize>,
@@ -45,15 +45,15 @@ pub(super) struct Link {
     pub(super) rotational_kg_m2: DMat3,
 
     pub(super) in_parent: InParent,
-    /// Of the spin, along what the joint leaves free: body axes.
+    /// Acceleration of the spin along the joint's dofs, body axes.
     pub(super) spin_rate_rad_s2: DVec3,
-    /// Of the slide, along what the joint leaves free: body axes.
+    /// Acceleration of the slide along the joint's dofs, body axes.
     pub(super) slide_rate_m_s2: DVec3,
     /// Torque of the joint on the body, body axes.
     pub(super) torque_nm: DVec3,
-    /// What the joint is, if it is no ball joint that turns freely.
+    /// The joint, unless it is a ball joint that turns freely.
     ///
-    /// Apart, since it is large: a tree of ball joints stays in the processor's nearest cache.
+    /// Boxed since it is large: a tree of ball joints then fits the processor's nearest cache.
     pub(super) joint: Option<Box<Joint>>,
 
     pub(super) world: World,
@@ -61,7 +61,7 @@ pub(super) struct Link {
 }
 
 impl Link {
-    /// The body on its joint, in the state that the body and its parent are in.
+    /// Creates the body with its joint in the state given by the motion of the body and its parent.
     fn new(body: &Given, state: &MovingPose, parent: Option<&MovingPose>) -> Self {
         let (rotation, angular) = parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |parent| {
             (parent.pose.rotation, parent.angular_rad_s)
@@ -117,7 +117,7 @@ impl Link {
 }
 
 impl Tree {
-    /// The mechanism in the given state, one of `start` per body.
+    /// Creates the mechanism in the given state. `start` has one state per body.
     pub(super) fn new(mechanism: &Mechanism, start: &[MovingPose]) -> Self {
         let mut start = start.to_vec();
         let root = match mechanism.bodies[0].joint {
@@ -153,7 +153,7 @@ impl Tree {
         tree
     }
 
-    /// Takes the drives to the axes of the bodies that they act on.
+    /// Converts the drives to the axes of the bodies on which they act.
     pub(super) fn set_drive(&mut self, drive: &Drive) {
         let drives = drive.torque_nm.iter().zip(&drive.force_n);
         for (link, (torque_nm, force_n)) in self.links.iter_mut().zip(drives) {
@@ -165,8 +165,8 @@ impl Tree {
         self.root_force_n = self.links[0].world.axes.transpose() * drive.force_n[0];
     }
 
-    /// Semi-implicit Euler over `h` seconds: the velocities first, then the rotations by the exponential map
-    /// of the new ones.
+    /// Integrates by semi-implicit Euler over `h` seconds: velocities first, then rotations by the exponential map
+    /// of the new velocities.
     pub(super) fn advance(&mut self, h: f64) {
         for link in &mut self.links {
             if let Some(joint) = &mut link.joint {
@@ -209,7 +209,7 @@ impl Tree {
         }
     }
 
-    /// Reads the poses of all bodies.
+    /// Reads the poses of all bodies into `poses`.
     pub(super) fn poses(&self, poses: &mut Vec<Pose>) {
         poses.clear();
         for Link { parent, world, .. } in &self.links {
@@ -221,7 +221,7 @@ impl Tree {
         }
     }
 
-    /// Reads how the bodies move, their `poses` being known.
+    /// Returns the poses and velocities of all bodies, from their `poses`.
     pub(super) fn motions(&self, poses: &[Pose]) -> Vec<MovingPose> {
         let mut motions: Vec<MovingPose> = Vec::with_capacity(poses.len());
         for (Link { parent, world, .. }, pose) in self.links.iter().zip(poses) {

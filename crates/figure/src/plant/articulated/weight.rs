@@ -1,22 +1,22 @@
-//! Whether every joint has something to accelerate: bodies without mass or extent leave that open.
+//! Checks that every joint has inertia to accelerate. Bodies without mass or extent may leave a joint without it.
 
 use glam::DVec3;
 
 use crate::plant::{Mechanism, MovingPose, PlantError, Pose};
 
-/// What must be left of a joint's inertia when the joints before it give way, as a share of it: far above rounding, far
+/// Minimum share of a joint's inertia that must remain if the joints before it yield: far above rounding, far
 /// below any rig's.
 const LEAST: f64 = 1e-9;
 
-/// Refuses a joint that nothing resists in the pose that the rig starts in. O(n³), once for a plant.
+/// Refuses a joint that nothing resists in the rig's initial pose. O(n³), once per plant.
 pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), PlantError> {
     let axes = motion_axes(mechanism, start);
     let mut matrix = mass_matrix(mechanism, start, &axes);
     let inertias: Vec<f64> = (0..axes.len()).map(|axis| matrix[axis][axis]).collect();
-    // Gauss's elimination: a pivot is what is left of an axis's inertia.
+    // Gaussian elimination: a pivot is the remaining inertia of an axis.
     for (pivot, axis) in axes.iter().enumerate() {
         let row = matrix[pivot].clone();
-        // Written so that NaN is refused.
+        // The condition is written to refuse NaN.
         let resists = row[pivot] > LEAST * inertias[pivot];
         if !resists {
             return Err(PlantError::Weightless { body: axis.body });
@@ -31,16 +31,16 @@ pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), P
     Ok(())
 }
 
-/// The motion along a dof of a joint, as the velocity that it gives: world axes.
+/// The motion along a dof of a joint, as the velocity that it gives, world axes.
 struct MotionAxis {
     body: usize,
     angular: DVec3,
-    /// Of the point of the body at the world's origin.
+    /// Velocity of the body's point at the world's origin.
     linear: DVec3,
 }
 
 impl MotionAxis {
-    /// Velocity of a point that moves with the body.
+    /// Returns the velocity of a point that moves with the body.
     fn at(&self, point_m: DVec3) -> DVec3 {
         self.linear + self.angular.cross(point_m)
     }
@@ -64,7 +64,8 @@ fn motion_axes(mechanism: &Mechanism, start: &[MovingPose]) -> Vec<MotionAxis> {
     axes
 }
 
-/// `M[i][j] = Σ ωᵢᵀ I ωⱼ + m vᵢᵀ vⱼ` over the bodies that both axes move, and the rotors.
+/// Computes the mass matrix: `M[i][j] = Σ ωᵢᵀ I ωⱼ + m vᵢᵀ vⱼ` over the bodies that both axes move, plus the
+/// rotors.
 fn mass_matrix(mechanism: &Mechanism, start: &[MovingPose], axes: &[MotionAxis]) -> Vec<Vec<f64>> {
     let mut matrix = vec![vec![0.0; axes.len()]; axes.len()];
     for (body, (link, at)) in mechanism.bodies.iter().zip(start).enumerate() {
@@ -88,7 +89,7 @@ fn mass_matrix(mechanism: &Mechanism, start: &[MovingPose], axes: &[MotionAxis])
     matrix
 }
 
-/// Whether the joint of one body moves another.
+/// Returns whether the joint of one body moves another body.
 fn supports(mechanism: &Mechanism, joint: usize, body: usize) -> bool {
     std::iter::successors(Some(body), |body| mechanism.bodies[*body].parent).any(|one| one == joint)
 }

@@ -1,36 +1,37 @@
-//! What is set of the engine.
+//! Settings of the game engine rapier.
 
 use crate::plant::{Description, Settings};
 
-/// What is set of the engine.
+/// The settings of the game engine rapier that differ between the plants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EngineSettings {
     name: &'static str,
-    /// The engine's `num_solver_iterations`, by which it cuts a step: in each of the plant's substeps.
+    /// The engine's `num_solver_iterations`, the number of parts into which it divides each of the plant's
+    /// substeps.
     pub(super) solver_iterations: usize,
-    /// The engine's `num_internal_pgs_iterations`: sweeps of the constraint solver in each of them.
+    /// The engine's `num_internal_pgs_iterations`: sweeps of the constraint solver in each of these parts.
     pub(super) sweeps: usize,
-    /// Who adds `-ω × I ω`.
+    /// Source of the gyroscopic torque `-ω × I ω`.
     pub(super) gyroscopic_term: GyroscopicTerm,
-    /// Whether a body may turn by more than 45 degrees a step.
+    /// Whether a body may turn by more than 45 degrees in a step.
     pub(super) fast_rotation: bool,
 }
 
-/// Who adds the gyroscopic torque `-ω × I ω` of a body.
+/// The part of the program that adds the gyroscopic torque `-ω × I ω` of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum GyroscopicTerm {
-    /// The plant, at the velocity that the torques were computed for.
+    /// The plant adds it, at the velocity for which the torques were computed.
     Plant,
-    /// The engine, at a velocity that the torques have changed and the joints have not corrected yet.
+    /// The engine adds it, at a velocity that the torques have changed and the joints have not yet corrected.
     Engine,
 }
 
 impl EngineSettings {
-    /// For torques that cancel the dynamics of the same instant: not the engine's defaults, which are made
-    /// for contacts and stacks.
+    /// Settings for torques that cancel the dynamics at the same instant. The engine's defaults are made for
+    /// contacts and stacks instead.
     ///
-    /// The step is not cut, since the torques hold for its start only. With one sweep, the engine's default,
-    /// it then diverges; from 4 sweeps on the results agree in three digits.
+    /// The engine does not divide the step, since the torques are right only at its start. With one sweep, the
+    /// engine's default, the simulation then diverges; with 4 or more sweeps the results agree in three digits.
     pub const TORQUE_CONTROL: Self = Self {
         name: "rapier",
         solver_iterations: 1,
@@ -39,14 +40,15 @@ impl EngineSettings {
         fast_rotation: true,
     };
 
-    /// The same with the engine's own gyroscopic term, to show what that alone does.
+    /// [`TORQUE_CONTROL`](Self::TORQUE_CONTROL) with the engine's own gyroscopic term, to show the effect of that
+    /// term alone.
     pub const GYROSCOPIC: Self = Self {
         name: "rapier_gyroscopic",
         gyroscopic_term: GyroscopicTerm::Engine,
         ..Self::TORQUE_CONTROL
     };
 
-    /// As the engine comes, but that bodies at rest do not sleep.
+    /// The engine's default settings, except that bodies at rest do not sleep.
     pub const DEFAULTS: Self = Self {
         name: "rapier_defaults",
         solver_iterations: 4,
@@ -55,7 +57,7 @@ impl EngineSettings {
         fast_rotation: false,
     };
 
-    /// What a plant with these settings is.
+    /// Returns a description of a plant with these settings.
     pub const fn description(&self, substeps: usize) -> Description {
         Description {
             name: self.name,

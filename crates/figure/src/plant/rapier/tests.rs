@@ -5,7 +5,7 @@ use crate::plant::link;
 
 const DT_S: f64 = 0.01;
 
-/// A free body, and others on ball joints at its origin.
+/// Returns a free body, and further bodies on ball joints at its origin.
 fn driven(masses: &[MassProperties]) -> Mechanism {
     let body = |(index, mass): (usize, &MassProperties)| {
         let (parent, joint) = match index {
@@ -24,7 +24,8 @@ fn plant(mechanism: &Mechanism, start: &[MovingPose], dt_s: f64) -> RapierPlant 
 #[test]
 fn the_engine_holds_the_inertia_it_was_given() {
     let turn = DVec3::new(0.7, -1.2, 0.4);
-    // Flat and round, the kind that the engine's own conversion spoils; nearly so; long; a ball; uneven.
+    // Flat and round (the case that the engine's own conversion gets wrong); nearly flat and round; long; a ball;
+    // uneven.
     for moments in [
         diagonal(0.02, 0.02, 0.05),
         diagonal(0.02, 0.02 * (1.0 + 1e-6), 0.035),
@@ -42,7 +43,7 @@ fn the_engine_holds_the_inertia_it_was_given() {
 
 #[test]
 fn a_pendulum_swings_as_the_equation_says() {
-    // A 2 kg rod on a block that is too heavy to notice, held by a force against gravity.
+    // A 2 kg rod on a block that is too heavy to be affected, held by a force against gravity.
     let (length, mass_kg) = (0.5, 2.0);
     let about_center = mass_kg * length * length / 12.0;
     let block_kg = 1e7;
@@ -70,15 +71,15 @@ fn a_pendulum_swings_as_the_equation_says() {
         let expected = angle * (rate * f64::from(step) * DT_S).cos();
         worst = worst.max((swung - expected).abs());
     }
-    // Semi-implicit Euler leads the true phase by half a step: ω h / 2 = 2.7 % of the amplitude; 3 s of
-    // its frequency error (ω h)²/24 and of the amplitude's (-0.02 %) add 0.2 %.
+    // Semi-implicit Euler leads the true phase by half a step: ω h / 2 = 2.7 % of the amplitude. Its frequency
+    // error (ω h)²/24 and its amplitude error (-0.02 %) add 0.2 % over 3 s.
     assert!(worst < 0.030 * angle, "{}", worst / angle);
     assert!(worst > 0.020 * angle, "it must have swung: {}", worst / angle);
 }
 
 #[test]
 fn a_free_body_keeps_its_angular_momentum() {
-    // A tumbling block without torque or force: the gyroscopic term is all that acts on its rotation.
+    // A tumbling block without torque or force: only the gyroscopic term acts on its rotation.
     let inertia = tilted(diagonal(0.02, 0.05, 0.06), DVec3::new(0.3, 0.2, -0.6));
     let body = solid(1.0, DVec3::new(0.02, 0.0, -0.01), inertia);
     let spin = DVec3::new(3.0, 2.0, -1.0);
@@ -97,8 +98,8 @@ fn a_free_body_keeps_its_angular_momentum() {
         plant.step(&drive);
     }
     let change = (momentum(&plant) - before).length() / before.length();
-    // The explicit term errs by (ω h)²/2 per step at most: 7e-6 of the momentum, 1000 times if it never
-    // averaged out.
+    // The explicit term has an error of at most (ω h)²/2 per step: 7e-6 of the momentum, or 1000 times that if it
+    // never averaged out.
     assert!(change < 7e-3, "{change}");
     // Without the term, at constant velocity, the momentum would turn with the body.
     let turned = plant.poses[0].rotation.angle_between(DQuat::IDENTITY);
@@ -113,7 +114,7 @@ fn a_torque_acts_on_the_body_and_back_on_its_parent() {
     let torque = DVec3::new(0.0, 0.3, 0.0);
     let torque_nm = vec![DVec3::ZERO, torque];
     plant.step(&Drive { torque_nm, force_n: vec![-GRAVITY_M_S2 * 2.0, DVec3::ZERO] });
-    // h² τ / I; a rotation of 3e-4 rad is its sine to 1e-8.
+    // The rotation is h² τ / I; for 3e-4 rad it equals its sine to 1e-8.
     let expected = DT_S * DT_S * 0.3 / 0.1;
     for (pose, sign) in plant.poses().iter().zip([-1.0, 1.0]) {
         assert!((pose.rotation.to_scaled_axis().y - sign * expected).abs() < 1e-10);

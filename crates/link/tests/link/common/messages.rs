@@ -59,7 +59,7 @@ fn version(r: &mut Random) -> Version {
     Version { major: r.below(3) as u8, minor: r.bits() as u8 }
 }
 
-/// How many kinds of commands there are.
+/// Number of kinds of commands.
 pub(crate) const COMMANDS: usize = 25;
 
 pub(crate) fn command_of_kind(kind: usize, r: &mut Random) -> Command {

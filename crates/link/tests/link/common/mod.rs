@@ -1,11 +1,11 @@
-//! Random messages, and frames by their definition.
+//! Random messages, and frames encoded by their definition.
 
 #![expect(clippy::cast_possible_truncation, reason = "random bits are cut to any width")]
 
 pub(crate) mod messages;
 pub(crate) mod wire;
 
-/// Pseudo-random numbers of a seed (`SplitMix64`).
+/// A pseudo-random generator with a seed (`SplitMix64`).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -28,7 +28,7 @@ impl Random {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Any bits, small and large numbers alike.
+    /// Returns any bit pattern, with small and large numbers equally likely.
     pub(crate) fn bits(&mut self) -> u32 {
         let shift = self.below(32);
         (self.next() as u32) >> shift
@@ -51,7 +51,7 @@ impl Random {
         &mut self,
         mut item: impl FnMut(&mut Self) -> T,
     ) -> heapless::Vec<T, N> {
-        // Mostly short ones, as on a real line, but full ones, too.
+        // Mostly short lists, as on a real line, but full ones, too.
         let most = if self.chance(0.1) { N } else { N.min(12) };
         (0..self.below(most + 1)).map(|_| item(self)).collect()
     }

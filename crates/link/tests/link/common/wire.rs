@@ -1,4 +1,4 @@
-//! Frames, also by a COBS and a CRC-32 of the tests' own.
+//! Frames, also with the tests' own COBS and CRC-32.
 
 use sinew_link::{FRAME_MAX, Message, encode};
 
@@ -6,7 +6,7 @@ pub(crate) fn frame<M: Message>(message: &M) -> Vec<u8> {
     encode(message, &mut [0; FRAME_MAX]).expect("every message fits").to_vec()
 }
 
-/// The frame of a body with its right CRC, whatever the body says.
+/// Returns the frame of any body with a correct CRC.
 pub(crate) fn frame_of(body: &[u8]) -> Vec<u8> {
     let crc = crc32(body);
     let mut whole = body.to_vec();
@@ -17,7 +17,7 @@ pub(crate) fn frame_of(body: &[u8]) -> Vec<u8> {
     frame
 }
 
-/// Direction and message of a frame, as a program without this crate finds them.
+/// Returns direction and message of a frame, decoded as a program without this crate would.
 pub(crate) fn body_of(frame: &[u8]) -> Vec<u8> {
     let mut body = Vec::new();
     let mut rest = &frame[1..frame.len() - 1];
@@ -33,7 +33,7 @@ pub(crate) fn body_of(frame: &[u8]) -> Vec<u8> {
     body
 }
 
-/// COBS by its definition, to compare with.
+/// Encodes COBS by its definition, for comparison.
 fn stuff(bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut rest = bytes;
@@ -55,7 +55,7 @@ fn stuff(bytes: &[u8]) -> Vec<u8> {
     }
 }
 
-/// CRC-32 bit by bit, by its definition, to compare with.
+/// Computes CRC-32 bit by bit, by its definition, for comparison.
 pub(crate) fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |mut crc: u32, &byte| {
         crc ^= u32::from(byte);
@@ -66,7 +66,7 @@ pub(crate) fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// Whether a value has no NaN and no infinity, by what `Debug` prints outside of quotes.
+/// Returns `true` if the `Debug` output of a value contains no NaN and no infinity outside quotes.
 pub(crate) fn is_finite(value: &impl std::fmt::Debug) -> bool {
     let text = format!("{value:?}").replace("\\\"", "");
     text.split('"').step_by(2).all(|piece| !piece.contains("NaN") && !piece.contains("inf"))

@@ -1,8 +1,8 @@
-//! Motions as BVH files, for the programs that animators have.
+//! Writes motions as BVH files, for animation programs.
 //!
-//! What readers out there rely on: parents before children, depth first; the root's channels in the order of its
-//! position, then Z, Y, X rotation, and Z, Y, X of all other joints; an `End Site` below every joint without
-//! children; a line for each frame.
+//! The files satisfy the assumptions of common readers: parents precede children, depth first; the root's channels
+//! are its position, then Z, Y, X rotation, and those of all other joints are Z, Y, X; every joint without children
+//! has an `End Site`; each frame is one line.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -13,66 +13,67 @@ use crate::recording::{FRAME_TIME_S, MAGNITUDE_MAX};
 use crate::text::shown;
 use crate::{Clip, JointSample, Skeleton};
 
-/// Joints that leave their offset by more than this have channels for their position. What single precision leaves of
-/// an offset in its own unit is no motion.
+/// Minimum distance from a joint's offset, m, for the joint to get position channels. Rounding of an offset to
+/// single precision is not a motion.
 const MOVES_M: f64 = 1e-6;
 
-/// Nearer to the gimbal lock (cosine of the middle angle), the rotation does not define the last angle, which stays.
+/// Cosine of the middle angle, below which a rotation is in gimbal lock: it does not define the last angle, which
+/// keeps its value.
 const LOCKED: f64 = 1e-7;
 
-/// A motion that cannot be written as BVH.
+/// The reason why a motion cannot be written as BVH.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The file system refused.
+    /// The file system reported an error.
     #[error("{}: cannot be written: {source}", file.display())]
     Io {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// A name that no reader would give back.
+    /// A name that a reader would not return unchanged.
     #[error(
         "joint {joint}: expected a name in one line, without braces or blanks around it, found `{}`",
         shown(name)
     )]
     Name {
-        /// The joint's index.
+        /// Index of the joint.
         joint: usize,
-        /// Its name.
+        /// Name of the joint.
         name: String,
     },
-    /// Two joints of one name.
+    /// Two joints have the same name.
     #[error("joint {joint}: expected a new name, found `{}` again", shown(name))]
     SameName {
-        /// Index of the second.
+        /// Index of the second joint.
         joint: usize,
-        /// The name.
+        /// Name of both joints.
         name: String,
     },
-    /// The skeleton is no tree in regular numbering, or a frame has not one sample for each joint.
+    /// The skeleton is not a tree in regular numbering, or a frame does not have one sample for each joint.
     #[error("{what}: expected {expected}, found {found}")]
     Shape {
-        /// What is wrong.
+        /// Description of the invalid part.
         what: String,
-        /// What would be right.
+        /// Description of a valid value.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         found: String,
     },
-    /// A number that cannot be written.
+    /// A number cannot be written.
     #[error("{what}: expected {expected}, found {value}")]
     Value {
-        /// Which.
+        /// Name of the number.
         what: String,
-        /// The values that are accepted.
+        /// Description of the accepted values.
         expected: &'static str,
-        /// The value that was found.
+        /// Value that was found.
         value: f64,
     },
 }
 
-/// Writes a motion into a file, its lengths in units of `metres_per_unit`.
+/// Writes a motion to a file, with lengths in units of `metres_per_unit`.
 ///
 /// # Errors
 /// Those of [`text`], and [`WriteError::Io`].
@@ -81,14 +82,15 @@ pub fn write(path: &Path, clip: &Clip, metres_per_unit: f64) -> Result<(), Write
     std::fs::write(path, text).map_err(|source| WriteError::Io { file: path.to_path_buf(), source })
 }
 
-/// A motion as the text of a BVH file, its lengths in units of `metres_per_unit` (0.01 for centimetres).
+/// Returns a motion as the text of a BVH file, with lengths in units of `metres_per_unit` (0.01 for centimetres).
 ///
-/// The angles of a joint are those next to its angles in the frame before: they go on beyond half a turn, and through
-/// the gimbal lock. Read again, rotations are the same within 2e-7 rad and positions within 1e-7 m. A joint without
-/// children gets an end site at its origin if it has none, as many readers insist on one.
+/// The angles of a joint are those nearest to its angles in the previous frame: they continue beyond 180 deg and
+/// through gimbal lock. After reading the text, rotations are equal within 2e-7 rad and positions within 1e-7 m. A
+/// joint without children and end sites gets an end site at its origin, because many readers require one.
 ///
 /// # Errors
-/// [`WriteError`] for what is not finite, names that cannot be read again, and a skeleton or frames that are none.
+/// [`WriteError`] for numbers that are not finite, names that cannot be read again, and an invalid skeleton or
+/// frame.
 pub fn text(clip: &Clip, metres_per_unit: f64) -> Result<String, WriteError> {
     check(clip, metres_per_unit)?;
     let writer = Writer::new(clip, metres_per_unit);
@@ -109,7 +111,7 @@ const TAKES_ALL: &str = "a string takes everything";
 fn check(clip: &Clip, metres_per_unit: f64) -> Result<(), WriteError> {
     let value =
         |what: &str, expected, value| WriteError::Value { what: what.into(), expected, value };
-    // Written so that NaN is refused.
+    // The comparison also refuses NaN.
     if !(1e-6..=1e3).contains(&metres_per_unit) {
         return Err(value("metres per unit", "a number from 0.000001 to 1000", metres_per_unit));
     }
@@ -152,7 +154,7 @@ fn check_skeleton(skeleton: &Skeleton, metres_per_unit: f64) -> Result<(), Write
         }
         if joint.parent.map_or(index > 0, |parent| parent >= index) {
             let what = format!("joint `{}`", shown(name));
-            let expected = "a parent that comes before it, and one root alone";
+            let expected = "a parent that comes before it, and only one root";
             let found = format!("{:?}", joint.parent);
             return Err(WriteError::Shape { what, expected, found });
         }
@@ -184,11 +186,11 @@ fn check_place(
 struct Writer<'a> {
     clip: &'a Clip,
     metres_per_unit: f64,
-    /// Of every joint, its children in order.
+    /// Children of every joint, in order.
     children: Vec<Vec<usize>>,
-    /// Whether it has channels for its position.
+    /// Whether each joint has position channels.
     slides: Vec<bool>,
-    /// The joints in the order of the file.
+    /// Joints in the order of the file.
     order: Vec<usize>,
 }
 
@@ -214,7 +216,7 @@ impl<'a> Writer<'a> {
         Self { clip, metres_per_unit, children, slides, order }
     }
 
-    /// A joint and all that hangs on it.
+    /// Writes a joint with all its descendants.
     fn joint(&self, text: &mut String, index: usize, depth: usize) {
         let joint = &self.clip.skeleton.joints[index];
         let (indent, inner) = ("  ".repeat(depth), "  ".repeat(depth + 1));
@@ -240,7 +242,7 @@ impl<'a> Writer<'a> {
         writeln!(text, "{indent}}}").expect(TAKES_ALL);
     }
 
-    /// The line of a frame. `angles`: those of the frame before, by joint.
+    /// Writes the line of a frame. `angles` contains those of each joint in the previous frame, and is updated.
     fn frame(&self, text: &mut String, frame: &[JointSample], angles: &mut [DVec3]) {
         for (place, &index) in self.order.iter().enumerate() {
             let blank = if place == 0 { "" } else { " " };
@@ -258,27 +260,27 @@ impl<'a> Writer<'a> {
 
     fn place(&self, place_m: DVec3) -> String {
         let [x, y, z] = (place_m / self.metres_per_unit).to_array().map(|length| {
-            // To 1e-8 m at least, whatever the unit.
+            // At least to 1e-8 m, whatever the unit.
             number(length, if self.metres_per_unit < 0.1 { 6 } else { 9 })
         });
         format!("{x} {y} {z}")
     }
 }
 
-/// A number, and not the zero that is below zero.
+/// Formats a number, without a negative zero.
 fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let is_zero = text.bytes().all(|byte| matches!(byte, b'-' | b'0' | b'.'));
     if is_zero { text.trim_start_matches('-').to_owned() } else { text }
 }
 
-/// The angles z, y, x with `rotation = Rz Ry Rx` that are next to others.
+/// Returns the angles z, y, x with `rotation = Rz Ry Rx` that are nearest to the angles `near`.
 fn zyx_rad(rotation: DQuat, near: DVec3) -> DVec3 {
     use std::f64::consts::PI;
     let matrix = DMat3::from_quat(rotation.normalize());
     let (across, along) = (matrix.y_axis.z, matrix.z_axis.z);
     let x = if libm::hypot(across, along) > LOCKED { libm::atan2(across, along) } else { near.z };
-    // Without the last turn, the others are told by large numbers, however near the lock is.
+    // Without the last rotation, the other angles follow from large numbers, even close to gimbal lock.
     let rest = matrix * DMat3::from_rotation_x(-x);
     let z = libm::atan2(-rest.y_axis.x, rest.y_axis.y);
     let y = libm::atan2(-rest.x_axis.z, rest.z_axis.z);

@@ -7,7 +7,7 @@ use super::super::parse;
 use super::*;
 use crate::{SkeletonJoint, gaps};
 
-/// A spine with an arm on either side; the order is not the one of a depth-first walk.
+/// A spine with an arm on each side; the order is not depth-first.
 fn skeleton() -> Skeleton {
     let joint = |name: &str, parent, x: f64, ends: &[f64]| SkeletonJoint {
         name: name.into(),
@@ -39,7 +39,7 @@ fn still() -> Vec<JointSample> {
     joints.iter().map(sample).collect()
 }
 
-/// Written and read again.
+/// Writes a clip and reads it again.
 fn again(clip: &Clip, metres_per_unit: f64) -> Clip {
     let text = text(clip, metres_per_unit).unwrap();
     let recording = parse(text.as_bytes(), Path::new("x.bvh")).unwrap();
@@ -47,7 +47,7 @@ fn again(clip: &Clip, metres_per_unit: f64) -> Clip {
     gaps::fill(recording.in_metres(metres_per_unit), frame_time_s, 0.0).unwrap().0
 }
 
-/// The largest differences of rotations (rad) and positions (m), joints by their names.
+/// Returns the largest differences of rotations (rad) and positions (m), with joints matched by name.
 fn differences(a: &Clip, b: &Clip) -> (f64, f64) {
     assert_eq!(
         (a.frames.len(), a.skeleton.joints.len()),
@@ -135,8 +135,8 @@ Frame Time: 0.0083333333
 
 #[test]
 fn angles_go_on_through_the_lock_and_beyond_half_a_turn() {
-    // The middle angle goes up through a quarter turn while the others stay: told another way, they would jump by
-    // half a turn.
+    // The middle angle passes 90 deg while the others remain; with another choice of angles they would jump by 180
+    // deg.
     let steps = 400;
     let at = |k: i32| f64::from(k) / f64::from(steps);
     let turns = (0..=steps).map(|k| {
@@ -209,7 +209,7 @@ fn what_cannot_be_read_again_is_refused_by_name() {
     );
 }
 
-/// Rotations of all kinds: anywhere, at the lock, and next to it by powers of ten.
+/// Generates rotations of all kinds: any, in gimbal lock, and close to it by powers of ten.
 fn rotation() -> impl Strategy<Value = DQuat> {
     let angle = || -PI..PI;
     let lock = (prop::bool::ANY, -16.0..-1.0, angle(), angle(), prop::bool::ANY).prop_map(

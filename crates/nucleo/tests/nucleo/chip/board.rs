@@ -1,4 +1,4 @@
-//! A board with one simulated servo.
+//! An emulated board with one simulated servo.
 
 use std::env;
 use std::fs;
@@ -26,12 +26,12 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Power-on with the image that a variable names.
+    /// Powers the board on with the image that an environment variable names.
     pub(crate) fn new(image: &str) -> Self {
         Self::start(image, None)
     }
 
-    /// The same with what flash held when power was lost.
+    /// Powers the board on with the flash contents at an earlier loss of power.
     pub(crate) fn with_flash(image: &str, flash: &[u8]) -> Self {
         let path = env::temp_dir().join(format!("sinew-flash-{}", std::process::id()));
         fs::write(&path, flash).unwrap();
@@ -57,7 +57,7 @@ impl Board {
         Self { servos, bus: Vec::new(), said: String::new(), other: Vec::new() }
     }
 
-    /// Runs for so long.
+    /// Runs for `ns` nanoseconds.
     pub(crate) fn run(&mut self, ns: u64) {
         let happened = self.servos.run_until(self.servos.at_ns() + ns).unwrap();
         self.bus.extend(happened.bus);
@@ -65,7 +65,7 @@ impl Board {
         self.other.extend(happened.other);
     }
 
-    /// Says something on the link.
+    /// Sends text on the host link.
     pub(crate) fn order(&mut self, order: &str) {
         self.servos.machine.say(Port::Link, self.servos.at_ns(), order.as_bytes()).unwrap();
     }

@@ -1,5 +1,5 @@
-//! The emulated chip with an image that tries its peripherals. `cargo xtask emulate` builds both, and says where they
-//! are; without them these tests report as ignored.
+//! Tests the emulated chip with an image that uses its peripherals. `cargo xtask emulate` builds both, and sets the
+//! paths; without them, these tests are ignored.
 
 mod board;
 
@@ -26,7 +26,7 @@ fn emulated_ping_leaves_whole_and_is_answered() {
         "{:?}",
         own.iter().find(|b| b.bytes != PING)
     );
-    // The last may be under way.
+    // The last answer may not be complete.
     assert!(servos.len() + 1 >= own.len(), "{} answers to {} pings", servos.len(), own.len());
     let last = board.said.lines().rfind(|line| line.starts_with("ticks")).unwrap();
     let numbers: Vec<u32> = last.split(' ').filter_map(|word| word.parse().ok()).collect();
@@ -43,7 +43,7 @@ fn emulated_ping_is_cut_off_without_what_mends_embassy() {
     board.run(S);
     let own: Vec<_> = board.bus.iter().filter(|burst| burst.is_own).collect();
     assert!(own.len() > 400, "{} pings in a second", own.len());
-    // Eight bytes leave. The ninth is lost in the shift register, the tenth waits, and leads the next write.
+    // Eight bytes leave. The ninth is lost in the shift register, and the tenth is sent before the next write.
     let (first, later) = own.split_first().unwrap();
     assert_eq!(first.bytes, PING[..8]);
     let led = [&PING[9..], &PING[..8]].concat();
@@ -66,7 +66,7 @@ fn emulated_watchdog_resets_what_hangs() {
             panic!("{order}: {resets:?}")
         };
         assert_eq!(by, "iwdg", "{order}");
-        // 5 s of a nominal watchdog after it was fed last; its own clock steps in 8 ms.
+        // 5 s of a nominal watchdog after its last feed; its own clock has steps of 8 ms.
         let (from, to) = (4_990 * MS, 5_110 * MS);
         assert!((from..to).contains(at_ns), "{order}: after {at_ns} ns");
         assert_eq!(board.said.matches("boot").count(), 2, "{order}: {}", board.said);
@@ -83,7 +83,7 @@ fn emulated_flash_keeps_what_is_programmed_over_reset_and_power_cut() {
     assert!(board.said.contains("wrote true true\n"), "{}", board.said);
     board.servos.machine.reset().unwrap();
     board.run(50 * MS);
-    // "kept", as a number.
+    // The text "kept" as a number.
     assert!(board.said.ends_with("boot 180000000 true 7470656b\n"), "{}", board.said);
     let flash = board.servos.machine.flash().unwrap();
     let mut board = Board::with_flash("SINEW_CHIP_IMAGE", &flash);

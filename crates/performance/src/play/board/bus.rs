@@ -1,4 +1,4 @@
-//! The lines of a simulated board, as its loop sees them: one bus, and one wire for all of a tick.
+//! The bus lines of a simulated board as a single bus and a single wire for the whole tick.
 
 use std::cell::{Cell, RefCell};
 
@@ -15,10 +15,10 @@ use crate::play::Wires;
 use crate::play::bus::Buses;
 use crate::play::exchange::exchange;
 
-/// The buses of all lines. What goes over the lines each plans for itself, while the [`Wire`] is asked.
+/// The buses of all lines. Each bus plans its own packets during [`Wire::exchange`].
 pub(super) struct AllLines<'b> {
     pub(super) buses: &'b RefCell<Buses>,
-    /// Why a packet of this tick did not go out.
+    /// Error of a packet that was not sent in this tick.
     pub(super) failed: &'b Cell<Option<EncodeError>>,
 }
 
@@ -53,12 +53,13 @@ impl ServoBus for AllLines<'_> {
     }
 }
 
-/// The lines during a tick; they keep the time.
+/// The lines during a tick. They keep the time.
 pub(super) struct Servos<'s, 'm, P> {
     pub(super) buses: &'s RefCell<Buses>,
     pub(super) failed: &'s Cell<Option<EncodeError>>,
     pub(super) lines: &'s mut [Line<Branch<'m, P>>],
-    /// Their rates, bit/s; none of a line with a PCA9685, which is no servo: it would take a packet for its registers.
+    /// Rates of the lines, bit/s; `None` for a line with a PCA9685. That chip is not a servo: it would write a packet
+    /// to its registers.
     pub(super) bauds: &'s [Option<u32>],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,
@@ -72,7 +73,7 @@ impl<P: Plant> Servos<'_, '_, P> {
         self.lines.first().map_or(0, |line| line.servos.now_ns())
     }
 
-    /// The clock goes on with the lines.
+    /// Advances the board's clock by the time that passed on the lines.
     fn pass_time(&self, begin_ns: u64) {
         let took_us = self.now_ns().saturating_sub(begin_ns) / 1000;
         self.clock_us.set(self.clock_us.get() + took_us);
@@ -80,7 +81,7 @@ impl<P: Plant> Servos<'_, '_, P> {
 }
 
 impl<P: Plant> Wire for Servos<'_, '_, P> {
-    /// All of a tick: each line has packets of its own.
+    /// Exchanges all packets of a tick: each line has packets of its own.
     fn exchange(&mut self, _: &[u8], _: u32, _: impl FnMut(&[u8]) -> bool) {
         let begin_ns = self.now_ns();
         let is_on = self.has_outputs.get();

@@ -8,16 +8,16 @@ use crate::play::{PartsError, SimulatedRigError};
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum BoardError {
-    /// Its servos cannot be simulated.
+    /// The servos cannot be simulated.
     #[error(transparent)]
     SimulatedRig(#[from] SimulatedRigError),
-    /// A line cannot be.
+    /// A line cannot be created.
     #[error(transparent)]
     Parts(#[from] PartsError),
-    /// Its flash cannot be read.
+    /// The flash cannot be read.
     #[error("the board's flash cannot be used: {0}")]
     Flash(String),
-    /// The rig has no compact form that fits.
+    /// The rig's compact form does not fit.
     #[error("the rig is too large for the board: {0}")]
     Rig(String),
 }

@@ -1,4 +1,4 @@
-//! Flash of a simulated board: memory, and a file that keeps it.
+//! Flash of a simulated board: memory, and a file that stores it.
 
 use std::cell::RefCell;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -16,14 +16,14 @@ use crate::play::{BODIES, DOFS, SERVOS};
 
 const SECTOR_LEN: u32 = 0x4000;
 
-/// Bytes of the flash.
+/// Size of the flash, bytes.
 const FLASH_LEN: usize = 0x8_C000;
 
 #[expect(clippy::cast_possible_truncation, reason = "they are small")]
 const CAPACITY: Capacity =
     Capacity { bodies: BODIES as u16, dofs: DOFS as u16, servos: SERVOS as u16 };
 
-/// Two slots of 256 kB: room for minutes.
+/// Layout with two slots of 256 kB, enough for minutes.
 pub(super) const TABLE: BoardTable = BoardTable {
     log: Area { start: 0x4000, sector_len: SECTOR_LEN, sectors: 2 },
     slots: &[
@@ -33,7 +33,7 @@ pub(super) const TABLE: BoardTable = BoardTable {
     capacity: CAPACITY,
 };
 
-/// The file does not take what is written.
+/// Error of an access outside the flash, or of writing the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FlashError;
 
@@ -43,7 +43,7 @@ impl NorFlashError for FlashError {
     }
 }
 
-/// Flash that driver and processor both see.
+/// Flash that the driver and the processor share.
 #[derive(Debug, Clone)]
 pub struct Chip {
     bytes: Rc<RefCell<Vec<u8>>>,
@@ -51,20 +51,20 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// Blank, and gone with the program.
+    /// Creates blank flash that is lost when the program ends.
     pub fn blank() -> Self {
         Self { bytes: Rc::new(RefCell::new(vec![0xFF; FLASH_LEN])), file: None }
     }
 
-    /// What a file keeps; blank flash if it is not there. No other program may have it.
+    /// Opens the flash in a file, and locks the file. A missing file is blank flash.
     ///
     /// # Errors
-    /// What the system says, and if the file is no flash of such a board.
+    /// An I/O error, another program that has locked the file, or a file that is not the flash of such a board.
     pub fn in_file(path: &Path) -> io::Result<Self> {
         let mut options = OpenOptions::new();
         let mut file = options.read(true).write(true).create(true).truncate(false).open(path)?;
         file.try_lock().map_err(|error| match error {
-            TryLockError::WouldBlock => io::Error::other("another simulated board has it"),
+            TryLockError::WouldBlock => io::Error::other("another simulated board uses it"),
             TryLockError::Error(error) => error,
         })?;
         let mut bytes = Vec::new();
@@ -76,20 +76,20 @@ impl Chip {
         if bytes.len() != FLASH_LEN {
             let found = bytes.len();
             return Err(io::Error::other(format!(
-                "is no flash of a simulated board: it has {found} bytes, expected {FLASH_LEN}"
+                "is not the flash of a simulated board: it has {found} bytes, expected {FLASH_LEN}"
             )));
         }
         let file = Some(Rc::new(RefCell::new(file)));
         Ok(Self { bytes: Rc::new(RefCell::new(bytes)), file })
     }
 
-    /// Shows a range to `look`.
+    /// Passes the bytes of a range to `look`.
     pub(super) fn look<R>(&self, range: Range<u32>, look: impl FnOnce(&[u8]) -> R) -> Option<R> {
         let bytes = self.bytes.borrow();
         bytes.get(range.start as usize..range.end as usize).map(look)
     }
 
-    /// Changes a range, in the file too.
+    /// Changes a range, also in the file.
     fn change(
         &mut self,
         from: u32,
@@ -125,7 +125,7 @@ impl ReadNorFlash for Chip {
 }
 
 impl NorFlash for Chip {
-    // As the F446's.
+    // Sizes of the F446's flash.
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 1024;
 
@@ -135,7 +135,7 @@ impl NorFlash for Chip {
     }
 
     fn write(&mut self, offset: u32, new: &[u8]) -> Result<(), FlashError> {
-        // Bits only fall.
+        // Writing can only clear bits.
         self.change(offset, new.len(), |bytes| {
             bytes.iter_mut().zip(new).for_each(|(old, new)| *old &= new);
         })

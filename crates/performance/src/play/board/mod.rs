@@ -4,8 +4,8 @@
 //! client ─ bytes ─> SimulatedBoard: BackgroundTask ─ mail ─ ControlLoop ─> lines ─> simulated servos
 //!                     └─ Chip (flash, a file keeps it)
 //! ```
-//! In simulated time it is a [`Line`](sinew_board_client::Line) of the client, in real time [`SimulatedBoard::serve`] puts it
-//! on a pseudo-terminal.
+//! In simulated time the board is a [`Line`](sinew_board_client::Line) of the client. In real time
+//! [`SimulatedBoard::serve`] connects it to a pseudo-terminal.
 
 mod bus;
 mod error;

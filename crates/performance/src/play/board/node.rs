@@ -1,4 +1,4 @@
-//! The node from one start of a board to the next, and its hardware.
+//! The node of a simulated board between two starts, and its hardware.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -16,15 +16,15 @@ use super::error::BoardError;
 use super::flash::{Chip, TABLE};
 use crate::play::{BODIES, COORDINATES, DOFS, RigParts, SERVOS};
 
-/// Room for the longest rig in its compact form.
+/// Room for the largest rig in its compact form, bytes.
 pub(super) const RIG_ROOM: usize = 1 << 16;
 
-/// What the line to the host carries, bit/s: as the NUCLEO's.
+/// Rate of the host link, bit/s: the NUCLEO's.
 const LINE_BPS: u32 = 1_000_000;
 
 type Letters = Mail<'static, DOFS, SERVOS, COORDINATES>;
 
-/// A critical section: nothing interrupts.
+/// A critical section. In one thread nothing interrupts.
 pub(super) struct SingleThreaded(RefCell<Letters>);
 
 impl Shared<Letters> for SingleThreaded {
@@ -33,16 +33,16 @@ impl Shared<Letters> for SingleThreaded {
     }
 }
 
-/// Control loop, background task, and the mail between them.
+/// Control loop, background task, and the mailbox between them.
 pub(super) struct Node {
-    /// None without a rig that fits the servos.
+    /// `None` without a rig that fits the servos.
     pub(super) control: Option<Box<ControlLoop<'static, BODIES, DOFS, SERVOS, COORDINATES>>>,
     pub(super) background: Box<BackgroundTask<'static, Chip, BODIES, DOFS, SERVOS, COORDINATES>>,
     pub(super) mail: Box<SingleThreaded>,
 }
 
 impl Node {
-    /// Starts with what is in flash.
+    /// Starts with the content of the flash.
     pub(super) fn start(parts: &RigParts, chip: &Chip, about: About) -> Result<Self, BoardError> {
         let defaults = parts.node_settings();
         let found = start::<_, BODIES, DOFS, SERVOS>(
@@ -51,12 +51,12 @@ impl Node {
             |_| defaults,
             FaultSet::EMPTY,
             &mut vec![0; RIG_ROOM],
-            // As long as the program: a board starts a few times at most.
+            // Kept until the program ends: a board starts only a few times.
             Box::leak(Box::new_uninit()),
         );
         let Found { store, disarmed, settings, rig, is_bad, start } =
             found.map_err(|error| BoardError::Flash(format!("{error:?}")))?;
-        // Another number at each start.
+        // Each start has another number.
         let first_session = u16::try_from(start.count % 655).unwrap_or(0) * 100;
         let control = rig.and_then(|(rig, _)| {
             let made = ControlLoop::new(rig, &settings, &parts.setups, &parts.schedule, start);
@@ -73,10 +73,10 @@ impl Node {
     }
 }
 
-/// Clock and outputs.
+/// Clock and outputs of the board.
 pub(super) struct Pins<'c> {
     pub(super) clock_us: &'c Cell<u64>,
-    /// The pin OE of a PCA9685: whether servos may get pulses.
+    /// State of the pin OE of a PCA9685: whether servos may get pulses.
     pub(super) has_outputs: &'c Cell<bool>,
 }
 
@@ -91,7 +91,7 @@ impl Safety for Pins<'_> {
         self.has_outputs.set(on);
     }
     fn feed(&mut self, _: Complete) {}
-    /// Simulated time: that of lines and servos.
+    /// Returns the simulated time of lines and servos, µs.
     #[expect(clippy::cast_possible_truncation, reason = "it wraps")]
     fn cycles(&self) -> u32 {
         self.clock_us.get() as u32
@@ -101,7 +101,7 @@ impl Safety for Pins<'_> {
     }
 }
 
-/// Line to the host, and flash as memory.
+/// Host link, and flash that is read as memory.
 pub(super) struct HostPort<'d> {
     pub(super) now_us: u64,
     pub(super) came: &'d mut VecDeque<u8>,
@@ -126,12 +126,12 @@ impl Port<'static> for HostPort<'_> {
     fn look<R>(&mut self, range: Range<u32>, look: impl FnOnce(&[u8]) -> R) -> Option<R> {
         self.chip.look(range, look)
     }
-    /// Its lines are those of its own rig: others are told for nothing.
+    /// Accepts any valid wiring: a simulated board has the lines of its own rig.
     fn drives(behind: &[u8]) -> bool {
         behind.is_empty() || Wiring::<LINES, SERVOS>::decode(behind).is_ok()
     }
     fn lend(&mut self, range: Range<u32>) -> Option<&'static [u8]> {
-        // A copy for as long as the program, one of each show.
+        // Leaks a copy for each show, which lives until the program ends.
         let Self { chip, lent, .. } = self;
         chip.look(range, |bytes| {
             if let Some(before) = lent.iter().find(|before| **before == bytes) {

@@ -1,4 +1,4 @@
-//! A simulated board in real time, on a serial port of this machine.
+//! Serves a simulated board in real time, on a serial port of this machine.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,16 +9,20 @@ use sinew_servo_sim::port::Port;
 
 use super::SimulatedBoard;
 
-/// What the machine is late by beyond this is taken out of the board's time, not made good.
+/// A longer delay of the machine is removed from the board's time instead of being made up.
 const CATCH_UP: Duration = Duration::from_millis(50);
-/// What programs do not read in time is lost beyond this, bytes.
+/// Time of a byte on a line of 1 bit/s, ns: start bit, eight bits, stop bit.
+const BYTE: u128 = 10_000_000_000;
+/// Longest output that waits for a program to read it, bytes. Further output is lost.
 const ROOM: usize = 1 << 16;
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true. `before`: what happens to the rig before each tick.
+    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on
+    /// the rig. In a tick no more bytes pass, each way, than a line of the port's rate carries: more wait, so that a
+    /// program that is too fast for a board is too fast here.
     ///
     /// # Errors
-    /// What the system says if reading or writing fails.
+    /// An I/O error of reading or writing.
     pub fn serve(
         &mut self,
         port: &Port,
@@ -26,23 +30,66 @@ impl<P: Plant> SimulatedBoard<'_, P> {
         mut before: impl FnMut(&mut Self),
     ) -> io::Result<()> {
         let (mut bytes, mut due) = ([0; 4096], Instant::now());
+        let [mut input, mut output] = [Share::default(); 2];
         while !stop.load(Ordering::Relaxed) {
-            loop {
-                let count = port.read(&mut bytes)?;
-                let Some(came) = bytes.get(..count).filter(|came| !came.is_empty()) else { break };
-                self.give(came);
-            }
+            let (baud, tick) = (port.baud()?, self.tick_time());
+            let most = input.grow(baud, tick).min(bytes.len());
+            let count = port.read(&mut bytes[..most])?;
+            input.take(count);
+            self.give(&bytes[..count]);
             let before_us = self.now_us();
             before(self);
             self.tick();
-            let taken = port.write(self.said.make_contiguous())?;
+            let most = output.grow(baud, tick).min(self.said.len());
+            let taken = port.write(&self.said.make_contiguous()[..most])?;
+            output.take(taken);
             self.said.drain(..taken);
             self.said.truncate(ROOM);
-            due += Duration::from_micros(self.now_us() - before_us).max(self.tick_time());
+            due += Duration::from_micros(self.now_us() - before_us).max(tick);
             let now = Instant::now();
             due = due.max(now.checked_sub(CATCH_UP).unwrap_or(now));
             std::thread::sleep(due.saturating_duration_since(now));
         }
         Ok(())
+    }
+}
+
+/// Bits that a line can still carry one way, times 10⁹.
+#[derive(Debug, Clone, Copy, Default)]
+struct Share(u128);
+
+impl Share {
+    /// Adds the bytes of a tick, and returns the sum as a whole number. Unused ticks are lost, as on a line.
+    fn grow(&mut self, baud: u32, tick: Duration) -> usize {
+        let of_tick = u128::from(baud) * tick.as_nanos();
+        self.0 = (self.0 + of_tick).min(of_tick + BYTE);
+        usize::try_from(self.0 / BYTE).unwrap_or(usize::MAX)
+    }
+
+    fn take(&mut self, bytes: usize) {
+        self.0 = self.0.saturating_sub(bytes as u128 * BYTE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_carries_its_rate_and_no_more() {
+        let mut share = Share::default();
+        let tick = Duration::from_millis(2);
+        // 11.52 bytes in a tick of 2 ms.
+        let carried: usize = (0..1000)
+            .map(|_| {
+                let bytes = share.grow(57_600, tick);
+                share.take(bytes);
+                bytes
+            })
+            .sum();
+        assert!((11_519..=11_520).contains(&carried), "{carried}");
+        // A line that was idle carries no burst.
+        (0..1000).for_each(|_| _ = share.grow(57_600, tick));
+        assert_eq!(share.grow(57_600, tick), 12);
     }
 }

@@ -1,4 +1,4 @@
-//! A board with its servos, tick by tick.
+//! A board with its servos, simulated tick by tick.
 
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
@@ -22,12 +22,12 @@ use crate::play::bus::Buses;
 use crate::play::simulated_lines::lines;
 use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pulses};
 
-/// Steps below the loop in each tick: they take 64 bytes each.
+/// Steps of the background task per tick. They take 64 bytes each.
 const STEPS: u32 = 8;
-/// Who stands for the rig that a simulated board has built in.
+/// Name of the approver that is stored with the rig of a simulated board.
 const APPROVER: &str = "simulated board";
 
-/// A board, its power on.
+/// A board that is powered on.
 pub struct SimulatedBoard<'a, P> {
     parts: &'a RigParts,
     chip: Chip,
@@ -40,17 +40,18 @@ pub struct SimulatedBoard<'a, P> {
     lent: Vec<&'static [u8]>,
     ticks: u64,
     starts: u32,
-    /// Bytes of the host that the board has not taken yet.
+    /// Bytes from the host that the board has not read yet.
     came: VecDeque<u8>,
     /// Bytes for the host.
     pub(super) said: VecDeque<u8>,
 }
 
 impl<'a, P: Plant> SimulatedBoard<'a, P> {
-    /// A board with what is in its flash. `memories`: one for each servo; `plant`: what the servos move.
+    /// Starts a board with the content of its flash. `memories`: one for each servo; `plant`: the mechanism that the
+    /// servos move.
     ///
     /// # Errors
-    /// [`BoardError`].
+    /// [`BoardError`] if servos, lines or flash cannot be used.
     pub fn new(
         parts: &'a RigParts,
         memories: &'a mut [Memory],
@@ -77,10 +78,10 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         })
     }
 
-    /// Stores the rig of these parts in flash that has none, as an upload would.
+    /// Stores the rig of these parts in flash that has no rig, like an upload.
     ///
     /// # Errors
-    /// [`BoardError`].
+    /// [`BoardError`] if the flash cannot be used, or the rig does not fit.
     pub fn store_rig(parts: &RigParts, chip: &Chip) -> Result<(), BoardError> {
         let failed = |error| BoardError::Flash(format!("{error:?}"));
         let (mut store, disarmed) = Store::open(chip.clone(), TABLE).map_err(failed)?;
@@ -94,17 +95,18 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         Ok(())
     }
 
-    /// The same board with firmware that speaks another version of the link.
+    /// Restarts the board with firmware that has another version of the host link.
     ///
     /// # Errors
-    /// [`BoardError`].
+    /// [`BoardError`] if the board does not start.
     pub fn speaking(mut self, protocol: Version) -> Result<Self, BoardError> {
         self.about.protocol = protocol;
         self.node = Node::start(self.parts, &self.chip, self.about)?;
         Ok(self)
     }
 
-    /// A tick: the loop, then some steps below it. A packet that is passed on to servos makes it longer.
+    /// Runs a tick: the control loop, then some steps of the background task. A packet that is passed on to servos
+    /// makes the tick longer.
     pub fn tick(&mut self) {
         let tick_ns = u64::from(self.parts.tick_us()) * 1000;
         let (clock_us, failed) = (Cell::new(self.now_us()), Cell::new(None));
@@ -124,7 +126,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
             };
             let mut pins = Pins { clock_us: &clock_us, has_outputs: &has_outputs };
             let mut bus = AllLines { buses: &self.buses, failed: &failed };
-            // Without a watchdog a tick that is not whole is seen in telemetry alone.
+            // There is no watchdog: an incomplete tick is visible only in telemetry.
             let _ = control.tick(&mut pins, &*self.node.mail, &mut bus, &mut wire, &mut []);
         }
         run_all(&mut self.lines, end_ns);
@@ -141,14 +143,14 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         }
     }
 
-    /// The board begins anew, with what is in flash; servos keep their power.
+    /// Restarts the board with the content of its flash. Servos keep their power.
     fn restart(&mut self) {
-        // It could at the first start, with the same parts.
+        // This succeeded at the first start, with the same parts.
         if let (Ok(node), Ok(buses)) =
             (Node::start(self.parts, &self.chip, self.about), self.parts.all_buses())
         {
             (self.node, self.buses) = (node, RefCell::new(buses));
-            // At a start the pull-up has OE, and the chip begins anew.
+            // At a start the pull-up switches OE off, and the chip is reset.
             for line in &mut self.lines {
                 line.servos.enable_pulses(false);
                 line.servos.start_chip(pulses::prescale());
@@ -157,34 +159,34 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         }
     }
 
-    /// Bytes of a host.
+    /// Gives the board bytes from a host.
     pub fn give(&mut self, bytes: &[u8]) {
         self.came.extend(bytes);
     }
 
-    /// Time since power-on, us.
+    /// Returns the time since power-on, µs.
     pub fn now_us(&self) -> u64 {
         self.ticks * u64::from(self.parts.tick_us())
     }
 
-    /// The state of its loop; none without a rig that fits.
+    /// Returns the state of the control loop; `None` without a rig that fits.
     pub fn state(&self) -> Option<State> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
     }
 
-    /// How often it has started.
+    /// Returns the number of restarts.
     pub fn starts(&self) -> u32 {
         self.starts
     }
 
-    /// Length of a tick.
+    /// Returns the length of a tick.
     pub(super) fn tick_time(&self) -> Duration {
         Duration::from_micros(self.parts.tick_us().into())
     }
 }
 
 impl SimulatedBoard<'_, RigPlant> {
-    /// Puts a hand on a dof of the rig, or takes it away; whether there is such a dof.
+    /// Puts a hand on a dof of the rig, or takes it away. Returns whether there is such a dof.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         // Without a line there are no servos.
         let line = self.lines.first_mut();
@@ -192,7 +194,7 @@ impl SimulatedBoard<'_, RigPlant> {
     }
 }
 
-/// Without a port, in simulated time: time passes while the host waits.
+/// A host link without a port, in simulated time: time passes while the host waits.
 impl<P: Plant> sinew_board_client::Line for SimulatedBoard<'_, P> {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.give(bytes);

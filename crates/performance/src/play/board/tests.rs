@@ -1,4 +1,4 @@
-//! The client against a whole board, in simulated time.
+//! Tests of the client with a whole board, in simulated time.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -27,11 +27,11 @@ use crate::{Baker, ShowMarks};
 
 const SECOND: Duration = Duration::from_secs(1);
 
-/// A board that its client and the test both hold; the line may be cut.
+/// A board that its client and the test share; the link may be cut.
 struct Shared<'a> {
     board: Rc<RefCell<SimulatedBoard<'a, RigPlant>>>,
     is_cut: Rc<RefCell<bool>>,
-    /// The wire from the board is dead.
+    /// Whether the wire from the board is cut.
     is_deaf: Rc<RefCell<bool>>,
 }
 
@@ -68,7 +68,7 @@ struct Desk<'a> {
     is_cut: Rc<RefCell<bool>>,
     is_deaf: Rc<RefCell<bool>>,
     parts: &'a RigParts,
-    /// Of one second.
+    /// A show of one second.
     show: Vec<u8>,
 }
 
@@ -137,7 +137,7 @@ impl Desk<'_> {
         self.until(State::Playing);
     }
 
-    /// The states of a board that nobody talks to, until it is limp, and since when, ms.
+    /// Returns the states of a board without a host until it is limp or faulted, each with its start time, ms.
     fn states(&self) -> Vec<(Of, u64)> {
         let mut board = self.board.borrow_mut();
         let begun_us = board.now_us();
@@ -204,12 +204,12 @@ fn a_blank_board_takes_a_rig_and_a_show_and_plays_it() {
         desk.client.set_setting(6, 3.0).unwrap();
         desk.client.reconnect(SECOND).unwrap();
         assert!((desk.client.setting(6).unwrap() - 3.0).abs() < 1e-6);
-        // Its own supply was looked at while torque was on: the counter is of one start.
+        // Its own supply was checked while torque was on: the counter belongs to one start.
         assert!(matches!(desk.client.ask(Command::ReadHealth), Ok(Applied::Health(_))));
     });
 }
 
-/// Servos without a current sensor, whose loop a board closes by their PWM.
+/// Servos without a current sensor. A board closes their loop by their PWM.
 #[test]
 fn a_board_drives_by_voltage_what_a_wiring_says_so_of() {
     let mut rig = arm(3).unwrap();
@@ -239,8 +239,8 @@ fn versions_that_do_not_fit_are_both_named() {
     });
 }
 
-/// The wire from the board alone is dead. The host says `Stop` and is silent; before, it drove on and kept the rig
-/// armed.
+/// Only the wire from the board is cut. The host sends `Stop` and then nothing. Before this rule it continued to
+/// drive, and kept the rig armed.
 #[test]
 fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
     on_desk(false, |mut desk| {
@@ -256,11 +256,11 @@ fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
         let text = error.to_string();
         assert!(matches!(error, ClientError::Deaf(silence) if silence == SECOND), "{text}");
         assert!(text.contains("for 1 s") && text.contains("wire"), "{text}");
-        // Heard less than one period of telemetry before.
+        // The last message is less than one period of telemetry old.
         let ended = desk.client.now().saturating_sub(begun);
         assert!((SECOND * 19 / 20..SECOND * 6 / 5).contains(&ended), "{ended:?}");
         assert_eq!(desk.board.borrow().state(), Some(Of::Stopping));
-        // Whatever the program tries behind that: nothing is said, but an emergency stop of a person.
+        // Afterwards the client sends nothing, whatever the program asks for, except an emergency stop by a person.
         for error in [
             desk.client.step(SECOND).unwrap_err(),
             desk.client.ask(Command::Hold).unwrap_err(),
@@ -269,15 +269,15 @@ fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
             assert!(matches!(error, ClientError::Deaf(_)), "{error}");
         }
         let came = desk.states();
-        // On its way to the rest pose, or there: lowered, and limp. The link is lost at last.
+        // From the way to the rest pose, or from there, the rig is lowered, then limp. At last the link is lost.
         let names: Vec<Of> = came.iter().map(|(state, _)| *state).collect();
         assert!(names.starts_with(&[Of::Stopping, Of::Lowering]), "{came:?}");
         assert!(matches!(names.last(), Some(Of::Faulted | Of::Limp)), "{came:?}");
     });
 }
 
-/// A host of before the acknowledgement hears nothing and drives on: its beats keep the rig armed, as they did. One
-/// that says that it acknowledges, and does not, is stopped by the board.
+/// A host older than the acknowledgement hears nothing and continues: its heartbeats keep the rig armed, as before. A
+/// host that announces acknowledgements, but sends none, is stopped by the board.
 #[test]
 fn a_board_ends_the_session_of_a_host_that_acknowledges_nothing() {
     for (minor, ends) in [(1, false), (2, true)] {
@@ -322,7 +322,7 @@ fn a_board_ends_the_session_of_a_host_that_acknowledges_nothing() {
     }
 }
 
-/// The session that a board gave last.
+/// Returns the session in the last welcome of the board.
 fn welcomed(board: &mut SimulatedBoard<'_, RigPlant>) -> u16 {
     let (mut decoder, mut bytes) = (Decoder::<ToHost>::new(), vec![0; 1 << 16]);
     let count = board.receive(&mut bytes, Duration::ZERO).unwrap();
@@ -335,21 +335,21 @@ fn welcomed(board: &mut SimulatedBoard<'_, RigPlant>) -> u16 {
     session.unwrap()
 }
 
-/// The board alone: it holds, is lowered, and is limp.
+/// A board without its host holds, lowers the rig, and is limp.
 #[test]
 fn a_board_that_is_unplugged_holds_and_then_is_limp() {
     on_desk(false, |mut desk| {
         desk.begin_show();
         *desk.is_cut.borrow_mut() = true;
         let error = desk.client.step(SECOND).unwrap_err().to_string();
-        assert!(error.contains("unplugged") && error.contains("limp"), "{error}");
+        assert!(error.contains("unplugged") && error.contains("lowered"), "{error}");
         let came = desk.states();
         let at = |of: Of| came.iter().find(|(state, _)| *state == of).map(|(_, ms)| *ms);
         let [holds, lowers] = [Of::Holding, Of::Lowering].map(|of| at(of).unwrap());
-        // Heartbeats come every 50 ms, and the last may be that old.
+        // There is a heartbeat every 50 ms, and the last may be that old.
         assert!((150..=210).contains(&holds), "{came:?}");
         assert!((1950..=2010).contains(&lowers), "{came:?}");
-        // Let go, and the lost link is latched.
+        // Torque is off, and the lost link is latched as a fault.
         assert!(at(Of::Faulted).is_some(), "{came:?}");
     });
 }
@@ -363,14 +363,14 @@ fn servos_are_reached_through_a_limp_board_alone() {
         let settings = Settings { patience: Duration::from_millis(3), tries: 2 };
         let line = BoardServos::new(desk.client, 0).unwrap();
         let mut client = Client::new(line, Protocol::Dynamixel, baud, settings).unwrap();
-        // The model number, and how long the answer took.
+        // The model number, and the time until the answer.
         assert_eq!(client.read_bytes(1, 0, 2).unwrap().0.len(), 2);
         let took = client.line_mut().took();
         assert!(took > Duration::ZERO && took < Duration::from_millis(2), "{took:?}");
-        // More than an answer of the link carries.
+        // More than fits into one message of the host link.
         assert_eq!(client.read_bytes(1, 0, 147).unwrap().0.len(), 147);
         assert!(matches!(client.read_bytes(77, 0, 2), Err(ServiceError::Silent { id: 77, .. })));
-        // At another rate nobody hears it, and the line has its own again behind that.
+        // At another rate no servo answers; afterwards the line has its own rate again.
         client.set_baud(57_600).unwrap();
         assert!(client.read_bytes(1, 0, 2).is_err());
         let mut second = BoardServos::new(client.into_line().into_board(), 1).unwrap();
@@ -385,7 +385,7 @@ fn servos_are_reached_through_a_limp_board_alone() {
     });
 }
 
-/// A Dynamixel's packet begins with 0xFF: the chip would take it for a write to its registers.
+/// A Dynamixel packet begins with 0xFF: the chip would interpret it as a write to its registers.
 #[test]
 fn no_packet_is_passed_on_to_a_chip_that_makes_pulses() {
     rig_on_desk(&face(), Options::default(), false, |mut desk| {

@@ -1,4 +1,4 @@
-//! What a board stores of a rig: its compact form, and behind it how its servos hang on the board.
+//! The item that a board stores for a rig: its compact form, followed by the wiring of its servos.
 
 use sinew_wiring::{BusLine, LINES, Servo, Wiring};
 
@@ -7,10 +7,10 @@ use crate::play::line_setup::LineSetup;
 use crate::play::{RigParts, SERVOS};
 
 impl RigParts {
-    /// The rig in its compact form. It ends with the CRC by which boards and shows name it.
+    /// Returns the rig in its compact form. It ends with the CRC by which boards and shows identify it.
     ///
     /// # Errors
-    /// Why it has none.
+    /// The reason why the rig has no compact form.
     pub fn compact_rig(&self) -> Result<Vec<u8>, String> {
         let mut bytes = vec![0; RIG_ROOM];
         let len = self.board.encode(&mut bytes).map_err(|error| error.to_string())?;
@@ -18,10 +18,10 @@ impl RigParts {
         Ok(bytes)
     }
 
-    /// The item that a board takes as its rig.
+    /// Returns the item that a board accepts as its rig.
     ///
     /// # Errors
-    /// Why there is none.
+    /// The reason why there is none.
     pub fn board_rig(&self) -> Result<Vec<u8>, String> {
         let mut item = self.compact_rig()?;
         let len = item.len();
@@ -32,7 +32,7 @@ impl RigParts {
         Ok(item)
     }
 
-    /// Returns how the servos hang on a board, and how they are driven.
+    /// Returns how the servos are connected to a board, and how they are driven.
     ///
     /// # Errors
     /// The rig has more lines than a board.

@@ -1,4 +1,4 @@
-//! Numbers of an accessor, read within their bounds: the crate's own readers trust them.
+//! Reads the numbers of an accessor with bounds checks, which the crate's own readers lack.
 
 use ::gltf::Accessor;
 use ::gltf::accessor::{DataType, Dimensions};
@@ -13,15 +13,15 @@ pub(super) struct Elements<'a> {
     stride: usize,
     count: usize,
     data_type: DataType,
-    /// Numbers in an element.
+    /// Number of values in an element.
     width: usize,
 }
 
 impl<'a> Elements<'a> {
-    /// The elements of an accessor of one of these types.
+    /// Reads the elements of an accessor of one of these types.
     ///
     /// # Errors
-    /// [`Refusal`] if it is of another type, sparse, or not within its buffer.
+    /// [`Refusal`] if the accessor is of another type, sparse, or not within its buffer.
     pub(super) fn new(
         accessor: &Accessor<'_>,
         buffers: &'a Buffers,
@@ -52,10 +52,10 @@ impl<'a> Elements<'a> {
         Ok(Self { bytes, stride, count, data_type, width: dimensions.multiplicity() })
     }
 
-    /// Matrices of 4 by 4.
+    /// Reads an accessor of 4 by 4 matrices.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Those of [`Self::new`].
     pub(super) fn matrices(accessor: &Accessor<'_>, buffers: &'a Buffers) -> Result<Self, Refusal> {
         Self::new(accessor, buffers, Dimensions::Mat4, &[DataType::F32])
     }
@@ -64,7 +64,7 @@ impl<'a> Elements<'a> {
         self.count
     }
 
-    /// The numbers of an element below [`Self::count`]; whole ones as they are.
+    /// Returns the values of an element, whose index must be below [`Self::count`]. Integers are not normalized.
     pub(super) fn numbers(&self, element: usize) -> impl Iterator<Item = f64> + '_ {
         let size = self.data_type.size();
         let bytes = &self.bytes[element * self.stride..][..self.width * size];
@@ -75,12 +75,12 @@ impl<'a> Elements<'a> {
             (DataType::U16, &[a, b]) => f64::from(u16::from_le_bytes([a, b])),
             (DataType::U32, &[a, b, c, d]) => f64::from(u32::from_le_bytes([a, b, c, d])),
             (DataType::F32, &[a, b, c, d]) => f64::from(f32::from_le_bytes([a, b, c, d])),
-            // No other size can be: a number has that of its type.
+            // No other size is possible: each value has the size of its type.
             _ => f64::NAN,
         })
     }
 
-    /// The numbers of an element as indices.
+    /// Returns the values of an element as indices.
     pub(super) fn indices(&self, element: usize) -> impl Iterator<Item = usize> + '_ {
         #[expect(
             clippy::cast_possible_truncation,
@@ -90,7 +90,7 @@ impl<'a> Elements<'a> {
         self.numbers(element).map(|number| number as usize)
     }
 
-    /// The largest number that an element stands for 1 with, if whole ones stand for fractions.
+    /// Returns the integer that represents 1 if the accessor is normalized; 1 for floats.
     pub(super) fn one(&self) -> f64 {
         match self.data_type {
             DataType::I8 => f64::from(i8::MAX),
@@ -101,7 +101,7 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// An element of [`Self::matrices`].
+    /// Returns an element of [`Self::matrices`].
     pub(super) fn matrix(&self, element: usize) -> DMat4 {
         let mut columns = [0.0; 16];
         for (column, number) in columns.iter_mut().zip(self.numbers(element)) {

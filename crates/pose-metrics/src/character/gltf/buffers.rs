@@ -1,4 +1,4 @@
-//! The bytes that a file's numbers are in.
+//! Reads the buffers of a file.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path};
@@ -11,23 +11,23 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::character::error::{Refusal, refuse};
 
-/// Far above any character's: what bounds the memory.
+/// Maximum number of bytes, far above any character's, to limit the memory.
 const BYTES_MAX: usize = 1 << 30;
 
-/// The bytes of every buffer: at least as many as the file says.
+/// The bytes of every buffer: at least the number that the file declares.
 pub(super) struct Buffers(Vec<Rc<[u8]>>);
 
 impl Buffers {
     /// Takes the binary chunk, decodes `data:` URIs and reads files in `folder`.
     ///
     /// # Errors
-    /// [`Refusal`] for a buffer that is elsewhere, cannot be read, or is too short.
+    /// [`Refusal`] for a buffer outside the folder, and for a buffer that cannot be read or is too short.
     pub(super) fn read<'a>(
         document: &'a Document,
         mut chunk: Option<Vec<u8>>,
         folder: &Path,
     ) -> Result<Self, Refusal> {
-        // A file that several buffers name is there once.
+        // A file is read only once, even if several buffers name it.
         let mut by_uri: BTreeMap<&str, Rc<[u8]>> = BTreeMap::new();
         let mut total = 0;
         let buffer = |buffer: ::gltf::Buffer<'a>| {
@@ -75,7 +75,7 @@ fn from_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Refusal> {
     }
     let name = decoded(uri);
     let path = Path::new(&name);
-    // No file reads another one's folders.
+    // A file may not refer to other folders.
     if uri.contains("://")
         || !path.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
     {
@@ -85,7 +85,7 @@ fn from_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Refusal> {
     let path = folder.join(path);
     let unread =
         |error| refuse("URI", "a file that can be read", format!("{}: {error}", path.display()));
-    // Links lead out of folders, too.
+    // Symbolic links may lead out of the folder too.
     let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (root, place) =
         (root.canonicalize().map_err(unread)?, path.canonicalize().map_err(unread)?);
@@ -96,7 +96,7 @@ fn from_uri(uri: &str, folder: &Path) -> Result<Vec<u8>, Refusal> {
     sinew_mocap::read::bytes(&place).map_err(unread)
 }
 
-/// A URI without its percent signs.
+/// Decodes the percent escapes of a URI.
 fn decoded(uri: &str) -> String {
     let mut bytes = Vec::with_capacity(uri.len());
     let mut rest = uri.as_bytes();

@@ -1,16 +1,15 @@
-//! Extensions that a file cannot be read without.
+//! Checks the extensions that a file requires.
 
 use ::gltf::json::Root;
 
 use crate::character::error::{Refusal, refuse};
 
-/// Extensions that hold bytes in a packed form.
+/// Extensions that store bytes in a compressed form.
 const PACKED: [&str; 3] =
     ["EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"];
-/// Extensions that change nothing of joints and skin but how numbers are stored, which the accessors see to.
+/// Extensions that change only the storage of numbers, which the accessors handle.
 const STORAGE: [&str; 1] = ["KHR_mesh_quantization"];
-/// Beginnings of the names of those that change nothing of joints and skin: how things look, sound and spring, and who
-/// somebody is.
+/// Name prefixes of extensions that do not affect joints and skin: materials, sounds, springs, metadata.
 const APPEARANCE: [&str; 12] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -26,10 +25,11 @@ const APPEARANCE: [&str; 12] = [
     "MSFT_lod",
 ];
 
-/// Takes out of the list of what a file requires what a reader of joints and skin needs not know.
+/// Removes the extensions that do not affect joints and skin from the file's list of required extensions.
 ///
 /// # Errors
-/// [`Refusal`] for bytes in a packed form, with the program that unpacks them; the crate refuses the rest.
+/// [`Refusal`] for compressed bytes, with the name of a program that decompresses them. The crate refuses all
+/// other extensions.
 pub(super) fn check(file: &mut Root) -> Result<(), Refusal> {
     let mut required = file.extensions_required.iter();
     if let Some(packed) = required.find(|name| PACKED.contains(&name.as_str())) {

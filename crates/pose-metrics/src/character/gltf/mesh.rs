@@ -1,4 +1,4 @@
-//! Vertices and triangles of a node's mesh.
+//! Reads the vertices and triangles of a node's mesh.
 
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::mesh::{Mode, Primitive};
@@ -14,8 +14,8 @@ use crate::character::mesh::{Mesh, shares};
 
 type Shares = Vec<(usize, f64)>;
 
-/// Appends the mesh of a node; nothing if it is no part of the character. How many of its vertices have weights that
-/// do not sum to 1.
+/// Appends the mesh of a node; nothing if the node does not belong to the character. Returns the number of
+/// vertices whose weights do not sum to 1.
 pub(super) fn add(
     mesh: &mut Mesh,
     node: &Node<'_>,
@@ -56,10 +56,10 @@ pub(super) fn add(
     Ok(unlike_one)
 }
 
-/// What a mesh moves with.
+/// The skin or the joint with which a mesh moves.
 enum Owner<'a> {
     Skin(&'a Binding),
-    /// The joint that it hangs on, and from the mesh to the world.
+    /// The joint to which the mesh is attached, and the transform from the mesh to the world.
     Joint {
         joint: usize,
         world: DMat4,
@@ -67,7 +67,7 @@ enum Owner<'a> {
 }
 
 impl<'a> Owner<'a> {
-    /// `None` for scenery, of which nothing else is looked at: it may be lines or whatever a scene can hold.
+    /// Returns `None` for scenery. Scenery is not checked further, since it may contain lines or anything else.
     fn of(node: &Node<'_>, skeleton: &'a Skeleton, nodes: &Nodes) -> Result<Option<Self>, Refusal> {
         let binding = node.skin().and_then(|skin| skeleton.skins[skin.index()].as_ref());
         if let Some(binding) = binding {
@@ -84,12 +84,12 @@ impl<'a> Owner<'a> {
 fn positions_m(primitive: &Primitive<'_>, buffers: &Buffers) -> Result<Vec<DVec3>, Refusal> {
     let accessor = primitive.get(&Semantic::Positions);
     let accessor = accessor.ok_or_else(|| refuse("attributes", "POSITION", "none"))?;
-    // Whole numbers by KHR_mesh_quantization; the pose of joints and nodes brings them to their size.
+    // Integers by KHR_mesh_quantization. The transforms of joints and nodes scale them.
     let any = [DataType::F32, DataType::I8, DataType::U8, DataType::I16, DataType::U16];
     let elements = Elements::new(&accessor, buffers, Dimensions::Vec3, &any)?;
     let one = if accessor.normalized() { elements.one() } else { 1.0 };
     let position_m = |vertex| {
-        // The least of a signed type is a little below -1.
+        // The minimum of a signed type is slightly below -1.
         let mut numbers = elements
             .numbers(vertex)
             .map(|number| if one > 1.0 { (number / one).max(-1.0) } else { number });
@@ -98,7 +98,8 @@ fn positions_m(primitive: &Primitive<'_>, buffers: &Buffers) -> Result<Vec<DVec3
     Ok((0..elements.count()).map(position_m).collect())
 }
 
-/// The shares of every vertex by the character's joints, and of how many they did not sum to 1.
+/// Returns the weights of every vertex by the character's joints, and the number of vertices whose weights do not
+/// sum to 1.
 fn skin(
     primitive: &Primitive<'_>,
     vertices: usize,
@@ -172,7 +173,7 @@ fn triangles(
             .map(|corners| [corners[0], corners[1], corners[2]])
             .collect()),
         Mode::Triangles => Err(refuse("triangles", "three indices of each", indices.len())),
-        // Every other triangle of a strip turns the other way.
+        // Every other triangle of a strip has the opposite orientation.
         Mode::TriangleStrip => Ok(indices
             .windows(3)
             .enumerate()

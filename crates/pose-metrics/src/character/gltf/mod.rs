@@ -1,10 +1,11 @@
-//! Skinned characters in glTF 2.0: `.glb`, and `.gltf` with its buffers in itself or in files beside it.
+//! Skinned characters in glTF 2.0: `.glb`, and `.gltf` with embedded or separate buffers.
 //!
-//! Joints are those of the skins that a mesh has, in the order of the first skin. A joint's parent is the nearest
-//! joint above it, whatever nodes are between; joints that have only another node above them in common get that one
-//! as their root. They stand in the pose of the skin's `inverseBindMatrices`, placed and sized as the scene has its
-//! first root joint; without these matrices, as the scene has them. A mesh without a skin belongs to the joint that
-//! it hangs on, and not to the character if it hangs on none. Morph targets are left at zero. VRM is glTF with more.
+//! The joints are those of the skins of all meshes, in the order of the first skin. A joint's parent is its
+//! nearest ancestor that is a joint, whatever nodes are between. Joints whose only common ancestor is another node
+//! get that node as their root. The pose is that of the skin's `inverseBindMatrices`, with the place and scale of
+//! its first root joint in the scene; without these matrices, the pose is the scene's. A mesh without a skin
+//! belongs to the joint to which it is attached, and is ignored if there is none. Morph targets are left at zero.
+//! VRM is glTF with extensions.
 
 mod accessor;
 mod buffers;
@@ -27,10 +28,10 @@ use skeleton::Skeleton;
 /// The first bytes of a `.glb`.
 const MAGIC: &[u8] = b"glTF";
 
-/// Reads the bytes of a file in `folder`, where its other files are.
+/// Parses the bytes of a file. `folder` contains the files to which it refers.
 ///
 /// # Errors
-/// [`Refusal`] if the file is no glTF 2.0, has no skinned mesh, or what belongs to one is damaged.
+/// [`Refusal`] if the file is not glTF 2.0, has no skinned mesh, or a part of the character is damaged.
 pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Character, Refusal> {
     check_header(bytes)?;
     let (document, chunk) = document(bytes)?;
@@ -52,13 +53,13 @@ pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Charact
     Ok(character)
 }
 
-/// The document, whose indices all lead somewhere, and the binary chunk.
+/// Returns the document, with all indices valid, and the binary chunk.
 fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Refusal> {
     let in_words = |error: ::gltf::Error| refuse("the file", "glTF 2.0", error);
     let file = Gltf::from_slice_without_validation(bytes).map_err(in_words)?;
     let mut json = file.document.into_json();
     extensions::check(&mut json)?;
-    // The crate's validation looks at these before it checks them.
+    // The crate's validation uses these indices before it checks them. Therefore they are checked here.
     let count = json.accessors.len();
     let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
     for accessor in primitives.flat_map(|primitive| primitive.attributes.values()) {
@@ -70,7 +71,7 @@ fn document(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), Refusal> {
     Ok((Document::from_json(json).map_err(in_words)?, file.blob))
 }
 
-/// The sizes in the header of a `.glb`, which its reader trusts.
+/// Checks the size in the header of a `.glb`, which the crate's reader does not check.
 fn check_header(bytes: &[u8]) -> Result<(), Refusal> {
     if !bytes.starts_with(MAGIC) {
         return Ok(());

@@ -6,28 +6,28 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Quat, Vec3};
 
 use crate::character::error::{Refusal, refuse};
 
-/// Every node's parent, and its pose in the world.
+/// Parent and world pose of every node.
 pub(super) struct Nodes {
     parents: Vec<Option<usize>>,
     world: Vec<DMat4>,
-    /// What is wrong with nodes that flatten what is in them.
+    /// Fault of each node whose transform is flat, which would flatten all that it contains.
     flat: Vec<Option<Refusal>>,
 }
 
-/// More than a character has, and few enough that one chain of them takes a moment.
+/// Maximum number of nodes: more than a character has, and few enough to process a single chain quickly.
 const NODE_COUNT_MAX: usize = 10_000;
 
-/// How far a rotation's length may be from 1: what it is rounded by where it is stored in 16 bits is far less.
+/// Maximum deviation of a rotation's length from 1. The rounding of 16-bit storage is far smaller.
 const LENGTH_TOLERANCE: f64 = 1e-3;
 
-/// Volume of a cube of sides 1 along a node's axes, below which f32's digits do not tell it from a flat one.
+/// Minimum volume of a unit cube along a node's axes. Below it, f32 cannot distinguish the cube from a flat one.
 const VOLUME_MIN: f64 = 1e-6;
 
 impl Nodes {
-    /// The nodes of a file.
+    /// Reads the nodes of a file.
     ///
     /// # Errors
-    /// [`Refusal`] for a node that has two parents or is its own ancestor, and for a rotation that is none.
+    /// [`Refusal`] for a node that has two parents or is its own ancestor, and for an invalid rotation.
     pub(super) fn new(document: &Document) -> Result<Self, Refusal> {
         let count = document.nodes().count();
         if count > NODE_COUNT_MAX {
@@ -58,17 +58,18 @@ impl Nodes {
         Ok(nodes)
     }
 
-    /// From a node's parent to its root.
+    /// Returns the ancestors of a node, from its parent to its root.
     pub(super) fn ancestors(&self, node: usize) -> impl Iterator<Item = usize> + '_ {
-        // A loop has no end; nobody is deeper than there are nodes.
+        // Limited, since a cycle has no end. The depth of a node is at most the number of nodes.
         std::iter::successors(self.parents[node], |node| self.parents[*node])
             .take(self.parents.len())
     }
 
-    /// From a node's frame to the world.
+    /// Returns the transform from a node's frame to the world.
     ///
     /// # Errors
-    /// [`Refusal`] if it has no inverse. Only nodes that are used need one: a scale of zero is how scenes hide things.
+    /// [`Refusal`] if the transform has no inverse. Only used nodes need one: scenes hide things with a scale of
+    /// zero.
     pub(super) fn world(&self, node: usize) -> Result<DMat4, Refusal> {
         let mut way = std::iter::once(node).chain(self.ancestors(node));
         match way.find_map(|node| self.flat[node].clone()) {
@@ -78,7 +79,7 @@ impl Nodes {
     }
 }
 
-/// From a node's frame to its parent's.
+/// Returns the transform from a node's frame to its parent's.
 fn local(node: &Node<'_>) -> Result<DMat4, Refusal> {
     match node.transform() {
         Transform::Matrix { matrix } => Ok(Mat4::from_cols_array_2d(&matrix).as_dmat4()),
@@ -100,7 +101,7 @@ fn local(node: &Node<'_>) -> Result<DMat4, Refusal> {
     }
 }
 
-/// What is wrong with a node whose axes span no space.
+/// Returns the fault of a node whose axes are linearly dependent.
 fn flat(node: &Node<'_>, local: &DMat4) -> Option<Refusal> {
     let axes = [local.x_axis, local.y_axis, local.z_axis].map(DVec4::truncate);
     let [x, y, z] = axes.map(DVec3::normalize_or_zero);
@@ -118,7 +119,7 @@ fn flat(node: &Node<'_>, local: &DMat4) -> Option<Refusal> {
     Some(refuse(format!("{}: {item}", name(node)), expected, found))
 }
 
-/// A node in messages.
+/// Returns a node's name for messages.
 fn name(node: &Node<'_>) -> String {
     match node.name() {
         Some(name) => format!("node {} `{name}`", node.index()),

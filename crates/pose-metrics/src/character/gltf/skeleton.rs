@@ -1,4 +1,4 @@
-//! The joints of a file's skins, and how each skin is bound to them.
+//! The joints of a file's skins, and the binding of each skin to them.
 
 use ::gltf::{Document, Skin};
 use glam::{DMat4, DVec3};
@@ -10,25 +10,25 @@ use crate::character::error::{Refusal, refuse};
 use crate::character::limits::JOINT_COUNT_MAX;
 use crate::character::model::Joint;
 
-/// The joints of all skins that meshes have.
+/// The joints of all skins that a mesh uses.
 pub(super) struct Skeleton {
-    /// The node of each joint.
+    /// Node of each joint.
     pub(super) nodes: Vec<usize>,
-    /// From each joint's frame to the world, in the pose that the mesh is modelled in.
+    /// Transform from each joint's frame to the world, in the pose in which the mesh is modelled.
     pub(super) world: Vec<DMat4>,
-    /// By skin: from the space of its meshes to the world; `None` if only its joints tell. None for skins without mesh.
+    /// Binding of each skin; `None` for a skin that no mesh uses.
     pub(super) skins: Vec<Option<Binding>>,
 }
 
-/// How a skin's meshes are bound.
+/// The binding of a skin's meshes to joints.
 pub(super) struct Binding {
-    /// The joint of each entry of the skin.
+    /// Joint of each entry of the skin.
     pub(super) joints: Vec<usize>,
-    /// From its meshes to the world; `None`: from each joint's frame to the world.
+    /// Transform from the skin's meshes to the world; `None` if each joint's transform is used instead.
     pub(super) world: Option<DMat4>,
 }
 
-/// How far two skins may have one joint apart.
+/// Maximum distance between the positions of a joint in two skins.
 const SAME_PLACE_M: f64 = 1e-3;
 
 impl Skeleton {
@@ -54,12 +54,12 @@ impl Skeleton {
         Ok(skeleton)
     }
 
-    /// The joint that a node is.
+    /// Returns the joint that corresponds to a node.
     pub(super) fn joint(&self, node: usize) -> Option<usize> {
         self.nodes.iter().position(|joint| *joint == node)
     }
 
-    /// The nearest joint above a node.
+    /// Returns the nearest ancestor of a node that is a joint.
     pub(super) fn joint_above(&self, node: usize, nodes: &Nodes) -> Option<usize> {
         nodes.ancestors(node).find_map(|node| self.joint(node))
     }
@@ -109,7 +109,7 @@ impl Skeleton {
         Ok(Binding { joints, world: meshes })
     }
 
-    /// The joint of a node; a new one, unless another skin has it.
+    /// Returns the joint of a node, and adds it unless an earlier skin has it.
     fn add(&mut self, node: usize, world: DMat4) -> Result<usize, Refusal> {
         let Some(joint) = self.joint(node) else {
             self.nodes.push(node);
@@ -124,7 +124,7 @@ impl Skeleton {
         Ok(joint)
     }
 
-    /// The joints as a character has them, with one root.
+    /// Returns the joints for a character, with a single root.
     pub(super) fn joints(&self, document: &Document, nodes: &Nodes) -> Result<Vec<Joint>, Refusal> {
         let names = names(document);
         let mut parents: Vec<Option<usize>> =
@@ -167,7 +167,7 @@ fn place_m(world: &DMat4) -> DVec3 {
     world.w_axis.truncate()
 }
 
-/// A name for every node, unlike all others.
+/// Returns a unique name for every node.
 fn names(document: &Document) -> Vec<String> {
     let given: Vec<Option<&str>> = document.nodes().map(|node| node.name()).collect();
     let name = |(index, name): (usize, Option<&str>)| match name {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::*;
 
-/// Bytes of a buffer, and its views.
+/// The bytes of a buffer, and the buffer's views.
 #[derive(Default)]
 struct Data {
     bytes: Vec<u8>,
@@ -27,8 +27,8 @@ impl Data {
     }
 }
 
-/// An arm of two joints under a node in centimetres, with a node between the joints, and a square of skin: modelled in
-/// centimetres, in metres in the world.
+/// Returns an arm of two joints under a node in centimetres, with a node between the joints and a square of skin.
+/// It is modelled in centimetres, and in metres in the world.
 fn arm() -> (Value, Vec<u8>) {
     let mut data = Data::default();
     data.floats(&[0.0, 0.0, 0.0, 100.0, 0.0, 0.0, 100.0, 10.0, 0.0, 0.0, 10.0, 0.0]);
@@ -40,7 +40,7 @@ fn arm() -> (Value, Vec<u8>) {
         inverse[diagonal] = 1.0;
         inverse[16 + diagonal] = 1.0;
     }
-    // The elbow is at x = 60 where the skin was modelled.
+    // The elbow was at x = 60 when the skin was modelled.
     inverse[16 + 12] = -60.0;
     data.floats(&inverse);
     let file = json!({
@@ -70,7 +70,7 @@ fn arm() -> (Value, Vec<u8>) {
     (file, data.bytes)
 }
 
-/// As a `.glb`.
+/// Returns the file as a `.glb`.
 fn glb((file, mut bytes): (Value, Vec<u8>)) -> Vec<u8> {
     let mut text = file.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -91,7 +91,7 @@ fn glb((file, mut bytes): (Value, Vec<u8>)) -> Vec<u8> {
     parts.concat()
 }
 
-/// As a `.gltf` with its buffer in itself.
+/// Returns the file as a `.gltf` with an embedded buffer.
 fn embedded((mut file, bytes): (Value, Vec<u8>)) -> Vec<u8> {
     let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes));
     file["buffers"][0]["uri"] = uri.into();
@@ -102,7 +102,7 @@ fn parse(bytes: &[u8]) -> Result<Character, Refusal> {
     gltf::parse(bytes, "arm".into(), Path::new(""))
 }
 
-/// The arm, changed.
+/// Parses the arm after a change.
 fn changed(change: impl FnOnce(&mut Value)) -> Result<Character, Refusal> {
     let (mut file, bytes) = arm();
     change(&mut file);
@@ -120,7 +120,7 @@ fn a_skinned_character_stands_in_its_bind_pose() {
     assert_eq!((shoulder.name.as_str(), shoulder.parent), ("shoulder", None));
     assert_eq!((elbow.name.as_str(), elbow.parent), ("elbow", Some(0)));
     close(shoulder.position_m, [0.0, 1.0, 0.0]);
-    // The scene has the elbow raised, the bind pose stretched out.
+    // In the scene the elbow is raised; in the bind pose the arm is straight.
     close(elbow.position_m, [0.6, 1.0, 0.0]);
     let mesh = character.mesh().unwrap();
     close(mesh.positions_m[2], [1.0, 1.1, 0.0]);
@@ -162,9 +162,9 @@ fn without_bind_matrices_joints_stand_as_the_scene_has_them() {
         file["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
     };
     let character = changed(remove).unwrap();
-    // Raised by the node between.
+    // Raised by the node between the joints.
     close(character.joints()[1].position_m, [0.0, 1.6, 0.0]);
-    // Vertex 1 is in the elbow's frame: 100 along its x, which points up.
+    // Vertex 1 is in the elbow's frame: 100 along its x axis, which points up.
     close(character.mesh().unwrap().positions_m[1], [0.0, 2.6, 0.0]);
 }
 
@@ -190,7 +190,7 @@ fn a_mesh_on_a_joint_moves_with_it() {
         file["nodes"][3]["children"] = json!([5]);
         let watch = json!({ "name": "watch", "mesh": 0, "translation": [0.0, 0.0, 5.0] });
         file["nodes"].as_array_mut().unwrap().push(watch);
-        // A mesh that hangs on no joint is scenery.
+        // A mesh that is not attached to a joint is scenery.
         file["nodes"].as_array_mut().unwrap().push(json!({ "name": "floor", "mesh": 0 }));
     })
     .unwrap();
@@ -200,7 +200,7 @@ fn a_mesh_on_a_joint_moves_with_it() {
     close(mesh.positions_m[4], [0.6, 1.0, 0.05]);
 }
 
-/// Lines, and triangles that do not come out even, on nodes that have nothing to do with the character.
+/// Lines, and an incomplete triangle, on nodes that do not belong to the character.
 #[test]
 fn scenery_may_be_anything() {
     let character = changed(|file| {
@@ -231,7 +231,7 @@ fn rotations_are_unit_quaternions() {
             format!("node 2 `between`: rotation: expected a quaternion of length 1, found {found}");
         assert_eq!(rotated(rotation).unwrap_err().to_string(), expected);
     }
-    // Rounding changes the length only, which is left out.
+    // Rounding changes only the length, which is normalized.
     let unbound = |rotation: [f32; 4]| {
         changed(|file| {
             file["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
@@ -249,7 +249,7 @@ fn nodes_that_are_used_have_an_inverse() {
         "skin 0: node 0 `armature`: scale: expected three numbers other than 0, found [0.01, 0.0, 0.01]"
     );
     let singular = message(|f| {
-        // The third column is the sum of the others.
+        // The third column is the sum of the first two.
         f["nodes"][1]["matrix"] =
             json!([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
     });
@@ -259,7 +259,7 @@ fn nodes_that_are_used_have_an_inverse() {
         ),
         "{singular}"
     );
-    // Far from the same axes, however small.
+    // Small axes are accepted, since they are far from linearly dependent.
     changed(|f| f["nodes"][0]["scale"] = json!([1e-9, 0.01, -0.01])).unwrap();
 }
 
@@ -369,7 +369,7 @@ fn what_is_only_stored_otherwise_is_read_and_what_is_packed_named() {
     assert!(packed.contains("`gltfpack -noq -kn -i IN.glb -o OUT.glb` unpacks them"), "{packed}");
     assert!(packed.ends_with("found `EXT_meshopt_compression`"), "{packed}");
     assert!(requires("EXT_unheard_of").is_err());
-    // Corners as whole numbers: 16 bits, of which 32767 are 1.
+    // Corners as integers of 16 bits; when normalized, 32767 represents 1.
     for (normalized, factor) in [(false, 1.0), (true, 1.0 / 32767.0)] {
         let (mut file, mut bytes) = arm();
         let at = bytes.len();
@@ -391,7 +391,7 @@ fn what_is_only_stored_otherwise_is_read_and_what_is_packed_named() {
     }
 }
 
-/// Numbers that JSON can hold and glTF cannot mean.
+/// Returns numbers that are valid in JSON but not in glTF.
 fn odd_number() -> impl Strategy<Value = Value> {
     prop_oneof![
         (-3_i64..12).prop_map(Value::from),

@@ -14,7 +14,7 @@ fn joint(name: &str, parent: Option<usize>, position_m: [f64; 3]) -> Joint {
     Joint { name: name.into(), parent, position_m: position_m.into() }
 }
 
-/// The message that a character of these joints is refused with.
+/// Returns the message with which a character of these joints is refused.
 fn refusal(joints: Vec<Joint>, mesh: Option<Mesh>) -> String {
     Character::new("x".into(), joints, mesh).unwrap_err().to_string()
 }
@@ -47,7 +47,7 @@ fn only_trees_are_characters() {
     }
 }
 
-/// Parents may come after their children.
+/// Checks that a parent may have a larger index than its children.
 #[test]
 fn joints_may_come_in_any_order() {
     let joints = vec![joint("hand", Some(1), [0.0, 3.0, 4.0]), joint("arm", None, [0.0; 3])];
@@ -88,7 +88,7 @@ fn shares_are_made_to_sum_to_one() {
     }
 }
 
-/// A square of two triangles, and a vertex that none has.
+/// Tests a square of two triangles, and a vertex that belongs to no triangle.
 #[test]
 fn a_vertex_stands_for_the_surface_around_it() {
     let mesh = Mesh {
@@ -113,7 +113,7 @@ fn a_vertex_stands_for_the_surface_around_it() {
     assert!(close(&article, [2.0, 2.0, 2.0, 2.0, 0.0]), "{article:?}");
 }
 
-/// A Geno.bin of two bones, three vertices and a triangle.
+/// Returns a Geno.bin of two bones, three vertices and a triangle.
 fn geno_bin() -> Vec<u8> {
     let mut bytes: Vec<u8> = [3_u32, 1, 2].iter().flat_map(|n| n.to_le_bytes()).collect();
     let floats = |bytes: &mut Vec<u8>, numbers: &[f32]| {
@@ -190,12 +190,12 @@ fn a_damaged_geno_bin_is_refused_with_its_place() {
     assert!(geno(&[]).unwrap_err().to_string().contains("found 0 bytes"));
 }
 
-/// Changes of a file: what, where, and with what.
+/// Generates changes of a file: kind, place, and byte.
 fn damage() -> impl Strategy<Value = Vec<(u8, prop::sample::Index, u8)>> {
     prop::collection::vec((0..4_u8, any::<prop::sample::Index>(), any::<u8>()), 1..5)
 }
 
-/// Overwrites, inserts, cuts out and cuts off bytes.
+/// Overwrites, inserts and removes bytes, and truncates the file.
 fn damaged(mut bytes: Vec<u8>, damage: Vec<(u8, prop::sample::Index, u8)>) -> Vec<u8> {
     for (kind, at, byte) in damage {
         if bytes.is_empty() {
@@ -212,7 +212,7 @@ fn damaged(mut bytes: Vec<u8>, damage: Vec<(u8, prop::sample::Index, u8)>) -> Ve
     bytes
 }
 
-/// Whatever is read is whole: that is what the constructor checks.
+/// Checks that a character that was read is valid, with the constructor.
 fn check(read: Result<Character, Refusal>) {
     if let Ok(Character { name, joints, mesh, notes: _ }) = read {
         Character::new(name, joints, mesh).unwrap();
@@ -230,7 +230,7 @@ proptest! {
         check(geno(&bytes));
     }
 
-    /// Only its size identifies such a file: one that is cut off is none.
+    /// Checks that a truncated file is not recognized, since the file is identified by its size alone.
     #[test]
     fn a_cut_geno_bin_is_refused(at in 0..326_usize) {
         prop_assert!(geno(&geno_bin()[..at]).is_err());
@@ -278,7 +278,7 @@ fn a_skeleton_without_unit_or_frame_is_refused() {
     let message = |options: &Options| bvh(options).unwrap_err().to_string();
     let unit = message(&Options::default());
     assert!(
-        unit.contains("no arms and legs tell the body's height; give it with --metres-per-unit"),
+        unit.contains("no arms and legs show the body's height; give it with --metres-per-unit"),
         "{unit}"
     );
     let frame = message(&Options { units: units(0.01), frame: Some(2) });
@@ -289,7 +289,8 @@ fn data() -> PathBuf {
     std::env::var_os("SINEW_DATA").expect("SINEW_DATA names the folder of the data").into()
 }
 
-/// Mesh and motion are of one character: the same joints, bones as long, and frame 0 in the pose of the mesh.
+/// Checks that mesh and motion are of one character: equal joints, bones of equal length, and frame 0 in the pose
+/// of the mesh.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn geno_is_the_same_in_both_of_its_files() {

@@ -1,7 +1,7 @@
 use super::*;
 
-/// A base with an arm, the outer joint first: its elbow, fixed, is 1 m above a shoulder that leans ahead by a quarter
-/// turn.
+/// A base with an arm, the outer joint first in the file: its fixed elbow is 1 m above a shoulder that is rotated
+/// forwards by a quarter turn.
 const ROBOT: &str = r#"<?xml version="1.0"?>
 <robot name="arm">
   <link name="base"/><link name="upper"/><link name="lower"><inertial><mass value="1"/></inertial></link>
@@ -31,7 +31,7 @@ fn joints_of_a_rig_come_from_the_root_outwards() {
     let character = robot(ROBOT).unwrap();
     let names: Vec<_> = character.joints().iter().map(|j| (j.name.as_str(), j.parent)).collect();
     assert_eq!(names, [("base", None), ("shoulder", Some(0)), ("elbow", Some(1))]);
-    // x left, y up, z ahead: of 0.1 ahead, 0.2 left, 0.3 up.
+    // x left, y up, z ahead; the file's offset is 0.1 ahead, 0.2 left, 0.3 up.
     let place = |joint: usize| character.joints()[joint].position_m;
     assert!(place(1).distance(DVec3::new(0.2, 0.3, 0.1)) < 1e-12, "{}", place(1));
     assert!(place(2).distance(DVec3::new(0.2, 0.3, 1.1)) < 1e-12, "{}", place(2));
@@ -136,7 +136,7 @@ proptest! {
     }
 }
 
-/// Every rig of the data, with as many joints as move.
+/// Reads every rig of the data, and compares the number of joints with those that move.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn real_rigs_are_read() {
@@ -150,7 +150,7 @@ fn real_rigs_are_read() {
         let moving: usize =
             types.iter().map(|kind| text.matches(&format!("type=\"{kind}\"")).count()).sum();
         let character = read(&data().join(file), &Options::default()).unwrap();
-        // The root, and the ends of limbs.
+        // Moving joints, plus the root and the ends of limbs.
         assert!(moving > 10 && character.joints().len() > moving, "{file}: {moving}");
     }
 }

@@ -1,4 +1,4 @@
-//! The search: the moments with the least distances, for which few of all distances are computed.
+//! Searches for the moments with the smallest distances, with few of all distances computed.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -10,107 +10,107 @@ use crate::spatial::{
     BODY_COUNT, MeasuredPose, Metric, RigMeasure, SpatialRig, Weighting, Workspace,
 };
 
-/// Poses that a query, itself some poses in a row, is searched in: every place of a clip where it fits is a moment's
-/// candidate. Its distance is the root mean square of its frames' distances, which of a measure that is a metric is
-/// one again.
+/// A search for a query, which is a pose or a sequence of poses, in the poses of clips. Every place of a clip
+/// where the query fits is a candidate. Its distance is the root mean square of its frames' distances, which is a
+/// metric if the measure is one.
 ///
-/// A moment is a place that no better one of its clip is near to ([`Limits::apart`]). The nearest moments are found
-/// exactly, after Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998): places are visited in the
-/// order of a lower bound of their distance, until that exceeds the distance of the last moment wanted; sums are
-/// given up once they exceed it. The bounds:
+/// A moment is a place without a better place of its clip nearby ([`Limits::apart`]). The nearest moments are
+/// found exactly, after Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998): places are visited
+/// in the order of a lower bound of their distance, until the bound exceeds the distance of the last requested
+/// moment. Sums are abandoned when they exceed it. The bounds:
 ///
-/// - for lines and geodesics, the way straight through space, [`RigMeasure::position_distance`], of which in exact
-///   numbers none is shorter. f32 is not exact: from the bound is taken 1e-5 of itself, and 1e-5 of what the joints'
-///   reach from the root amounts to as a distance (under 0.1 mm for a figure), which is some hundred times what
-///   rounding comes to.
-/// - for the other measures, the sum over every eighth frame. Of a single pose there is then nothing left out: the
-///   distance costs little more than any bound.
+/// - for lines and geodesics, the straight-line distance, [`RigMeasure::position_distance`]: in exact arithmetic
+///   no line or geodesic is shorter. Because of rounding in f32, the bound is reduced by 1e-5 of itself, and by
+///   1e-5 of the distance that corresponds to the joints' reach from the root (under 0.1 mm for a figure), about a
+///   hundred times the rounding.
+/// - for the other measures, the sum over every eighth frame. For a single pose nothing is skipped: the distance
+///   costs little more than any bound.
 #[derive(Debug, Clone)]
 pub struct Search<'a, const N: usize = BODY_COUNT> {
     measuring: &'a RigMeasure<'a, N>,
     query: &'a [MeasuredPose<N>],
     clips: &'a [Vec<MeasuredPose<N>>],
-    /// Of each clip, places that are no moments.
+    /// Excluded places of each clip, which are not moments.
     closed: Vec<Range<usize>>,
     slack_m: f64,
 }
 
-/// Which moments are wanted.
+/// The number and the spacing of the requested moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// As many.
+    /// Number of moments.
     pub count: usize,
-    /// Of two places of a clip with less than so many frames between them, only the better one is a moment.
+    /// Minimum distance of two moments of a clip, in frames. If two places are nearer, only the better is a moment.
     pub apart: usize,
 }
 
 /// A place in the library.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// The clip.
+    /// Index of the clip.
     pub clip: usize,
-    /// Its pose that the query's first one is compared with.
+    /// Index of the clip's pose that is compared with the query's first pose.
     pub pose: usize,
     /// Root mean square of the frames' distances, in the metric's unit.
     pub distance: f64,
 }
 
-/// What a search came to.
+/// Result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found {
-    /// The nearest first.
+    /// Moments, nearest first.
     pub moments: Vec<Moment>,
-    /// What it took.
+    /// Cost of the search.
     pub work: SearchStats,
 }
 
-/// What a search took; the same for any number of threads.
+/// Cost of a search, which does not depend on the number of threads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SearchStats {
-    /// Places where the query fits.
+    /// Number of places where the query fits.
     pub places: usize,
-    /// Distances of two poses that computing all would take.
+    /// Number of distances between two poses that a complete computation would need.
     pub all: usize,
-    /// Those that were computed.
+    /// Number of distances that were computed.
     pub computed: usize,
-    /// Bounds of such that were computed.
+    /// Number of bounds of distances that were computed.
     pub bounds: usize,
 }
 
 impl SearchStats {
-    /// The share of the distances that was never computed. Those that a bound is of are computed again with their
-    /// sum, so that it may be none.
+    /// Returns the share of the distances that was never computed. A distance that serves as a bound is computed
+    /// again in its sum; the share may therefore be zero.
     pub fn spared(&self) -> f64 {
         if self.all == 0 { 0.0 } else { (1.0 - self.computed as f64 / self.all as f64).max(0.0) }
     }
 }
 
-/// Places that are looked at before the limit is set anew: few where each takes long. It is part of the result's
-/// work, so it does not depend on threads.
+/// Number of places that are examined before the limit is updated: small if each takes long. It does not depend on
+/// the number of threads, since the cost of the search is part of the result.
 const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;
 
-/// Of a sum that is a bound, every so many frames.
+/// Interval of the frames in a sum that serves as a bound.
 const EVERY: usize = 8;
 
-/// What sums of the same numbers in another order may differ by, and more.
+/// Factor for the differences between sums of equal numbers in different order, with a margin.
 const SUM: f64 = 1.0 - 1e-12;
 
-/// A place: clip and pose.
+/// A place in the clips: index of the clip, and index of the pose.
 type FrameTime = (usize, usize);
 
-/// What is known of a place.
+/// The known information about a place.
 #[derive(Debug, Clone, Copy)]
 enum Known {
-    /// Its squared sum, all of it.
+    /// The complete squared sum of the place.
     All(f64),
-    /// What its squared sum is at least.
+    /// A lower bound of the squared sum of the place.
     AtLeast(f64),
 }
 
 impl<'a, const N: usize> Search<'a, N> {
-    /// A search for `query` in poses of one rig, measured alike.
+    /// Creates a search for `query` in poses of one rig, all measured with `measuring`.
     pub fn new(
         rig: &SpatialRig<N>,
         measuring: &'a RigMeasure<'a, N>,
@@ -131,16 +131,16 @@ impl<'a, const N: usize> Search<'a, N> {
         Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
     }
 
-    /// Lets places of a clip be no moments: where the query itself is from. What is near to a better one of them is
-    /// none either.
+    /// Excludes places of a clip from the moments, such as the source of the query itself. A place near a better
+    /// excluded place is not a moment either.
     #[must_use]
     pub fn without(mut self, clip: usize, poses: Range<usize>) -> Self {
         self.closed[clip] = poses;
         self
     }
 
-    /// The nearest moments, the earlier first of those at the same distance; `done` gets how many places more were
-    /// looked at.
+    /// Returns the nearest moments; of moments at equal distance the earlier is first. `done` receives the number
+    /// of newly examined places.
     pub fn nearest(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
@@ -153,7 +153,7 @@ impl<'a, const N: usize> Search<'a, N> {
             })
             .collect();
         let mut computed = Computed::new(self.clips, &self.closed, limits);
-        // By the squared sum, whose bits are in its order as it is not negative.
+        // Ordered by the bits of the squared sum, which have its order since it is not negative.
         let mut open = BinaryHeap::with_capacity(places.len());
         for (index, (known, cost)) in first.into_iter().enumerate() {
             work.add(cost);
@@ -197,7 +197,7 @@ impl<'a, const N: usize> Search<'a, N> {
         Found { moments: computed.moments(self.query.len()), work }
     }
 
-    /// The same by computing every distance.
+    /// Returns the nearest moments by computing every distance.
     pub fn nearest_of_all(&self, limits: Limits, done: impl Fn(usize) + Sync) -> Found {
         let places = self.places();
         let mut work = self.work(&places);
@@ -219,12 +219,12 @@ impl<'a, const N: usize> Search<'a, N> {
         Found { moments: computed.moments(self.query.len()), work }
     }
 
-    /// Number of places where the query fits.
+    /// Returns the number of places where the query fits.
     pub fn place_count(&self) -> usize {
         self.places().len()
     }
 
-    /// Where the query fits.
+    /// Returns the places where the query fits.
     fn places(&self) -> Vec<FrameTime> {
         let length = self.query.len().max(1);
         let of_clip = |(clip, poses): (usize, &Vec<MeasuredPose<N>>)| {
@@ -255,14 +255,14 @@ impl<'a, const N: usize> Search<'a, N> {
         self.measuring.measure().metric.is_length_of_curve()
     }
 
-    /// What the squared distance of two poses along a curve is at least.
+    /// Returns a lower bound of the squared distance of two poses along a curve.
     fn least(&self, (a, b): (&MeasuredPose<N>, &MeasuredPose<N>)) -> f64 {
         let way_m = f64::from(self.measuring.position_distance(a, b));
         let least_m = (way_m * (1.0 - 1e-5) - self.slack_m).max(0.0);
         least_m * least_m
     }
 
-    /// What the squared sum of a place is at least.
+    /// Returns a lower bound of the squared sum of a place, or the sum itself if it costs no more.
     fn bound(&self, place: FrameTime, workspace: &mut Workspace<N>) -> (Known, SearchStats) {
         let count = self.query.len();
         if self.is_length_of_curve() {
@@ -281,7 +281,7 @@ impl<'a, const N: usize> Search<'a, N> {
         (Known::AtLeast(sum * SUM), SearchStats { computed, ..SearchStats::default() })
     }
 
-    /// The squared sum of a place, in the order of frames; given up when it is above a limit.
+    /// Computes the squared sum of a place in the order of frames, and stops when it exceeds `limit`.
     fn sum(
         &self,
         place: FrameTime,
@@ -290,7 +290,7 @@ impl<'a, const N: usize> Search<'a, N> {
     ) -> (Known, SearchStats) {
         let count = self.query.len();
         let mut work = SearchStats::default();
-        // What the frames from each one on come to at least.
+        // Lower bounds of the sums over the frames from each frame to the end.
         let mut rest = Vec::new();
         if self.is_length_of_curve() && limit.is_finite() && count > 1 {
             rest = self.pairs(place).rev().map(|pair| self.least(pair)).collect();
@@ -314,7 +314,7 @@ impl<'a, const N: usize> Search<'a, N> {
     }
 }
 
-/// Tells of places by the thousand: of each would take as long as a bound.
+/// Reports places in thousands: to report each would take as long as a bound.
 fn tell(index: usize, done: impl Fn(usize)) {
     const MANY: usize = 1000;
     if index % MANY == MANY - 1 {
@@ -336,11 +336,11 @@ impl SearchStats {
 /// The places whose squared sums are known.
 struct Computed<'a> {
     limits: Limits,
-    /// Of each clip, places that are no moments.
+    /// Excluded places of each clip, which are not moments.
     closed: &'a [Range<usize>],
-    /// By clip and pose; NaN where it is not known.
+    /// Squared sums by clip and pose; NaN if unknown.
     sums: Vec<Vec<f64>>,
-    /// In the order of their sums.
+    /// Places in the order of their sums.
     order: BTreeSet<(u64, FrameTime)>,
 }
 
@@ -359,7 +359,7 @@ impl<'a> Computed<'a> {
         self.order.insert((sum.to_bits(), place));
     }
 
-    /// The nearest moments, as far as is known.
+    /// Returns the nearest moments according to the known sums.
     fn nearest(&self) -> impl Iterator<Item = (FrameTime, f64)> {
         let all = self.order.iter().map(|(bits, place)| (*place, f64::from_bits(*bits)));
         let open = |(clip, pose): &FrameTime| !self.closed[*clip].contains(pose);
@@ -367,8 +367,8 @@ impl<'a> Computed<'a> {
             .take(self.limits.count)
     }
 
-    /// Whether no better place, or as good and earlier, is near. What is not known is not better: a place that is
-    /// unknown when the search ends is above the limit.
+    /// Returns whether no better place, and no equal earlier place, is near. An unknown sum does not count as
+    /// better: a place that is unknown when the search ends is above the limit.
     fn is_moment(&self, (clip, pose): FrameTime, sum: f64) -> bool {
         let sums = &self.sums[clip];
         let near = self.limits.apart.saturating_sub(1);
@@ -377,7 +377,7 @@ impl<'a> Computed<'a> {
         !before.iter().any(|other| *other <= sum) && !after.iter().any(|other| *other < sum)
     }
 
-    /// No place with a larger sum can be wanted.
+    /// Returns the sum above which no place can be among the requested moments.
     fn limit(&self) -> f64 {
         let mut nearest = self.nearest();
         nearest.nth(self.limits.count.saturating_sub(1)).map_or(f64::INFINITY, |(_, sum)| sum)

@@ -6,7 +6,7 @@ use sinew_mocap::{Skeleton, SkeletonJoint};
 use super::*;
 use crate::spatial::Measure;
 
-/// A trunk with two limbs.
+/// Returns a trunk with two limbs.
 fn skeleton() -> Skeleton {
     let joint = |name: &str, parent, x, y| SkeletonJoint {
         name: name.into(),
@@ -26,7 +26,7 @@ fn skeleton() -> Skeleton {
     }
 }
 
-/// A walk through rotations, which stands still now and then: poses that are the same come up.
+/// Returns a random walk of rotations, which stands still at times to produce equal poses.
 fn motion(random: &mut Random, frames: usize, turn: f64) -> Vec<Vec<DQuat>> {
     let mut pose: Vec<DQuat> = skeleton()
         .joints
@@ -50,8 +50,8 @@ fn subject() -> Subject {
     Subject::Sway
 }
 
-/// The moments told without any of the search's means: places in order of their distance, those near a better one
-/// left out.
+/// Returns the moments without the search's bounds: places in order of their distance, except those near a better
+/// one.
 fn told(search: &Search<'_>, limits: Limits) -> Vec<Moment> {
     let mut workspace = Workspace::new();
     let all: Vec<Moment> = search
@@ -123,7 +123,7 @@ proptest! {
         prop_assert_eq!(found, one_thread.install(|| search.nearest(limits, |_| ())));
     }
 
-    /// The margin of the bound is far above what rounding comes to: a hundredth of it would do.
+    /// Checks that the margin of the bound is far above the rounding: a hundredth of it would be sufficient.
     #[test]
     fn lines_are_not_shorter_than_the_bound(seed in any::<u64>(), turn in -6.0..0.5, weighted in any::<bool>()) {
         let rig = SpatialRig::new(&skeleton(), None).unwrap();
@@ -160,7 +160,8 @@ fn lines_far_away_are_spared() {
     }
 }
 
-/// Geodesics are visited in the order of the way straight through space, and found all the same.
+/// Checks that geodesics are visited in the order of the straight-line distance, and that the nearest are still
+/// found.
 #[test]
 fn geodesics_far_away_are_spared() {
     let rig = SpatialRig::new(&skeleton(), None).unwrap();
@@ -177,7 +178,7 @@ fn geodesics_far_away_are_spared() {
     let (found, all) = of(Metric::Geodesic);
     assert_eq!(found.moments, all.moments);
     assert!(found.work.computed > 0 && found.work.spared() > 0.5, "{:?}", found.work);
-    // A line is never shorter, and here longer.
+    // A line is never shorter than the geodesic, and in this test longer.
     let lines = of(Metric::Line).0.moments;
     for (geodesic, line) in found.moments.iter().zip(&lines).skip(1) {
         assert!(geodesic.distance < line.distance, "{geodesic:?} {line:?}");

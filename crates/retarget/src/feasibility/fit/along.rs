@@ -1,9 +1,10 @@
-//! How slow a course must be along its way, without inverse dynamics in every round.
+//! Computes how slow a motion must be along its path, without inverse dynamics in every round.
 //!
-//! Efforts at a place of the way are a quadratic of the pace there, and linear in how it changes (Bobrow, Dubowsky &
-//! Gibson 1985): with q of the way s, pace p = ds/dt and its change c = dp/dt, the speed is q' p, the acceleration
-//! q'' p² + q' c, and the effort a p² + b c + what holds the pose + friction. Three inverse dynamics give a, b and the
-//! holding part of a place, once. This is a model, of the course between its rows: what it comes to is looked at anew.
+//! Efforts at a place of the path are quadratic in the pace there, and linear in its change (Bobrow, Dubowsky &
+//! Gibson 1985). With positions q(s) along the path s, pace p = ds/dt and its change c = dp/dt, the speed is q' p,
+//! the acceleration is q'' p² + q' c, and the effort is a p² + b c + holding effort + friction. Three inverse
+//! dynamics give a, b and the holding effort of a place, once. This is a model of the motion between its rows: its
+//! result is checked again.
 
 use std::ops::Range;
 
@@ -14,39 +15,40 @@ use crate::feasibility::efforts::{Block, Efforts};
 use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::Limits;
 
-/// How long before and after what was seen the way is looked at too, s: twice the time of braking, as far as a course
-/// is slower beside a row.
+/// Time before and after an excess that is also sampled, s: twice the time of braking, which is how far a motion is
+/// slowed beside a row.
 const BESIDE_S: f64 = 0.5;
-/// The longest part of a way that is looked at at once, s: of a long clip there is no more in memory.
+/// Longest part of a path that is processed at once, s, which limits the memory for a long clip.
 const LONGEST_S: f64 = 20.0;
-/// Rounds of slowing: what is left then is left to the next look.
+/// Maximum number of rounds of slowing; the next check finds the rest.
 const ROUNDS: usize = 60;
 
-/// A dof's speed, acceleration and efforts at a place of the way.
+/// Speed, acceleration and efforts of a dof at a place of the path.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// q' and q''.
+    /// First and second derivatives q' and q''.
     slope: f64,
     bend: f64,
-    /// Of the effort: of p², of c, and what holds.
+    /// Coefficients of p² and of c, and the holding effort.
     squared: f64,
     changing: f64,
     held: f64,
 }
 
-/// The way of a motion, and what is looked at along it.
+/// Path of a motion, with the limits and dofs to process along it.
 pub(super) struct Along<'a> {
-    /// The motion as it was given.
+    /// The motion as given.
     pub(super) curve: &'a Curve,
     pub(super) rate_hz: f64,
     pub(super) limits: &'a Limits,
     pub(super) efforts: &'a mut Efforts,
-    /// Dofs that are looked at, and what may hold them: where more does, pace is no help.
+    /// Dofs to process, and the maximum holding effort of each: above it, a slower pace does not help.
     pub(super) dofs: &'a [(usize, f64)],
 }
 
 impl Along<'_> {
-    /// Slows a course down until nothing is exceeded beside the rows where something was: those with a share below 1.
+    /// Slows a motion until no limit is exceeded near the rows that need it: those whose entry in `seen` is below
+    /// 1.
     pub(super) fn slow_down(
         &mut self,
         course: &mut LimitTrace,
@@ -99,7 +101,7 @@ impl Along<'_> {
         Ok(())
     }
 
-    /// Places of rows, so many in each.
+    /// Computes the places of rows, `parts` for each row.
     fn places(&mut self, rows: &Range<usize>, parts: usize) -> Result<Vec<Place>, CheckError> {
         let count = (rows.len() - 1) * parts + 1;
         let mut places = Vec::with_capacity(count * self.dofs.len());
@@ -128,7 +130,7 @@ impl Along<'_> {
         Ok(places)
     }
 
-    /// What share of its pace a course may have at a place, where that and its change are these.
+    /// Returns the share of its pace that the motion may have at a place, for a given pace and change of pace.
     fn share(&self, places: &[Place], [pace_now, change]: [f64; 2]) -> f64 {
         let squared = pace_now * pace_now;
         let of_dof = |((dof, most_held), place): (&(usize, f64), &Place)| {

@@ -1,11 +1,12 @@
-//! How fast a motion goes: the share of its given speed at each of its rows, and the time that makes of it.
+//! Pace of a motion: the share of its given speed at each row, and the time that results from it.
 
 use crate::feasibility::low_pass::lower_envelope;
 
-/// How long before and after an instant the course is slower too, s: what comes of braking itself stays small.
+/// Time before and after an instant over which the motion is slowed too, s, so that the accelerations from braking
+/// stay small.
 const BRAKING_S: f64 = 0.25;
 
-/// How fast a motion goes.
+/// Pace of a motion at its rows.
 pub(super) struct LimitTrace {
     dt_s: f64,
     /// Share of the given speed at each row.
@@ -17,17 +18,18 @@ impl LimitTrace {
         Self { dt_s, pace: vec![1.0; rows] }
     }
 
-    /// Whether it is nowhere slower than it was given.
+    /// Returns whether the motion is nowhere slower than given.
     pub(super) fn is_as_given(&self) -> bool {
         self.pace.iter().all(|pace| *pace >= 1.0)
     }
 
-    /// Goes at these shares of its present speed, of rows from `first` on, and smoothly in between.
+    /// Multiplies the pace of rows from `first` on by these shares, with a smooth transition.
     pub(super) fn slow_down(&mut self, first: usize, shares: &[f64]) {
         lessen(&mut self.pace, first, shares, BRAKING_S / self.dt_s);
     }
 
-    /// The pace some part behind a row, and how it changes in time, 1/s.
+    /// Returns the pace at a place after a row, given as part of the step to the next row, and its change in time,
+    /// 1/s.
     pub(super) fn pace_at(&self, row: usize, part: f64) -> [f64; 2] {
         let last = self.pace.len() - 1;
         // 1 / pace is linear from row to row.
@@ -42,7 +44,8 @@ impl LimitTrace {
         [pace, -pace * pace * pace * between(&steep)]
     }
 
-    /// The given time of each row of the new motion, whose rows are as far apart; `None` if it goes as given.
+    /// Returns the given time of each row of the new motion, whose rows have about the same spacing; `None` if the
+    /// pace is unchanged.
     pub(super) fn given_s(&self) -> Option<Vec<f64>> {
         if self.is_as_given() {
             return None;
@@ -58,7 +61,7 @@ impl LimitTrace {
         let count = (end_s / self.dt_s).ceil() as usize;
         let last = self.pace.len() - 2;
         let mut row = 0;
-        // The rows fill the time: it is longer by less than one of them.
+        // The rows fill the time exactly, because it is extended by less than one row.
         let given_s = (0..=count).map(|index| {
             let time_s = index as f64 / count as f64 * end_s;
             while row < last && new_s[row + 1] <= time_s {
@@ -69,22 +72,22 @@ impl LimitTrace {
         Some(given_s.collect())
     }
 
-    /// How much of the way from a row to the next is done some new time after the row. The slope of new time, 1 / pace,
-    /// is linear in between.
+    /// Returns the part of the step from a row to the next that is done at a new time after the row. The derivative
+    /// of new time, 1 / pace, is linear within the step.
     fn part(&self, row: usize, since_s: f64) -> f64 {
         let [slope, slope_to] = [row, row + 1].map(|row| self.pace[row].recip());
         let rows = since_s / self.dt_s;
-        // The root of slope u + (slope_to - slope) u² / 2 = rows, in the form that has no difference.
+        // The root of slope u + (slope_to - slope) u² / 2 = rows, in the form without subtraction.
         let root = libm::sqrt((slope * slope + 2.0 * (slope_to - slope) * rows).max(0.0));
         (2.0 * rows / (slope + root)).clamp(0.0, 1.0)
     }
 }
 
-/// By how much more than asked each round goes down, so that there are few.
+/// Additional reduction in each round, so that few rounds are needed.
 const ZEAL: f64 = 0.985;
 
-/// Values from row `first` on times shares, where those are below 1, and times less and less of it over `reach` rows
-/// beside.
+/// Multiplies values from row `first` on by those shares that are below 1. Over `reach` rows on each side, the
+/// factor returns to 1 smoothly.
 pub(super) fn lessen(values: &mut [f64], first: usize, shares: &[f64], reach: f64) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
     let reach = reach.ceil().max(1.0) as usize;
@@ -96,7 +99,7 @@ pub(super) fn lessen(values: &mut [f64], first: usize, shares: &[f64], reach: f6
     };
     let beside = 2 * reach + 1;
     let mut from = first;
-    // Rows that are nearer to each other than an envelope reaches are lessened together.
+    // Rows with overlapping envelopes are reduced together.
     while let Some(begin) = (from..end).find(is_less) {
         let mut last = begin;
         while let Some(next) = (last + 1..end.min(last + 1 + beside)).find(is_less) {

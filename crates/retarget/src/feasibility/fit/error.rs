@@ -1,4 +1,4 @@
-//! Why there is no fit.
+//! The reason why a fit failed.
 
 use thiserror::Error;
 
@@ -6,16 +6,16 @@ use crate::feasibility::error::CheckError;
 use crate::feasibility::motion::MotionError;
 use crate::feasibility::report::Kind;
 
-/// Why there is no fit.
+/// The reason why a fit failed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FitError {
-    /// The motion is none of the rig.
+    /// The motion is invalid for the rig.
     #[error(transparent)]
     Motion(#[from] MotionError),
-    /// The rig or an instant was refused.
+    /// The check refused the rig or an instant.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// No pose near home is light enough to draw the motion towards it.
+    /// No pose near home has a holding effort small enough to draw the motion towards it.
     #[error(
         "`{joint}`: the home pose, and every pose found near it, takes {} or more of its limit {}: give the rig a lighter home \
          pose, or a stronger drive",
@@ -23,35 +23,35 @@ pub enum FitError {
         Kind::Effort.shown(*slides, *limit)
     )]
     Heavy {
-        /// The dof.
+        /// Name of the dof.
         joint: String,
-        /// Whether it slides.
+        /// Whether the dof slides.
         slides: bool,
-        /// What holds it in the lightest pose, N m or N.
+        /// Holding effort in the lightest pose, N m or N.
         held: f64,
-        /// The limit.
+        /// Effort limit, N m or N.
         limit: f64,
     },
-    /// Nothing helps.
+    /// A limit remains exceeded, although everything was tried.
     #[error(
-        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of what was given: slower, smoother and nearer to home \
-         it is still beyond, or too near to its limit for what a show rounds",
+        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of the given motion: even slower, smoother and \
+         nearer to home, it exceeds the limit, or leaves no room for the rounding of a show",
         kind.name(),
         kind.shown(*slides, *value),
         kind.shown(*slides, *limit)
     )]
     OutOfReach {
-        /// The dof.
+        /// Name of the dof.
         joint: String,
-        /// Whether it slides.
+        /// Whether the dof slides.
         slides: bool,
-        /// Of what.
+        /// Kind of limit.
         kind: Kind,
-        /// What it would be.
+        /// Value that remains.
         value: f64,
-        /// The limit.
+        /// Value of the limit.
         limit: f64,
-        /// When in the given motion, s.
+        /// Time in the given motion, s.
         time_s: f64,
     },
 }

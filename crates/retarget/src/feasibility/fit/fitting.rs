@@ -1,4 +1,4 @@
-//! A motion on its way to a fit: round by round it is looked at, slowed down and lowered.
+//! A fit in progress: in each round the motion is checked, slowed down and lowered.
 
 use std::ops::Range;
 
@@ -23,49 +23,49 @@ use crate::feasibility::motion::RigMotion;
 use crate::feasibility::report::{Excess, Kind, Report};
 use crate::feasibility::rows::Rows;
 
-/// How long before and after an instant poses are drawn towards home too, s.
+/// Time before and after an instant over which poses are drawn towards home too, s.
 const LOWERING_S: f64 = 0.4;
-/// What is drawn of a hot drive's motion in a round.
+/// Factor on the motion of a hot drive in each round.
 const COOLING: f64 = 0.97;
-/// Slower than this share of its speed, or nearer to home than this share of its way, is no performance any more.
+/// Minimum share of speed, and of the distance from home. With less, the result is useless as a performance.
 const LEAST_SHARE: f64 = 0.02;
-/// Looks beside those that saw an excess at which a smoothed motion is looked at again.
+/// Number of samples beside an excess that are checked again after smoothing.
 const BESIDE: usize = 2;
 
-/// What a round has come to.
+/// Result of a round.
 pub(super) enum Round {
-    /// Nothing is exceeded.
+    /// No limit is exceeded.
     Within,
-    /// Something is, by less than before.
+    /// A limit is exceeded, but by less than before.
     Nearer,
-    /// What is left is no performance any more.
+    /// The remaining motion is useless as a performance.
     Hopeless,
 }
 
-/// A motion on its way to a fit.
+/// A fit in progress.
 pub(super) struct Fitting<'a> {
     mechanism: &'a Mechanism,
     limits: &'a Limits,
-    /// What poses are drawn towards: home, where that is light enough.
+    /// Pose that the motion is drawn towards: home, if its holding efforts are small enough.
     rest: &'a Rest,
     settings: FitSettings,
     dt_s: f64,
-    /// Of each joint its numbers in a row.
+    /// Range of each joint's coordinates in a row.
     joints: Vec<Range<usize>>,
-    /// The rows within their ranges, low-passed.
+    /// Rows within their ranges, low-passed.
     rows: Rows,
     within: Within,
     course: LimitTrace,
-    /// Of each joint the share of its way from home at each row; empty where it is whole.
+    /// Share of each joint's distance from home at each row; empty if unchanged.
     share: Vec<Vec<f64>>,
-    /// Of each joint the widest low-pass: how wide, s, and how much it changed.
+    /// Widest low-pass of each joint: its width, s, and the change that it caused.
     widest: Vec<Option<(f64, f64)>>,
-    /// Joints that no wider one may change.
+    /// Joints that a wider low-pass may not change.
     ended: Vec<bool>,
     efforts: Efforts,
-    /// The rows of the motion in given time, as long as neither those above nor shares change.
+    /// Rows of the motion in given time; kept while rows and shares are unchanged.
     still: Option<Rows>,
-    /// Dofs that were too fast or too strong in any round.
+    /// Dofs that exceeded a limit of speed, acceleration or effort in any round.
     fast: Vec<bool>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> Fitting<'a> {
         })
     }
 
-    /// Goes on from what was done for another fit of the motion.
+    /// Continues from the changes of an earlier fit of the motion.
     pub(super) fn go_on_from(&mut self, before: &Progress) {
         let Progress { widest, ended, pace, share, room } = before.clone();
         (self.widest, self.ended, self.share) = (widest, ended, share);
@@ -107,7 +107,7 @@ impl<'a> Fitting<'a> {
         self.rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
     }
 
-    /// Low-passes joints that are too fast, as far as that changes little. Whether nothing is exceeded at all.
+    /// Low-passes joints that are too fast, while the change is small. Returns whether no limit is exceeded at all.
     pub(super) fn smooth(&mut self) -> Result<bool, FitError> {
         let given = self.rows.clone();
         self.smooth_as_before(&given);
@@ -129,7 +129,7 @@ impl<'a> Fitting<'a> {
             }
             wanted.sort_unstable();
             wanted.dedup();
-            // Of those that a fit before has smoothed, the next width is wider.
+            // If an earlier fit has smoothed a joint, only wider low-passes are tried.
             wanted.retain(|joint| self.widest[*joint].is_none_or(|(widest, _)| widest < width_s));
             if wanted.is_empty() {
                 continue;
@@ -142,14 +142,14 @@ impl<'a> Fitting<'a> {
                     None => self.ended[joint] = true,
                 }
             }
-            // What a low-pass takes away was there before, and of joints that it may still change: elsewhere the rounds
-            // look.
+            // A low-pass only reduces existing excesses, and only those of joints that it may still change,
+            // therefore only their samples are checked here. The rounds check everything.
             (report, looks) = self.excesses_of_rows(Some(&looks))?;
         }
         Ok(false)
     }
 
-    /// Low-passes the joints that a fit before has low-passed.
+    /// Applies the low-passes of an earlier fit.
     fn smooth_as_before(&mut self, given: &Rows) {
         for (joint, widest) in self.widest.iter().enumerate() {
             if let Some((width_s, _)) = widest {
@@ -159,8 +159,8 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// What the rows exceed, at all looks or at some; and beside which looks joints that may still be smoothed are too
-    /// fast or too strong.
+    /// Checks the rows, at all samples or at some. Returns the report, and the samples near which joints that may
+    /// still be smoothed are too fast or too strong.
     fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
         let may_be_smoothed = |limits: &DofLimits| !self.ended[limits.joint];
         let watched: Vec<bool> = self.limits.dofs.iter().map(may_be_smoothed).collect();
@@ -194,11 +194,11 @@ impl<'a> Fitting<'a> {
         Ok((report, beyond))
     }
 
-    /// One round: looks where the motion as it is now exceeds a limit, and slows or lowers it there.
+    /// Performs one round: finds where the motion exceeds a limit, and slows or lowers it there.
     pub(super) fn round(&mut self) -> Result<Round, FitError> {
         let given_s = self.course.given_s();
         let mut still = self.still_rows();
-        // Of a motion as long as the clip there are only so many curves at a time.
+        // Limits how many curves as long as the clip exist at a time, because they need much memory.
         let curve = match &given_s {
             Some(given_s) => {
                 let curve = Curve::through(&self.joints, still, self.dt_s);
@@ -246,7 +246,7 @@ impl<'a> Fitting<'a> {
         Ok(if is_hopeless { Round::Hopeless } else { Round::Nearer })
     }
 
-    /// Slows the course down where it was seen to be too fast, as far as is known without another look.
+    /// Slows the motion where it was too fast, as far as the model predicts without another check.
     fn slow_down_along(&mut self, still: &Curve, seen: &[f64]) -> Result<(), FitError> {
         let limits = self.limits;
         let all = self.fast.iter().zip(&limits.dofs).zip(&self.rest.holding).enumerate();
@@ -264,7 +264,7 @@ impl<'a> Fitting<'a> {
         Ok(along.slow_down(&mut self.course, seen)?)
     }
 
-    /// Draws joints towards home, by shares of their way at each row; whether any was.
+    /// Draws joints towards home by shares of their distance at each row. Returns whether any was drawn.
     fn lower(&mut self, share: &[Vec<f64>]) -> bool {
         let mut is_lowered = false;
         for (now, wanted) in self.share.iter_mut().zip(share).filter(|(_, share)| !share.is_empty())
@@ -278,7 +278,8 @@ impl<'a> Fitting<'a> {
         is_lowered
     }
 
-    /// Stays farther from the ends of ranges that the curve goes beyond: it swings out where rows stop at an end.
+    /// Increases the distance from range ends that the curve exceeds: between rows at an end, it overshoots.
+    /// Returns whether any was increased.
     fn widen(&mut self, report: &Report) -> bool {
         let is_range = |excess: &&Excess| matches!(excess.kind, Kind::Range | Kind::LinkedRange);
         let mut is_crowded = false;
@@ -293,7 +294,7 @@ impl<'a> Fitting<'a> {
         is_crowded
     }
 
-    /// The rows of the motion as it is now, in given time.
+    /// Returns the rows of the present motion, in given time.
     fn still_rows(&mut self) -> Rows {
         if let Some(still) = self.still.take() {
             return still;
@@ -304,12 +305,12 @@ impl<'a> Fitting<'a> {
                 draw(&mut row[range.clone()], &self.rest.q[range.clone()], *share);
             }
         }
-        // A joint that was changed alone may have left its ties.
+        // A joint that was changed alone may violate its ties.
         rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
         rows
     }
 
-    /// The motion as it is now, in its own time, and the given time of each of its rows, s.
+    /// Returns the rows of the present motion in its own time, and the given time of each row, s.
     fn motion(&mut self) -> (Rows, Vec<f64>) {
         let still = self.still_rows();
         let still = Curve::through(&self.joints, still, self.dt_s);
@@ -321,7 +322,7 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    /// The motion as it is now as a curve, and the given time of each of its rows, s.
+    /// Returns the present motion as a curve, and the given time of each row, s.
     pub(super) fn curve(&mut self) -> (Curve, Vec<f64>) {
         let (rows, given_s) = self.motion();
         (Curve::through(&self.joints, rows, self.dt_s), given_s)
@@ -367,7 +368,7 @@ impl<'a> Fitting<'a> {
         self.widest.iter().enumerate().filter_map(of_joint).collect()
     }
 
-    /// The joints of the pose that is drawn towards which are not at home.
+    /// Returns the joints of the rest pose that are not at home, and their distance from it.
     fn lightened(&self) -> Vec<(String, f64)> {
         let home = self.mechanism.home();
         let ranges = self.mechanism.coordinate_ranges();
@@ -382,7 +383,7 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// Whether it is one that a slower or smoother motion has less of.
+/// Returns whether a slower or smoother motion reduces this kind of excess.
 fn is_fast(excess: &Excess) -> bool {
     matches!(excess.kind, Kind::Speed | Kind::Acceleration | Kind::Effort)
 }

@@ -1,6 +1,6 @@
-//! Numbers between rows.
+//! Interpolation between rows.
 
-/// Between evenly spaced values; the first and the last go on beyond the ends.
+/// Interpolates between evenly spaced values; beyond the ends, the first or last value is returned.
 pub(super) fn interpolated(values: &[f64], place: f64) -> f64 {
     let last = values.len().saturating_sub(1);
     let place = place.clamp(0.0, last as f64);

@@ -1,14 +1,15 @@
-//! Places of one joint: numbers along its axes, or a quaternion and what follows it.
+//! Coordinates of one joint: numbers along its axes, or a quaternion and the numbers after it.
 
 use glam::DQuat;
 
-/// Makes the quaternion that a joint's coordinates begin with unit, if there is one.
+/// Normalizes the quaternion at the beginning of a joint's coordinates, if there is one.
 pub(super) fn normalize(of_joint: &mut [f64]) {
     let Some(quaternion) = of_joint.first_chunk_mut::<4>() else { return };
     *quaternion = DQuat::from_array(*quaternion).normalize().to_array();
 }
 
-/// How far two places of a joint are from each other: the largest difference of its numbers, or the angle.
+/// Returns the distance of two positions of a joint: the largest difference of its numbers, or the angle of
+/// rotation.
 pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
     if let (Some(a), Some(b)) = (a.first_chunk::<4>(), b.first_chunk::<4>()) {
         let dot = DQuat::from_array(*a).normalize().dot(DQuat::from_array(*b));
@@ -29,7 +30,7 @@ pub(super) fn draw(of_joint: &mut [f64], home: &[f64], share: f64) {
     }
 }
 
-/// Brings the turn of a ball joint from its zero pose within an angle; returns by how much.
+/// Limits the rotation of a ball joint from its zero pose to an angle; returns the change, rad.
 pub(super) fn turn_within(of_joint: &mut [f64], most_rad: f64) -> f64 {
     let Some(quaternion) = of_joint.first_chunk_mut::<4>() else { return 0.0 };
     let rotation = DQuat::from_array(*quaternion);

@@ -1,8 +1,8 @@
-//! The nearest motion that a rig can perform.
+//! Finds the nearest motion that a rig can perform.
 //!
-//! Three means, the one that changes least first: a low-pass of single joints where that changes no angle by more than
-//! a little; a slower course where the motion is too fast or its forces are too large; and poses nearer to home where
-//! gravity alone asks for too much, or a drive becomes too hot.
+//! It uses three methods, the least intrusive first: a low-pass of single joints, as far as it changes angles only
+//! slightly; a slower pace where the motion is too fast or its forces are too large; and poses nearer to home where
+//! gravity alone needs too much effort, or a drive becomes too hot.
 
 mod along;
 mod course;
@@ -32,19 +32,20 @@ use rest::Rest;
 pub use result::{Fit, FitSettings, LoweredJoint, SmoothedJoint};
 use within::Within;
 
-/// What a drive has, beside what holds the rig at rest, to leave it.
+/// Minimum effort limit of a drive, relative to its holding effort at rest: the margin lets it leave the rest pose.
 const HOME_AND_MORE: f64 = 1.03;
-/// Rounds of slowing and lowering: each brings what is left of an excess down by a part.
+/// Maximum number of rounds of slowing and lowering: each reduces the remaining excess by a part.
 const ROUNDS: usize = 120;
-/// Rows a second that a fit works on at least: braking and low-passes are finer than a film's frames.
+/// Minimum row rate of a fit, Hz: braking and low-passes need a finer time step than a film's frames.
 const LEAST_HZ: f64 = 100.0;
 
 /// Finds the nearest motion within all limits. O(rows · bodies) for each of at most 120 rounds, usually ten.
 ///
-/// A motion that exceeds nothing is returned as it is; of any other the rows may be finer than those given.
+/// A motion that exceeds no limit is returned unchanged; for any other, the rows may be finer than given.
 ///
 /// # Errors
-/// [`FitError`] if the motion is none of the rig, or no pose near its home is light enough.
+/// [`FitError`] if the motion is invalid for the rig, no pose near its home is light enough, or a limit remains
+/// exceeded.
 pub fn fit(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -54,11 +55,11 @@ pub fn fit(
     go_on(mechanism, limits, motion, None, settings)
 }
 
-/// [`fit`](fit()) of the same motion to limits that are tighter than those of a fit before: it goes on from there, in a
-/// part of the time. Of that fit it needs no more than its [`Fit::progress`].
+/// Performs [`fit`](fit()) of the same motion to tighter limits. It continues from an earlier fit, which takes a
+/// fraction of the time, and needs only its [`Fit::progress`].
 ///
 /// # Errors
-/// As [`fit`](fit()).
+/// Those of [`fit`](fit()).
 pub fn refit(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -67,7 +68,7 @@ pub fn refit(
     settings: FitSettings,
 ) -> Result<Fit, FitError> {
     go_on(mechanism, limits, motion, Some(before), settings)
-        // What was done before may be in the way.
+        // The earlier changes may prevent a result, therefore a fit from the start is tried.
         .or_else(|_| go_on(mechanism, limits, motion, None, settings))
 }
 
@@ -106,7 +107,7 @@ fn go_on(
             Round::Hopeless => break,
         }
     }
-    // What is left may be within the limits themselves.
+    // The remaining motion may be within the limits without a margin.
     let (curve, given_s) = fitting.curve();
     let report = check(mechanism, limits, &curve, settings.rate_hz)?;
     let beyond = |excess: &&Excess| (excess.value / excess.limit - 1.0).abs();
@@ -128,7 +129,8 @@ fn go_on(
     }
 }
 
-/// The limits with room for what a show rounds, but for torques that the pose at rest takes nearly all of.
+/// Returns the limits with a margin for the rounding of a show, except efforts that the rest pose needs almost
+/// entirely.
 fn kept(limits: &Limits, holding: &[f64], share: f64) -> Limits {
     let mut kept = limits.at(share);
     for ((kept, limits), held) in kept.dofs.iter_mut().zip(&limits.dofs).zip(holding) {

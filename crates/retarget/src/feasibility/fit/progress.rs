@@ -1,8 +1,9 @@
-//! The state that a fit leaves for the next one of the same motion.
+//! State that a fit leaves for the next fit of the same motion.
 
 use crate::feasibility::motion::RigMotion;
 
-/// What was done for a fit, for another one of the same motion to go on from. The ranges of its limits are not in it.
+/// Changes made by a fit, from which another fit of the same motion continues. It does not contain the limits'
+/// ranges.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     pub(super) widest: Vec<Option<(f64, f64)>>,
@@ -13,7 +14,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Whether it is of this motion; else that was made finer meanwhile.
+    /// Returns whether its rows match this motion; the motion may have been resampled to finer rows.
     pub(super) fn is_of(&self, motion: &RigMotion) -> bool {
         self.pace.len() == motion.rows.len()
     }

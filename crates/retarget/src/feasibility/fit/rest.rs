@@ -1,4 +1,4 @@
-//! The pose that a motion is drawn towards where gravity or heat asks for too much.
+//! The pose that a motion is drawn towards where gravity or heat needs too much effort.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
@@ -9,21 +9,21 @@ use super::super::limits::Limits;
 use super::within::Within;
 use crate::feasibility::error::CheckError;
 
-/// Share of its effort that a joint at rest may need: what is left carries motion.
+/// Maximum share of its effort limit that a joint may need at rest: the remainder is available for motion.
 const LIGHT: f64 = 0.9;
-/// The first step of the search, rad or m, and the last.
+/// First and last step of the search, rad or m.
 const STEPS: [f64; 2] = [0.2, 0.003];
 
-/// A pose at rest, and what holds it.
+/// A rest pose with its holding efforts.
 pub(super) struct Rest {
     pub(super) q: Vec<f64>,
-    /// One effort for each dof, N m or N.
+    /// Holding effort of each dof, N m or N.
     pub(super) holding: Vec<f64>,
 }
 
 impl Rest {
-    /// The home pose; where that is too heavy itself, a pose near it that is not, or the lightest that was found: a
-    /// pattern search joint by joint, O(n²) for each of a few dozen passes.
+    /// Returns the home pose. If home needs too much effort, returns a nearby pose that does not, or the lightest
+    /// pose found: a pattern search joint by joint, O(n²) for each of a few dozen passes.
     pub(super) fn of(
         mechanism: &Mechanism,
         limits: &Limits,
@@ -41,7 +41,8 @@ impl Rest {
         Ok(rest)
     }
 
-    /// One pass: moves each joint by the step where that makes the pose lighter. Whether any was moved.
+    /// Performs one pass: moves each joint by the step if the pose becomes lighter. Returns whether any joint
+    /// moved.
     fn is_lighter_by(
         &mut self,
         step: f64,
@@ -77,7 +78,7 @@ impl Rest {
             .map_err(|source| CheckError::Instant { time_s: 0.0, source })
     }
 
-    /// How much too heavy it is, as a sum of squares over the dofs: 0 if it is light enough.
+    /// Returns how much the efforts exceed the permitted share, as a sum of squares over the dofs; 0 if none does.
     fn excess(&self, limits: &Limits) -> f64 {
         let of_dofs = self.holding.iter().zip(&limits.dofs);
         of_dofs

@@ -1,20 +1,20 @@
-//! The settings of a fit, and its result.
+//! Settings of a fit, and its result.
 
 use super::interpolation::interpolated;
 use super::progress::Progress;
 use crate::feasibility::motion::RigMotion;
 
-/// How far a fit may go.
+/// Permitted changes of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitSettings {
-    /// The most that a low-pass may change an angle, rad, or a way, m.
+    /// Maximum change by a low-pass, rad or m.
     pub change: f64,
-    /// Share of all limits of speed, acceleration and effort that the fit keeps to.
+    /// Share of all limits of speed, acceleration and effort that the fit observes.
     pub share: f64,
-    /// How far from the ends of their ranges joints stay, rad or m: room for what a show rounds.
+    /// Distance of joints from the ends of their ranges, rad or m: a margin for the rounding of a show.
     pub room: f64,
-    /// How often a second the motion is looked at, at least: at every row, where a curve's accelerations are largest,
-    /// and evenly between, where it may swing out of a range.
+    /// Minimum sampling rate of the checks, Hz. Every row is sampled, because a curve's accelerations are largest
+    /// there, and places evenly between rows, where it may leave a range.
     pub rate_hz: f64,
 }
 
@@ -24,58 +24,58 @@ impl Default for FitSettings {
     }
 }
 
-/// A motion within all limits, and what was done for it.
+/// A motion within all limits, with the changes made for it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
-    /// The motion.
+    /// The new motion.
     pub motion: RigMotion,
-    /// Time in the given motion of every row of the new one, s: cues follow.
+    /// Time in the given motion of every row of the new motion, s; used to shift cues.
     pub given_s: Vec<f64>,
     /// Joints whose angles were low-passed.
     pub smoothed: Vec<SmoothedJoint>,
-    /// The slowest course: share of the given speed, and when in the given motion, s.
+    /// Minimum share of the given speed, and its time in the given motion, s.
     pub slowest: (f64, f64),
     /// Joints that were drawn towards home.
     pub lowered: Vec<LoweredJoint>,
-    /// Where home itself is too heavy: joints of the lighter pose that is drawn towards instead, and how far from home
-    /// they are, rad or m.
+    /// If home itself needs too much effort: joints of the lighter pose that replaces it, and their distances from
+    /// home, rad or m.
     pub lightened: Vec<(String, f64)>,
-    /// The most that any angle or way was brought back into its range, by joint; only those that were.
+    /// Joints that were limited to their range, with the largest change, rad or m.
     pub clamped: Vec<(String, f64)>,
-    /// The changes so far, from which [`refit`](super::refit) goes on.
+    /// Changes so far, from which [`refit`](super::refit) continues.
     pub progress: Progress,
 }
 
 /// A low-passed joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SmoothedJoint {
-    /// The joint.
+    /// Name of the joint.
     pub joint: String,
     /// Standard deviation of the low-pass, s.
     pub width_s: f64,
-    /// The most that it changed, rad or m.
+    /// Largest change by the low-pass, rad or m.
     pub change: f64,
 }
 
 /// A joint that was drawn towards home.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredJoint {
-    /// The joint.
+    /// Name of the joint.
     pub joint: String,
-    /// The least share of its way from home that is left.
+    /// Smallest remaining share of its distance from home.
     pub share: f64,
-    /// When, in the given motion, s.
+    /// Time of that share in the given motion, s.
     pub at_s: f64,
 }
 
 impl Fit {
-    /// What was done; the motion, which may be long, is dropped.
+    /// Returns the changes, and drops the motion, which may be long.
     #[must_use]
     pub fn into_progress(self) -> Progress {
         self.progress
     }
 
-    /// The time in the given motion, s, at a time of the new one.
+    /// Converts a time of the new motion to the time in the given motion, s.
     pub fn given_time_s(&self, time_s: f64) -> f64 {
         interpolated(&self.given_s, time_s / self.motion.dt_s)
     }

@@ -1,4 +1,4 @@
-//! Where a motion exceeds a limit, and by how much it must be slower or nearer to home there.
+//! Finds where a motion exceeds a limit, and how much slower or nearer to home it must be there.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, LANES};
@@ -12,33 +12,33 @@ use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::{DofLimits, Limits};
 use crate::feasibility::report::Report;
 
-/// Share of its effort that may hold a joint where it is asked for more.
+/// Maximum share of an effort limit for holding, if the motion needs more than the limit.
 const MOST_HELD: f64 = 0.9;
 
-/// What a motion is looked at with.
+/// Inputs of a scan.
 pub(super) struct LimitScan<'a> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) limits: &'a Limits,
     pub(super) rest: &'a Rest,
     pub(super) efforts: &'a mut Efforts,
     pub(super) rate_hz: f64,
-    /// Of the given rows.
+    /// Time from row to row of the given motion, s.
     pub(super) dt_s: f64,
     pub(super) rows: usize,
 }
 
-/// What was seen.
+/// Result of a scan.
 pub(super) struct ScanResult {
     pub(super) report: Report,
-    /// What share of its speed the motion may have at each given row.
+    /// Permitted share of the speed at each given row.
     pub(super) pace: Vec<f64>,
-    /// Of each joint what share of its way from home at each given row; empty where it is whole.
+    /// Permitted share of each joint's distance from home at each given row; empty if unchanged.
     pub(super) share: Vec<Vec<f64>>,
 }
 
 impl LimitScan<'_> {
-    /// Looks at all of a motion, whose rows are at these given times, s; `None`: at their own. Between its looks it
-    /// sees nothing: they are as many as those of the check.
+    /// Scans a whole motion, whose rows are at these given times, s; with `None`, at their own times. It samples as
+    /// often as the check, and sees nothing between samples.
     pub(super) fn at(
         self,
         curve: &Curve,
@@ -73,7 +73,7 @@ impl LimitScan<'_> {
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows")]
                 let rows = [given.floor(), given.ceil()].map(|row| (row as usize).min(count - 1));
                 for (dof, limits_of) in limits.dofs.iter().enumerate() {
-                    // Friction is the same however slow the course is.
+                    // Friction does not depend on the pace.
                     let dry = efforts.dry_friction(dof, instant.qd[dof]);
                     let (effort, held) = (of_instant[dof], holding[dof] + dry);
                     let (qd, qdd) = (instant.qd[dof], instant.qdd[dof]);
@@ -101,13 +101,13 @@ impl LimitScan<'_> {
     }
 }
 
-/// The effort that may hold a dof where more is asked than it gives: with less left for motion, slower is no help.
-/// `at_rest`: what holds it there.
+/// Returns the maximum holding effort of a dof whose limit is exceeded: above it, too little remains for motion,
+/// and slowing does not help. `at_rest` is its holding effort in the rest pose.
 pub(super) fn most_held(limits: &DofLimits, at_rest: f64) -> f64 {
     (MOST_HELD * limits.effort).max(0.5 * (at_rest.abs() + limits.effort))
 }
 
-/// Draws a joint towards rest at a row of so many, with the joints that it carries and that carry it.
+/// Draws a joint towards rest at row `row` of `rows`, together with all joints that it moves or that move it.
 pub(super) fn lower_chain(
     mechanism: &Mechanism,
     lower: &mut [Vec<f64>],
@@ -117,7 +117,7 @@ pub(super) fn lower_chain(
 ) {
     for (other, (link, lower)) in mechanism.bodies.iter().zip(lower).enumerate() {
         let in_chain = mechanism.supports(joint, other) || mechanism.supports(other, joint);
-        // A base is no joint that could be drawn anywhere.
+        // A base is not drawn anywhere.
         if in_chain && !matches!(link.joint, JointModel::Free | JointModel::Fixed) {
             if lower.is_empty() {
                 *lower = vec![1.0; rows];
@@ -127,20 +127,20 @@ pub(super) fn lower_chain(
     }
 }
 
-/// The share of its speed that a motion may have for one dof: of its speed and acceleration, and, if slower helps, of
-/// its effort and the part of that which is there however slow it goes.
+/// Returns the share of its speed that the motion may have for one dof, from speed and acceleration and, if slowing
+/// helps, from its effort and the part of the effort that does not depend on the pace.
 pub(super) fn pace(limits: &DofLimits, [qd, qdd]: [f64; 2], efforts: Option<[f64; 2]>) -> f64 {
     let of_motion = ratio(qd, limits.speed).min(libm::sqrt(ratio(qdd, limits.acceleration)));
     let Some([effort, held]) = efforts.filter(|[effort, _]| effort.abs() > limits.effort) else {
         return of_motion;
     };
-    // What is left for motion beside gravity and friction.
+    // Remaining effort for motion, beside gravity and friction.
     let moving = effort - held;
     let left = (limits.effort - held * moving.signum()).max(0.0);
     of_motion.min(libm::sqrt(ratio(moving, left)))
 }
 
-/// The share of a value that a limit allows, at most 1.
+/// Returns the share of a value that a limit permits, at most 1.
 fn ratio(value: f64, limit: f64) -> f64 {
     (limit / value.abs()).min(1.0)
 }

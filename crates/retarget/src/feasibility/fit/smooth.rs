@@ -1,4 +1,4 @@
-//! A low-pass of single joints, as far as that changes little.
+//! A low-pass of single joints, as far as the change is small.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
@@ -7,14 +7,14 @@ use super::joint::{distance, normalize};
 use crate::feasibility::low_pass::low_pass;
 use crate::feasibility::rows::Rows;
 
-/// Widths that are tried, s: a third of an octave from one to the next.
+/// Widths that are tried, s, about half an octave apart.
 pub(super) const WIDTHS_S: [f64; 10] =
     [0.004, 0.006, 0.009, 0.013, 0.018, 0.025, 0.035, 0.05, 0.07, 0.1];
-/// The most of its range that a slide is changed by.
+/// Maximum change of a slide, as a share of its range.
 const MOST_OF_RANGE: f64 = 0.02;
 
-/// Low-passes one joint of `given` rows into `rows`, `sigma` rows wide, if that changes it by at most `most` rad, or a
-/// small part of a slide's range; returns the largest change.
+/// Low-passes one joint of the `given` rows into `rows`, with a width of `sigma` rows, if the change is at most
+/// `most` rad, or a small share of a slide's range. Returns the largest change.
 pub(super) fn smooth(
     mechanism: &Mechanism,
     joint: usize,

@@ -1,4 +1,4 @@
-//! Rows within the ranges of their joints, and within those that join two joints.
+//! Limits rows to the ranges of their joints, and to limits that join two joints.
 
 use std::ops::Range;
 
@@ -7,16 +7,16 @@ use sinew_rig::Mechanism;
 use super::joint::turn_within;
 use crate::feasibility::limits::Limits;
 
-/// The most of a range that is left free at each end.
+/// Maximum margin at each end, as a share of the range.
 const MOST_ROOM: f64 = 0.02;
 
-/// Where the joints may be, and what was done for it.
+/// Ranges of the joints, and the changes made for them.
 pub(super) struct Within {
-    /// The numbers of each joint in a row, and its dofs.
+    /// Ranges of each joint's coordinates in a row, and of its dofs.
     joints: Vec<[Range<usize>; 2]>,
-    /// How far from the ends of its range each joint stays, rad or m.
+    /// Margin of each joint to the ends of its range, rad or m.
     pub(super) room: Vec<f64>,
-    /// The most that a joint was brought back, beyond its room.
+    /// Largest change of each joint beyond its margin, rad or m.
     pub(super) clamped: Vec<f64>,
 }
 
@@ -37,12 +37,12 @@ impl Within {
         Self { joints, room: vec![room; count], clamped: vec![0.0; count] }
     }
 
-    /// Stays farther from the ends, since a curve through the rows went beyond by so much.
+    /// Increases the margin, because a curve through the rows exceeded the range by `beyond`.
     pub(super) fn widen(&mut self, joint: usize, beyond: f64) {
         self.room[joint] += 2.0 * beyond + 1e-6;
     }
 
-    /// Brings a row within the limits.
+    /// Limits a row to all ranges.
     pub(super) fn bring(&mut self, limits: &Limits, row: &mut [f64]) {
         for (joint, [numbers, dofs]) in self.joints.iter().enumerate() {
             let of_joint = &mut row[numbers.clone()];
@@ -55,7 +55,7 @@ impl Within {
                     let [least, most] = limits.dofs[dof].range;
                     let own = room.min(MOST_ROOM * (most - least));
                     let kept = position.max(least + own).min(most - own);
-                    // What is only the room at the ends is no news.
+                    // A change within the margin is not recorded.
                     if (kept - *position).abs() > own + 1e-9 {
                         change = change.max((kept - *position).abs());
                     }
@@ -72,14 +72,14 @@ impl Within {
             let [least, most] = linked.range;
             let rest = linked.other_factor * row[other];
             let sum = linked.factor * row[own] + rest;
-            // Equal ends tie them: there is no room.
+            // Equal ends tie the joints: there is no margin.
             let room = self.room[linked.body] * linked.factor.abs();
             let room = room.min(MOST_ROOM * (most - least));
             let kept = sum.max(least + room).min(most - room);
             if (kept - sum).abs() > 1e-12 {
                 let change = ((kept - sum) / linked.factor).abs();
                 row[own] = (kept - rest) / linked.factor;
-                // Ties are computed anew in every row: only limits tell news.
+                // Ties are computed in every row, therefore only changes by limits are recorded.
                 if most > least && change > room + 1e-9 {
                     self.clamped[linked.body] = self.clamped[linked.body].max(change);
                 }

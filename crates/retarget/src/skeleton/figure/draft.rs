@@ -1,4 +1,4 @@
-//! Which joints make each body of the figure.
+//! Finds the joints that form each body of the figure.
 
 use sinew_mocap::Skeleton;
 use sinew_mocap::skeleton_map::{BodyJoints, End};
@@ -12,21 +12,22 @@ use super::note::Note;
 use crate::skeleton::found::Found;
 use crate::{Landmark, Side};
 
-/// A body of the proposal.
+/// A proposed body.
 pub(super) struct Proposed {
     pub part: BodyJoints,
     pub note: Note,
 }
 
-/// The landmarks that the figure needs, all there.
+/// The landmarks that the figure needs; all are present.
 pub(super) struct Draft<'a> {
     body: Body<'a>,
     matched: &'a SkeletonMatch,
-    /// What carries legs and trunk: the pelvis, or the joint that it and the spine hang on (DAZ, MMD, 3ds Max).
+    /// The joint that carries legs and trunk: the pelvis, or the common parent of pelvis and spine (DAZ, MMD, 3ds
+    /// Max).
     pelvis: usize,
-    /// Joints of the spine from the pelvis to the chest, the pelvis left out.
+    /// Joints of the spine from the pelvis (not included) to the chest.
     spine: Vec<usize>,
-    /// Where the head begins: the neck, or the head itself.
+    /// The joint where the head begins: the neck, or the head itself.
     neck: usize,
 }
 
@@ -57,12 +58,12 @@ impl<'a> Draft<'a> {
         Ok(Self { pelvis, spine, neck: at(Landmark::Neck).unwrap_or(head), body, matched })
     }
 
-    /// The joint of a landmark, which [`new`](Self::new) has found there.
+    /// Returns the joint of a landmark that [`new`](Self::new) has found.
     fn joint(&self, landmark: Landmark) -> usize {
         self.matched.joint(landmark).unwrap_or(0)
     }
 
-    /// Pelvis, abdomen, thorax and head.
+    /// Returns pelvis, abdomen, thorax and head.
     pub(super) fn trunk(&self) -> Vec<Proposed> {
         let pelvis = self.pelvis;
         let (abdomen, thorax) = self.spine.split_at(self.spine.len() / 2);
@@ -123,7 +124,7 @@ impl<'a> Draft<'a> {
         ]
     }
 
-    /// Clavicle, upper arm, forearm and hand.
+    /// Returns clavicle, upper arm, forearm and hand.
     pub(super) fn arm(&self, side: Side) -> Vec<Proposed> {
         let landmarks = [Landmark::Shoulder(side), Landmark::Elbow(side), Landmark::Wrist(side)];
         let [shoulder, elbow, wrist] = landmarks.map(|landmark| self.joint(landmark));
@@ -144,7 +145,7 @@ impl<'a> Draft<'a> {
         ]
     }
 
-    /// Thigh, shank and foot.
+    /// Returns thigh, shank and foot.
     pub(super) fn leg(&self, side: Side) -> Vec<Proposed> {
         let landmarks = [Landmark::Hip(side), Landmark::Knee(side), Landmark::Ankle(side)];
         let [hip, knee, ankle] = landmarks.map(|landmark| self.joint(landmark));
@@ -157,18 +158,19 @@ impl<'a> Draft<'a> {
         ]
     }
 
-    /// The bone from one joint to the next of a limb; joints between that only twist turn its far end.
+    /// Returns the bone from one joint of a limb to the next; joints between them that only twist rotate its far
+    /// end.
     fn bone(&self, name: &str, origin: usize, end: usize, landmarks: &[Landmark]) -> Proposed {
         let way = self.body.way(origin, end);
         let between: Vec<usize> =
             [origin].into_iter().chain(way[..way.len() - 1].iter().copied()).collect();
         let rotation = self.turner(&between, end).unwrap_or(origin);
         let remark = (rotation != origin)
-            .then(|| format!("{} turn it, the last tells its frame", self.names(&between)));
+            .then(|| format!("{} turn it, the last determines its frame", self.names(&between)));
         self.proposed(name, origin, rotation, self.at(end), landmarks, remark)
     }
 
-    /// Where a clavicle begins, and the joint that turns it.
+    /// Returns the joint where a clavicle begins, the joint that rotates it, and a remark.
     fn clavicle(&self, shoulder: usize) -> (usize, usize, Option<String>) {
         let chest = self.joint(Landmark::Chest);
         let mut way = self.body.way(self.body.common_ancestor(chest, shoulder), shoulder);
@@ -188,12 +190,12 @@ impl<'a> Draft<'a> {
         (self.neck, rotation, Some(remark))
     }
 
-    /// The last of `joints` that carries `end` at some length, and so turns it.
+    /// Returns the last of `joints` that is at a distance from `end`, and therefore rotates it.
     fn turner(&self, joints: &[usize], end: usize) -> Option<usize> {
         joints.iter().rev().find(|joint| !self.at_one_place(**joint, end)).copied()
     }
 
-    /// Whether two joints are at one place, at rest.
+    /// Returns whether two joints have the same position at rest.
     fn at_one_place(&self, a: usize, b: usize) -> bool {
         let rest = &self.body.poses[0];
         self.body.is_zero(rest.at(a).distance(rest.at(b)))

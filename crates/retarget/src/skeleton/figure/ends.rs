@@ -1,4 +1,4 @@
-//! Where head, hands and feet end: joints and end sites of the file, or what a human's proportions say.
+//! Ends of head, hands and feet: from joints and end sites of the file, or from a human's proportions.
 
 use sinew_mocap::skeleton_map::End;
 
@@ -7,26 +7,27 @@ use super::super::name::Kind;
 use super::super::unit::SKULL;
 use super::super::vocabulary::Word;
 
-/// A hand by the forearm (Drillis and Contini, in D. A. Winter, Biomechanics and Motor Control of Human Movement,
-/// figure 4.1).
+/// Length of a hand relative to the forearm (Drillis and Contini, in D. A. Winter, Biomechanics and Motor Control
+/// of Human Movement, figure 4.1).
 const HAND_BY_FOREARM: f64 = 0.74;
-/// What a file may show as a hand, by the forearm: less is a stub.
+/// Accepted length of a file's hand relative to the forearm; a shorter one is a stub.
 const HAND_SHOWN: std::ops::RangeInclusive<f64> = 0.25..=1.3;
-/// A hand whose first bone has no length has lost it, if it is shorter than this.
+/// Minimum length, relative to the forearm, of a hand whose first bone has zero length. A shorter one lacks its palm.
 const HAND_WITH_PALM: f64 = 0.5;
-/// The sole below the ankle, by the shank (as above: 0.039 and 0.246 of the stature).
+/// Height of the ankle above the sole, relative to the shank (from the same figure: 0.039 and 0.246 of the
+/// stature).
 const SOLE_BY_SHANK: f64 = 0.16;
-/// What a file may show above the head's joint, by the height: less is a stub.
+/// Minimum distance from the head's joint to its top, relative to the height; a shorter one is a stub.
 const HEAD_SHOWN: f64 = 0.04;
 
 /// Finds the ends of a skeleton's segments.
 pub(super) struct Ends<'a> {
     body: &'a Body<'a>,
-    /// Height of the body in the skeleton's unit.
+    /// Height of the body, in the skeleton's unit.
     height: f64,
 }
 
-/// An end, and a remark if the file does not tell it.
+/// An end, with a remark if it is not in the file.
 type Told = (End, Option<String>);
 
 impl<'a> Ends<'a> {
@@ -34,7 +35,7 @@ impl<'a> Ends<'a> {
         Self { body, height }
     }
 
-    /// The vertex.
+    /// Returns the top of the head.
     pub(super) fn head(&self, head: usize) -> Told {
         let long = |length: f64| length > HEAD_SHOWN * self.height;
         if long(self.body.site(head)) {
@@ -46,7 +47,7 @@ impl<'a> Ends<'a> {
         if let Some(end) = ends.find(|end| long(self.body.lengths[**end])) {
             return (self.joint(*end), None);
         }
-        // A head on its parent has no direction: the bone before it has the one of the neck.
+        // A head at the position of its parent has no direction: the previous bone has the direction of the neck.
         let bone =
             self.body.upwards(head).find(|joint| !self.body.is_at_parent(*joint)).unwrap_or(head);
         let ratio = rounded(SKULL * self.height / self.body.lengths[bone].max(f64::MIN_POSITIVE));
@@ -55,7 +56,7 @@ impl<'a> Ends<'a> {
         (End::Beyond { beyond: self.name(bone), ratio }, Some(remark.to_owned()))
     }
 
-    /// The tip of the middle finger.
+    /// Returns the tip of the middle finger.
     pub(super) fn hand(&self, elbow: usize, wrist: usize) -> Told {
         let forearm = self.body.length(elbow, wrist);
         let is_middle = |joint: usize| self.body.names[joint].rest.contains(&Word::Middle);
@@ -76,7 +77,7 @@ impl<'a> Ends<'a> {
         (End::Beyond { beyond: self.name(wrist), ratio: HAND_BY_FOREARM }, Some(remark.to_owned()))
     }
 
-    /// The tip of the foot.
+    /// Returns the tip of the foot.
     pub(super) fn foot(&self, ankle: usize, toe: Option<usize>) -> Told {
         let below = toe.unwrap_or(ankle);
         let tip = self.tips(below).into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -93,7 +94,8 @@ impl<'a> Ends<'a> {
         }
     }
 
-    /// Ends of what hangs on `joint`, each with its way's length: where nothing goes on, its end site or itself.
+    /// Returns the outermost joints beyond `joint` (itself if it has no child at a distance), each with the length
+    /// of its path including the end site.
     fn tips(&self, joint: usize) -> Vec<(usize, f64)> {
         (joint..self.body.count())
             .filter(|tip| self.body.hangs_on(*tip, joint))
@@ -123,7 +125,7 @@ impl<'a> Ends<'a> {
     }
 }
 
-/// To two digits behind the point: the proportion is no better known.
+/// Rounds to two decimals: the proportions are not known more exactly.
 fn rounded(ratio: f64) -> f64 {
     libm::round(100.0 * ratio) / 100.0
 }

@@ -1,4 +1,4 @@
-//! From landmarks to the figure of 18 bodies: a proposal for a map, as the hand-written ones are.
+//! Proposes a map from a skeleton's landmarks onto the figure of 18 bodies, in the format of the hand-written maps.
 
 mod draft;
 mod ends;
@@ -21,39 +21,39 @@ use super::SkeletonMatch;
 use super::body::Body;
 use crate::{Landmark, Side};
 
-/// A proposal for a map on the figure.
+/// A proposed map onto the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureMapping {
-    /// The map.
+    /// The proposed map.
     pub map: SkeletonMap,
-    /// How sure each body is, in the figure's order.
+    /// Confidence of each body, in the figure's order.
     pub notes: Vec<Note>,
-    /// What a person should know of the whole.
+    /// Findings about the skeleton as a whole.
     pub findings: Vec<String>,
 }
 
-/// What to call a map, and what its file tells beside the bodies.
+/// Name of a map, and its properties other than bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapHead<'a> {
     /// Name for messages.
     pub name: &'a str,
     /// Length of the file's unit, in metres: see [`SkeletonMatch::unit`].
     pub metres_per_unit: f64,
-    /// Frames per second, for files that do not tell them.
+    /// Frame rate, Hz, for files that do not contain it.
     pub rate_hz: Option<f64>,
 }
 
-/// Where the head of `skeleton` ends, and a remark if the file does not tell it; `None` without a head.
+/// Returns the end of the head of `skeleton`, with a remark if it is not in the file; `None` without a head.
 pub fn head_end(skeleton: &Skeleton, matched: &SkeletonMatch) -> Option<(End, Option<String>)> {
     let head = matched.joint(Landmark::Head)?;
     (matched.height() > 0.0)
         .then(|| Ends::new(&Body::new(skeleton, &[]), matched.height()).head(head))
 }
 
-/// The map of `skeleton` on the figure of 18 bodies, by the landmarks of `matched`.
+/// Returns the map of `skeleton` onto the figure of 18 bodies, from the landmarks of `matched`.
 ///
 /// # Errors
-/// [`FigureMappingError`] names every landmark that is missing.
+/// [`FigureMappingError`] names every missing landmark.
 pub fn figure_mapping(
     skeleton: &Skeleton,
     matched: &SkeletonMatch,
@@ -83,8 +83,8 @@ pub fn figure_mapping(
     Ok(FigureMapping { map, notes, findings: matched.findings.clone() })
 }
 
-/// By what the skeleton is known again: all joints that the map names; neck and clavicles at their parents or not, by
-/// which CMU's conversions differ.
+/// Returns the signature by which the skeleton is recognized: all joints that the map names, and whether neck and
+/// clavicles are at their parents' positions, which distinguishes conversions of CMU files.
 fn signature(skeleton: &Skeleton, bodies: &[Proposed]) -> Result<Signature, FigureMappingError> {
     let ends = bodies.iter().map(|body| match &body.part.end {
         End::Joint(joint) | End::Site { site: joint } | End::Beyond { beyond: joint, .. } => joint,

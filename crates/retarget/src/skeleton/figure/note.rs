@@ -1,14 +1,14 @@
-//! How sure a proposal is.
+//! Confidence of a proposal.
 
-/// How sure one body of a proposal is.
+/// Confidence of one body of a proposal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
-    /// The body's name.
+    /// Name of the body.
     pub body: String,
-    /// That of the least sure landmark that it is made of.
+    /// Confidence of the least certain landmark of the body, 0 to 1.
     pub confidence: f64,
-    /// Why it is no surer.
+    /// Reason why it is not higher.
     pub reason: String,
-    /// What was decided beyond the landmarks: a split spine, an end that the file does not tell.
+    /// Decisions beyond the landmarks: a split spine, or an end that is not in the file.
     pub remarks: Vec<String>,
 }

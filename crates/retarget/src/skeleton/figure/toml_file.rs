@@ -1,4 +1,4 @@
-//! A proposed map as a file of mappings, with comments.
+//! Writes a proposed map as a mapping file, with comments.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,8 @@ use sinew_mocap::skeleton_map::End;
 use super::FigureMapping;
 
 impl FigureMapping {
-    /// The map as a file of mappings, each body with how sure it is; reads back as the same map.
+    /// Returns the map as a mapping file, with the confidence of each body in comments. Reading it gives the same
+    /// map.
     pub fn to_toml(&self) -> String {
         let mut text = String::from(
             "# A proposal for a map on the figure of 18 bodies: read it, edit it, give it with `--mapping`.\n\
@@ -67,12 +68,12 @@ impl FigureMapping {
     }
 }
 
-/// A string as TOML writes it.
+/// Returns a string in TOML syntax.
 fn quoted(text: &str) -> String {
     toml::Value::from(text).to_string()
 }
 
-/// Names of joints may hold anything; a comment ends with its line.
+/// Replaces control characters, because a comment ends at the end of its line.
 fn one_line(text: &str) -> String {
     text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }

@@ -1,4 +1,4 @@
-//! A figure of revolute joints and a performer that walks: y up, both look along z.
+//! A figure of revolute joints and a walking performer. y points up, and both face along z.
 
 use glam::{DQuat, DVec3};
 use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
@@ -7,12 +7,12 @@ use sinew_retarget::{Landmark, LandmarkMap, Side};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link};
 
-/// What a turn about `a` is in a mirror along x = 0.
+/// Returns the axis of the mirror image, at x = 0, of a rotation about `a`.
 pub(crate) fn mirrored_axis(a: DVec3) -> DVec3 {
     DVec3::new(a.x, -a.y, -a.z)
 }
 
-/// A humanoid of 21 hinges on a free base. Both sides are mirror images: equal angles are mirrored poses.
+/// Creates a humanoid of 21 hinges on a free base. Its sides are mirror images: equal angles give mirrored poses.
 pub(crate) fn figure(range_rad: f64, speed: f64) -> Mechanism {
     let mut bodies = vec![Link {
         name: "pelvis".to_owned(),
@@ -74,14 +74,14 @@ pub(crate) fn figure(range_rad: f64, speed: f64) -> Mechanism {
     Mechanism { bodies, linked: Vec::new() }
 }
 
-/// How the performer moves.
+/// Motion of the performer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Gait {
     /// Largest swing of a limb, rad.
     pub(crate) swing_rad: f64,
-    /// Steps per second.
+    /// Step frequency, Hz.
     pub(crate) steps_hz: f64,
-    /// What the left arm does more than the right one, rad.
+    /// Additional angle of the left arm, rad.
     pub(crate) lean_rad: f64,
 }
 
@@ -91,7 +91,7 @@ impl Default for Gait {
     }
 }
 
-/// A performer of 1.7 m who walks along z for `seconds`, at 120 Hz.
+/// Creates a clip of a performer of 1.7 m who walks along z for `seconds`, at 120 Hz.
 pub(crate) fn walk(gait: Gait, seconds: f64) -> Clip {
     let mut joints = Vec::new();
     let mut add = |name: &str, parent: Option<usize>, offset_m: [f64; 3]| {
@@ -159,7 +159,7 @@ pub(crate) fn walk(gait: Gait, seconds: f64) -> Clip {
     }
 }
 
-/// Which joints of a skeleton of CMU's names are which landmark.
+/// Returns the joints of the landmarks in a skeleton with CMU's names.
 pub(crate) fn joints(skeleton: &Skeleton) -> PerformerJoints {
     let name = |landmark: Landmark| {
         let side = |side| if side == Side::Left { "Left" } else { "Right" };

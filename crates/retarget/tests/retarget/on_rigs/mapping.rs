@@ -1,4 +1,4 @@
-//! Mappings: written, read, put on a rig and a clip.
+//! Tests of mappings: written, read, and applied to a rig and a clip.
 
 use glam::{DQuat, DVec3};
 use sinew_retarget::mapping::{Curve, Mapping, Performance, Point};
@@ -22,7 +22,7 @@ fn proposed() -> (Mechanism, Mapping) {
     (mechanism, mapping)
 }
 
-/// What the text does not hold.
+/// Removes the data that the text contains only as comments.
 fn without_comments(mut mapping: Mapping) -> Mapping {
     for entry in &mut mapping.landmarks {
         (entry.confidence, entry.reason) = (1.0, String::new());
@@ -41,7 +41,7 @@ fn what_is_written_is_read() {
         arms: Limb::End,
         legs: Limb::Upper,
         forward: Some([0.0, 0.0, 1.0]),
-        // Whole degrees: others are rounded in the text.
+        // Whole degrees, because others are rounded in the text.
         speed_rad_s: 360.0_f64.to_radians(),
     };
     mapping.landmarks[0].point =
@@ -67,7 +67,7 @@ fn a_proposal_gives_the_same_poses_as_the_match() {
     let performer = Performer::of(&clip, &performer_joints).unwrap();
     let [one, other] = [RigMatch::of(&mechanism).unwrap(), read.rig_match(&mechanism).unwrap()]
         .map(|rig| bake(&mechanism, &rig, &clip, &performer, &read.settings()));
-    // The text holds points to a micrometre.
+    // The text has points with a precision of one micrometre.
     for (a, b) in one.q.iter().flatten().zip(other.q.iter().flatten()) {
         assert!((a - b).abs() < 1e-4, "{a} {b}");
     }
@@ -89,7 +89,7 @@ fn a_part_of_a_clip_is_enough() {
     let right_elbow =
         mechanism.bodies.iter().position(|link| link.joint_name == "right_elbow").unwrap();
     let at = mechanism.coordinate_ranges()[right_elbow].start;
-    // No one asks for the right arm: it stays at home.
+    // The right arm has no target, therefore it stays at home.
     assert!(baked.q.iter().all(|q| q[at].abs() < 1e-12));
 }
 
@@ -118,7 +118,7 @@ fn a_face_follows_curves_alone() {
     let mut baked = bake(&mechanism, &rig, &clip, &performer, &mapping.settings());
     mapping.curves(&mechanism, &clip.skeleton).unwrap().put(&clip, &mut baked.q);
     for (k, q) in baked.q.iter().enumerate() {
-        // Half the angle; the range ends at 0.3 rad. Half a degree a frame is 1.05 rad/s.
+        // Half the angle; the range ends at 0.3 rad. Half a degree per frame is 1.05 rad/s.
         let expected = (0.5 * (k as f64).min(40.0)).to_radians().min(0.3);
         assert!((q[0] - expected).abs() < 1e-12, "{k}: {} {expected}", q[0]);
         assert!(q[1].abs() < 1e-12);

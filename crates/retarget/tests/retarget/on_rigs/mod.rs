@@ -1,4 +1,4 @@
-//! Performers on rigs: rigs matched, mappings, poses solved.
+//! Tests of performers on rigs: matched rigs, mappings, solved poses.
 
 mod examples;
 mod mapping;

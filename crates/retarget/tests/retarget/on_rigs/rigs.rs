@@ -1,4 +1,4 @@
-//! Real robots of `SINEW_DATA`: their groups, the mirror check, and their poses.
+//! Tests with the robots of `SINEW_DATA`: their groups, the mirror check, and their poses.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ fn robot(path: &str, base: Base) -> Mechanism {
     description.mechanism().unwrap()
 }
 
-/// Joints of a landmark, in one line.
+/// Returns the joints of a landmark, in one line.
 fn joints(mechanism: &Mechanism, rig: &RigMatch, landmark: Landmark) -> String {
     let names = rig.joints(landmark).iter().map(|joint| &mechanism.bodies[*joint].joint_name[..]);
     names.collect::<Vec<_>>().join(" ")
@@ -115,7 +115,7 @@ fn groups_are_those_of_the_robots() {
         for (landmark, expected) in groups {
             let found = joints(&mechanism, &rig, *landmark);
             assert_eq!(found, *expected, "{path} {}", landmark.name());
-            // The other side has the same.
+            // The other side has the same number of joints.
             if let Some(partner) = landmark.mirrored().filter(|_| !path.contains("so100")) {
                 assert_eq!(rig.joints(partner).len(), rig.joints(*landmark).len(), "{path}");
             }
@@ -173,7 +173,7 @@ fn h1_walks_and_fights() {
         let recording = sinew_mocap::bvh::read(&data().join(path)).unwrap().in_metres(0.056_444);
         let frame_time_s = recording.frame_time_s.unwrap();
         let (mut clip, _) = sinew_mocap::gaps::fill(recording, frame_time_s, 0.5).unwrap();
-        // A pose for calibration.
+        // The first frame is a calibration pose.
         clip.frames.remove(0);
         let performer = Performer::of(&clip, &examples::joints(&clip.skeleton)).unwrap();
         let baked = bake(&mechanism, &rig, &clip, &performer, &Settings::default());

@@ -1,4 +1,4 @@
-//! What holds of every solution: limits, mirror images, places, starts.
+//! Tests of properties of every solution: limits, mirror images, positions, starts.
 
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
@@ -10,9 +10,9 @@ use sinew_rig::Mechanism;
 
 use super::examples::{Gait, figure, joints, walk};
 
-/// Rounding of angles of a few radians.
+/// Rounding error of angles of a few radians.
 const ROUNDING: f64 = 1e-12;
-/// Coordinates of the free base come first.
+/// Number of coordinates of the free base, which are first.
 const BASE: usize = 7;
 
 fn baked(mechanism: &Mechanism, clip: &Clip, settings: &Settings) -> Baked {
@@ -32,20 +32,20 @@ fn a_figure_that_can_do_it_does_it() {
     let baked =
         baked(&figure(9.0, f64::INFINITY), &walk(Gait::default(), 2.0), &Settings::default());
     for limb in baked.limbs.iter().flatten() {
-        // The pull to the last frame and the feet's hold on the floor take a degree or two.
+        // The pull to the last frame and the feet's hold on the floor cause one or two degrees.
         assert!(limb.error_rad.to_degrees() < 4.0, "{limb:?}");
     }
 }
 
 #[test]
 fn feet_that_stand_do_not_slide() {
-    // The performer's own feet slide at 0.8 m/s against the swing of 0.4 rad: where they are slowest they stand.
+    // The performer's own feet slide at 0.8 m/s against the swing of 0.4 rad, and stand where they are slowest.
     let mechanism = figure(9.0, f64::INFINITY);
     let rig = RigMatch::of(&mechanism).unwrap();
     let clip = walk(Gait { swing_rad: 0.0, ..Gait::default() }, 2.0);
     let mut clip = clip;
     for (k, frame) in clip.frames.iter_mut().enumerate() {
-        // On the spot, the hips swaying by 2 cm: the toes go with them, and the rig's must not.
+        // On the spot, with hips that sway by 2 cm: the performer's toes follow, but the rig's toes must not.
         frame[0].position_m = DVec3::new(0.02 * libm::sin(0.05 * k as f64), 0.95, 0.0);
     }
     let performer = Performer::of(&clip, &joints(&clip.skeleton)).unwrap();
@@ -83,7 +83,7 @@ fn place_and_heading_of_the_performer_do_not_matter() {
         frame[0].position_m = turn * frame[0].position_m + DVec3::new(3.0, 0.0, -7.0);
     }
     let [one, other] = [&clip, &moved].map(|clip| baked(&mechanism, clip, &Settings::default()));
-    // Rounding, through every sweep of the clip.
+    // Rounding, accumulated over every sweep of the clip.
     let difference = largest_difference_deg(&one.q, &other.q);
     assert!(difference < 1e-6, "{difference}");
 }
@@ -106,7 +106,8 @@ fn a_mirrored_performance_is_a_mirrored_pose() {
             let place = names.iter().position(|other| *other == partner(name)).unwrap();
             let sign = if partner(name) == *name { -1.0 } else { 1.0 };
             let difference = (a[BASE + k] - sign * b[BASE + place]).abs().to_degrees();
-            // The random starts of the first frame are not mirrored: what is left of them after 40 sweeps.
+            // The random starts of the first frame are not mirrored: this is the remaining difference after 40
+            // sweeps.
             assert!(difference < 1e-3, "{name}: {difference} deg");
         }
     }

@@ -1,4 +1,4 @@
-//! Joints that makers add and that are no landmarks.
+//! Joints that makers add and that are not landmarks.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use sinew_retarget::{Landmark, Side};
 
 use super::dialect::Dialect;
 
-/// What is added.
+/// Kinds of added joints.
 #[derive(Debug, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "files have each of these, or have it not")]
 pub(crate) struct Additions {
@@ -31,7 +31,7 @@ pub(crate) fn additions() -> impl Strategy<Value = Additions> {
 }
 
 impl Additions {
-    /// The dialect with these joints.
+    /// Returns the dialect with these joints added.
     pub(crate) fn apply(&self, dialect: &Dialect) -> Dialect {
         let mut dialect = dialect.clone();
         if self.spine {
@@ -105,10 +105,11 @@ fn add(dialect: &mut Dialect, name: &str, on: usize, offset_m: DVec3) -> usize {
     dialect.skeleton.joints.len() - 1
 }
 
-/// Puts one more joint in the middle of the bone that ends in the chest.
+/// Adds a joint in the middle of the bone that ends in the chest.
 fn split_the_bone_below_the_chest(dialect: &mut Dialect) {
     let chest = find(dialect, Landmark::Chest);
-    // NAO's trunk is one joint. OpenPose has no chest, its neck carries the arms: a spine below would be the chest.
+    // NAO's trunk is one joint. OpenPose has no chest, and its neck carries the arms: a spine below it would be the
+    // chest.
     let Some(below) = dialect.skeleton.joints[chest].parent else { return };
     if dialect.skeleton.joints[chest].name == "Neck" {
         return;

@@ -1,4 +1,4 @@
-//! Small skeletons in the names of many makers, from `dialects.txt`.
+//! Small skeletons with the names of many makers, from `dialects.txt`.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -7,7 +7,7 @@ use glam::DVec3;
 use sinew_mocap::{Skeleton, SkeletonJoint};
 use sinew_retarget::{Landmark, Side};
 
-/// Places of a human of 1.75 m in a T-pose, y up, z forward, of the middle and of the left side, in metres.
+/// Positions of a human of 1.75 m in a T-pose, y up, z forward, for the middle and the left side, in metres.
 const PLACES: [(&str, [f64; 3]); 33] = [
     ("floor", [0.0, 0.0, 0.0]),
     ("pelvis", [0.0, 0.98, 0.0]),
@@ -44,7 +44,7 @@ const PLACES: [(&str, [f64; 3]); 33] = [
     ("toe_end", [0.11, 0.01, 0.2]),
 ];
 
-/// The skeletons of the file.
+/// Skeletons of the file.
 pub(crate) static DIALECTS: LazyLock<Vec<Dialect>> = LazyLock::new(|| {
     let lines = include_str!("dialects.txt").lines().filter(|line| !line.starts_with('#'));
     let mut dialects = Vec::new();
@@ -62,7 +62,7 @@ pub(crate) static DIALECTS: LazyLock<Vec<Dialect>> = LazyLock::new(|| {
     dialects
 });
 
-/// A skeleton and the joint of each landmark.
+/// A skeleton, and the expected joint of each landmark.
 #[derive(Clone)]
 pub(crate) struct Dialect {
     pub(crate) maker: &'static str,

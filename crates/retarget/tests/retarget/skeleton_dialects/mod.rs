@@ -1,4 +1,4 @@
-//! Landmarks of skeletons in the names of many makers, and of the same ones renamed, mirrored, turned and scaled.
+//! Landmarks of skeletons with the names of many makers, also renamed, mirrored, rotated and scaled.
 
 mod additions;
 mod dialect;
@@ -11,10 +11,10 @@ use sinew_mocap::Skeleton;
 use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
 use sinew_retarget::{Landmark, Side};
 
-/// Below this nothing of these skeletons is: all have names that say what they mean.
+/// Minimum confidence for these skeletons, whose names are all clear.
 const SURE: f64 = 0.6;
 
-/// Landmarks that are not as expected.
+/// Returns the landmarks that differ from the expected ones.
 fn wrong(dialect: &Dialect) -> Vec<String> {
     let matched = SkeletonMatch::new(&dialect.skeleton, &[]);
     let mut wrong = Vec::new();
@@ -85,7 +85,7 @@ fn every_dialect_maps_on_the_figure() {
     }
 }
 
-/// What may be done to a skeleton without changing which joint is which.
+/// Changes of a skeleton that do not affect the meaning of its joints.
 #[derive(Debug, Clone)]
 struct Change {
     prefix: &'static str,
@@ -132,13 +132,14 @@ impl Change {
         format!("{}{name}{}", self.prefix, self.suffix)
     }
 
-    /// The skeleton changed; its sides change places if it is mirrored, as the names go with the side.
+    /// Returns the changed skeleton. If it is mirrored, its sides are exchanged, because the names follow the
+    /// sides.
     fn apply(&self, dialect: &Dialect) -> Dialect {
         let mut skeleton = in_other_order(&dialect.skeleton, self.order);
         for joint in &mut skeleton.joints {
             joint.name = self.name(&joint.name);
             if self.mirrored {
-                // The right limbs lie where the left were, and forward is where back was.
+                // The right limbs move to the place of the left, and forward becomes backward.
                 joint.offset_m *= DVec3::new(-1.0, 1.0, -1.0);
             }
             if self.z_up {
@@ -153,7 +154,7 @@ impl Change {
     }
 }
 
-/// The joints in another order, parents before children.
+/// Returns the joints in another order, parents before children.
 fn in_other_order(skeleton: &Skeleton, seed: u64) -> Skeleton {
     let mut state = seed;
     let mut order: Vec<usize> = vec![0];
@@ -183,7 +184,7 @@ fn in_other_order(skeleton: &Skeleton, seed: u64) -> Skeleton {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// MMD's names have no case; `l5` in small letters says nothing.
+    /// MMD's names have no case; `l5` in lower case has no meaning.
     #[test]
     fn names_in_other_dress_mean_the_same(which in 0..DIALECTS.len(), change in change()) {
         let dialect = &DIALECTS[which];
@@ -202,7 +203,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Fingers, twists, ends, helpers and more joints of the spine: no landmark moves.
+    /// Fingers, twists, ends, helpers and more joints of the spine do not change any landmark.
     #[test]
     fn what_is_no_landmark_changes_none(which in 0..DIALECTS.len(), additions in additions()) {
         let dialect = &DIALECTS[which];
@@ -210,7 +211,7 @@ proptest! {
         prop_assert_eq!(wrong(&more), Vec::<String>::new(), "{}: {:?}", dialect.maker, additions);
     }
 
-    /// A mirror image is a human too: what was left is right, whatever the names are.
+    /// A mirror image is a human too: left becomes right, whatever the names are.
     #[test]
     fn of_a_mirror_image_the_sides_change(which in 0..DIALECTS.len(), seed in any::<u64>()) {
         let mut joints = in_other_order(&DIALECTS[which].skeleton, seed);
@@ -222,7 +223,7 @@ proptest! {
             joint.offset_m.x = -joint.offset_m.x;
         }
         let mirrored = SkeletonMatch::new(&joints, &[]);
-        // Only feet that point forward tell the sides; without them the file's order does not change.
+        // Only feet that point forward determine the sides; without them, the file's order does not change.
         let rest_m = joints.rest_positions_m();
         let at_m = |landmark| matched.joint(landmark).map(|joint| rest_m[joint]);
         let of_leg = [Landmark::Hip, Landmark::Ankle, Landmark::Toe].map(|place| at_m(place(Side::Left)));
@@ -249,7 +250,7 @@ proptest! {
     }
 }
 
-/// Names that say nothing: tree and lengths must do, and are less sure.
+/// Names without meaning: tree and lengths must suffice, with lower confidence.
 #[test]
 fn without_names_the_tree_tells() {
     let (mut right, mut all) = (0, 0);
@@ -284,7 +285,7 @@ fn without_names_the_tree_tells() {
     assert!(right * 100 >= all * 80, "{}", lines.join("\n"));
 }
 
-/// A side is what the names say; toes that point the other way are told.
+/// Names determine the side; toes that point the other way are reported.
 #[test]
 fn sides_against_the_toes_are_told() {
     let mut dialect = DIALECTS[0].clone();

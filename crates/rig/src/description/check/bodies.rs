@@ -1,11 +1,12 @@
-//! Masses and inertias that can be.
+//! Checks masses and inertias.
 
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Body, InertiaMatrix};
 
-/// Rounding, as a fraction of the trace: half of what `sinew-core` allows ([`sinew_core::Inertia::validate`]), so that
-/// what passes here passes there, in f32 and after bodies are merged.
+/// Tolerance for rounding, as a fraction of the trace. It is half the tolerance of `sinew-core`
+/// ([`sinew_core::Inertia::validate`]), so that an accepted inertia is accepted there too, in f32 and after bodies
+/// are merged.
 const ROUNDING: f64 = 5e-6;
 
 pub(super) fn check(part: Part<'_>, body: &Body) -> Result<(), DescriptionError> {
@@ -64,9 +65,9 @@ fn check_inertia(
     Err(part.refuse(&at, expected, found))
 }
 
-/// Whether the second moments of mass `Σ = tr(I)/2 - I` are positive semidefinite up to [`ROUNDING`] (Wensing, Kim &
-/// Slotine 2018): whether `Σ / tr(I) + ROUNDING` is positive definite, by Sylvester's criterion. That bounds the
-/// eigenvalues, so turned and added inertias pass as well.
+/// Returns whether the second moments of mass `Σ = tr(I)/2 - I` are positive semidefinite up to [`ROUNDING`]
+/// (Wensing, Kim & Slotine 2018). Tests `Σ / tr(I) + ROUNDING` for positive definiteness, by Sylvester's criterion.
+/// This bounds the eigenvalues, therefore rotated and added inertias pass too.
 pub(crate) fn is_possible(inertia: &InertiaMatrix) -> bool {
     let InertiaMatrix { xx, xy, xz, yy, yz, zz } = *inertia;
     let trace = xx + yy + zz;
@@ -108,7 +109,7 @@ mod tests {
             for moments in [[1e-5, 1e-5, 0.0], [1.0, 1.0, 2.0], [3.0, 3.0, 3.0]] {
                 assert!(is_possible(&turned(moments, rotation)), "{moments:?} {angle}");
             }
-            // One part in a thousand beyond a plate, 200 times the rounding.
+            // 0.1 % beyond a plate, 200 times the tolerance.
             assert!(!is_possible(&turned([1.0, 1.0, 2.004], rotation)), "{angle}");
         }
     }

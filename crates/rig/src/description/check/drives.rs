@@ -1,11 +1,11 @@
-//! Drives: whose they are, and that their numbers fit their joints and servos.
+//! Checks drives: each joint and servo has at most one drive, and the numbers of a drive fit its joints and servos.
 
 use super::names::Names;
 use super::part::{Part, Sign};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Description, Drive, DriveKind, Joint, JointType, UnitKeys};
 
-/// Which drive has each joint and each servo.
+/// Drive of each joint and of each servo.
 pub(super) struct Owners {
     joints: Vec<Option<usize>>,
     servos: Vec<Option<usize>>,
@@ -40,7 +40,7 @@ pub(super) fn check(
     check_kind(part, drive, &joints)
 }
 
-/// The indices of the named parts, which from now on belong to this drive.
+/// Assigns the named parts to a drive, and returns their indices. Fails if another drive has one of them.
 fn take(
     part: Part<'_>,
     key: &'static str,
@@ -150,7 +150,7 @@ fn check_matrix(
     Ok(())
 }
 
-/// A curve or a linkage joins one servo and one joint.
+/// Checks that a curve or a linkage connects one servo and one joint.
 fn one_to_one(
     part: Part<'_>,
     drive: &Drive,

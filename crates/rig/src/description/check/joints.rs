@@ -1,4 +1,4 @@
-//! Joints: what each type needs, takes and cannot take.
+//! Checks joints: the keys that each type needs, accepts and refuses.
 
 use std::f64::consts::PI;
 
@@ -18,10 +18,10 @@ pub(super) fn check(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionErro
         ("speed_m_s", joint.speed_m_s),
         ("acceleration_deg_s2", joint.acceleration_rad_s2),
         ("acceleration_m_s2", joint.acceleration_m_s2),
-        ("effort", joint.effort),
     ] {
-        part.number_if_any(key, limit, Sign::Positive)?;
+        part.number_if_any(key, limit, Sign::Motion)?;
     }
+    part.number_if_any("effort", joint.effort, Sign::Positive)?;
     for (key, value) in [
         ("rotor_inertia", joint.rotor_inertia),
         ("friction", Some(joint.friction)),
@@ -32,7 +32,7 @@ pub(super) fn check(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionErro
     Ok(())
 }
 
-/// Refuses keys that this type of joint has no use for, such as a range in metres of a joint that turns.
+/// Refuses keys that do not apply to this type of joint, such as a range in metres of a joint that turns.
 fn refuse_superfluous(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionError> {
     use JointType::{Fixed, Free, Prismatic, Revolute, Spherical, Universal};
     let kind = joint.kind;
@@ -129,7 +129,7 @@ fn check_ranges(part: Part<'_>, joint: &Joint) -> Result<(), DescriptionError> {
     }
 }
 
-/// Refuses a range that is no range.
+/// Refuses a range whose minimum is above its maximum.
 pub(super) fn check_range(
     part: Part<'_>,
     at: &[Step],

@@ -1,11 +1,11 @@
-//! Limits that join two joints.
+//! Checks limits that join two joints.
 
 use super::names::Names;
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// What a sum of two products of angles or ways is off by through rounding, far below anything that moves, rad or m.
+/// Tolerance for rounding of a sum of two products, rad or m. Far below any motion that matters.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(
@@ -36,7 +36,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The two joints, which are alike and have one degree of freedom each.
+/// Returns the two joints. Both must have one dof, of the same kind.
 fn check_joints<'a>(
     part: Part<'_>,
     rig: &'a Description,
@@ -66,7 +66,7 @@ fn check_joints<'a>(
     Ok(pair)
 }
 
-/// The least and the most sum with their keys, in the unit of the joints.
+/// Returns the minimum and maximum sum with their keys, in the unit of the joints.
 fn check_ends(
     part: Part<'_>,
     limit: &LinkedLimit,

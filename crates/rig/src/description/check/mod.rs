@@ -1,4 +1,4 @@
-//! What of a description cannot be.
+//! Checks a description, and refuses invalid values.
 
 mod bodies;
 mod drives;
@@ -20,11 +20,11 @@ use names::Names;
 use part::{Part, Sign};
 
 impl Description {
-    /// Refuses what cannot be a rig. O(bodies + joints + servos).
+    /// Refuses an invalid description. O(bodies + joints + servos).
     ///
-    /// What passes has the names that it uses, once each; is a tree; has numbers that f32 holds, unit axes and
-    /// rotations, possible inertias, a home pose within all limits, known kinds of servo, and drives that are singular
-    /// nowhere.
+    /// In an accepted description, names are unique and every used name exists; bodies are a tree; numbers fit f32,
+    /// axes and rotations have unit length, inertias are physically possible; the home pose is within all limits,
+    /// kinds of servo are known, and no drive is singular.
     ///
     /// # Errors
     /// The first [`DescriptionError`] in the order of the file's sections.
@@ -34,7 +34,7 @@ impl Description {
         Ok(())
     }
 
-    /// [`Self::check`], and the tree that it found.
+    /// Performs [`Self::check`] up to the actuation, and returns the tree of bodies.
     pub(super) fn checked(&self) -> Result<Shape, DescriptionError> {
         self.check_standing()?;
         let bodies = Names::new("body", self.bodies.iter().map(|body| &body.name))?;
@@ -65,7 +65,7 @@ impl Description {
         Ok(shape)
     }
 
-    /// The rig's name, where it stands, and what feeds it.
+    /// Checks the rig's name, its mount and its power supply.
     fn check_standing(&self) -> Result<(), DescriptionError> {
         if self.name.trim().is_empty() {
             let found = format!("{:?}", self.name);

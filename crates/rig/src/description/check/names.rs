@@ -1,4 +1,4 @@
-//! Names: there, once each, and known where they are used.
+//! Checks names: not empty, unique, and known where they are used.
 
 use std::collections::HashMap;
 
@@ -6,16 +6,16 @@ use super::part::Part;
 use crate::description::error::{DescriptionError, Step};
 use crate::nearest::nearest;
 
-/// The names of one table's parts.
+/// Names of all parts of one table.
 pub(super) struct Names<'a> {
     table: &'static str,
-    /// In the order of the file.
+    /// Names in the order of the file.
     in_order: Vec<&'a str>,
     index: HashMap<&'a str, usize>,
 }
 
 impl<'a> Names<'a> {
-    /// Refuses empty and repeated names.
+    /// Collects the names; refuses empty and repeated names.
     pub(super) fn new(
         table: &'static str,
         names: impl Iterator<Item = &'a String>,
@@ -37,7 +37,7 @@ impl<'a> Names<'a> {
         Ok(Self { table, in_order: names, index })
     }
 
-    /// The index of a name that `part` uses.
+    /// Returns the index of a name that `part` uses.
     pub(super) fn find(
         &self,
         part: Part<'_>,

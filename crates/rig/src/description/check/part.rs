@@ -1,4 +1,4 @@
-//! One part of a description: what is said about it, and the rules that any of its numbers obeys.
+//! One part of a description, with the rules that apply to all numbers and the errors that name the part.
 
 use std::fmt;
 
@@ -6,15 +6,22 @@ use crate::description::error::{DescriptionError, Path, Step};
 use crate::description::unit::{is_angle, unit_at};
 use crate::number;
 
-/// No number is larger, in SI units: squares and products of such numbers stay far below what f32 holds (3e38), and no
-/// rig comes near.
+/// Largest accepted number, in SI units. Squares and products of accepted numbers are far below the maximum of f32
+/// (3e38), and no real rig has a number near it.
 const LARGEST: f64 = 1e6;
 
-/// How far the length of an axis or a quaternion may be from 1, and the cosine of a right angle from 0: as
-/// `sinew-core` takes them. Files carry six digits or so; what is off by more is a mistake, not rounding.
+/// Least accepted positive number, in SI units: a millionth of the smallest inertia of a rotor, so that quotients of
+/// accepted numbers are within f32.
+const SMALLEST: f64 = 1e-12;
+
+/// Least limit of a speed or an acceleration, in SI units: with less, a turn of 90 deg takes days.
+const SLOWEST: f64 = 1e-5;
+
+/// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
+/// same. Files contain about six digits: a larger error is a mistake, not rounding.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// A part, by its table and name.
+/// A part, identified by its table and name.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<'a> {
     table: &'static str,
@@ -22,26 +29,28 @@ pub(super) struct Part<'a> {
     name: &'a str,
 }
 
-/// What a number may be.
+/// Permitted sign of a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Sign {
     Any,
     NotNegative,
     Positive,
+    /// Limit of a speed or an acceleration.
+    Motion,
 }
 
 impl<'a> Part<'a> {
-    /// A table that there is once.
+    /// Refers to a table that exists once.
     pub(super) fn single(table: &'static str) -> Self {
         Self { table, index: None, name: "" }
     }
 
-    /// A table of an array.
+    /// Refers to a table of an array.
     pub(super) fn of(table: &'static str, index: usize, name: &'a str) -> Self {
         Self { table, index: Some(index), name }
     }
 
-    /// Refuses the value at a place in the part.
+    /// Creates the error for a value at a place in the part.
     pub(super) fn refuse(
         self,
         at: &[Step],
@@ -61,7 +70,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Refuses a number that is not finite, too large, or of a sign that cannot be. In SI units; told in the file's.
+    /// Refuses a number that is not finite, too large, or of the wrong sign. `value` is in SI units; the error
+    /// shows it in the file's unit.
     pub(super) fn number(
         self,
         at: &[Step],
@@ -71,23 +81,29 @@ impl<'a> Part<'a> {
         let sign_is_right = match sign {
             Sign::Any => true,
             Sign::NotNegative => value >= 0.0,
-            Sign::Positive => value > 0.0,
+            Sign::Positive => value >= SMALLEST,
+            Sign::Motion => value >= SLOWEST,
         };
-        // NaN is not at most anything.
+        // The comparison also refuses NaN.
         if value.abs() <= LARGEST && sign_is_right {
             return Ok(());
         }
         let unit = unit_at(at);
-        let largest = with_unit(&format!("{:.1e}", in_file(at, LARGEST)), unit);
+        let [slowest, largest] =
+            [SLOWEST, LARGEST].map(|end| with_unit(&format!("{:.1e}", in_file(at, end)), unit));
         let expected = match sign {
             Sign::Any => format!("a finite number, at most {largest} in size"),
             Sign::NotNegative => format!("a number from 0 to {largest}"),
+            Sign::Positive if value > 0.0 && value < SMALLEST => {
+                format!("a number from {SMALLEST:e} to {largest}")
+            }
             Sign::Positive => format!("a number above 0, at most {largest}"),
+            Sign::Motion => format!("a number above 0, from {slowest} to {largest}"),
         };
         Err(self.refuse(at, expected, shown(at, value)))
     }
 
-    /// The same of each of several numbers.
+    /// Applies [`Self::number`] to each of several numbers.
     pub(super) fn numbers(
         self,
         at: &[Step],
@@ -101,7 +117,7 @@ impl<'a> Part<'a> {
         Ok(())
     }
 
-    /// The same of a number that may be left out.
+    /// Applies [`Self::number`] to an optional number.
     pub(super) fn number_if_any(
         self,
         key: &'static str,
@@ -111,7 +127,7 @@ impl<'a> Part<'a> {
         value.map_or(Ok(()), |value| self.number(&[Step::Key(key)], value, sign))
     }
 
-    /// Refuses what is not of length 1: an axis or a quaternion.
+    /// Refuses an axis or a quaternion whose length is not 1.
     pub(super) fn unit_length(
         self,
         key: &'static str,
@@ -138,7 +154,7 @@ impl<'a> Part<'a> {
     }
 }
 
-/// A value of memory as the file has it.
+/// Converts a value from memory (radians) to the unit of the file.
 fn in_file(at: &[Step], value: f64) -> f64 {
     let key = at.iter().rev().find_map(|step| match step {
         Step::Key(key) => Some(*key),
@@ -147,7 +163,7 @@ fn in_file(at: &[Step], value: f64) -> f64 {
     if key.is_some_and(is_angle) { value.to_degrees() } else { value }
 }
 
-/// A value of memory as the file has it, with its unit.
+/// Formats a value in the unit of the file, with that unit.
 pub(super) fn shown(at: &[Step], value: f64) -> String {
     with_unit(&number::text(number::rounded(in_file(at, value))), unit_at(at))
 }

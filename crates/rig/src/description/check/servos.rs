@@ -1,4 +1,4 @@
-//! Servos and their kinds.
+//! Checks servos and their kinds.
 
 use std::collections::HashMap;
 
@@ -6,8 +6,9 @@ use super::joints::check_range;
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Address, Servo, ServoModel, SourcedValue};
+use crate::number;
 
-/// Values of a kind that may be zero; a servo whose others are is none.
+/// Values of a kind that may be zero; all others must be positive.
 pub(super) const MAY_BE_ZERO: [&str; 6] = [
     "continuous_torque_nm",
     "position_gain_nm_rad",
@@ -17,10 +18,14 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
     "thermal_resistance_k_w",
 ];
 
-/// The coarsest step and the widest play that a servo is believed to have: six times the play of hobby servos.
+/// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
 
-/// What each place on each bus has.
+/// Fastest ring of a rotor on its gear, rad/s (190 Hz): 0.3 rad in a step of the simulated servos, 0.25 ms. The step
+/// does not resolve faster rings: when teeth meet, light bodies are thrown.
+const FASTEST_RING_RAD_S: f64 = 1200.0;
+
+/// Name of the servo at each address of each bus.
 pub(super) type Addresses<'a> = HashMap<(&'a str, Address), &'a str>;
 
 pub(super) fn check<'a>(
@@ -48,12 +53,11 @@ pub(super) fn check<'a>(
         let found = servo.range_rad.len();
         return Err(part.refuse(&at, "one pair [least, most]", found));
     }
-    for (key, limit) in [
-        ("torque_nm", servo.torque_nm),
-        ("speed_deg_s", servo.speed_rad_s),
-        ("acceleration_deg_s2", servo.acceleration_rad_s2),
-    ] {
-        part.number_if_any(key, limit, Sign::Positive)?;
+    part.number_if_any("torque_nm", servo.torque_nm, Sign::Positive)?;
+    for (key, limit) in
+        [("speed_deg_s", servo.speed_rad_s), ("acceleration_deg_s2", servo.acceleration_rad_s2)]
+    {
+        part.number_if_any(key, limit, Sign::Motion)?;
     }
     if servo.p_gain == Some(0) {
         return Err(part.refuse(&[Step::Key("p_gain")], "a whole number above 0", 0));
@@ -67,7 +71,7 @@ fn check_address<'a>(
     servo: &'a Servo,
 ) -> Result<(), DescriptionError> {
     let (key, number, most) = match servo.address {
-        // 253 and 254 are for the bus itself, 255 begins a packet.
+        // 253 and 254 are reserved by the bus, 255 begins a packet.
         Address::Id(id) => ("id", id, 252),
         Address::Channel(channel) => ("channel", channel, 15),
     };
@@ -89,7 +93,7 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
         ("backlash_rad", model.backlash_rad.value, "from 0", model.backlash_rad.value >= 0.0),
     ];
     for (key, value, least, is_right) in fine {
-        // NaN is neither.
+        // The comparison also refuses NaN.
         if !is_right || value > COARSEST_RAD {
             let at = [Step::Key(key), Step::Key("value")];
             let expected = format!("a number {least}, at most {COARSEST_RAD} rad (5.7 deg)");
@@ -115,7 +119,23 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
         let sign = if key == "gear_stiffness_nm_rad" { Sign::Positive } else { Sign::NotNegative };
         check_sourced(part, key, sourced, sign)?;
     }
-    Ok(())
+    check_ring(part, model)
+}
+
+/// Refuses a gear whose rotor rings faster against a held shaft than simulations resolve.
+fn check_ring(part: Part<'_>, model: &ServoModel) -> Result<(), DescriptionError> {
+    let rotor_kg_m2 = model.rotor_inertia_kg_m2.value;
+    let stiffness_nm_rad = model.gear_stiffness();
+    let most_nm_rad = rotor_kg_m2 * FASTEST_RING_RAD_S * FASTEST_RING_RAD_S;
+    if stiffness_nm_rad <= most_nm_rad {
+        return Ok(());
+    }
+    let at = [Step::Key("gear_stiffness_nm_rad"), Step::Key("value")];
+    let expected = format!(
+        "at most {} N m/rad with rotor_inertia_kg_m2 = {rotor_kg_m2}: a gear whose rotor rings at 190 Hz or less",
+        number::text(number::rounded(most_nm_rad)),
+    );
+    Err(part.refuse(&at, expected, shown(&at, stiffness_nm_rad)))
 }
 
 fn check_sourced(

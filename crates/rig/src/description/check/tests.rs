@@ -1,4 +1,4 @@
-//! One broken rig for each refusal.
+//! For each refusal, one rig that is invalid in that way.
 
 use super::*;
 use crate::description::{
@@ -49,7 +49,7 @@ fn drive(joint: &str, servo: &str) -> Drive {
     }
 }
 
-/// Joints 0 to 4: hinge, hinge2, slide, cardan, ball, on bodies 1 to 5 in a row; body 0 is the base.
+/// Joints 0 to 4 are hinge, hinge2, slide, cardan and ball, on bodies 1 to 5 in a row; body 0 is the base.
 fn rig() -> Description {
     let kinds = [
         ("hinge", JointType::Revolute),
@@ -94,7 +94,7 @@ fn model(name: &str) -> ServoModel {
     model
 }
 
-/// Path and words of the refusal of a rig that is broken so.
+/// Breaks a valid rig, and asserts path and words of the error.
 #[track_caller]
 fn refused(breaks: impl FnOnce(&mut Description), path: &str, words: &str) {
     let mut rig = rig();
@@ -252,6 +252,21 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
         let supply = Supply { voltage_v: 5.0, current_a: bad };
         refused(|rig| rig.supply = Some(supply), "supply.current_a", " A");
     }
+    // Above 0, and yet no limit, no inertia and no gear.
+    let slow = 1e-30;
+    let key = "joint[0].acceleration_deg_s2";
+    refused(|rig| rig.joints[0].acceleration_rad_s2 = Some(slow), key, "from 5.7e-4 deg/s²");
+    refused(|rig| rig.joints[0].speed_rad_s = Some(slow), "joint[0].speed_deg_s", "deg/s");
+    refused(|rig| rig.servos[0].speed_rad_s = Some(slow), "servo[0].speed_deg_s", "deg/s");
+    refused(|rig| rig.servos[0].torque_nm = Some(slow), "servo[0].torque_nm", "from 1e-12");
+    refused(
+        |rig| {
+            rig.servo_models[0].rotor_inertia_kg_m2.value = 1e-3;
+            set_gear(rig, "gear_stiffness_nm_rad", 1.5e3);
+        },
+        "servo_model[0].gear_stiffness_nm_rad.value",
+        "190 Hz",
+    );
     let empty = String::new();
     refused(
         |rig| rig.servo_models[0].voltage_v.source = empty,
@@ -260,7 +275,7 @@ fn numbers_are_finite_and_of_a_sign_that_can_be() {
     );
 }
 
-/// Each number alone could be one of a servo; together they are none.
+/// Each number alone is possible; together they describe no real servo.
 #[test]
 fn a_kind_that_no_servo_can_be_is_refused() {
     fn value<'a>(rig: &'a mut Description, key: &str) -> &'a mut f64 {

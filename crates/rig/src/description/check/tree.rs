@@ -1,4 +1,4 @@
-//! One base, and every other body on exactly one joint: a tree.
+//! Checks that the bodies are a tree: one base, and every other body moved by exactly one joint.
 
 use super::names::Names;
 use super::part::Part;
@@ -6,18 +6,18 @@ use crate::description::error::{DescriptionError, Path, Step};
 use crate::description::{Description, Joint, JointType};
 use crate::mechanism::BODY_COUNT_MAX;
 
-/// The tree that joints make of bodies, by index.
+/// Tree of bodies, by index.
 pub(in crate::description) struct Shape {
-    /// The body that no joint moves.
+    /// Body that no joint moves.
     pub(in crate::description) base: usize,
-    /// The joints on each body, in the order of the file.
+    /// Joints on each body, in the order of the file.
     pub(in crate::description) joints_on: Vec<Vec<usize>>,
-    /// The body that each joint moves.
+    /// Body that each joint moves.
     pub(in crate::description) child: Vec<usize>,
 }
 
 pub(super) fn shape(rig: &Description, bodies: &Names<'_>) -> Result<Shape, DescriptionError> {
-    // The joint that moves each body, and the body that this one hangs on.
+    // For each body: the joint that moves it, and its parent body.
     let mut held_by: Vec<Option<(usize, usize)>> = vec![None; rig.bodies.len()];
     let mut joints_on = vec![Vec::new(); rig.bodies.len()];
     let mut child = Vec::new();
@@ -56,7 +56,7 @@ fn part(index: usize, joint: &Joint) -> Part<'_> {
     Part::of("joint", index, &joint.name)
 }
 
-/// Refuses something about the rig as a whole.
+/// Creates the error for a value of the rig as a whole.
 pub(super) fn of_rig(key: &'static str, expected: String, found: String) -> DescriptionError {
     DescriptionError {
         path: Path(vec![Step::Key(key)]),
@@ -81,12 +81,12 @@ fn base(rig: &Description, held_by: &[Option<(usize, usize)>]) -> Result<usize, 
         [] if held_by.is_empty() => {
             Err(of_rig("body", "at least one body".to_owned(), "none".to_owned()))
         }
-        // Every body hangs on another: from any of them the way up never ends.
+        // Every body has a parent, therefore the path from any body towards the base never ends.
         [] => Err(loop_through(rig, held_by, 0)),
     }
 }
 
-/// Refuses bodies that cannot be reached from the base: each hangs on another, so that they make a loop.
+/// Refuses bodies that are not connected to the base: each has a parent, therefore they form a loop.
 fn refuse_loop(
     rig: &Description,
     held_by: &[Option<(usize, usize)>],
@@ -112,14 +112,14 @@ fn refuse_loop(
     Ok(())
 }
 
-/// Refuses the loop that the way up from a body ends in.
+/// Creates the error that names the loop at the end of the path from a body towards its parents.
 fn loop_through(
     rig: &Description,
     held_by: &[Option<(usize, usize)>],
     start: usize,
 ) -> DescriptionError {
     let up = |body: usize| held_by[body].map_or(body, |(_, parent)| parent);
-    // After as many steps as there are bodies, the way is in the loop.
+    // After as many steps as there are bodies, the path is inside the loop.
     let inside = (0..held_by.len()).fold(start, |body, _| up(body));
     let mut names = vec![rig.bodies[inside].name.as_str()];
     let mut body = up(inside);
@@ -131,7 +131,7 @@ fn loop_through(
     let joint = held_by[inside].map_or(0, |(joint, _)| joint);
     part(joint, &rig.joints[joint]).refuse(
         &[Step::Key("parent")],
-        "a tree: every body hangs on the base in the end",
+        "a tree in which every body is connected to the base",
         format!("the loop {}", names.join(" on ")),
     )
 }

@@ -1,4 +1,5 @@
-//! Actuators of an MJCF: how strong joints are. Gains are told, since those of a rig are its servos'.
+//! Reads actuators of an MJCF: they give the maximum effort of joints. Gains are only reported in notes, because a
+//! rig's gains belong to its servos.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +13,7 @@ use crate::description::{Description, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// The shortcuts; MuJoCo keeps the defaults of all in one place.
+/// Element names of actuators; MuJoCo stores the defaults of all of them together.
 const TAGS: [&str; 6] = ["position", "motor", "general", "velocity", "intvelocity", "damper"];
 
 pub(super) fn read<'a, 'd>(
@@ -21,7 +22,7 @@ pub(super) fn read<'a, 'd>(
     description: &mut Description,
     notes: &mut Notes,
 ) -> Result<(), ImportError> {
-    // The sum of the actuators of each joint; none where one of them has no limit.
+    // Joints that an earlier actuator drives: the effort limits of further actuators are added to theirs.
     let mut driven: BTreeSet<&str> = BTreeSet::new();
     let mut any = false;
     let sections = xml::children(root, "actuator").flat_map(|section| section.children());
@@ -30,7 +31,7 @@ pub(super) fn read<'a, 'd>(
         let tag = node.tag_name().name();
         let joint = node.attribute("joint").or_else(|| node.attribute("jointinparent"));
         let (Some(kind), Some(name)) = (TAGS.iter().find(|known| **known == tag), joint) else {
-            let text = "actuators that drive no single joint, or are no motors";
+            let text = "actuators that do not drive a single joint, or are not motors";
             notes.add_of(NoteKind::LeftOut, text, node.attribute("name").unwrap_or(tag));
             continue;
         };
@@ -50,7 +51,7 @@ pub(super) fn read<'a, 'd>(
         let is_first = driven.insert(name);
         match (limit, joint.effort) {
             (Some(limit), None) if is_first => joint.effort = Some(limit),
-            // What the joint itself allows is never more.
+            // The joint's own limit is an upper bound.
             (Some(limit), Some(own)) if is_first => joint.effort = Some(limit.min(own)),
             (Some(limit), Some(sum)) => joint.effort = Some(sum + limit),
             _ => {}
@@ -63,7 +64,7 @@ pub(super) fn read<'a, 'd>(
     for joint in description.joints.iter().filter(|_| any) {
         let moves = !matches!(joint.kind, JointType::Fixed | JointType::Free);
         if moves && !driven.contains(joint.name.as_str()) {
-            let text = "moves, but no actuator drives it; in the rig it is as any other";
+            let text = "moves, but no actuator drives it; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, &joint.name);
         }
     }
@@ -75,7 +76,7 @@ fn is_in_file(root: Node<'_, '_>, name: &str) -> bool {
     root.descendants().any(|node| joint(&node) && node.attribute("name") == Some(name))
 }
 
-/// The most that an actuator gives to its joint, N m or N; `None` if it has no limit.
+/// Returns the maximum effort of an actuator at its joint, N m or N; `None` without limit.
 fn largest_effort(
     element: &Element<'_, '_>,
     tag: &str,
@@ -93,11 +94,11 @@ fn largest_effort(
     };
     let gear = xml::numbers(element.at("gear"), "gear", 6)?;
     let gear = gear.and_then(|gear| gear.first().copied()).unwrap_or(1.0).abs();
-    // A limit of zero is none of a drive.
+    // A limit of zero means no limit.
     Ok(force.map(|force| force * gear).filter(|effort| *effort > 0.0))
 }
 
-/// The gains in words.
+/// Returns the gains as text.
 fn gains(element: &Element<'_, '_>, tag: &str) -> Result<Option<String>, ImportError> {
     let gain = |name| element.number(name);
     Ok(match tag {
@@ -115,7 +116,7 @@ fn gains(element: &Element<'_, '_>, tag: &str) -> Result<Option<String>, ImportE
     })
 }
 
-/// The joint of a name, if it has one dof.
+/// Finds a joint of one dof by name.
 fn single<'a>(
     description: &'a mut Description,
     name: &str,

@@ -1,4 +1,4 @@
-//! Bodies of an MJCF, from the world inwards.
+//! Reads bodies of an MJCF, from the world outwards.
 
 use glam::{DQuat, DVec3};
 use roxmltree::Node;
@@ -18,12 +18,12 @@ use crate::import::error::ImportError;
 use crate::import::imported;
 use crate::import::note::NoteKind;
 
-/// A body that is to be read.
+/// A body that is not read yet.
 struct ToCome<'a, 'd> {
     parts: Parts<'a, 'd>,
-    /// Name of the rig's body that it hangs on; none of the base.
+    /// Name of its parent body in the rig; `None` for the base.
     parent: Option<String>,
-    /// The frame that it is given in, in that body's.
+    /// Pose of the body's frame in the parent's frame.
     frame: Pose,
 }
 
@@ -63,7 +63,7 @@ pub(super) fn read<'a, 'd>(
     Ok(())
 }
 
-/// Reads one body into the rig, and gives those on it.
+/// Reads one body into the rig, and returns its child bodies.
 fn read_body<'a, 'd>(
     body: ToCome<'a, 'd>,
     model: &Model<'a, 'd, '_>,
@@ -102,8 +102,8 @@ fn read_body<'a, 'd>(
     inside(parts.bodies, Some(&name), shift_m, model, notes)
 }
 
-/// The bodies inside another, but those that the user leaves out. `shift_m`: the origin of the rig's body in the
-/// file's.
+/// Returns the bodies inside another, except those that the user cuts. `shift_m` is the origin of the rig's body in
+/// the frame of the file's body.
 fn inside<'a, 'd>(
     bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
     parent: Option<&str>,
@@ -125,20 +125,21 @@ fn inside<'a, 'd>(
     Ok(kept)
 }
 
-/// The base, where the file draws it.
+/// Places the base at its pose in the file.
 fn stand(name: &str, floats: bool, pose: Pose, description: &mut Description, notes: &mut Notes) {
     imported::place_base(description, pose.position_m, pose.rotation);
     if floats {
         let text = format!(
-            "`{name}` floats by a free joint: it is the base, held fast, as on a stand. To drive it freely: \
+            "`{name}` floats by a free joint: it is the base, which is fixed, as on a stand. To let the base move: \
              mount.base = \"driven\""
         );
         notes.add(NoteKind::Changed, text);
     }
 }
 
-/// The joints that move a body, in a chain: MuJoCo moves the body by each in turn. Between them are bodies without
-/// mass. Returns where the rig's body has its origin in the file's body: on the last joint.
+/// Adds the joints of a body as a chain, because MuJoCo applies them one after the other. Bodies without mass
+/// connect them. Returns the origin of the rig's body in the frame of the file's body: the position of the last
+/// joint.
 fn hang(
     name: &str,
     joints: Vec<MjcfJoint>,

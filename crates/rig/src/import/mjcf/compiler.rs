@@ -1,4 +1,4 @@
-//! Words of an MJCF's `compiler`: what it says of masses.
+//! Reads the `compiler` elements of an MJCF: rules on masses.
 
 use roxmltree::Node;
 
@@ -9,9 +9,9 @@ use crate::import::xml;
 
 /// The compiler's rules on masses.
 pub(super) struct MassRules {
-    /// Whether geoms count: always, never, or where there is no `inertial`.
+    /// Whether geoms define the mass: always, never, or (`None`) only without `inertial`.
     pub(super) from_geoms: Option<bool>,
-    /// The first and the last group of geoms that count.
+    /// First and last group of geoms that count.
     pub(super) groups: [f64; 2],
     pub(super) balance: bool,
     pub(super) least_kg: f64,
@@ -41,7 +41,7 @@ impl MassRules {
         })
     }
 
-    /// What the compiler does to all masses in the end.
+    /// Applies the compiler's rules on all masses, after all bodies are read.
     pub(super) fn settle(&self, description: &mut Description, notes: &mut Notes) {
         if self.has_least_inertia {
             notes.add(NoteKind::LeftOut, "the compiler's boundinertia");
@@ -67,7 +67,7 @@ impl MassRules {
     }
 }
 
-/// A word of the compiler, `true` or `false`; of several, the first.
+/// Reads a flag of the compiler, `true` or `false`; the first of several elements counts.
 pub(super) fn flag(compilers: &[Node<'_, '_>], name: &str) -> Result<Option<bool>, ImportError> {
     let Some(node) = compilers.iter().find(|node| node.has_attribute(name)) else {
         return Ok(None);

@@ -1,4 +1,5 @@
-//! Classes of defaults: what an element does not say, its class says, or the class around that.
+//! Classes of defaults: an attribute that an element leaves out is read from its class, then from the enclosing
+//! classes.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +8,7 @@ use roxmltree::Node;
 use super::super::xml;
 use crate::import::error::ImportError;
 
-/// The classes of a file.
+/// All classes of a file.
 pub(super) struct Defaults<'a, 'd> {
     classes: Vec<Class<'a, 'd>>,
     places: BTreeMap<&'a str, usize>,
@@ -15,11 +16,11 @@ pub(super) struct Defaults<'a, 'd> {
 
 struct Class<'a, 'd> {
     around: Option<usize>,
-    /// The `default` elements of this class, the last one first: it overrides.
+    /// The `default` elements of this class; the last one is first, because it overrides the others.
     elements: Vec<Node<'a, 'd>>,
 }
 
-/// The outermost class.
+/// Index of the outermost class.
 pub(super) const MAIN: usize = 0;
 
 impl<'a, 'd> Defaults<'a, 'd> {
@@ -36,7 +37,7 @@ impl<'a, 'd> Defaults<'a, 'd> {
         Ok(defaults)
     }
 
-    /// Where the class of a `default` element stands, which may be new.
+    /// Returns the index of a `default` element's class; creates the class if it is new.
     fn place(&mut self, node: Node<'a, 'd>, around: Option<usize>) -> Result<usize, ImportError> {
         let name = match around {
             None => node.attribute("class").unwrap_or("main"),
@@ -58,7 +59,7 @@ impl<'a, 'd> Defaults<'a, 'd> {
         Ok(place)
     }
 
-    /// The class that an attribute of an element names; `otherwise` if there is no such attribute.
+    /// Returns the class that an attribute of an element names; `otherwise` without that attribute.
     pub(super) fn named(
         &self,
         node: Node<'a, 'd>,
@@ -73,7 +74,8 @@ impl<'a, 'd> Defaults<'a, 'd> {
         }
     }
 
-    /// An element with what its class says of elements with any of these tags. `around`: the class of those around it.
+    /// Returns an element with its class's defaults for any of these tags. `around` is the class of the enclosing
+    /// elements.
     pub(super) fn element(
         &self,
         node: Node<'a, 'd>,
@@ -94,24 +96,24 @@ impl<'a, 'd> Defaults<'a, 'd> {
     }
 }
 
-/// An element and its defaults.
+/// An element with its defaults.
 pub(super) struct Element<'a, 'd> {
-    /// Itself, then what its class says, then what the class around that says.
+    /// The element itself, then the defaults of its class, then those of the enclosing classes.
     nodes: Vec<Node<'a, 'd>>,
 }
 
 impl<'a, 'd> Element<'a, 'd> {
-    /// Itself.
+    /// Returns the element itself.
     pub(super) fn node(&self) -> Node<'a, 'd> {
         self.nodes[0]
     }
 
-    /// Where an attribute stands that holds for this element; itself if nothing gives it.
+    /// Returns the node that gives an attribute of this element; the element itself if no node does.
     pub(super) fn at(&self, name: &str) -> Node<'a, 'd> {
         self.at_any(&[name])
     }
 
-    /// The same of attributes that exclude each other.
+    /// Returns the node that gives any of several attributes which exclude each other.
     pub(super) fn at_any(&self, names: &[&str]) -> Node<'a, 'd> {
         let gives = |node: &&Node<'_, '_>| names.iter().any(|name| node.has_attribute(*name));
         *self.nodes.iter().find(gives).unwrap_or(&self.nodes[0])
@@ -136,7 +138,7 @@ impl<'a, 'd> Element<'a, 'd> {
         xml::vector(self.at(name), name)
     }
 
-    /// A range that limits: by its own word (`limited`), or by being there.
+    /// Returns a range if it limits: as the flag `limited` states, otherwise because the range is present.
     pub(super) fn range(
         &self,
         name: &str,

@@ -1,4 +1,4 @@
-//! Equalities of an MJCF: closed loops, and joints that follow others.
+//! Reads equalities of an MJCF: closed loops, and joints that follow other joints.
 
 use std::collections::BTreeSet;
 
@@ -41,7 +41,7 @@ pub(super) fn read<'a, 'd>(
                 {
                     notes.add_of(
                         NoteKind::LeftOut,
-                        "what holds the base: it is held in a rig",
+                        "equality that holds the base: a rig's base is held already",
                         ends[0],
                     );
                 } else {
@@ -68,7 +68,7 @@ pub(super) fn read<'a, 'd>(
     Err(xml::refuse(*first, expected, text))
 }
 
-/// A joint that follows another: `q1 - ref1 = a + b (q2 - ref2)`.
+/// Reads a joint that follows another: `q1 - ref1 = a + b (q2 - ref2)`.
 fn tie<'a, 'd>(
     root: Node<'a, 'd>,
     node: Node<'a, 'd>,
@@ -110,7 +110,7 @@ fn find<'a, 'd>(root: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
         .find(|node| node.has_tag_name("joint") && node.attribute("name") == Some(name))
 }
 
-/// The class that the bodies and frames around an element give it.
+/// Returns the default class that the enclosing bodies and frames give an element.
 fn class_around<'a, 'd>(
     node: Node<'a, 'd>,
     model: &Model<'a, 'd, '_>,

@@ -1,4 +1,4 @@
-//! Joints of an MJCF.
+//! Reads joints of an MJCF.
 
 use glam::{DQuat, DVec3};
 
@@ -11,17 +11,17 @@ use crate::description::{Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// A joint in the frame of the body that it moves.
+/// A joint, in the frame of the body that it moves.
 pub(super) struct MjcfJoint {
-    /// Name, type, axis, limits; no parent, child and placement yet.
+    /// Name, type, axis and limits; parent, child and placement are added later.
     pub(super) joint: Joint,
-    /// What it turns about, m.
+    /// Point that the joint turns about, m.
     pub(super) anchor_m: DVec3,
-    /// Where its zero is: the file's `ref` is the position in which the bodies are drawn.
+    /// Pose at the joint's zero. The file draws the bodies at the position `ref`, which may differ from zero.
     pub(super) zero: Pose,
 }
 
-/// Reads a joint. `frame`: of the `frame` elements around it, in the body's.
+/// Reads a joint. `frame` is the pose of the enclosing `frame` elements in the body's frame.
 pub(super) fn read(
     element: &Element<'_, '_>,
     name: String,
@@ -77,7 +77,7 @@ pub(super) fn read(
     let axis = (frame.rotation * axis)
         .try_normalize()
         .ok_or_else(|| xml::refuse_value(element.at("axis"), "axis", "an axis that is not zero"))?;
-    // Zero is added so that no -0 is written.
+    // Adding zero converts -0 to 0.
     joint.axis = Some((axis + DVec3::ZERO).to_array());
     let reference = element.number("ref")?.unwrap_or(0.0);
     if kind == JointType::Revolute {
@@ -90,12 +90,12 @@ pub(super) fn read(
     Ok(MjcfJoint { joint, anchor_m, zero })
 }
 
-/// Whether a joint leaves any motion free.
+/// Returns whether a joint permits all motion.
 pub(super) fn is_free(element: &Element<'_, '_>) -> bool {
     element.node().has_tag_name("freejoint") || element.text("type") == Some("free")
 }
 
-/// The position (rad or m) in which the file draws a joint's bodies.
+/// Returns the joint position at which the file draws the bodies, rad or m.
 pub(super) fn reference(
     element: &Element<'_, '_>,
     kind: JointType,

@@ -1,4 +1,4 @@
-//! What bodies of an MJCF weigh: their `inertial`, or their geoms.
+//! Reads masses of an MJCF's bodies, from `inertial` or from geoms.
 
 use glam::{DMat3, DQuat, DVec3};
 use roxmltree::Node;
@@ -15,10 +15,10 @@ use crate::description::mass::Mass;
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// Of a geom that says nothing, kg/m³: water.
+/// Default density of a geom, kg/m³: that of water.
 const DENSITY: f64 = 1000.0;
 
-/// What a body weighs, in its own frame.
+/// Returns the mass of a body, in its own frame.
 pub(super) fn of_body(
     parts: &Parts<'_, '_>,
     name: &str,
@@ -38,7 +38,8 @@ pub(super) fn of_body(
         mass.kg = rules.least_kg;
     }
     if mass.kg > 0.0 && mass.kg < MASS_MIN_KG {
-        let text = format!("weighs {:e} kg, which stands for nothing; taken as it is", mass.kg);
+        let text =
+            format!("weighs {:e} kg, which looks like a placeholder; taken as it is", mass.kg);
         notes.add_of(NoteKind::Doubtful, text, name);
     }
     let Some(fault) = mass.fault() else { return Ok(mass) };
@@ -131,7 +132,7 @@ fn of_geoms(
     Ok(sum)
 }
 
-/// The solid of a geom and its pose; `None` if it is none.
+/// Returns the solid of a geom and its pose; `None` for a geom that is not a solid, such as a mesh.
 fn solid(
     geom: &Element<'_, '_>,
     model: &Model<'_, '_, '_>,
@@ -154,7 +155,7 @@ fn solid(
         };
         pose.position_m = (from + to) / 2.0;
         pose.rotation = DQuat::from_rotation_arc(DVec3::Z, along);
-        // As thick as the first size, in both directions.
+        // Both transverse dimensions are the first size.
         let radius = size.first().copied().unwrap_or(0.0);
         size = vec![radius; count - 1];
         size.push(from.distance(to) / 2.0);

@@ -1,4 +1,4 @@
-//! MJCF, the format of MuJoCo: bodies inside each other, with classes of defaults.
+//! Reads MJCF, the format of MuJoCo: nested bodies, with classes of defaults.
 
 mod actuator;
 mod body;
@@ -38,7 +38,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     }
     refuse_parts(root)?;
     let mut notes = Notes::default();
-    // Sections may come several times: later words override.
+    // Sections may be repeated: later values override.
     let compilers: Vec<Node<'_, '_>> = xml::children(root, "compiler").rev().collect();
     let model = Model {
         defaults: Defaults::read(root)?,
@@ -61,7 +61,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     imported::finish(root, world, description, notes)
 }
 
-/// What MuJoCo puts together from several files, or multiplies, before it reads it.
+/// Refuses elements that MuJoCo expands first: parts from other files, and repeated parts.
 fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
     const PARTS: [&str; 6] = ["include", "attach", "replicate", "composite", "flexcomp", "plugin"];
     let in_bodies = |node: &Node<'_, '_>| {
@@ -80,7 +80,7 @@ fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
     }
 }
 
-/// What the file says of gravity. MuJoCo's default is that of a rig, along -z.
+/// Reads gravity. MuJoCo's default has the rig's value, along -z.
 fn gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<Option<DVec3>, ImportError> {
     let mut gravity = None;
     for option in xml::children(root, "option") {
@@ -95,7 +95,7 @@ fn gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<Option<DVec3>, Impor
     Ok(gravity)
 }
 
-/// Sections that say nothing a rig has, counted by name.
+/// Adds notes on sections without meaning for a rig, counted by name.
 fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
     const READ: [&str; 9] = [
         "compiler",

@@ -1,4 +1,4 @@
-//! Names of bodies and joints: each once, and new ones for what has none.
+//! Names of bodies and joints: checked to be unique, and created for parts without one.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use super::super::xml;
 use crate::import::error::ImportError;
 use crate::import::options::Options;
 
-/// Names that are taken.
+/// Names in use.
 pub(super) struct Names {
     pub(super) bodies: BTreeSet<String>,
     pub(super) joints: BTreeSet<String>,
@@ -49,7 +49,7 @@ impl Names {
         }
     }
 
-    /// A name like this one that is not taken, and is now.
+    /// Returns an unused name based on `like`, and marks it as used.
     pub(super) fn fresh(taken: &mut BTreeSet<String>, like: &str) -> String {
         let mut name = like.to_owned();
         let mut count = taken.len();

@@ -1,4 +1,4 @@
-//! The elements of a body in an MJCF.
+//! Elements of a body in an MJCF.
 
 use roxmltree::Node;
 
@@ -7,13 +7,13 @@ use super::model::Model;
 use super::pose::Pose;
 use crate::import::error::ImportError;
 
-/// What a body holds, with that in its `frame` elements: each with the frame's pose in the body.
+/// The elements of a body, including those in its `frame` elements, each with the frame's pose in the body.
 pub(super) struct Parts<'a, 'd> {
     pub(super) node: Node<'a, 'd>,
     pub(super) inertial: Option<(Node<'a, 'd>, Pose)>,
     pub(super) geoms: Vec<(Element<'a, 'd>, Pose)>,
     pub(super) joints: Vec<(Element<'a, 'd>, Pose)>,
-    /// Bodies, with their class.
+    /// Child bodies, with their class.
     pub(super) bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
 }
 
@@ -22,7 +22,7 @@ impl<'a, 'd> Parts<'a, 'd> {
         self.node.attribute("name").filter(|name| !name.is_empty())
     }
 
-    /// Of itself and its joints.
+    /// Returns the names of the body and its joints.
     pub(super) fn names(&self) -> impl Iterator<Item = &'a str> {
         let joints = self.joints.iter().map(|(joint, _)| joint.node());
         std::iter::once(self.node).chain(joints).filter_map(|node| node.attribute("name"))

@@ -1,4 +1,4 @@
-//! Where things are, and how they are turned: one of five ways to say it.
+//! Reads poses. MJCF has five ways to write a rotation.
 
 use glam::{DMat3, DQuat, DVec3};
 use roxmltree::Node;
@@ -7,7 +7,7 @@ use super::super::xml;
 use super::defaults::Element;
 use crate::import::error::ImportError;
 
-/// A frame in another.
+/// Pose of a frame in another frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pose {
     pub(super) position_m: DVec3,
@@ -17,7 +17,7 @@ pub(super) struct Pose {
 impl Pose {
     pub(super) const IDENTITY: Self = Self { position_m: DVec3::ZERO, rotation: DQuat::IDENTITY };
 
-    /// Where a frame is that is so in this one.
+    /// Returns the pose of a frame that has pose `inner` in this frame.
     pub(super) fn then(self, inner: Self) -> Self {
         Self {
             position_m: self.position_m + self.rotation * inner.position_m,
@@ -26,16 +26,16 @@ impl Pose {
     }
 }
 
-/// How the file writes angles.
+/// Rules by which the file writes angles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Angles {
-    /// rad of one unit of the file.
+    /// Size of the file's angle unit, rad.
     unit_rad: f64,
-    /// Axes of `euler`, and whether each is one of the frame as it has been turned so far.
+    /// Axes of `euler`; true if an axis turns with the previous rotations.
     sequence: [(DVec3, bool); 3],
 }
 
-/// Larger angles are damage: f64 has ever fewer digits within a turn.
+/// Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 impl Angles {
@@ -75,18 +75,18 @@ impl Angles {
         Ok(Self { unit_rad, sequence })
     }
 
-    /// rad of an angle of the file.
+    /// Converts an angle of the file to rad.
     pub(super) fn rad(self, angle: f64) -> f64 {
         angle * self.unit_rad
     }
 
-    /// The pose of an element that its defaults say nothing of.
+    /// Reads the pose of an element without defaults.
     pub(super) fn pose(self, node: Node<'_, '_>) -> Result<Pose, ImportError> {
         let position_m = xml::vector(node, "pos")?.map_or(DVec3::ZERO, DVec3::from_array);
         Ok(Pose { position_m, rotation: self.rotation(node)? })
     }
 
-    /// The pose of an element with its defaults.
+    /// Reads the pose of an element, including its defaults.
     pub(super) fn pose_of(self, element: &Element<'_, '_>) -> Result<Pose, ImportError> {
         let position_m = element.vector("pos")?.map_or(DVec3::ZERO, DVec3::from_array);
         Ok(Pose { position_m, rotation: self.rotation(element.at_any(&WAYS))? })
@@ -153,5 +153,5 @@ impl Angles {
     }
 }
 
-/// The attributes that say a rotation.
+/// Attributes that give a rotation.
 const WAYS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];

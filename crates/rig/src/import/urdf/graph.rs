@@ -1,4 +1,4 @@
-//! Links and joints as a tree.
+//! Arranges links and joints as a tree.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,13 +11,13 @@ use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 use crate::import::options::Options;
 
-/// Links from the base outwards, each branch to its end in the order of the file; joint `i` moves link `i + 1`.
+/// Links from the base outwards, depth first in the order of the file; joint `i` moves link `i + 1`.
 pub(super) struct Tree<'a, 'd> {
     pub(super) links: Vec<Node<'a, 'd>>,
     pub(super) joints: Vec<UrdfJoint<'a, 'd>>,
 }
 
-/// The links and joints of a robot in order.
+/// Arranges the links and joints of a robot.
 pub(super) fn tree<'a, 'd>(
     robot: Node<'a, 'd>,
     links: &[Node<'a, 'd>],
@@ -56,7 +56,7 @@ pub(super) fn tree<'a, 'd>(
     for link in cut_off {
         let beyond = outwards(link, &on_link, &kept);
         left_out += beyond.len();
-        let text = "links that hang on nothing without the joints left out";
+        let text = "links that are not connected without the joints left out";
         notes.add_of(NoteKind::LeftOut, text, name(link));
         for place in beyond {
             notes.add_of(NoteKind::LeftOut, text, name(kept[place].child));
@@ -64,7 +64,7 @@ pub(super) fn tree<'a, 'd>(
     }
     if in_tree.len() + left_out < kept.len() {
         let found = circle(links, &kept, &movers);
-        return Err(xml::refuse(robot, "links that all hang on the root", found));
+        return Err(xml::refuse(robot, "links that are all connected to the root", found));
     }
 
     let tree_links: Vec<Node<'a, 'd>> = std::iter::once(root)
@@ -76,7 +76,7 @@ pub(super) fn tree<'a, 'd>(
     Ok(Tree { links: tree_links, joints })
 }
 
-/// Parts the joints that the user cuts from the others.
+/// Separates the joints that the user cuts from the others.
 fn cut<'a, 'd>(
     robot: Node<'a, 'd>,
     joints: Vec<UrdfJoint<'a, 'd>>,
@@ -97,7 +97,7 @@ fn cut<'a, 'd>(
     Ok((kept, cut))
 }
 
-/// The joint that moves each link.
+/// Returns the joint that moves each link; fails if a link has two.
 fn movers(joints: &[UrdfJoint<'_, '_>]) -> Result<BTreeMap<usize, usize>, ImportError> {
     let mut movers = BTreeMap::new();
     for (place, joint) in joints.iter().enumerate() {
@@ -113,7 +113,7 @@ fn movers(joints: &[UrdfJoint<'_, '_>]) -> Result<BTreeMap<usize, usize>, Import
     Ok(movers)
 }
 
-/// The joints beyond a link, each branch to its end in the order of the file.
+/// Returns the joints beyond a link, depth first in the order of the file.
 fn outwards(link: usize, on_link: &[Vec<usize>], joints: &[UrdfJoint<'_, '_>]) -> Vec<usize> {
     let mut order = Vec::new();
     let mut to_come: Vec<usize> = on_link[link].iter().rev().copied().collect();
@@ -124,14 +124,15 @@ fn outwards(link: usize, on_link: &[Vec<usize>], joints: &[UrdfJoint<'_, '_>]) -
     order
 }
 
-/// A loop of links, in words; there is one.
+/// Describes a loop of links in words; the caller has ensured that there is one.
 fn circle(
     links: &[Node<'_, '_>],
     joints: &[UrdfJoint<'_, '_>],
     movers: &BTreeMap<usize, usize>,
 ) -> String {
     let inwards = |link: &usize| movers.get(link).map(|place| joints[*place].parent);
-    // Each link is passed once: who meets links of its own walk is on a loop, who meets those of another is not.
+    // Each link is visited once. A walk that returns to its own links is on a loop; a walk that reaches those of
+    // another is not.
     let mut walks: Vec<Option<usize>> = vec![None; links.len()];
     let on_loop = (0..links.len()).find_map(|walk| {
         let mut link = Some(walk);

@@ -1,4 +1,4 @@
-//! One joint of a URDF.
+//! Reads one joint of a URDF.
 
 use std::collections::BTreeMap;
 
@@ -13,18 +13,18 @@ use crate::description::{Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// A joint, and what of it is settled only when all are known.
+/// A joint, and the parts of it that are resolved after all joints are read.
 pub(super) struct UrdfJoint<'a, 'd> {
     pub(super) node: Node<'a, 'd>,
     pub(super) name: &'a str,
-    /// Places in the list of links.
+    /// Indices in the list of links.
     pub(super) parent: usize,
     pub(super) child: usize,
     pub(super) joint: Joint,
     pub(super) mimic: Option<Mimic<'a, 'd>>,
 }
 
-/// `q = multiplier · q[of] + offset`.
+/// A relation `q = multiplier · q[of] + offset`.
 #[derive(Clone, Copy)]
 pub(super) struct Mimic<'a, 'd> {
     pub(super) node: Node<'a, 'd>,
@@ -33,11 +33,11 @@ pub(super) struct Mimic<'a, 'd> {
     pub(super) offset: f64,
 }
 
-/// Larger angles are damage: f64 has ever fewer digits within a turn.
+/// Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 impl Mimic<'_, '_> {
-    /// The same as both formats have it.
+    /// Converts the relation to the form that both formats share.
     pub(super) fn tie(
         self,
         joint: &UrdfJoint<'_, '_>,
@@ -120,7 +120,7 @@ fn kind(node: Node<'_, '_>, name: &str, notes: &mut Notes) -> Result<JointType, 
     })
 }
 
-/// The pose that an element's `origin` gives; none is the identity.
+/// Reads the pose of an element's `origin`; the identity without that element.
 pub(super) fn origin(node: Node<'_, '_>) -> Result<(DVec3, DQuat), ImportError> {
     let Some(origin) = xml::child(node, "origin")? else {
         return Ok((DVec3::ZERO, DQuat::IDENTITY));
@@ -130,13 +130,13 @@ pub(super) fn origin(node: Node<'_, '_>) -> Result<(DVec3, DQuat), ImportError> 
     if [roll, pitch, yaw].iter().any(|angle| angle.abs() > ANGLE_MAX_RAD) {
         return Err(xml::refuse_value(origin, "rpy", "three angles of at most 1000000 rad"));
     }
-    // Roll, pitch and yaw about the parent's own axes, in this order.
+    // Roll, pitch and yaw about the parent's fixed axes, in this order.
     let rotation =
         DQuat::from_rotation_z(yaw) * DQuat::from_rotation_y(pitch) * DQuat::from_rotation_x(roll);
     Ok((position, xml::tidy(rotation)))
 }
 
-/// The unit axis of a joint that has one; that of a fixed joint is not read, and often zero.
+/// Reads the unit axis of a joint that needs one. The axis of a fixed joint is not read, because it is often zero.
 fn axis(node: Node<'_, '_>, kind: JointType) -> Result<Option<[f64; 3]>, ImportError> {
     if !matches!(kind, JointType::Revolute | JointType::Prismatic) {
         return Ok(None);

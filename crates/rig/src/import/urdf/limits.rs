@@ -1,4 +1,4 @@
-//! Limits of joints, and which of them are nobody's measurement.
+//! Reads limits of joints, and finds values that look like placeholders.
 
 use roxmltree::Node;
 
@@ -8,14 +8,15 @@ use crate::description::{Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// From here on, a limit of speed (rad/s, m/s) or effort (N m, N) stands for "none": no servo comes near.
+/// Limit of speed (rad/s, m/s) or effort (N m, N) from which the value means "no limit", because no servo reaches
+/// it.
 const PLACEHOLDER: f64 = 1000.0;
 
-/// An end of a turn's range, rad, beyond which it is likely that degrees were written: more than a whole turn to one
-/// side, with room for a turn that was rounded up.
+/// End of a rotation's range, rad, beyond which the file probably contains degrees: more than a whole turn to one
+/// side, with a tolerance for a turn that was rounded up.
 const MORE_THAN_A_TURN: f64 = 1.05 * std::f64::consts::TAU;
 
-/// Reads `limit` into the joint.
+/// Reads the `limit` element into the joint.
 pub(super) fn read(
     node: Node<'_, '_>,
     joint: &mut Joint,
@@ -64,7 +65,7 @@ fn range(
     notes: &mut Notes,
 ) -> Result<Option<[f64; 2]>, ImportError> {
     if lower.is_none() && upper.is_none() {
-        // URDF's default of both is zero: a joint that cannot move, which nobody means.
+        // URDF's default of both is zero: a joint that cannot move, which is certainly not intended.
         let text = "`limit` gives neither `lower` nor `upper`: the range is open in the rig";
         notes.add_of(NoteKind::Doubtful, text, &joint.name);
         return Ok(None);
@@ -85,7 +86,7 @@ fn range(
     Ok(Some([least, most]))
 }
 
-/// A limit of speed or effort. Zero, infinity and what is very large stand for "none".
+/// Reads a limit of speed or effort. Zero, infinity and very large values mean "no limit".
 fn largest(
     limit: Node<'_, '_>,
     name: &'static str,
@@ -98,16 +99,15 @@ fn largest(
     if value > 0.0 && value < PLACEHOLDER {
         return Ok(Some(value));
     }
-    let text =
-        format!("the limit {name} = {} stands for none: the rig has none there", text.trim());
+    let text = format!("the limit {name} = {} means no limit: the rig has none there", text.trim());
     notes.add_of(NoteKind::LeftOut, text, &joint.name);
     Ok(None)
 }
 
-/// From this number of joints on, one value for all is a sign that nobody looked.
+/// Number of joints from which one common value is suspicious.
 const ALIKE_MIN: usize = 4;
 
-/// Tells where all joints have one limit.
+/// Adds a note if all joints have the same limit.
 pub(super) fn doubt(joints: &mut [Joint], notes: &mut Notes) {
     let speed = |joint: &Joint| joint.speed_rad_s.or(joint.speed_m_s);
     let values: [(&str, Vec<f64>); 2] = [

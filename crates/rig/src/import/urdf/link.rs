@@ -1,4 +1,4 @@
-//! Links of a URDF: what they weigh.
+//! Reads links of a URDF and their masses.
 
 use glam::DVec3;
 use roxmltree::Node;
@@ -13,8 +13,8 @@ use crate::description::mass::Mass;
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// The bodies of links. `balance`: whether inertia that no body can have is replaced; `points`: whether inertia that
-/// nothing gives is that of a point.
+/// Reads the bodies of links. `balance` replaces impossible inertia; `points` replaces missing inertia by that of a
+/// point.
 pub(super) fn bodies(
     links: &[Node<'_, '_>],
     balance: bool,
@@ -22,7 +22,7 @@ pub(super) fn bodies(
     notes: &mut Notes,
 ) -> Result<Vec<Body>, ImportError> {
     let mut bodies = Vec::new();
-    // All that cannot be, told at once: a person who mends one wants to know of the next.
+    // All errors are reported at once, so that a user can repair all bodies in one pass.
     let mut refused: Vec<(ImportError, &str)> = Vec::new();
     for link in links {
         let name = link.attribute("name").unwrap_or_default();
@@ -57,7 +57,7 @@ fn mass_properties(
     xml::required(mass_node, "value")?;
     let mass_kg = xml::not_negative(mass_node, "value")?.unwrap_or(0.0);
     if mass_kg > 0.0 && mass_kg < MASS_MIN_KG {
-        let text = format!("weighs {mass_kg:e} kg, which stands for nothing; taken as it is");
+        let text = format!("weighs {mass_kg:e} kg, which looks like a placeholder; taken as it is");
         notes.add_of(NoteKind::Doubtful, text, name);
     }
     let (position, rotation) = origin(inertial)?;
@@ -95,7 +95,8 @@ fn mass_properties(
             Ok(mass.balanced())
         }
         Some(fault) => {
-            // All six as the file has them: where principal moments are at fault, the diagonal alone may look right.
+            // All six elements as in the file: the diagonal alone may look correct although the principal moments
+            // are wrong.
             let found = format!(
                 "{fault}: {mass_kg} kg; ixx {xx:e}, iyy {yy:e}, izz {zz:e}, ixy {xy:e}, ixz {xz:e}, iyz {yz:e} kg m²"
             );
@@ -105,7 +106,8 @@ fn mass_properties(
     }
 }
 
-/// Inertia of a given mass from the link's solids, evenly filled: those of `collision`, or else of `visual`.
+/// Computes inertia for a given mass from the link's solids at uniform density: those of `collision`, otherwise of
+/// `visual`.
 fn fill(
     link: Node<'_, '_>,
     inertial: Node<'_, '_>,
@@ -116,7 +118,7 @@ fn fill(
     let name = link.attribute("name").unwrap_or_default();
     for shapes in ["collision", "visual"] {
         let solids: Vec<_> = xml::children(link, shapes).map(solid).collect::<Result<_, _>>()?;
-        // With a mesh among them, the rest is not the body.
+        // If one shape is a mesh, the other shapes are not the whole body.
         let Some(solids) = solids.into_iter().collect::<Option<Vec<_>>>() else { continue };
         let volume_m3: f64 = solids.iter().map(|(solid, _)| solid.volume_m3()).sum();
         if volume_m3 <= 0.0 {
@@ -142,7 +144,7 @@ fn fill(
     Err(xml::refuse(inertial, expected, "neither"))
 }
 
-/// The solid of a `collision` or `visual` and its pose; `None` if it is a mesh or nothing.
+/// Returns the solid of a `collision` or `visual` and its pose; `None` for a mesh or an empty element.
 #[expect(clippy::type_complexity, reason = "a solid and its pose, used once")]
 fn solid(shape: Node<'_, '_>) -> Result<Option<(Solid, (DVec3, glam::DQuat))>, ImportError> {
     let Some(geometry) = xml::child(shape, "geometry")? else { return Ok(None) };

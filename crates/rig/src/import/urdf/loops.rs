@@ -1,7 +1,7 @@
 //! Closed loops that a file has cut open.
 //!
-//! A URDF is a tree. Exporters mark where a loop was cut by two frames, `closing_NAME_1` and `closing_NAME_2`, that
-//! must lie on each other, and joints without a drive by names with `passive` (onshape-to-robot).
+//! A URDF is a tree. Exporters mark a cut loop by two frames, `closing_NAME_1` and `closing_NAME_2`, which must
+//! coincide, and joints without a drive by names with `passive` (onshape-to-robot).
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 use crate::import::options::Options;
 
-/// Refuses a mechanism with closed loops, unless the user takes it as the tree that it was cut to.
+/// Refuses a mechanism with closed loops, unless the user accepts the tree with open loops.
 pub(super) fn refuse(
     robot: Node<'_, '_>,
     tree: &Tree<'_, '_>,
@@ -31,7 +31,7 @@ pub(super) fn refuse(
         .collect();
     if loops.is_empty() {
         for joint in passive {
-            let text = "has no drive, by its name; in the rig it is as any other";
+            let text = "has no drive, by its name; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, joint);
         }
         return Ok(());
@@ -51,7 +51,7 @@ pub(super) fn refuse(
     Err(xml::refuse(robot, expected, format!("{} {text}", loops.len())))
 }
 
-/// Each pair of closing frames: its name, and the two links that meet there.
+/// Returns each pair of closing frames as text: its name, and the two links that meet there.
 fn loops(tree: &Tree<'_, '_>) -> Vec<String> {
     let mut frames: BTreeMap<&str, [Option<&str>; 2]> = BTreeMap::new();
     for joint in &tree.joints {

@@ -1,4 +1,4 @@
-//! URDF, the Unified Robot Description Format of ROS: links, and joints that name them.
+//! Reads URDF, the Unified Robot Description Format of ROS: links, and joints that name them.
 
 mod graph;
 mod joint;
@@ -66,7 +66,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     imported::finish(robot, world, description, notes)
 }
 
-/// Where elements stand in their list, by name.
+/// Returns the index of each element in its list, by name.
 fn names<'a>(nodes: &[Node<'a, '_>]) -> Result<BTreeMap<&'a str, usize>, ImportError> {
     let mut places = BTreeMap::new();
     for (place, node) in nodes.iter().enumerate() {
@@ -83,7 +83,7 @@ fn names<'a>(nodes: &[Node<'a, '_>]) -> Result<BTreeMap<&'a str, usize>, ImportE
     Ok(places)
 }
 
-/// A file for xacro has elements of its name space, and expressions in values.
+/// Refuses a file for xacro: it has elements of the xacro namespace, or expressions in values.
 fn refuse_macros(robot: Node<'_, '_>) -> Result<(), ImportError> {
     for node in robot.descendants().filter(Node::is_element) {
         let tag = node.tag_name();
@@ -98,14 +98,14 @@ fn refuse_macros(robot: Node<'_, '_>) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Whether the file's own word for MuJoCo is to repair inertia.
+/// Returns whether the file's `mujoco` element asks to repair inertia.
 fn balances_inertia(robot: Node<'_, '_>) -> bool {
     xml::children(robot, "mujoco")
         .flat_map(|mujoco| xml::children(mujoco, "compiler"))
         .any(|compiler| compiler.attribute("balanceinertia") == Some("true"))
 }
 
-/// A base without mass that only says "floats": what floats becomes the base.
+/// Removes a base without mass on a free joint; the floating body becomes the base.
 fn stand(description: &mut Description, notes: &mut Notes) {
     let on_base = |base: &str| {
         let mut on_base = description.joints.iter().enumerate().filter(|(_, j)| j.parent == base);
@@ -124,14 +124,14 @@ fn stand(description: &mut Description, notes: &mut Notes) {
         DQuat::from_array(joint.rotation_xyzw),
     );
     let text = format!(
-        "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, held fast, as on a stand. To drive \
-         it freely: mount.base = \"driven\"",
+        "`{}` floats by the joint `{}`, on `{}` that has no mass: it is the base, which is fixed, as on a stand. To \
+         let the base move: mount.base = \"driven\"",
         joint.child, joint.name, base.name
     );
     notes.add(NoteKind::Changed, text);
 }
 
-/// Which joints the file says to have drives, if it says it of any.
+/// Adds a note on the joints that the file lists as actuated, if it lists any.
 fn tell_actuators(robot: Node<'_, '_>, description: &Description, notes: &mut Notes) {
     let groups = ["transmission", "ros2_control"];
     let driven: BTreeSet<&str> = groups
@@ -145,13 +145,13 @@ fn tell_actuators(robot: Node<'_, '_>, description: &Description, notes: &mut No
     }
     for joint in description.joints.iter().filter(|joint| joint.kind != JointType::Fixed) {
         if !driven.contains(joint.name.as_str()) {
-            let text = "moves, but the file's transmissions do not drive it; in the rig it is as any other";
+            let text = "moves, but the file's transmissions do not drive it; the rig treats it like any other joint";
             notes.add_of(NoteKind::Doubtful, text, &joint.name);
         }
     }
 }
 
-/// Elements that say nothing a rig has, counted by name.
+/// Adds notes on elements without meaning for a rig, counted by name.
 fn tell_unread(
     robot: Node<'_, '_>,
     links: &[Node<'_, '_>],
@@ -178,7 +178,7 @@ fn tell_unread(
         count(joint.node, &OF_JOINT, " of a joint");
     }
     for (what, count) in unread {
-        let text = "elements that no rig needs, or that stand where a URDF has none";
+        let text = "elements that a rig does not need, or in a place where URDF has none";
         notes.add_of(NoteKind::LeftOut, text, format!("{what}: {count}"));
     }
     let meshes = links.iter().flat_map(Node::descendants);

@@ -1,4 +1,4 @@
-//! Numbers and vectors of several instants, side by side.
+//! Numbers and vectors of several instants, computed side by side.
 
 use std::array::from_fn;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -6,18 +6,18 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{Quat, Vec3};
 use sinew_core::math;
 
-/// Instants that are computed side by side: as many numbers as a vector register of any 64-bit processor holds.
+/// Number of instants that are computed side by side: a vector register of any 64-bit processor holds four f32.
 pub const LANES: usize = 4;
 
-/// A number of each instant. What is done to it is done to each alone, in the order in which it is written: so the bits
-/// are those of one number.
+/// A number for each instant. Each operation is applied to every instant alone and in the written order, so that
+/// the bits of the results equal those of a scalar computation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lanes(pub(super) [f32; LANES]);
 
 impl Lanes {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
-    /// The same number of each.
+    /// Returns the same number for all instants.
     #[inline]
     pub(super) fn all(number: f32) -> Self {
         Self([number; LANES])
@@ -60,7 +60,7 @@ impl Neg for Lanes {
     }
 }
 
-/// A vector of each instant.
+/// A vector for each instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Vectors {
     pub(super) x: Lanes,
@@ -71,7 +71,7 @@ pub(super) struct Vectors {
 impl Vectors {
     pub(super) const ZERO: Self = Self { x: Lanes::ZERO, y: Lanes::ZERO, z: Lanes::ZERO };
 
-    /// The same vector of each.
+    /// Returns the same vector for all instants.
     #[inline]
     pub(super) fn all(vector: Vec3) -> Self {
         Self { x: Lanes::all(vector.x), y: Lanes::all(vector.y), z: Lanes::all(vector.z) }
@@ -91,7 +91,7 @@ impl Vectors {
         }
     }
 
-    /// `self + a × b`, added up one product after the other.
+    /// Returns `self + a × b`, adding one product after the other.
     #[inline]
     pub(super) fn plus_cross(self, a: Self, b: Self) -> Self {
         Self {
@@ -125,7 +125,7 @@ impl Mul<Lanes> for Vectors {
     }
 }
 
-/// A rotation of each instant, as a quaternion.
+/// A rotation for each instant, as a quaternion.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quaternions {
     pub(super) x: Lanes,
@@ -144,12 +144,13 @@ impl Quaternions {
         }
     }
 
-    /// Turned about an axis by these angles: `math::exp`, by its polynomials where all angles are up to a quarter turn.
+    /// Returns rotations about an axis by these angles. Equals `math::exp`, and uses its polynomials if all angles
+    /// are at most 90 deg.
     #[inline]
     pub(super) fn about(axis: Vec3, angles: Lanes) -> Self {
         let v = Vectors::all(axis) * angles * Lanes::all(0.5);
         let squared = v.dot(v);
-        // Written so that NaN is not among them.
+        // The comparison also excludes NaN.
         if !squared.0.iter().all(|squared| *squared <= EIGHTH * EIGHTH) {
             return Self::of(angles.0.map(|angle| math::exp(axis * angle)));
         }
@@ -161,7 +162,7 @@ impl Quaternions {
         Self { x, y, z, w: cosine }
     }
 
-    /// One rotation behind each.
+    /// Applies one outer rotation to each rotation.
     #[inline]
     pub(super) fn behind(self, outer: Quat) -> Self {
         let [x0, y0, z0, w0] = outer.to_array().map(Lanes::all);
@@ -174,7 +175,7 @@ impl Quaternions {
         }
     }
 
-    /// Each of length 1.
+    /// Normalizes each quaternion to length 1.
     #[inline]
     pub(super) fn unit(self) -> Self {
         let Self { x, y, z, w } = self;
@@ -190,13 +191,13 @@ impl Quaternions {
     }
 }
 
-/// An eighth of a turn, rad: half of the largest angle for which `math::exp` takes a polynomial.
+/// An eighth of a turn, rad: half of the largest angle for which `math::exp` uses a polynomial.
 const EIGHTH: f32 = 0.25 * math::PI;
 
-/// How near to 1 a squared length is for which `math::unit` takes a series.
+/// Distance of a squared length from 1 up to which `math::unit` uses a series.
 const NEAR: f32 = 2e-3;
 
-/// A rotation of each instant, as a matrix of three columns.
+/// A rotation for each instant, as a matrix of three columns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Matrices([Vectors; 3]);
 
@@ -224,7 +225,7 @@ impl Matrices {
         a * v.x + b * v.y + c * v.z
     }
 
-    /// Turned by the inverse: the transposed matrix, which is that of the conjugate to the bit.
+    /// Rotates by the inverse: the transposed matrix, which equals that of the conjugate bit by bit.
     #[inline]
     pub(super) fn turn_back(&self, v: Vectors) -> Vectors {
         let [a, b, c] = self.0;

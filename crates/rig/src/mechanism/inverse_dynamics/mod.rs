@@ -1,4 +1,4 @@
-//! Efforts that a motion of a mechanism takes, by the core's inverse dynamics.
+//! Efforts that a motion of a mechanism needs, by the core's inverse dynamics.
 
 mod lanes;
 mod side_by_side;
@@ -13,7 +13,7 @@ use super::{BODY_COUNT_MAX, Mechanism};
 pub use lanes::LANES;
 use side_by_side::SideBySide;
 
-/// Computes efforts of a mechanism, with room for one instant.
+/// A calculator of efforts of a mechanism, with its buffers.
 #[derive(Debug)]
 pub struct InverseDynamics {
     tree: Box<Tree<BODY_COUNT_MAX>>,
@@ -25,10 +25,10 @@ pub struct InverseDynamics {
 }
 
 impl InverseDynamics {
-    /// Of a mechanism. O(bodies).
+    /// Creates a calculator for a mechanism. O(bodies).
     ///
     /// # Errors
-    /// [`TreeError`] if it is larger than the core takes, or a number does not survive f32.
+    /// [`TreeError`] if the mechanism exceeds the core's capacity, or a number is invalid in f32.
     pub fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
         let tree = Box::new(mechanism.tree::<BODY_COUNT_MAX>()?);
         Ok(Self {
@@ -41,11 +41,11 @@ impl InverseDynamics {
         })
     }
 
-    /// Efforts along the degrees of freedom, N m or N, with rotors and without friction. Positions, speeds and
-    /// accelerations as `sinew_core::coordinates` has them. O(n).
+    /// Returns the efforts along the dofs, N m or N, including rotors and without friction. Positions, speeds and
+    /// accelerations are those of `sinew_core::coordinates`. O(n).
     ///
     /// # Errors
-    /// [`CoordinatesError`] if a slice does not fit the mechanism, or a number is none of a machine.
+    /// [`CoordinatesError`] if a slice has the wrong length, or a number is invalid.
     pub fn efforts(
         &mut self,
         q: &[f32],
@@ -61,11 +61,12 @@ impl InverseDynamics {
         Ok(&self.efforts)
     }
 
-    /// [`Self::efforts`] of several instants, to the bit: each coordinate of all instants, then the next one. O(n), and
-    /// faster than one instant after the other.
+    /// Computes [`Self::efforts`] of several instants, with equal bits. Each slice contains the values of the first
+    /// coordinate at all instants, then those of the next coordinate. O(n), and faster than one instant after the
+    /// other.
     ///
     /// # Errors
-    /// As [`Self::efforts`], of the first instant that has any.
+    /// Those of [`Self::efforts`], for the first instant that has an error.
     pub fn efforts_side_by_side(
         &mut self,
         q: &[[f32; LANES]],
@@ -73,7 +74,7 @@ impl InverseDynamics {
         qdd: &[[f32; LANES]],
     ) -> Result<&[[f32; LANES]], CoordinatesError> {
         if !self.side_by_side.takes(self.tree.bodies(), [q, qd, qdd]) {
-            // One after the other tells what is wrong.
+            // Computing one instant after the other finds the error.
             for lane in 0..LANES {
                 let [q, qd, qdd] =
                     [q, qd, qdd].map(|of| of.iter().map(|lanes| lanes[lane]).collect::<Vec<f32>>());

@@ -1,5 +1,6 @@
-//! The core's inverse dynamics of several instants side by side: the same operations in the same order on each, and so
-//! the same bits, in a third of the time. Of a fit, most is this.
+//! The core's inverse dynamics of several instants side by side. Applies the same operations in the same order to
+//! each instant, so that the bits are equal, in a third of the time. A fit of a motion spends most of its time
+//! here.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -9,20 +10,20 @@ use sinew_core::{Body, GRAVITY_M_S2, JointKind, RotationalInertia, Twist, math};
 
 use super::lanes::{LANES, Lanes, Matrices, Quaternions, Vectors};
 
-/// The largest number that the core takes.
+/// Largest number that the core accepts.
 const LARGEST: f32 = 1e6;
 
-/// What is known of a body at the instants.
+/// Motion and wrench of a body at all instants.
 #[derive(Debug, Clone, Copy)]
 struct Moving {
-    /// To its parent's axes.
+    /// Rotation from the body's axes to its parent's axes.
     rotation: Matrices,
-    /// Of the joint, in its parent's frame.
+    /// Position of the joint in its parent's frame.
     arm: Vectors,
-    /// Of the joint's acceleration what rotors feel.
+    /// Angular part of the joint's acceleration, as its rotor needs it.
     turning: Vectors,
     sliding: Vectors,
-    /// Of the body, in its axes: see `sinew_core::dynamics::BodyMotion`.
+    /// Motion of the body, in its axes: see `sinew_core::dynamics::BodyMotion`.
     angular_velocity: Vectors,
     angular_acceleration: Vectors,
     linear_acceleration: Vectors,
@@ -44,7 +45,7 @@ impl Moving {
     };
 }
 
-/// A joint at the instants.
+/// Motion of a joint at all instants.
 struct Joint {
     rotation: Quaternions,
     arm: Vectors,
@@ -52,11 +53,11 @@ struct Joint {
     acceleration: [Vectors; 2],
 }
 
-/// Room for the bodies of a tree, and where their numbers are.
+/// Buffers for the bodies of a tree, and the places of their coordinates.
 #[derive(Debug)]
 pub(super) struct SideBySide {
     moving: Vec<Moving>,
-    /// Of each body in `q`, and in `qd`.
+    /// Ranges of each body in `q` and in `qd`.
     ranges: Vec<[Range<usize>; 2]>,
     efforts: Vec<[f32; LANES]>,
 }
@@ -79,7 +80,8 @@ impl SideBySide {
         }
     }
 
-    /// Whether the core would take these positions, speeds and accelerations; not all that it takes.
+    /// Returns whether the core certainly accepts these positions, speeds and accelerations. May be false for some
+    /// that it accepts.
     pub(super) fn takes(&self, bodies: &[Body], motion: [&[[f32; LANES]]; 3]) -> bool {
         let [q, _, _] = motion;
         let is_unit = |(body, [of_q, of_qd]): (&Body, &[Range<usize>; 2])| {
@@ -99,7 +101,8 @@ impl SideBySide {
             && bodies.iter().zip(&self.ranges).all(is_unit)
     }
 
-    /// Efforts of positions, speeds and accelerations that the core would take: see `sinew_core::coordinates`.
+    /// Returns efforts for positions, speeds and accelerations that the core accepts: see
+    /// `sinew_core::coordinates`.
     pub(super) fn efforts(
         &mut self,
         bodies: &[Body],
@@ -147,7 +150,7 @@ fn slides(joint: JointKind) -> bool {
 }
 
 impl Joint {
-    /// From its coordinates, as `JointTargets::set_coordinates` has them.
+    /// Computes the motion from coordinates in the order of `JointTargets::set_coordinates`.
     #[inline]
     fn of(body: &Body, q: &[[f32; LANES]], qd: &[[f32; LANES]], qdd: &[[f32; LANES]]) -> Self {
         let (JointKind::Revolute { axis }, [angles], [speeds], [accelerations]) =
@@ -156,7 +159,7 @@ impl Joint {
             return Self::of_columns(body, q, qd, qdd);
         };
         let turned = Quaternions::about(axis, Lanes(*angles));
-        // From zero on, as the core does it: no zeros are negative.
+        // The core adds to zero, which converts -0 to 0.
         let along = |numbers: &[f32; LANES]| {
             let Vectors { x, y, z } = Vectors::all(axis) * Lanes(*numbers);
             Vectors { x: Lanes::ZERO + x, y: Lanes::ZERO + y, z: Lanes::ZERO + z }
@@ -169,7 +172,7 @@ impl Joint {
         }
     }
 
-    /// Of any kind, one instant after the other.
+    /// Computes the motion of a joint of any kind, one instant after the other.
     fn of_columns(
         body: &Body,
         q: &[[f32; LANES]],
@@ -177,7 +180,7 @@ impl Joint {
         qdd: &[[f32; LANES]],
     ) -> Self {
         if q.is_empty() {
-            // A joint that stays where it is.
+            // A fixed joint.
             let state = body.joint.state(body.placement, &[], &[]).unwrap_or_default();
             return Self {
                 rotation: Quaternions::of([math::unit(state.pose.rotation); LANES]),
@@ -215,7 +218,7 @@ impl Joint {
     }
 }
 
-/// Rotation of a body in the joint frame, as far as the motion subspace depends on it.
+/// Returns the rotation of a body in the joint frame if the joint's axes depend on it, otherwise the identity.
 fn in_joint(body: &Body, rotation: Quat) -> Quat {
     if matches!(body.joint, JointKind::Universal { .. }) {
         body.placement.rotation.conjugate() * rotation
@@ -224,7 +227,7 @@ fn in_joint(body: &Body, rotation: Quat) -> Quat {
     }
 }
 
-/// Motion of a body from its parent's and its joint's.
+/// Computes the motion of a body from that of its parent and its joint.
 #[inline]
 fn outward(parent: &Moving, body: &Body, joint: &Joint) -> Moving {
     let rotation = Matrices::of(joint.rotation);
@@ -253,7 +256,7 @@ fn outward(parent: &Moving, body: &Body, joint: &Joint) -> Moving {
     }
 }
 
-/// Sets the wrench about its origin that makes a body move so.
+/// Sets the wrench about the body's origin that its motion needs.
 #[inline]
 fn newton_euler(body: &Body, moving: &mut Moving) {
     let inertia = &body.inertia;
@@ -267,7 +270,7 @@ fn newton_euler(body: &Body, moving: &mut Moving) {
     moving.moment = about_center.plus_cross(to_center, moving.force);
 }
 
-/// A symmetric matrix times vectors.
+/// Multiplies a symmetric matrix by vectors.
 #[inline]
 fn times(inertia: &RotationalInertia, v: Vectors) -> Vectors {
     let RotationalInertia { xx, xy, xz, yy, yz, zz } = *inertia;
@@ -279,7 +282,7 @@ fn times(inertia: &RotationalInertia, v: Vectors) -> Vectors {
     }
 }
 
-/// What of a moment and a force is along the axes of a joint of any kind, one instant after the other.
+/// Projects a moment and a force onto the axes of a joint of any kind, one instant after the other.
 fn along_columns(
     body: &Body,
     q: &[[f32; LANES]],
@@ -290,7 +293,7 @@ fn along_columns(
         let [moment, force] =
             [moment, force].map(|v| Vec3::new(v.x.0[lane], v.y.0[lane], v.z.0[lane]));
         if body.joint == JointKind::Spherical {
-            // From zero on, as the core does it.
+            // The core adds to zero, which converts -0 to 0.
             let along = Vec3::ZERO + moment;
             out.iter_mut().zip(along.to_array()).for_each(|(out, along)| out[lane] = along);
             continue;

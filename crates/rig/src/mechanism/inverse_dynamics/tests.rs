@@ -3,7 +3,7 @@ use glam::{DMat3, DQuat, DVec3, Vec3Swizzles as _};
 use super::*;
 use crate::mechanism::{JointModel, Link};
 
-/// Numbers from -1 to 1, the same in every run.
+/// A generator of numbers from -1 to 1, equal in every run.
 struct Random(u32);
 
 impl Random {
@@ -21,7 +21,7 @@ impl Random {
     }
 }
 
-/// A tree of joints of every kind, in any place, some with rotors.
+/// Creates a tree with joints of every kind at random places, some with rotors.
 fn rig(random: &mut Random, base: JointModel) -> Mechanism {
     let (x, z) = (DVec3::X, DVec3::Z);
     let kinds = [
@@ -49,7 +49,7 @@ fn rig(random: &mut Random, base: JointModel) -> Mechanism {
     Mechanism { bodies: kinds.into_iter().enumerate().map(body).collect(), linked: vec![] }
 }
 
-/// Positions that the joints can take, single ones up to `most`, speeds and accelerations.
+/// Creates valid random positions (those of single-axis joints up to `most`), speeds and accelerations.
 fn motion(random: &mut Random, mechanism: &Mechanism, most: f64) -> [Vec<f64>; 3] {
     let mut of_all = [vec![], vec![], vec![]];
     for link in &mechanism.bodies {
@@ -65,7 +65,7 @@ fn motion(random: &mut Random, mechanism: &Mechanism, most: f64) -> [Vec<f64>; 3
             of_all.extend((0..kind.dof_count()).map(|_| most * random.next()));
         }
     }
-    // Zeros of both signs, too.
+    // Zeros of both signs are included.
     for zero in [0.0, -0.0] {
         for of_all in &mut of_all[1..] {
             let place = ((0.5 + 0.5 * random.next()) * (of_all.len() - 1) as f64).round();
@@ -85,7 +85,7 @@ fn side_by_side_has_the_bits_of_one_after_the_other() {
         let base = if round % 2 == 0 { JointModel::Fixed } else { JointModel::Free };
         let mechanism = rig(&mut random, base);
         let mut dynamics = InverseDynamics::of(&mechanism).unwrap();
-        // Within the range in which the core takes a polynomial, and beyond it and a turn.
+        // First within the range in which the core uses a polynomial, then beyond it and beyond a whole turn.
         let most = if round % 4 < 2 { 1.57 } else { 9.0 };
         let motions: [[Vec<f32>; 3]; LANES] = std::array::from_fn(|_| {
             motion(&mut random, &mechanism, most)

@@ -14,7 +14,7 @@ impl Complex {
         Self { re, im: 0.0 }
     }
 
-    /// The number on the unit circle at an angle, rad.
+    /// Returns the number on the unit circle at an angle, rad.
     pub(super) fn turn(angle_rad: f64) -> Self {
         let (im, re) = libm::sincos(angle_rad);
         Self { re, im }
@@ -24,7 +24,7 @@ impl Complex {
         libm::hypot(self.re, self.im)
     }
 
-    /// Its angle, from -π to π.
+    /// Returns the angle of the number, from -π to π.
     pub(super) fn angle_rad(self) -> f64 {
         libm::atan2(self.im, self.re)
     }
@@ -67,8 +67,8 @@ impl Div for Complex {
     }
 }
 
-/// Solves a linear system, given as rows of the matrix with the right side at their ends: elimination with the largest
-/// pivot of each column.
+/// Solves a linear system by elimination with the largest pivot of each column. Each row contains a row of the
+/// matrix, followed by the right side.
 pub(super) fn solve(mut rows: Vec<Vec<Complex>>) -> Vec<Complex> {
     let size = rows.len();
     for column in 0..size {

@@ -1,29 +1,29 @@
-//! The loop round a joint, tick by tick, and the whole of it as matrices.
+//! The control loop of a joint, tick by tick, and as matrices of the whole loop.
 
 use super::complex::{Complex, solve};
 use super::matrix::Matrix;
 use super::plant::{FlexibleJoint, Step};
 
-/// The sampled loop of the tracker round one joint: the gains of stable PD in implicit form, critically damped
-/// ([`Gains::implicit`](sinew_core::control::Gains::implicit)), on the state of an extended state observer that cancels
-/// what it learns and looks ahead over the latency ([`sinew_core::observer`]).
+/// The sampled loop of the tracker on one joint. It has the gains of stable PD in implicit form, critically damped
+/// ([`Gains::implicit`](sinew_core::control::Gains::implicit)), and an extended state observer that cancels the
+/// estimated disturbance and predicts over the latency ([`sinew_core::observer`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ControlLoop {
-    /// Period, s.
+    /// Control period, s.
     pub dt_s: f64,
-    /// Ticks that a torque acts late, which the observer looks ahead over.
+    /// Delay until a torque acts, in ticks; the observer predicts over it.
     pub latency_ticks: usize,
-    /// Delay that the observer does not know, s.
+    /// Additional delay that the observer does not know, s.
     pub late_s: f64,
     /// Bandwidth of the observer, rad/s.
     pub bandwidth_rad_s: f64,
-    /// Stiffness, 1/s².
+    /// Stiffness per inertia, 1/s².
     pub kp_per_s2: f64,
-    /// Part of the asked torque that the servo gives. A torque constant that is off, or an inertia.
+    /// Share of the commanded torque that the servo gives. Differs from 1 for a wrong torque constant or inertia.
     pub torque_share: f64,
 }
 
-/// Numbers that a loop computes with in a tick.
+/// Constants of a loop's computation in a tick.
 #[derive(Debug, Clone, Copy)]
 struct Controller {
     dt_s: f64,
@@ -51,8 +51,8 @@ impl Controller {
         }
     }
 
-    /// Takes a reading. `sent`: the accelerations asked for in the ticks before, the last one first, and one more than
-    /// ticks of latency. Returns the estimate and the acceleration that is asked for.
+    /// Processes a reading. `sent` contains the accelerations requested in previous ticks, the latest first,
+    /// `latency_ticks + 1` of them. Returns the estimate and the requested acceleration.
     fn tick(
         &self,
         [angle, speed, disturbance]: [f64; 3],
@@ -77,23 +77,23 @@ impl Controller {
     }
 }
 
-/// A loop round a joint, broken where the torque acts: what acts goes in, what is asked for comes out, both as
-/// accelerations of the whole inertia.
+/// A loop of a joint, opened where the torque acts. The input is the acting torque and the output is the requested
+/// torque, both as accelerations of the whole inertia.
 ///
-/// Its state: the joint's four numbers, the estimate's three, what was asked for, what acts, the last ones first. It is
-/// counted in ticks, so that its numbers are of one size.
+/// Its state: four numbers of the joint, three of the estimate, then requested and acting accelerations, the latest
+/// first. Units are based on ticks, so that all numbers have similar size.
 #[derive(Debug, Clone)]
 pub(super) struct OpenLoop {
-    /// State to state.
+    /// Matrix from the state to the next state.
     state: Matrix,
-    /// State to what is asked for.
+    /// Row from the state to the requested acceleration.
     asked: Vec<f64>,
-    /// Effect of the input on the state. A reading comes before the torque that answers it: nothing goes straight
-    /// through.
+    /// Effect of the input on the next state. A reading precedes the torque that answers it, therefore the input
+    /// has no direct effect on the output.
     acting: Vec<f64>,
 }
 
-/// Numbers of the joint's state, and of the estimate's.
+/// Number of values in the joint's state, and in the estimate's state.
 const JOINT: usize = 4;
 const ESTIMATE: usize = 3;
 
@@ -101,7 +101,7 @@ impl OpenLoop {
     pub(super) fn new(joint: &FlexibleJoint, control: &ControlLoop) -> Self {
         let ControlLoop { dt_s, latency_ticks, late_s, torque_share, .. } = *control;
         let controller = Controller::of(control);
-        // Whole ticks that the torque is late, and the rest of a tick, in which the torque before still acts.
+        // The delay is split into whole ticks and the rest of a tick, during which the previous torque still acts.
         let delay_s = latency_ticks as f64 * dt_s + late_s;
         let mut ticks = 0;
         while (ticks + 1) as f64 * dt_s <= delay_s * (1.0 + 1e-12) {
@@ -115,7 +115,7 @@ impl OpenLoop {
         let estimate_end = JOINT + ESTIMATE;
         let sent_end = estimate_end + sent;
         let size = sent_end + held;
-        // In units of ticks: a speed is an angle a tick.
+        // Units based on ticks: a speed is an angle per tick.
         let (speed, acceleration) = (1.0 / dt_s, 1.0 / (dt_s * dt_s));
         let units: Vec<f64> = [1.0, speed, 1.0, speed, 1.0, speed, acceleration]
             .into_iter()
@@ -148,7 +148,7 @@ impl OpenLoop {
         }
     }
 
-    /// The loop closed, with a factor on the torque.
+    /// Returns the matrix of the closed loop, with a factor on the torque.
     pub(super) fn closed(&self, gain: f64) -> Matrix {
         let size = self.asked.len();
         Matrix::of_map(size, |x| {
@@ -158,7 +158,8 @@ impl OpenLoop {
         })
     }
 
-    /// The return ratio at an angle a tick: closed, the loop swings for ever where it is -1.
+    /// Returns the return ratio at an angle per tick. If it is -1 at some angle, the closed loop oscillates
+    /// forever.
     pub(super) fn response(&self, angle_rad: f64) -> Complex {
         let z = Complex::turn(angle_rad);
         let rows = self.state.rows().zip(&self.acting).enumerate().map(|(place, (row, acting))| {
@@ -177,7 +178,7 @@ impl OpenLoop {
 struct Plant {
     before: Step,
     after: Step,
-    /// Torque for an acceleration.
+    /// Torque per acceleration.
     torque: f64,
 }
 

@@ -1,4 +1,4 @@
-//! How much a loop bears before it swings by itself.
+//! Stability margins of a loop.
 
 use std::f64::consts::PI;
 
@@ -8,41 +8,42 @@ use super::complex::Complex;
 use super::control::{ControlLoop, OpenLoop};
 use super::plant::FlexibleJoint;
 
-/// Frequencies at which the loop is looked at, from [`LEAST_RAD_S`] to half the rate: 2 to 3 % apart.
+/// Number of frequencies at which the loop is evaluated, from [`LEAST_RAD_S`] to half the control rate: 2 to 3 %
+/// apart.
 const FREQUENCIES: usize = 300;
-/// No loop of a joint crosses below this.
+/// Lowest frequency, rad/s. No loop of a joint has its crossover below it.
 const LEAST_RAD_S: f64 = 0.3;
-/// Halvings of an interval between two frequencies, or of a delay.
+/// Number of bisection steps, for a frequency or a delay.
 const HALVINGS: usize = 24;
 
-/// Margins of a stable loop, each by itself. Frequencies are those at which it would swing then.
+/// Margins of a stable loop, each for a change of that quantity alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
-    /// Phase either way, deg.
+    /// Phase margin in either direction, deg.
     pub phase_deg: f64,
-    /// Factor on the torque, upwards; none if it bears any.
+    /// Largest stable factor on the torque; `None` if any is stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// Factor on the torque, downwards; none if it bears any.
+    /// Smallest stable factor on the torque; `None` if any is stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain_down: Option<f64>,
-    /// Delay, s; none if it bears any.
+    /// Largest stable additional delay, s; `None` if any is stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<f64>,
 }
 
-/// Whether a loop is stable, and by how much.
+/// Whether a loop is stable, with its margins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stability {
-    /// How the slowest part grows, 1/s: negative if it decays.
+    /// Growth rate of the slowest mode, 1/s; negative if it decays.
     pub growth_per_s: f64,
-    /// None if it grows.
+    /// Margins; `None` if the loop is unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margins: Option<Margins>,
 }
 
 impl Stability {
-    /// The lesser of both, number by number.
+    /// Returns the worse of both, value by value.
     #[must_use]
     pub fn least(self, other: Self) -> Self {
         let some = |least: fn(f64, f64) -> f64, [a, b]: [Option<f64>; 2]| match (a, b) {
@@ -60,12 +61,13 @@ impl Stability {
 }
 
 impl ControlLoop {
-    /// How a swing of a joint under this loop grows, 1/s: by its largest pole. Negative if it decays.
+    /// Returns the growth rate of a joint's oscillation under this loop, 1/s, from its largest pole; negative if it
+    /// decays.
     pub fn growth_per_s(&self, joint: &FlexibleJoint) -> f64 {
         growth_per_s(&OpenLoop::new(joint, self), self)
     }
 
-    /// Whether the loop is stable round a joint, and by how much.
+    /// Returns whether the loop is stable on a joint, with its margins.
     pub fn stability(&self, joint: &FlexibleJoint) -> Stability {
         let open = OpenLoop::new(joint, self);
         let growth_per_s = growth_per_s(&open, self);
@@ -98,7 +100,7 @@ impl ControlLoop {
                 let ends = [angle_before, angle];
                 if (last.size() > 1.0) != (now.size() > 1.0) {
                     let at = crossing(ends, |angle| open.response(angle).size() - 1.0);
-                    // Above -180 deg: what phase may still be lost.
+                    // Phase above -180 deg, which is the phase that may still be lost.
                     let left = PI + open.response(at).angle_rad();
                     phases.push((at, left));
                 }
@@ -121,7 +123,8 @@ impl ControlLoop {
         margins
     }
 
-    /// The delay that the loop bears, from what its phase says: that is of a sine, and torques are held.
+    /// Refines the delay margin that follows from the phase margin: that is for a sine, but torques are held for a
+    /// tick.
     fn delay_s(&self, joint: &FlexibleJoint, by_phase_s: f64) -> f64 {
         let late = |late_s: f64| {
             let late = Self { late_s: self.late_s + late_s, ..*self };
@@ -136,7 +139,7 @@ fn growth_per_s(open: &OpenLoop, control: &ControlLoop) -> f64 {
     libm::log(open.closed(1.0).spectral_radius()) / control.dt_s
 }
 
-/// Where a number changes its sign.
+/// Finds the place where a function changes its sign.
 fn crossing([mut low, mut high]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
     let low_is_positive = of(low) > 0.0;
     for _ in 0..HALVINGS {

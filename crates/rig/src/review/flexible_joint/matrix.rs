@@ -1,17 +1,17 @@
 //! Small square matrices: product, exponential, spectral radius.
 
-/// Squarings after which the norm of a power is that of the largest eigenvalue: the factor that is left, a condition
-/// number, has its 2^30th root taken.
+/// Number of squarings. After them, the norm of the power is that of the largest eigenvalue: the remaining factor,
+/// a condition number, enters only by its 2^30th root.
 const SQUARINGS: i32 = 30;
 
-/// Terms of the exponential's series, for a norm of at most 1/2: the next one is below 1e-19.
+/// Number of terms of the exponential's series, for a norm of at most 1/2: the next term is below 1e-19.
 const TERMS: u32 = 16;
 
 /// A square matrix.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Matrix {
     size: usize,
-    /// Row by row.
+    /// Elements, row after row.
     items: Vec<f64>,
 }
 
@@ -26,7 +26,7 @@ impl Matrix {
         identity
     }
 
-    /// Returns the matrix of a linear map, which is applied to each unit vector.
+    /// Creates the matrix of a linear map, by applying the map to each unit vector.
     pub(super) fn of_map(size: usize, map: impl Fn(&[f64]) -> Vec<f64>) -> Self {
         let mut matrix = Self::zero(size);
         let mut unit = vec![0.0; size];
@@ -44,7 +44,7 @@ impl Matrix {
         self.items.chunks_exact(self.size)
     }
 
-    /// The product with a vector.
+    /// Returns the product with a vector.
     pub(super) fn apply(&self, vector: &[f64]) -> Vec<f64> {
         self.rows().map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum()).collect()
     }
@@ -65,12 +65,12 @@ impl Matrix {
         Self { size: self.size, items: self.items.iter().map(|item| item * factor).collect() }
     }
 
-    /// The largest sum of sizes in a row.
+    /// Returns the largest row sum of absolute values.
     fn norm(&self) -> f64 {
         self.rows().map(|row| row.iter().map(|item| item.abs()).sum()).fold(0.0, f64::max)
     }
 
-    /// The exponential, by scaling and squaring.
+    /// Returns the exponential, by scaling and squaring.
     pub(super) fn exponential(&self) -> Self {
         let mut halvings = 0;
         let mut small = self.clone();
@@ -90,7 +90,7 @@ impl Matrix {
         sum
     }
 
-    /// The size of the largest eigenvalue (Gelfand's formula, by squaring).
+    /// Returns the absolute value of the largest eigenvalue (Gelfand's formula, by squaring).
     pub(super) fn spectral_radius(&self) -> f64 {
         let mut power = self.clone();
         let mut logarithm = 0.0;
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn the_radius_is_that_of_the_largest_eigenvalue() {
-        // A pair of 0.9 e^(±i), seen from far oblique axes; a defective one; one that vanishes.
+        // A pair 0.9 e^(±i) in very oblique axes; a defective matrix; a nilpotent matrix.
         let (sin, cos) = 1.0_f64.sin_cos();
         let oblique = of([
             [0.9 * (cos + 1e3 * sin), -0.9 * (1e6 + 1.0) * sin],

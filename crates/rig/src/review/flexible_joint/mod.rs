@@ -1,14 +1,14 @@
-//! A joint with a soft gear under the sampled loop of the tracker: its poles and its margins.
+//! Poles and margins of a joint with an elastic gear under the sampled loop of the tracker.
 //!
-//! A rotor turns a load through a spring with a damper; the encoder sits at the load. Every tick the encoder is read,
-//! the observer estimates and looks ahead, and the torque for the wanted acceleration is held over a later tick. All of
-//! it is linear: no friction but viscous, no limits, no steps of the encoder. [`FlexibleJoint::with_play`] says how
-//! play enters.
+//! A rotor turns a load through a spring with a damper; the encoder measures the load. In every tick the encoder is
+//! read, the observer estimates and predicts, and the torque for the requested acceleration is held during a later
+//! tick. The model is linear: it has no friction except viscous friction, no limits and no encoder steps.
+//! [`FlexibleJoint::with_play`] describes how play is included.
 //!
 //! - `plant`: the joint, and its exact step over a time in which the torque is held.
-//! - `control`: the loop, and the whole of it as matrices.
-//! - `margins`: how much it bears before it swings by itself.
-//! - `matrix`, `complex`: what they compute with.
+//! - `control`: the loop, and matrices of the whole loop.
+//! - `margins`: stability margins of the loop.
+//! - `matrix`, `complex`: mathematics of the other files.
 
 mod complex;
 mod control;

@@ -1,37 +1,39 @@
-//! The joint: a rotor, a soft gear, a load.
+//! Model of the joint: a rotor, an elastic gear, a load.
 
 use std::f64::consts::FRAC_2_PI;
 
 use super::matrix::Matrix;
 
-/// A joint whose servo has a soft gear, all as the joint sees it: kg m² and rad, or kg and m of one that slides.
+/// A joint whose servo has an elastic gear. All values are referred to the joint: kg m² and rad, or kg and m for a
+/// slide.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlexibleJoint {
     /// Inertia of the rotor, kg m² or kg.
     pub rotor_inertia: f64,
-    /// Inertia of what is at the output, kg m² or kg.
+    /// Inertia of the load at the output, kg m² or kg.
     pub load_inertia: f64,
     /// Stiffness of the gear, N m/rad or N/m.
     pub stiffness: f64,
-    /// Damping of the gear, between its ends, N m s or N s/m.
+    /// Damping between the ends of the gear, N m s or N s/m.
     pub gear_damping: f64,
     /// Viscous friction of the rotor, N m s or N s/m.
     pub damping: f64,
 }
 
 impl FlexibleJoint {
-    /// Returns the joint with a gear of this share of its stiffness.
+    /// Returns the joint with the gear's stiffness multiplied by `share`.
     #[must_use]
     pub fn softened(self, share: f64) -> Self {
         Self { stiffness: self.stiffness * share, ..self }
     }
 
-    /// Returns the joint with a gear that swings with this amplitude of its windup; play takes `half_play` of it each
-    /// way.
+    /// Returns the joint with play in its gear, for an oscillation whose windup has this amplitude. `half_play` is
+    /// the play in each direction.
     ///
-    /// Its describing function: the fundamental of what a spring with play gives to a sine is a spring without play
-    /// that is softer, by `N = 1 - 2/π (asin r + r √(1 - r²))` with `r = half_play / amplitude`; nothing is left where
-    /// the swing stays within the play. The damper acts while the teeth touch, which leaves the same share of it.
+    /// Uses the describing function: for a sine, the fundamental of a spring with play is that of a spring without
+    /// play whose stiffness is multiplied by `N = 1 - 2/π (asin r + r √(1 - r²))`, with `r = half_play /
+    /// amplitude`. It is zero if the oscillation stays within the play. The damper acts only while the teeth touch,
+    /// therefore it is multiplied by the same factor.
     #[must_use]
     pub fn with_play(self, half_play: f64, amplitude: f64) -> Self {
         let r = (half_play / amplitude).clamp(0.0, 1.0);
@@ -39,18 +41,19 @@ impl FlexibleJoint {
         Self { stiffness: self.stiffness * share, gear_damping: self.gear_damping * share, ..self }
     }
 
-    /// Resonance of the rotor on the gear with the output held, rad/s.
+    /// Returns the resonance of the rotor on the gear with the output held, rad/s.
     pub fn resonance_rad_s(&self) -> f64 {
         libm::sqrt(self.stiffness / self.rotor_inertia)
     }
 
-    /// Inertia of both, kg m² or kg: what the torque for an acceleration is computed with.
+    /// Returns the inertia of rotor and load, kg m² or kg. The controller uses it to convert accelerations to
+    /// torques.
     pub fn inertia(&self) -> f64 {
         self.rotor_inertia + self.load_inertia
     }
 
-    /// Turns the state `[load, load speed, rotor, rotor speed]` by a time in which the torque on the rotor is held.
-    /// Exact: the exponential of the equations of motion.
+    /// Returns the step of the state `[load, load speed, rotor, rotor speed]` over a time in which the torque on
+    /// the rotor is held. Exact: uses the exponential of the equations of motion.
     pub(super) fn step(&self, time_s: f64) -> Step {
         let Self { rotor_inertia, load_inertia, stiffness, gear_damping, damping } = *self;
         let load = [stiffness, gear_damping].map(|x| x / load_inertia);
@@ -82,7 +85,7 @@ impl FlexibleJoint {
     }
 }
 
-/// A step of the joint's state under a torque that is held.
+/// A step of the joint's state under a constant torque.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
     state: [[f64; 4]; 4],

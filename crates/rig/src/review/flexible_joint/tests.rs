@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// The XL330 of the starter arm with a load as heavy as its rotor.
+/// The XL330 of the starter arm, with a load inertia equal to that of its rotor.
 fn small() -> FlexibleJoint {
     FlexibleJoint {
         rotor_inertia: 0.00181,
@@ -26,8 +26,8 @@ fn control(bandwidth_rad_s: f64) -> ControlLoop {
     }
 }
 
-/// The loop itself: commands in a queue, the joint by small steps of fourth order. Returns how a push grows, 1/s, by
-/// its largest angle in two spans of time.
+/// Simulates the loop: commands in a queue, the joint in small steps of fourth order. Returns the growth rate of a
+/// disturbance, 1/s, from the largest angles of two time spans.
 fn simulated_growth_per_s(joint: &FlexibleJoint, control: &ControlLoop) -> f64 {
     let dt_s = control.dt_s;
     let span = 400;
@@ -38,7 +38,7 @@ fn simulated_growth_per_s(joint: &FlexibleJoint, control: &ControlLoop) -> f64 {
     let decay = (-control.bandwidth_rad_s * dt_s).exp();
     let (mut x, mut v, mut d) = (0.0_f64, 0.0, 0.0);
     let delay_s = control.latency_ticks as f64 * dt_s + control.late_s;
-    // (from when on, torque), what acts first.
+    // Pairs of start time and torque, the next one first.
     let mut due = VecDeque::from([(f64::NEG_INFINITY, 0.0)]);
     let mut sent: VecDeque<f64> = std::iter::repeat_n(0.0, control.latency_ticks + 1).collect();
     let mut state = [1e-3, 0.0, 1e-3, 0.0];
@@ -126,7 +126,7 @@ proptest! {
         };
         let growth = control.growth_per_s(&joint);
         let simulated = simulated_growth_per_s(&joint, &control);
-        // What hardly grows or decays within the time of a simulation is not told apart.
+        // A growth too slow for the simulated time cannot be distinguished.
         prop_assume!(growth.abs() > 1.0);
         prop_assert_eq!(growth > 0.0, simulated > 0.0, "{} by poles, {} simulated", growth, simulated);
         if growth > 0.0 {
@@ -134,8 +134,8 @@ proptest! {
         }
     }
 
-    /// Each margin, when it is used up, has a pole on the unit circle: within a hundredth of the margin the loop is
-    /// stable on one side and grows on the other.
+    /// At the limit of each margin a pole is on the unit circle: 1 % inside, the loop is stable; 1 % outside, it
+    /// grows.
     #[test]
     fn a_margin_that_is_used_up_leaves_a_swing(
         load in 0.5..20.0_f64,
@@ -173,8 +173,9 @@ proptest! {
     }
 }
 
-/// A load that is heavy for the rotor, with a third of the damping that its data have: an observer of 100 rad/s shakes
-/// it, that of the rule does not. A gear without play and with all of its stiffness leaves a factor of two.
+/// A load that is heavy for the rotor, with a third of the damping in its data: an observer of 100 rad/s is
+/// unstable, the bandwidth of the rule is stable. Without play and at full stiffness, the margin is a factor of
+/// two.
 #[test]
 fn less_bandwidth_calms_a_soft_gear() {
     let joint = FlexibleJoint { load_inertia: 20.0 * small().rotor_inertia, ..small() };
@@ -190,7 +191,7 @@ fn play_softens_by_what_of_the_swing_it_takes() {
     let softened = |half_play: f64| joint.with_play(half_play, 1.0).stiffness / joint.stiffness;
     assert!((softened(0.0) - 1.0).abs() < 1e-12);
     assert!(softened(1.0).abs() < 1e-12 && softened(3.0).abs() < 1e-12);
-    // The fundamental of the torque over a swing, summed up.
+    // Numerical integral of the torque's fundamental over a period.
     let (steps, half_play) = (100_000, 0.3);
     let sum: f64 = (0..steps)
         .map(|step| {

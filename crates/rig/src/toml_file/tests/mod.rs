@@ -33,7 +33,7 @@ model = "XL330-M288-T"
 id = 3
 "#;
 
-/// What is told of [`ARM`] with some text replaced.
+/// Replaces some text of [`ARM`], and asserts the start of the error.
 #[track_caller]
 fn refused(cases: &[(&str, &str, &str)]) {
     assert!(read(ARM).is_ok());
@@ -251,7 +251,8 @@ proptest! {
         prop_assert_eq!(write(&rig), text);
     }
 
-    /// Half a step of the twelfth digit: 5e-10 degrees below 1000 degrees, and 1e-15 for the conversion.
+    /// Tolerance: half a step of the twelfth digit is 5e-10 degrees below 1000 degrees, and the conversion adds
+    /// 1e-15.
     #[test]
     fn angles_of_many_digits_are_kept(angle in -17.0..17.0_f64) {
         let mut rig = read(ARM).unwrap();
@@ -278,7 +279,7 @@ proptest! {
                 _ => text.truncate(at),
             }
         }
-        // What is read has passed its check; what is not says where.
+        // An accepted text has passed the check; an error has a valid position.
         match read(&text) {
             Ok(rig) => prop_assert_eq!(rig.check(), Ok(())),
             Err(error) => prop_assert!(error.line <= text.split('\n').count() && error.column > 0, "{}", error),

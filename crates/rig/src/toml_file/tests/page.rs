@@ -1,4 +1,4 @@
-//! The page of the book about the file says what the schema has, and its examples are rigs.
+//! Tests that the book's page about the file lists all keys of the schema, and that its examples are valid rigs.
 
 use std::collections::BTreeSet;
 use std::convert::Infallible;
@@ -10,7 +10,7 @@ use crate::toml_file::{read, schema};
 
 const PAGE: &str = include_str!("../../../../../docs/rig-file.md");
 
-/// Examples that begin with a name are whole; the others are added to the first.
+/// Examples that begin with a name are complete; the others are appended to the first.
 #[test]
 fn examples_are_rigs() {
     let blocks: Vec<&str> =
@@ -31,7 +31,7 @@ fn examples_are_rigs() {
 #[test]
 fn every_key_is_on_the_page_and_no_other() {
     let mut keys = Keys::default();
-    // More than enough for every kind of drive and address.
+    // More than enough seeds to produce every kind of drive and address.
     for seed in 0..200 {
         let Ok(()) = schema::description(&mut random::rig(seed), &mut keys);
     }
@@ -50,7 +50,7 @@ fn every_key_is_on_the_page_and_no_other() {
     assert_eq!(of_page, of_schema);
 }
 
-/// Notes the keys that the schema asks for, by table; tables of one line by their key.
+/// A visitor that collects the schema's keys by table; an inline table is named by its key.
 #[derive(Default)]
 struct Keys {
     table: String,
@@ -64,7 +64,7 @@ impl Keys {
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) {
-        // All values of a servo model are alike.
+        // All values of a servo model have the same keys.
         let name = if self.table == "servo_model" { "servo_model.*" } else { key };
         let above = std::mem::replace(&mut self.table, name.to_owned());
         let Ok(()) = keys(field, self);

@@ -1,11 +1,11 @@
-//! Random rigs that can be, with numbers as people write them.
+//! Valid random rigs, with numbers as people write them.
 
 use crate::description::{
     Address, Base, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
     LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
 };
 
-/// Seeded random numbers (`SplitMix64`).
+/// A generator of random numbers from a seed (`SplitMix64`).
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
@@ -29,7 +29,7 @@ impl Random {
         (self.below(2) == 0).then(|| make(self))
     }
 
-    /// From 0.001 to 1000, of three to six digits.
+    /// Returns a number from 0.001 to 1000 with three to six digits.
     fn positive(&mut self) -> f64 {
         let scale = self.one_of(&[1e3, 1e4, 1e6]);
         (self.below(999_001) + 1000) as f64 / scale
@@ -39,7 +39,7 @@ impl Random {
         self.positive() * self.one_of(&[1.0, -1.0])
     }
 
-    /// Below a turn or so.
+    /// Returns an angle from -400 to 400 deg, in rad.
     fn angle(&mut self) -> f64 {
         ((self.below(800_000) as f64 - 400_000.0) / 1e3).to_radians()
     }
@@ -56,21 +56,21 @@ impl Random {
         self.one_of(&[[0.0, 0.0, 0.0, 1.0], [0.5, 0.5, -0.5, 0.5], [0.6, 0.0, 0.0, -0.8]])
     }
 
-    /// A range, and a place in it.
+    /// Returns a range, and a value in it.
     fn range(&mut self, value: fn(&mut Self) -> f64) -> ([f64; 2], f64) {
         let mut three = [value(self), value(self), value(self)];
         three.sort_by(f64::total_cmp);
         ([three[0], three[2]], three[1])
     }
 
-    /// A name that is hard to quote.
+    /// Returns a name that is difficult to quote.
     fn name(&mut self, kind: &str, index: usize) -> String {
         let odd = self.one_of(&["", " ", "\"", "'", "\\", "\n", "é", "#", "\u{7f}", "'''\"\"\""]);
         format!("{kind}{odd}{index}")
     }
 }
 
-/// A rig of up to ten bodies with every kind of part.
+/// Creates a rig of up to ten bodies with every kind of part.
 pub(super) fn rig(seed: u64) -> Description {
     let r = &mut Random(seed);
     let count = 1 + r.below(10);
@@ -113,7 +113,7 @@ fn body(r: &mut Random, index: usize) -> Body {
                 let [xx, yy, zz] = [1.0, 1.1, 1.2].map(|moment| moment * scale);
                 let [xy, xz, yz] = [0.0, 0.01, -0.02]
                     .map(|product| if r.below(2) == 0 { 0.0 } else { product * scale });
-                // As text is read: a product of two decimals may be off by a bit.
+                // Through text, because a product of two decimals may differ in the last bit.
                 let read = |x: f64| format!("{x:.6e}").parse::<f64>().unwrap();
                 body.inertia_kg_m2 = Some(InertiaMatrix {
                     xx: read(xx),
@@ -201,7 +201,7 @@ fn limits(r: &mut Random, joints: &[Joint]) -> Vec<LinkedLimit> {
                 other_factor: r.one_of(&[1.0, -1.0, 0.25]),
                 ..LinkedLimit::default()
             };
-            // Wider than any home pose of `joint`: 400 degrees or 1000 m, with factors of up to 2 and 1.
+            // Wider than any home pose of `joint`: 400 deg or 1000 m, with factors of up to 2 and 1.
             let (least, most) = (-3000.0, r.perhaps(|_| 3000.5));
             if kind == JointType::Revolute {
                 limit.least_rad = Some(f64::to_radians(least));
@@ -239,7 +239,7 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
         let first = servos.len();
         servos.extend((first..first + columns).map(|index| servo(r, index)));
         if matches!(kind, DriveKind::FourBar { .. }) {
-            // Within the linkage's good range.
+            // Within the valid range of the linkage.
             let shaft = &mut servos[first];
             (shaft.gear, shaft.offset_rad, shaft.range_rad) =
                 (1.0, None, vec![[-57_f64, 57.0].map(f64::to_radians)]);
@@ -250,7 +250,7 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
     (drives, servos)
 }
 
-/// Far from singular: each dof has a servo of its own, which the others only join.
+/// Returns a matrix that is far from singular: each dof has a servo of its own, and the others contribute little.
 fn rows(r: &mut Random, dofs: usize, servos: usize) -> Vec<Vec<f64>> {
     let entry = |r: &mut Random, own: bool| {
         if own { (500 + r.below(1001)) as f64 / 1000.0 } else { (1 + r.below(100)) as f64 / 1000.0 }
@@ -258,7 +258,7 @@ fn rows(r: &mut Random, dofs: usize, servos: usize) -> Vec<Vec<f64>> {
     (0..dofs).map(|row| (0..servos).map(|column| entry(r, row == column)).collect()).collect()
 }
 
-/// Monotone, of slopes that differ by less than a curve's may. In degrees, or in degrees and metres.
+/// Returns a monotone curve whose slopes differ less than the limit, in degrees, or in degrees and metres.
 fn curve(r: &mut Random, slides: bool) -> Vec<[f64; 2]> {
     let down = if r.below(2) == 0 { 1.0 } else { -1.0 };
     let mut at = [-60.0, 12.0 * down];
@@ -272,7 +272,7 @@ fn curve(r: &mut Random, slides: bool) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A parallelogram of any size, a right angle where the servo is at zero.
+/// Returns a parallelogram of any size, with a right angle when the servo is at zero.
 fn four_bar(r: &mut Random) -> DriveKind {
     let size_m = 0.01 * (1.0 + r.below(10) as f64);
     DriveKind::FourBar {
@@ -313,14 +313,22 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     for (_, value) in model.values_mut() {
         *value = SourcedValue { value: r.positive(), source: r.name("guess: ", index) };
     }
-    // What no servo is, is refused.
+    // Values that no servo has would be refused.
     model.friction_nm.value = 0.5 * model.stall_torque_nm.value;
     for fine in [&mut model.resolution_rad, &mut model.backlash_rad] {
         fine.value = fine.value.min(0.1);
     }
+    // A gear's stiffness, given or by rule, goes with its rotor.
+    let rotor = &mut model.rotor_inertia_kg_m2.value;
+    *rotor = rotor.max((model.stall_torque_nm.value / 0.0175 / 1e3).ceil() / 1e3);
+    let stiffest = (1e6 * *rotor).round();
     for (key, value) in model.optional_values_mut() {
         *value = r.perhaps(|r| {
-            let most = if key == "output_friction_share" { 1.0 } else { f64::INFINITY };
+            let most = match key {
+                "output_friction_share" => 1.0,
+                "gear_stiffness_nm_rad" => stiffest,
+                _ => f64::INFINITY,
+            };
             SourcedValue { value: r.positive().min(most), source: r.name("guess: ", index) }
         });
     }

@@ -1,4 +1,4 @@
-//! What the tests of importers have in common.
+//! Helpers of the importers' tests.
 
 use sinew_rig::import::{ImportError, Imported, NoteKind};
 

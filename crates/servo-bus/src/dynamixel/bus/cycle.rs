@@ -1,4 +1,4 @@
-//! A tick: commands out, questions out, replies in.
+//! One tick of the bus: sends commands, asks for readings, processes replies.
 
 use heapless::Vec;
 
@@ -49,7 +49,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
             Instruction::SyncRead(span)
         };
         let asked = if ids.is_empty() { 0 } else { ask.encode(BROADCAST, rest)? };
-        // Only now nothing can fail any more.
+        // Nothing can fail after this line, so the state may change.
         let mut group = ids.iter().peekable();
         for (index, servo) in self.servos.iter_mut().enumerate() {
             servo.is_in_group = group.next_if_eq(&&servo.setup.id).is_some();
@@ -75,7 +75,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     }
 
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
-        // A damaged length may have kept whole replies waiting for bytes that do not come.
+        // The parser may still hold whole replies, if a damaged length made it wait for bytes that do not arrive.
         while let Some(packet) = self.parser.flush() {
             take_packet(&mut self.servos, &mut self.awaits, &mut self.comparison, packet);
         }
@@ -150,7 +150,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     }
 }
 
-/// Gives a reply to the servo that was asked for it; any other is dropped.
+/// Passes a reply to the servo that was asked for it. Ignores any other reply.
 fn take_packet(
     servos: &mut [Servo],
     awaits: &mut Awaits,
@@ -177,7 +177,7 @@ fn take_packet(
                 let settings = settings_of(servo, comparison.requirements);
                 let is_asked = comparison.servo == index
                     && comparison.next(settings.clone()) == Some((address, length));
-                // With an error what stands there is no register.
+                // With an error, the data are not the value of a register.
                 if is_asked && status.error.code().is_none() {
                     comparison.take(settings, ByteOrder::Little, address, status.data);
                 }

@@ -1,10 +1,10 @@
-//! Lengths of what a bus reads of its servos.
+//! Lengths of the reads of a bus, in bytes.
 
-/// Current or load, velocity and position: 126 to 135.
+/// Length of a motion reading: current or load, velocity and position, addresses 126 to 135.
 pub(super) const MOTION_LEN: u16 = 10;
-/// Supply and temperature: 144 to 146.
+/// Length of a slow reading: supply and temperature, addresses 144 to 146.
 pub(super) const SLOW_LEN: u16 = 3;
-/// A question for [`SLOW_LEN`] bytes, and its answer.
+/// Length of the question for [`SLOW_LEN`] bytes plus its answer.
 pub(super) const EXTRA_LEN: u32 = 14 + 11 + 3;
-/// The longest reply: a status of [`MOTION_LEN`] bytes, stuffed at worst.
+/// Length of the longest reply: a status of [`MOTION_LEN`] bytes with the most stuffing.
 pub(super) const LONGEST: usize = 32;

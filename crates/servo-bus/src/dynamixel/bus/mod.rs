@@ -1,4 +1,4 @@
-//! A bus of Dynamixel servos, as a rig sees it.
+//! The controller's side of a bus of Dynamixel servos.
 
 mod cycle;
 mod lengths;
@@ -21,12 +21,13 @@ use lengths::{LONGEST, SLOW_LEN};
 use servo::{Goals, Servo};
 pub use setup::{Mode, ServoSetup, Settings, traffic};
 
-/// Up to `SERVOS` servos. All is written by sync write, which nobody answers, whatever the Status Return Level (68).
+/// A bus of up to `SERVOS` servos. It writes by sync write, which no servo answers, whatever its Status Return Level
+/// (68).
 ///
-/// With torque off goes what stops a servo later, if it hears nothing any more: its Bus Watchdog (98), 100 ms, which
-/// counts while torque is on. So it is set, and can be read back, before torque comes on. One that has run out is
-/// cleared first. While torque is on it is read in the time that is left: see
-/// [`Health::has_stopped`](crate::Health::has_stopped).
+/// Each "torque off" also sets the servo's Bus Watchdog (98) to 100 ms. The watchdog stops a servo that receives
+/// nothing while its torque is on. It is set with torque off, so that it can be read back before torque is switched on.
+/// A watchdog that has expired is cleared first. While torque is on, the bus reads the watchdogs in the time that is
+/// left: see [`Health::has_stopped`](crate::Health::has_stopped).
 #[derive(Debug, Clone)]
 pub struct Bus<const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
@@ -36,27 +37,28 @@ pub struct Bus<const SERVOS: usize> {
     awaits: Awaits,
     tick: u32,
     retries_left: u8,
-    /// Who was asked again last.
+    /// Index of the servo that was asked again last.
     retried: usize,
-    /// Whose supply and temperature are read next.
+    /// Index of the servo whose supply and temperature were read last.
     slow: usize,
     slow_is_due: bool,
     comparison: Option<Comparison>,
     registers_are_due: bool,
-    /// Whose watchdog is read next.
+    /// Index of the servo whose watchdog was read last.
     watched: usize,
-    /// There was no time for registers behind supply and temperature: in the next tick these wait.
+    /// After supply and temperature there was no time to read registers: in the next tick, the registers are read
+    /// first.
     slow_waits: bool,
 }
 
 #[derive(Debug, Clone)]
 enum Awaits {
     Nothing,
-    /// Replies of all that are awaited, one by one.
+    /// Separate replies of all awaited servos.
     Each,
-    /// One packet of all that are awaited, in their order.
+    /// One packet with the answers of all awaited servos, in their order.
     Fast(FastReader<LONGEST>),
-    /// One servo's bytes from an address.
+    /// The reply of one servo to a read.
     One {
         servo: usize,
         address: u16,
@@ -65,7 +67,7 @@ enum Awaits {
 }
 
 impl<const SERVOS: usize> Bus<SERVOS> {
-    /// A bus of these servos.
+    /// Creates a bus with these servos.
     ///
     /// # Errors
     /// [`SetupError`] names the servo and what is wrong with it.
@@ -94,16 +96,16 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         })
     }
 
-    /// That [`Self::new`] makes a bus of these servos; it takes less room on the stack.
+    /// Checks that [`Self::new`] would accept these servos. Needs less stack than `new`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn check(setups: &[ServoSetup], schedule: &Schedule) -> Result<(), SetupError> {
         let servo_of = |setup| Servo::new(setup, schedule);
         check_servos::<_, _, SERVOS>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
-    /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
+    /// Appends one packet at `from` for all servos that have this kind of goal, and returns the end of the packet.
     fn write_goals<const K: usize>(
         &self,
         out: &mut [u8],
@@ -124,15 +126,16 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         packet.finish().map(|len| from.saturating_add(len))
     }
 
-    /// Whose watchdog is set in this tick, if its torque is off: one servo in every second tick, so that a bus without
-    /// time to spare has the others for what is read before arming.
+    /// Returns the id of the servo whose watchdog is set in this tick if its torque is switched off. It is one servo in
+    /// every second tick: on a bus without spare time, the other ticks are free for reads before arming.
     fn watchdog_turn(&self) -> Option<u8> {
         let count = u32::try_from(self.servos.len()).ok()?;
         let turn = (self.tick / 2).checked_rem(count).filter(|_| self.tick.is_multiple_of(2))?;
         self.servos.get(usize::try_from(turn).ok()?).map(|servo| servo.setup.id)
     }
 
-    /// Torque goes off before anything else, and on after everything else: a servo never moves to an old goal.
+    /// Writes all goals. Torque off is the first packet and torque on the last, so that a servo never moves to an old
+    /// goal.
     fn write_all_goals(&self, out: &mut [u8]) -> Result<usize, EncodeError> {
         let torque = |goals: &Goals, on: bool| {
             goals.torque.filter(|wanted| *wanted == on).map(|on| [u8::from(on)])
@@ -147,7 +150,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
                 .and_then(|servo| torque(&servo.goals, false))
                 .map(|_| [value])
         };
-        // One that has run out takes nothing else before it is cleared.
+        // A watchdog that has expired accepts no other value before it is cleared.
         let end = self.write_goals(out, end, address::BUS_WATCHDOG, |servo| watchdog(servo, 0))?;
         let end = self.write_goals(out, end, address::BUS_WATCHDOG, |servo| {
             watchdog(servo, DYNAMIXEL_WATCHDOG)
@@ -174,7 +177,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.write_goals(out, end, address::TORQUE_ENABLE, |servo| torque(&servo.goals, true))
     }
 
-    /// Notes who was asked by itself and has not answered.
+    /// Notes that a servo that was asked alone has not answered.
     fn note_silence(&mut self) {
         let Awaits::One { servo, address: address::PRESENT_CURRENT, .. } = self.awaits else {
             return;
@@ -185,8 +188,8 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.awaits = Awaits::Nothing;
     }
 
-    /// Whom to ask by itself: the first of the group that has not answered, for it may be what keeps those behind it
-    /// from being read; then those that are left out, in turn.
+    /// Returns the servo to ask alone. The first choice is the first servo of the group that has not answered, because
+    /// it may block the servos after it; then the servos that are left out of the group, in turn.
     fn next_missing(&self) -> Option<usize> {
         let missing = |is_left_out| {
             let all = self.servos.iter().enumerate();
@@ -212,7 +215,8 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         Request { len, reply_len, time_us }
     }
 
-    /// What an alert means comes first; else supply and temperature of one servo after the other.
+    /// Asks for the cause of an alert if there is one; otherwise for supply and temperature, of one servo after the
+    /// other.
     fn ask_slow(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
         let alert =
             |servo: &Servo| servo.state.health.alert && servo.state.health.hardware_error == 0;
@@ -223,7 +227,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.ask_one(self.slow, (address::PRESENT_VOLTAGE, SLOW_LEN), left_us, out)
     }
 
-    /// Asks for the next registers that are to be compared, if there is time.
+    /// Asks for the next registers to compare, if there is time.
     fn ask_registers(
         &mut self,
         left_us: u32,
@@ -239,7 +243,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         Ok(request.map(|asked| Request { time_us: patient_us(asked.time_us, left_us), ..asked }))
     }
 
-    /// Asks the next servo whose torque is on whether it has stopped by itself, if there is time.
+    /// Asks the next servo whose torque is on whether its watchdog has stopped it, if there is time.
     fn ask_watchdog(
         &mut self,
         left_us: u32,
@@ -278,7 +282,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
     }
 }
 
-/// What a servo must hold in its registers. Where they are does not depend on the firmware.
+/// Returns the values that a servo's registers must hold. The addresses do not depend on the firmware.
 fn settings_of(
     servo: &Servo,
     requirements: ServoRequirements,
@@ -286,8 +290,8 @@ fn settings_of(
     settings::dynamixel_limp(Table { model: servo.setup.model, firmware: u8::MAX }, requirements)
 }
 
-/// Returns the P gain of position that a servo must hold. It forgets it without power, so the bus writes it before it
-/// compares; none where its loop is not the servo's own.
+/// Returns the position P gain that a servo must hold, or `None` if the servo does not control position itself. The
+/// servo loses this gain without power, so the bus writes it before the comparison.
 fn gain_of(servo: &Servo, requirements: ServoRequirements) -> Option<u16> {
     let table = Table { model: servo.setup.model, firmware: u8::MAX };
     let item = table.at(address::POSITION_P).filter(|_| servo.setup.mode.is_position())?;

@@ -1,4 +1,4 @@
-//! One servo: from commands to goals in counts, from replies to readings.
+//! State of one servo of the bus: converts commands to goals in counts, and replies to readings.
 
 use super::setup::{Mode, ServoSetup};
 use crate::counts::{most_counts, profile_counts, step_counts};
@@ -10,10 +10,10 @@ use crate::{Command, CommandError, Effort, Limit, Plausible, Schedule, SetupErro
 
 const RAD_PER_COUNT: f32 = POSITION.scale;
 const RAD_S_PER_COUNT: f32 = VELOCITY.scale;
-/// The fastest profile that its register holds.
+/// Maximum profile velocity that the register can hold, in its counts.
 const MOST_SPEED: i32 = 32_767;
 const MOST_GAIN: u16 = 16_383;
-/// Turns that a position may be away from its zero in the modes of several turns.
+/// Maximum position either way in the modes of several turns, counts: 256 turns.
 const MOST_TURNS: i32 = 1_048_575;
 
 #[derive(Debug, Clone)]
@@ -24,14 +24,14 @@ pub(super) struct Servo {
     pub(super) goals: Goals,
     /// Torque as it was last sent.
     torque: Option<bool>,
-    /// It is asked together with the others in this tick.
+    /// Whether the servo is asked together with the others in this tick.
     pub(super) is_in_group: bool,
-    /// It was silent when asked by itself. Until it answers it is not asked together with the others: behind it the
-    /// answer of all to a fast sync read is torn.
+    /// Whether the servo did not answer when it was asked alone. Until it answers, it is left out of the group's read,
+    /// because a silent servo breaks a fast sync read for the servos after it.
     pub(super) is_left_out: bool,
 }
 
-/// What was commanded and not yet sent.
+/// Commanded goals that are not sent yet, in counts.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Goals {
     pub(super) torque: Option<bool>,
@@ -39,7 +39,7 @@ pub(super) struct Goals {
     pub(super) pwm: Option<i16>,
     pub(super) current: Option<i16>,
     pub(super) position: Option<i32>,
-    /// Of the profile to the position.
+    /// Speed of the profile that leads to the position.
     pub(super) speed: Option<i32>,
 }
 
@@ -57,24 +57,24 @@ impl Servo {
             return Err(SetupError::Setting { id, what: "mode (the model has no current sensor)" });
         }
         let step = step_counts(setup.speed_rad_s, schedule.tick_us(), RAD_PER_COUNT);
-        // A servo may stand outside of where it may be sent.
+        // A reading is valid even outside of the range of goals.
         let state = ServoState::new(Plausible::new([-MOST_TURNS, MOST_TURNS], step));
         let (is_in_group, is_left_out) = (false, false);
         let (goals, torque) = (Goals::default(), None);
         Ok(Self { setup, state, range, goals, torque, is_in_group, is_left_out })
     }
 
-    /// Whether its torque is on, as it was told.
+    /// Returns whether the servo's torque is commanded on.
     pub(super) fn is_on(&self) -> bool {
         self.torque == Some(true)
     }
 
-    /// All that was commanded is in the packets of this tick.
+    /// Clears the goals after all of them were written to this tick's packets.
     pub(super) fn planned(&mut self) {
         let goals = core::mem::take(&mut self.goals);
         if let Some(is_on) = goals.torque {
             self.torque = Some(is_on);
-            // It is cleared with torque off, and asked again when torque is on.
+            // Torque off also clears the watchdog; it is read again when torque is on.
             self.state.health.has_stopped &= is_on;
         }
     }
@@ -148,7 +148,7 @@ impl Servo {
         Ok((i16::try_from(counts).unwrap_or(0), limit))
     }
 
-    /// Takes a reply to a read from `address`.
+    /// Processes a reply to a read from `address`.
     pub(super) fn take(&mut self, status: &Status<'_>, address: u16, length: u16) {
         if !status.answers(self.setup.id, length.into()) {
             return;
@@ -160,7 +160,7 @@ impl Servo {
         if !health.alert {
             health.hardware_error = 0;
         }
-        // With an error what stands there is no reading: the servo is alive, but has measured nothing.
+        // With an error the data are not a reading: the servo is alive, but has measured nothing.
         let data = if status.error.code().is_some() { &[] } else { status.data };
         match (address, data) {
             (address::PRESENT_CURRENT, &[c0, c1, v0, v1, v2, v3, p0, p1, p2, p3]) => {

@@ -1,45 +1,45 @@
-//! What servos are on the bus, and how they are read.
+//! Describes the servos of a bus, and how the bus reads them.
 
 use super::lengths::{EXTRA_LEN, MOTION_LEN};
 use crate::dynamixel::table::Model;
 use crate::{Cost, Traffic};
 
-/// What a servo is on the bus, and how far it may go.
+/// Setup of a servo on the bus: its id, its model and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoSetup {
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// Its model.
+    /// Model of the servo.
     pub model: &'static Model,
-    /// What it controls; it must be set to this mode before.
+    /// Operating mode. The servo's register must already hold it.
     pub mode: Mode,
-    /// Least and most own position, rad.
+    /// Minimum and maximum position, rad, zero where its encoder counts zero.
     pub range_rad: [f32; 2],
-    /// The most current, A; not used by a model without a current sensor.
+    /// Maximum current, A. Not used by a model without a current sensor.
     pub current_a: f32,
-    /// The most PWM, up to 1.
+    /// Maximum PWM, as a fraction of full PWM, up to 1.
     pub pwm: f32,
-    /// Its fastest speed, rad/s: a reading that is further away than that is not believed at once.
+    /// Maximum speed, rad/s. A reading that would need a higher speed is not believed at once.
     pub speed_rad_s: f32,
 }
 
-/// What a servo controls: its operating mode.
+/// Operating mode: the quantity that a servo controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// 0: current.
+    /// Mode 0: current.
     Current,
-    /// 3: position within a turn.
+    /// Mode 3: position within one turn.
     Position,
-    /// 4: position over several turns.
+    /// Mode 4: position over several turns.
     ExtendedPosition,
-    /// 5: position with a limit of current.
+    /// Mode 5: position with a current limit.
     CurrentPosition,
-    /// 16: PWM.
+    /// Mode 16: PWM, without position or current control.
     Pwm,
 }
 
 impl Mode {
-    /// What stands in Operating Mode (11).
+    /// Returns the value for Operating Mode (11).
     pub const fn number(self) -> u8 {
         match self {
             Self::Current => 0,
@@ -55,21 +55,21 @@ impl Mode {
     }
 }
 
-/// How a bus is read.
+/// Settings for the reads of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Fast sync read: all servos in one packet. Needs firmware that knows it; with one servo dead, those behind it are
-    /// silent, and are asked one by one.
+    /// Whether to use fast sync read: all servos answer in one packet. The firmware must support it. If one servo is
+    /// dead, the servos after it are silent too, and are asked alone.
     pub fast: bool,
-    /// How often servos are asked again in one tick, over all.
+    /// Maximum number of repeated questions in one tick, for all servos together.
     pub retries: u8,
 }
 
-/// The traffic of a bus of so many servos, for a [`Schedule`](crate::Schedule): a goal to each, current, velocity and
-/// position of those that are read, and one read besides.
+/// Returns the traffic of a bus with `servos` servos, for a [`Schedule`](crate::Schedule): a goal for each servo;
+/// current, velocity and position of the servos that are read; and one additional read.
 ///
-/// A tick that also switches torque, or writes other goals, is longer by those packets:
-/// [`Request::time_us`](crate::Request::time_us) counts them.
+/// A tick that also switches torque or writes other goals takes longer: [`Request::time_us`](crate::Request::time_us)
+/// includes those packets.
 pub fn traffic(servos: u32, goal_len: u32, fast: bool) -> Traffic {
     let len = u32::from(MOTION_LEN);
     Traffic {

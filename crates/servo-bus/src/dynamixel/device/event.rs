@@ -3,19 +3,19 @@
 /// An event that the simulation of a servo may want to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// Items were written.
+    /// A controller wrote registers.
     Written {
-        /// First address.
+        /// First address that was written.
         address: u16,
-        /// How many bytes.
+        /// Number of bytes that were written.
         length: u16,
     },
-    /// It starts anew: torque is off, RAM is as after power-up.
+    /// The servo restarted: torque is off, and RAM holds its power-up values.
     Rebooted,
-    /// It is as it left the factory, and starts anew.
+    /// The servo returned to its factory settings and restarted.
     FactoryReset,
-    /// It forgot full turns: its position is within one now.
+    /// The servo cleared its full turns: its position is now within one turn.
     TurnsCleared,
-    /// No instruction came for as long as the bus watchdog allows.
+    /// No instruction arrived within the time of the bus watchdog.
     WatchdogRanOut,
 }

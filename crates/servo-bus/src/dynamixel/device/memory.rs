@@ -5,11 +5,12 @@ use crate::dynamixel::status::ErrorCode;
 use crate::dynamixel::table::{Table, address};
 use crate::table::{Access, Area, ByteOrder, Item, Range};
 
-/// How far a goal may lie in the modes of several turns: 256 turns either way. Source: e-manual, Goal Position.
+/// Maximum goal position in the modes of several turns, counts: 256 turns either way. Source: e-manual, Goal Position.
 const TURNS: i32 = 1_048_575;
-/// Velocity I Gain to Feedforward 1st Gain; a change of mode sets them back. Source: e-manual, Operating Mode.
+/// Addresses from Velocity I Gain to Feedforward 1st Gain. A change of mode resets them. Source: e-manual, Operating
+/// Mode.
 const GAINS: core::ops::RangeInclusive<u16> = 76..=90;
-/// Goal PWM to Profile Velocity, likewise.
+/// Addresses from Goal PWM to Profile Velocity. A change of mode resets them too.
 const GOALS: core::ops::RangeInclusive<u16> = address::GOAL_PWM..=112;
 const POSITION_MODE: i32 = 3;
 
@@ -25,17 +26,17 @@ impl<'m> Memory<'m> {
         Self { table, bytes }
     }
 
-    /// What is where.
+    /// Returns the layout of the control table.
     pub fn table(&self) -> &Table {
         &self.table
     }
 
-    /// The number that an item holds; 0 if the servo has no item there.
+    /// Returns the value of a register, or 0 if the servo has no register at `address`.
     pub fn get(&self, address: u16) -> i32 {
         self.table.at(address).map_or(0, |item| self.value(&item))
     }
 
-    /// Sets an item, without asking whether a controller could. What does not fit in it is cut off.
+    /// Sets a register, even if a controller could not write it. Bits that do not fit are cut off.
     pub fn set(&mut self, address: u16, value: i32) {
         if let Some(item) = self.table.at(address) {
             let bytes = item.bytes(value, ByteOrder::Little);
@@ -43,12 +44,12 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Whether torque is on.
+    /// Returns whether torque is on.
     pub fn torque_is_on(&self) -> bool {
         self.byte(address::TORQUE_ENABLE) != 0
     }
 
-    /// Reads as a controller does. Bytes between items are 0.
+    /// Reads bytes with the rules for a controller. Bytes between registers are 0.
     pub(super) fn read(&self, address: u16, out: &mut [u8]) -> Result<(), ErrorCode> {
         let end = usize::from(address).saturating_add(out.len());
         if out.is_empty() || end > self.table.size() || self.table.at(address).is_none() {
@@ -64,7 +65,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Writes as a controller does: everything, or nothing and why.
+    /// Writes bytes with the rules for a controller: all of them, or none and an error.
     pub(super) fn write(&mut self, address: u16, data: &[u8]) -> Result<(), ErrorCode> {
         self.check(address, data)?;
         for (byte, to) in data.iter().zip(address..) {
@@ -76,7 +77,7 @@ impl<'m> Memory<'m> {
         Ok(())
     }
 
-    /// Whether a controller may write this.
+    /// Checks whether a controller may write these bytes.
     pub(super) fn check(&self, address: u16, data: &[u8]) -> Result<(), ErrorCode> {
         if data.is_empty() {
             return Err(ErrorCode::DataLength);
@@ -130,7 +131,7 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// As after power-up.
+    /// Resets RAM to its power-up values.
     pub(super) fn reset_ram(&mut self) {
         self.reset(|item| item.area == Area::Ram);
         for run in self.table.indirect().into_iter().flatten() {
@@ -172,7 +173,7 @@ impl<'m> Memory<'m> {
         item.value(bytes, ByteOrder::Little)
     }
 
-    /// Where a byte is kept: elsewhere, if it is indirect data.
+    /// Returns the address at which a byte is stored. For indirect data, that is another address.
     fn place(&self, address: u16) -> u16 {
         for run in self.table.indirect().into_iter().flatten() {
             let index = address.checked_sub(run.data).filter(|index| *index < run.count);

@@ -1,6 +1,7 @@
-//! A servo's side of the protocol, over a memory image that the caller owns.
+//! A simulated servo's side of the protocol, over a memory image that the caller owns.
 //!
-//! What moves is not here: a simulation writes what sensors see into [`Device::memory`], and reads goals out of it.
+//! Motion is not simulated in this module: a simulation writes sensor values into [`Device::memory`], and reads goals
+//! from it.
 
 mod event;
 mod memory;
@@ -19,11 +20,12 @@ pub use event::Event;
 pub use memory::Memory;
 use servo::{Answers, Servo};
 
-/// A servo on a line. `N` is the longest packet that it takes or gives.
+/// A simulated servo on a bus line. `N` is the length of the longest packet that it can receive or send.
 ///
-/// What real servos were not observed to do follows the text of the protocol:
-/// - in a sync or bulk read it answers when the servo before it has; if that stays silent, it answers after a silence;
-/// - in a fast one it never answers without those before it: the CRC needs their bytes;
+/// Behaviour of real servos that was not observed follows the text of the protocol:
+/// - in a sync or bulk read it answers after the servo before it; if that servo stays silent, it answers after a
+///   silence;
+/// - in a fast read it never answers without the servos before it: the CRC needs their bytes;
 /// - all answer a broadcast ping in the order of their ids.
 pub struct Device<'m, const N: usize> {
     parser: Parser<N>,
@@ -31,8 +33,8 @@ pub struct Device<'m, const N: usize> {
 }
 
 impl<'m, const N: usize> Device<'m, N> {
-    /// A servo that was just switched on, with what the factory sets and this id. `memory` needs [`Table::size`] bytes;
-    /// what it lacks reads as 0.
+    /// Creates a servo that was just switched on, with factory settings and this id. `memory` needs [`Table::size`]
+    /// bytes; missing bytes read as 0.
     pub fn new(table: Table, id: u8, memory: &'m mut [u8]) -> Self {
         let mut memory = Memory::new(table, memory);
         memory.reset_all();
@@ -49,28 +51,28 @@ impl<'m, const N: usize> Device<'m, N> {
         Self { parser: Parser::new(), servo }
     }
 
-    /// Its control table.
+    /// Returns the control table.
     pub fn memory(&self) -> &Memory<'m> {
         &self.servo.memory
     }
 
-    /// Its control table, for what its sensors see.
+    /// Returns the control table for writing: a simulation stores its sensor values there.
     pub fn memory_mut(&mut self) -> &mut Memory<'m> {
         &mut self.servo.memory
     }
 
-    /// At what rate it listens, bits per second.
+    /// Returns the current baud rate, bits per second.
     pub fn baud(&self) -> u32 {
         let code = self.servo.memory.get(address::BAUD);
         usize::try_from(code).ok().and_then(|code| BAUDS.get(code)).copied().unwrap_or(57_600)
     }
 
-    /// What happened, oldest first.
+    /// Returns the oldest event that was not yet returned.
     pub fn next_event(&mut self) -> Option<Event> {
         self.servo.events.pop_front()
     }
 
-    /// Time passes. The bus watchdog counts while torque is on.
+    /// Advances the time by `dt_us`. The bus watchdog counts while torque is on.
     pub fn pass_time(&mut self, dt_us: u32) {
         let servo = &mut self.servo;
         servo.silent_us = servo.silent_us.saturating_add(dt_us);
@@ -89,7 +91,7 @@ impl<const N: usize> BusDevice for Device<'_, N> {
         let mut input = bytes;
         while let Some(packet) = self.parser.next(&mut input) {
             self.servo.take(&packet);
-            // What came whole behind damage is answered, not the damage.
+            // The servo answers a whole packet that follows damage, and does not report the damage.
             self.parser.take_damaged();
         }
         let damaged = self.parser.take_damaged();
@@ -104,7 +106,7 @@ impl<const N: usize> BusDevice for Device<'_, N> {
 
     fn speak(&mut self, out: &mut [u8]) -> usize {
         self.servo.due_us = None;
-        // What it had begun to hear ends with its own words.
+        // A packet that it had begun to receive ends when the servo itself sends.
         self.parser.clear();
         let len = self.servo.answer.len().min(out.len());
         for (to, from) in out.iter_mut().zip(&self.servo.answer) {

@@ -1,11 +1,11 @@
-//! Answers to reads: at once, or in turn with other servos.
+//! Answers reads: at once, or in turn with other servos.
 
 use super::servo::{Answers, Servo};
 use super::turn::{After, Turn};
 use crate::dynamixel::status::{ErrorCode, Status};
 use crate::dynamixel::table::address;
 
-/// The most that one read gives: a whole table.
+/// Maximum bytes of one read: a whole table.
 const READ_LEN: usize = 662;
 
 impl<const N: usize> Servo<'_, N> {
@@ -28,14 +28,14 @@ impl<const N: usize> Servo<'_, N> {
         }
     }
 
-    /// Another servo has replied.
+    /// Processes a reply of another servo: afterwards it may be this servo's turn.
     pub(super) fn hear_status(&mut self, id: u8) {
         if matches!(self.turn, Some(Turn { after: After::Servo(before), .. }) if before == id) {
             self.take_turn();
         }
     }
 
-    /// Listens for the parts of servos before it.
+    /// Counts the bytes that the servos before this one send in a fast reply.
     pub(super) fn hear_turn(&mut self, bytes: &[u8]) {
         let Some(Turn { after: After::Blocks(blocks), .. }) = &mut self.turn else { return };
         for byte in bytes {
@@ -46,7 +46,7 @@ impl<const N: usize> Servo<'_, N> {
         }
     }
 
-    /// The servo before it stays silent.
+    /// Takes the turn when the servo before it stays silent.
     pub(super) fn miss_turn(&mut self) {
         if matches!(self.turn, Some(Turn { after: After::Servo(_), .. })) {
             self.take_turn();
@@ -65,7 +65,7 @@ impl<const N: usize> Servo<'_, N> {
         let Some(data) = data.get_mut(..usize::from(turn.length)) else { return };
         let read = self.memory.read(turn.address, data);
         let status = Status { id: self.id(), error: self.error(read.err()), data };
-        // Only the first one waits; the others follow at once.
+        // Only the first servo waits for its return delay; the others follow at once.
         let delay_us = if blocks.is_first() { self.return_delay_us() } else { 0 };
         self.encode(delay_us, |out| blocks.encode(&status, out));
     }

@@ -1,4 +1,4 @@
-//! What a servo does with a packet.
+//! Executes received packets and prepares the answers.
 
 use heapless::{Deque, Vec};
 
@@ -12,11 +12,11 @@ use crate::dynamixel::instruction::Instruction;
 use crate::dynamixel::status::{ErrorCode, Status, StatusError};
 use crate::dynamixel::table::address;
 
-/// All of a servo but its parser, which lends it packets.
+/// All state of a simulated servo except its parser, which lends it packets.
 pub(super) struct Servo<'m, const N: usize> {
     pub(super) memory: Memory<'m>,
     pub(super) turn: Option<Turn>,
-    /// Address and data of a write that waits for an action.
+    /// Address and data of a registered write, which waits for an Action instruction.
     pub(super) registered: Vec<u8, N>,
     pub(super) answer: Vec<u8, N>,
     pub(super) due_us: Option<u32>,
@@ -24,7 +24,7 @@ pub(super) struct Servo<'m, const N: usize> {
     pub(super) events: Deque<Event, 8>,
 }
 
-/// Which status level an instruction needs to be answered.
+/// The lowest status level at which an instruction is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Answers {
     Ping,
@@ -52,7 +52,7 @@ impl<const N: usize> Servo<'_, N> {
         self.silent_us = 0;
         (self.turn, self.due_us) = (None, None);
         let own = self.id();
-        // A second id may be shared by several servos: it is obeyed, not answered.
+        // Several servos may share a secondary id: each obeys it, and none answers.
         let shadow =
             self.memory.get(address::SECONDARY_ID) == i32::from(packet.id) && packet.id <= MAX_ID;
         if packet.id != own && packet.id != BROADCAST && !shadow {
@@ -112,7 +112,7 @@ impl<const N: usize> Servo<'_, N> {
         };
         let own = self.id();
         if is_own && !instruction.is_group() {
-            // An id that was just written holds from the next packet on.
+            // A new id is valid from the next packet on: this answer still has the old one.
             self.reply(Answers::All, done);
         }
         match instruction {
@@ -158,7 +158,7 @@ impl<const N: usize> Servo<'_, N> {
         let mut data = [0; 3];
         self.memory.copy(address::MODEL_NUMBER, data.get_mut(..2).unwrap_or_default());
         self.memory.copy(address::FIRMWARE, data.get_mut(2..).unwrap_or_default());
-        // To a broadcast all answer, one after the other: each id has its time.
+        // All servos answer a broadcast ping, one after the other: each id has its own time slot.
         let slot_us = if is_own { 0 } else { u32::from(self.id()).saturating_mul(PING_SLOT_US) };
         self.send(&data, Answers::Ping, Ok(()), self.return_delay_us().saturating_add(slot_us));
     }
@@ -190,7 +190,7 @@ impl<const N: usize> Servo<'_, N> {
         StatusError::new(code, self.memory.get(address::HARDWARE_ERROR) != 0)
     }
 
-    /// An answer that does not fit is not sent: the controller sees a servo that is silent.
+    /// Prepares an answer. If it does not fit, the servo stays silent.
     pub(super) fn encode(
         &mut self,
         delay_us: u32,
@@ -211,5 +211,6 @@ impl<const N: usize> Servo<'_, N> {
     }
 }
 
-/// Between the answers to a broadcast ping. ROBOTIS's client waits 3 ms for each id: `dynamixel-sdk` 4.1.0.
+/// Time slot of one id for the answers to a broadcast ping, us. ROBOTIS's client waits 3 ms for each id:
+/// `dynamixel-sdk` 4.1.0.
 const PING_SLOT_US: u32 = 3_000;

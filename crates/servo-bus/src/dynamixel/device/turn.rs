@@ -1,10 +1,10 @@
-//! The turn of a servo in a read of several.
+//! The turn of a servo in a read of several servos.
 
 use crate::dynamixel::fast::FastTurn;
 use crate::dynamixel::group::{BulkEntry, bulk_entries};
 use crate::dynamixel::instruction::Span;
 
-/// A read to answer, and the answer that comes before it.
+/// A read that the servo must answer after another servo.
 #[derive(Debug, Clone)]
 pub(super) struct Turn {
     pub(super) address: u16,
@@ -12,14 +12,14 @@ pub(super) struct Turn {
     pub(super) after: After,
 }
 
-/// The answer that a servo waits for before its own.
+/// The answer that a servo waits for before it sends its own.
 #[derive(Debug, Clone)]
 pub(super) enum After {
-    /// At once.
+    /// No answer: the servo answers at once.
     Nobody,
-    /// After this servo's reply.
+    /// The reply of this servo.
     Servo(u8),
-    /// In one packet with the others.
+    /// The parts of the other servos in a fast reply, which is one packet for all.
     Blocks(FastTurn),
 }
 

@@ -1,106 +1,106 @@
-//! The items of all models, by address.
+//! The registers of all models, by address.
 
 use crate::table::Range::{Any, Between, PlusMinus, Within};
 use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
-/// Addresses that this crate uses itself.
+/// Addresses that this crate itself uses.
 pub mod address {
-    /// Model number.
+    /// Address of the model number.
     pub const MODEL_NUMBER: u16 = 0;
-    /// Firmware version.
+    /// Address of the firmware version.
     pub const FIRMWARE: u16 = 6;
-    /// Id.
+    /// Address of the id.
     pub const ID: u16 = 7;
-    /// Code of the baud rate.
+    /// Address of the baud rate code.
     pub const BAUD: u16 = 8;
-    /// Return delay, 2 us.
+    /// Address of the return delay, in 2 us.
     pub const RETURN_DELAY: u16 = 9;
-    /// Drive mode: direction, profile, torque on by a goal.
+    /// Address of the drive mode: direction, type of profile, torque on by a goal.
     pub const DRIVE_MODE: u16 = 10;
-    /// Operating mode.
+    /// Address of the operating mode.
     pub const OPERATING_MODE: u16 = 11;
-    /// A second id that is obeyed, not answered.
+    /// Address of a second id, which a servo obeys but does not answer.
     pub const SECONDARY_ID: u16 = 12;
-    /// Temperature limit.
+    /// Address of the temperature limit.
     pub const TEMPERATURE_LIMIT: u16 = 31;
-    /// Highest supply.
+    /// Address of the maximum supply voltage.
     pub const MAX_VOLTAGE: u16 = 32;
-    /// Lowest supply.
+    /// Address of the minimum supply voltage.
     pub const MIN_VOLTAGE: u16 = 34;
-    /// PWM limit.
+    /// Address of the PWM limit.
     pub const PWM_LIMIT: u16 = 36;
-    /// Current limit.
+    /// Address of the current limit.
     pub const CURRENT_LIMIT: u16 = 38;
-    /// Velocity limit.
+    /// Address of the velocity limit.
     pub const VELOCITY_LIMIT: u16 = 44;
-    /// Most position.
+    /// Address of the maximum position.
     pub const MAX_POSITION: u16 = 48;
-    /// Least position.
+    /// Address of the minimum position.
     pub const MIN_POSITION: u16 = 52;
-    /// What it does at power-up.
+    /// Address of the behaviour at power-up.
     pub const STARTUP: u16 = 60;
-    /// Which hardware errors switch torque off.
+    /// Address of the mask of hardware errors that switch torque off.
     pub const SHUTDOWN: u16 = 63;
-    /// Torque on or off.
+    /// Address of the torque switch.
     pub const TORQUE_ENABLE: u16 = 64;
-    /// Which instructions are answered.
+    /// Address of the status level, which decides what is answered: 0 only pings, 1 pings and reads, 2 all.
     pub const STATUS_LEVEL: u16 = 68;
-    /// Whether a write waits for an action.
+    /// Address of the flag that a registered write waits for an action.
     pub const REGISTERED: u16 = 69;
-    /// Hardware errors.
+    /// Address of the hardware errors, bit by bit.
     pub const HARDWARE_ERROR: u16 = 70;
-    /// Position D gain.
+    /// Address of the position D gain.
     pub const POSITION_D: u16 = 80;
-    /// Position I gain.
+    /// Address of the position I gain.
     pub const POSITION_I: u16 = 82;
-    /// Position P gain.
+    /// Address of the position P gain.
     pub const POSITION_P: u16 = 84;
-    /// Gain of the wanted acceleration.
+    /// Address of the feedforward gain for acceleration.
     pub const FEEDFORWARD_2ND: u16 = 88;
-    /// Gain of the wanted speed.
+    /// Address of the feedforward gain for speed.
     pub const FEEDFORWARD_1ST: u16 = 90;
-    /// Bus watchdog, 20 ms; -1 when it has run out.
+    /// Address of the bus watchdog, in 20 ms; -1 when it has expired.
     pub const BUS_WATCHDOG: u16 = 98;
-    /// Goal PWM.
+    /// Address of the goal PWM.
     pub const GOAL_PWM: u16 = 100;
-    /// Goal current.
+    /// Address of the goal current.
     pub const GOAL_CURRENT: u16 = 102;
-    /// Goal velocity.
+    /// Address of the goal velocity.
     pub const GOAL_VELOCITY: u16 = 104;
-    /// Profile velocity; the goal position follows.
+    /// Address of the profile velocity. The goal position follows it in memory.
     pub const PROFILE_VELOCITY: u16 = 112;
-    /// Goal position.
+    /// Address of the goal position.
     pub const GOAL_POSITION: u16 = 116;
-    /// Whether it moves.
+    /// Address of the flag that the servo moves.
     pub const MOVING: u16 = 122;
-    /// Present current, or load.
+    /// Address of the present current, or load in models without a current sensor.
     pub const PRESENT_CURRENT: u16 = 126;
-    /// Present velocity.
+    /// Address of the present velocity.
     pub const PRESENT_VELOCITY: u16 = 128;
-    /// Present position.
+    /// Address of the present position.
     pub const PRESENT_POSITION: u16 = 132;
-    /// Present supply.
+    /// Address of the present supply voltage.
     pub const PRESENT_VOLTAGE: u16 = 144;
-    /// Present temperature.
+    /// Address of the present temperature.
     pub const PRESENT_TEMPERATURE: u16 = 146;
 }
 
-/// Which models have an item.
+/// The models that have a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {
     All,
-    /// Those that measure current.
+    /// Models that measure current.
     Current,
-    /// Those that do not.
+    /// Models that do not measure current: they report load instead.
     Load,
     X330,
     X540,
-    /// All of the X series.
+    /// All models of the X series.
     X,
     Mx,
 }
 
-/// The highest PWM, which is the whole supply.
+/// Full PWM in counts: the whole supply voltage.
 pub(crate) const FULL_PWM: u16 = 885;
 pub(in crate::dynamixel) const PWM_COUNTS: i32 = FULL_PWM as i32;
 pub(in crate::dynamixel) const POSITION: Unit =
@@ -119,7 +119,7 @@ const fn signed(item: Item) -> Item {
     Item { sign: Sign::TwosComplement, ..item }
 }
 
-/// All items. What models have of their own is filled in by [`super::Table`].
+/// All registers, with values common to all models. [`super::Table`] fills in what differs by model.
 pub(super) const ITEMS: &[(Only, Item)] = &[
     (Only::All, MAP.read(0, 2, "Model Number", Unit::NONE)),
     (Only::All, MAP.read(2, 4, "Model Information", Unit::NONE)),

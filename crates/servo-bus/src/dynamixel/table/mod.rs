@@ -1,7 +1,7 @@
 //! Control tables of the X and MX series.
 //!
 //! Source: e-manual, the page of each servo. Addresses and sizes were compared with the tables inside ROBOTIS's
-//! `dynamixel-sdk` 4.1.0: see `tests/servo_bus/dynamixel_tables.rs`. Where those two differ, a comment says so.
+//! `dynamixel-sdk` 4.1.0: see `tests/servo_bus/dynamixel_tables.rs`. A comment marks each place where the two differ.
 
 mod items;
 mod models;
@@ -14,8 +14,8 @@ pub use models::{Current, Family, MODELS, Model};
 use crate::table::{Access, Area, Item, Range, Sign, Unit};
 use items::ITEMS;
 
-/// The one item that begins at an address, at build time, and which models have it; what those have of their own is
-/// left out.
+/// Returns the register that begins at an address, and the models that have it. For use at build time; without the
+/// values that differ by model.
 #[expect(
     clippy::indexing_slicing,
     clippy::arithmetic_side_effects,
@@ -33,14 +33,14 @@ pub(crate) const fn of_all(address: u16) -> (Only, Item) {
     panic!("no item begins at this address");
 }
 
-/// The address behind the last item.
+/// First address after the last register.
 const END: usize = match ITEMS {
     [.., (_, last)] => last.end() as usize,
     [] => 0,
 };
 
-/// How many items end before each address. Counted at build time: else a simulated servo searches for it at each
-/// register that it reads of itself.
+/// For each address, the number of registers that end at or before it. Computed at build time: without it, a simulated
+/// servo would search the table each time it reads one of its own registers.
 #[expect(clippy::indexing_slicing, reason = "at build time")]
 const BEFORE: [u8; END] = {
     let mut before = [0; END];
@@ -55,28 +55,28 @@ const BEFORE: [u8; END] = {
     before
 };
 
-/// The control table of a model with a firmware.
+/// The control table of a model with a firmware version.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table {
-    /// The model.
+    /// Model of the servo.
     pub model: &'static Model,
-    /// Its firmware; the indirect data of small servos moved with 52.
+    /// Firmware version. Version 52 moved the indirect data of small servos.
     pub firmware: u8,
 }
 
-/// A run of indirect addresses, and the data that they lead to.
+/// A run of indirect addresses, and of the data that they point to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Indirect {
-    /// Address of the first indirect address, of 2 bytes each.
+    /// Address of the first indirect address; each has 2 bytes.
     pub addresses: u16,
-    /// Address of the first byte of data.
+    /// Address of the first byte of indirect data.
     pub data: u16,
-    /// How many there are.
+    /// Number of indirect addresses.
     pub count: u16,
 }
 
 impl Table {
-    /// The table of the model with this number.
+    /// Returns the table of the model with this number, or `None` if the model is unknown.
     pub fn of(model_number: u16, firmware: u8) -> Option<Self> {
         MODELS
             .iter()
@@ -84,22 +84,22 @@ impl Table {
             .map(|model| Self { model, firmware })
     }
 
-    /// How many bytes it spans.
+    /// Returns the number of bytes that the table spans.
     pub fn size(&self) -> usize {
         let ends =
             self.indirect().into_iter().flatten().map(|run| run.data.saturating_add(run.count));
         usize::from(ends.max().unwrap_or(0))
     }
 
-    /// All items but the indirect ones, by address.
+    /// Returns all registers except the indirect ones, by address.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         ITEMS.iter().filter_map(|(only, item)| self.own(*only, item))
     }
 
-    /// The item that has this address.
+    /// Returns the register that contains this address.
     pub fn at(&self, address: u16) -> Option<Item> {
-        // A simulated servo asks this for all that it reads of itself, again and again: only items that can have the
-        // address are looked at.
+        // A simulated servo calls this very often, for its own registers. The search is therefore limited to registers
+        // that can contain the address.
         let before = BEFORE.get(usize::from(address)).map_or(ITEMS.len(), |count| (*count).into());
         ITEMS
             .iter()
@@ -109,12 +109,12 @@ impl Table {
             .or_else(|| self.indirect_item(address))
     }
 
-    /// The item of this name, as the maker writes it; case and what separates words do not matter.
+    /// Returns the register with this name, as the maker writes it. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         self.items().find(|item| item.is_named(name))
     }
 
-    /// Its indirect addresses.
+    /// Returns the runs of indirect addresses of this model.
     pub fn indirect(&self) -> [Option<Indirect>; 2] {
         match self.model.family {
             Family::X330 => {
@@ -146,7 +146,7 @@ impl Table {
         }
     }
 
-    /// The item with what this model has of its own.
+    /// Returns the register with the values of this model.
     fn adapted(&self, mut item: Item) -> Item {
         let model = self.model;
         match item.address {
@@ -210,6 +210,6 @@ impl Table {
     }
 }
 
-/// Bits per second by the code at [`address::BAUD`].
+/// Baud rates, bits per second, by the code in [`address::BAUD`].
 pub const BAUDS: [u32; 8] =
     [9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000];

@@ -1,60 +1,60 @@
-//! What models have of their own.
+//! The properties that differ between models.
 
 use crate::table::is_kind_of;
 
-/// A model of servo.
+/// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// The maker's name.
+    /// Maker's name of the model.
     pub name: &'static str,
     /// Model number, at address 0.
     pub number: u16,
-    /// Which table it has.
+    /// Family, which decides the layout of the table.
     pub family: Family,
-    /// How it counts current; none if it measures only load.
+    /// Unit and limit of current; `None` if the model measures only load.
     pub current: Option<Current>,
-    /// Least and most supply, 0.1 V, as the factory sets them and as far as they go.
+    /// Minimum and maximum supply, 0.1 V: the factory's settings, which are also the allowed bounds.
     pub voltage_limits: [u8; 2],
-    /// The factory's temperature limit, degC.
+    /// Factory temperature limit, degC.
     pub temperature_limit: u8,
-    /// The factory's velocity limit, 0.229 rev/min.
+    /// Factory velocity limit, in 0.229 rev/min.
     pub velocity_limit: u16,
-    /// The factory's shutdown mask.
+    /// Factory shutdown mask.
     pub shutdown: u8,
-    /// The factory's position P gain.
+    /// Factory position P gain.
     pub position_p: u16,
 }
 
 impl Model {
-    /// Returns the model of a kind of servo, by the name that rig files have for it: `XL330-M288-T`.
+    /// Looks up a model by a servo kind as named in rig files, such as `XL330-M288-T`.
     pub fn of_kind(kind: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| is_kind_of(model.name, kind))
     }
 }
 
-/// Which table a model has.
+/// A family of models with the same table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// XL330, XC330: 20 indirect addresses, PWM slope.
+    /// XL330, XC330: 20 indirect addresses, and a PWM slope.
     X330,
-    /// XL430, XC430, XM430, XH430.
+    /// XL430, XC430, XM430, XH430: 56 indirect addresses.
     X430,
-    /// XM540, XH540: external ports.
+    /// XM540, XH540: they have external ports.
     X540,
-    /// MX with protocol 2.0.
+    /// MX servos with protocol 2.0.
     Mx,
 }
 
-/// How a model counts current.
+/// Unit and limit of a model's current.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Current {
-    /// One count, A.
+    /// Current of one count, A.
     pub unit_a: f32,
-    /// The factory's limit, and the highest, in counts.
+    /// Factory limit, which is also the highest, in counts.
     pub limit: u16,
 }
 
-/// All models that this crate knows. Source: the page of each in the e-manual.
+/// All models that this crate knows. Source: the page of each model in the e-manual.
 pub const MODELS: &[Model] = &[
     Model {
         name: "MX-28",

@@ -1,4 +1,4 @@
-//! A tick: commands out, questions out, replies in.
+//! One tick of the bus: sends commands, asks for readings, processes replies.
 
 use heapless::Vec;
 
@@ -52,7 +52,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
                 read.encode(self.settings.family, BROADCAST, rest)?
             }
         };
-        // Only now nothing can fail any more.
+        // Nothing can fail after this line, so the state may change.
         for (index, servo) in self.servos.iter_mut().enumerate() {
             servo.state.age();
             (servo.torque, servo.position, servo.speed, servo.pwm) = (None, None, None, None);
@@ -71,7 +71,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     }
 
     fn plan_more(&mut self, left_us: u32, out: &mut [u8]) -> Result<Option<Request>, EncodeError> {
-        // A damaged length may have kept whole replies waiting for bytes that do not come.
+        // The parser may still hold whole replies, if a damaged length made it wait for bytes that do not arrive.
         while let Some(packet) = self.parser.flush() {
             let Self { servos, registers, asked, settings, .. } = self;
             take_packet(servos, registers, *asked, *settings, packet);
@@ -143,7 +143,7 @@ impl<const SERVOS: usize> ServoBus for Bus<SERVOS> {
     }
 }
 
-/// Gives a reply to the servo that was asked for it; any other is dropped.
+/// Passes a reply to the servo that was asked for it. Ignores any other reply.
 fn take_packet(
     servos: &mut [Servo],
     registers: &mut Registers,

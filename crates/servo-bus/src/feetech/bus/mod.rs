@@ -1,4 +1,4 @@
-//! A bus of Feetech servos of one family, as a rig sees it.
+//! The controller's side of a bus of Feetech servos of one family.
 
 mod cycle;
 mod servo;
@@ -18,42 +18,42 @@ use servo::Servo;
 pub use setup::{Mode, ServoSetup, Settings, traffic};
 
 const LONGEST: usize = 32;
-/// Time and PWM share an address; bit 10 is the sign of PWM.
+/// Address of time and PWM, which share a register; bit 10 is the sign of PWM.
 const PWM_ADDRESS: u8 = 44;
 
-/// Up to `SERVOS` servos.
+/// A bus of up to `SERVOS` servos.
 ///
-/// A goal position switches a servo's torque on by itself. So none is sent before
-/// [`Command::Torque`](crate::Command::Torque) has, nor after it was taken back.
+/// A goal position switches a servo's torque on by itself. The bus therefore sends goal positions only while
+/// [`Command::Torque`](crate::Command::Torque) has switched torque on.
 ///
-/// SCS servos know no sync read: they are asked one by one. Response level (8) may be 0 or 1: only reads are asked
-/// for an answer.
+/// SCS servos do not support sync read: they are asked one by one. Response level (8) may be 0 or 1, because the bus
+/// expects answers only to reads.
 #[derive(Debug, Clone)]
 pub struct Bus<const SERVOS: usize> {
     servos: Vec<Servo, SERVOS>,
     schedule: Schedule,
     settings: Settings,
     parser: Parser<LONGEST>,
-    /// Bytes of the adapter's echo that are still to come.
+    /// Bytes of the adapter's echo that must still arrive.
     echo_left: usize,
-    /// Asked by itself; else all that are awaited answer one after the other.
+    /// Index of the servo that was asked alone; `None` if all awaited servos answer one after the other.
     asked: Option<usize>,
     tick: u32,
     retries_left: u8,
     registers: Registers,
 }
 
-/// Registers that are compared.
+/// State of the comparison of registers.
 #[derive(Debug, Clone, Default)]
 struct Registers {
     comparison: Option<Comparison>,
     is_due: bool,
-    /// What was asked for, and has not come: address and length.
+    /// Address and length of the read that is not answered yet.
     awaited: Option<(u16, u16)>,
 }
 
 impl<const SERVOS: usize> Bus<SERVOS> {
-    /// A bus of these servos.
+    /// Creates a bus with these servos.
     ///
     /// # Errors
     /// [`SetupError`] names the servo and what is wrong with it.
@@ -81,10 +81,10 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         })
     }
 
-    /// That [`Self::new`] makes a bus of these servos; it takes less room on the stack.
+    /// Checks that [`Self::new`] would accept these servos. Needs less stack than `new`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// The errors of [`Self::new`].
     pub fn check(
         setups: &[ServoSetup],
         schedule: &Schedule,
@@ -94,7 +94,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         check_servos::<_, _, SERVOS>(setups, |setup| setup.id, MAX_ID, servo_of)
     }
 
-    /// Writes one packet behind `from` for all servos that have such a goal, and says where it ends.
+    /// Appends one packet at `from` for all servos that have this kind of goal, and returns the end of the packet.
     fn write_goals<const K: usize>(
         &self,
         out: &mut [u8],
@@ -116,8 +116,8 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         packet.finish().map(|len| from.saturating_add(len))
     }
 
-    /// Torque goes off before anything else, and on after everything else. A goal position switches torque on by
-    /// itself, so [`Servo::command`] takes goals only while torque is to be on.
+    /// Writes all goals. Torque off is the first packet and torque on the last. A goal position switches torque on by
+    /// itself, so [`Servo::command`] accepts goals only while torque is commanded on.
     fn write_all_goals(&self, out: &mut [u8]) -> Result<usize, EncodeError> {
         let family = self.settings.family;
         let torque = |servo: &Servo, on: bool| {
@@ -127,7 +127,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         let position = |servo: &Servo| {
             servo.position.filter(|_| servo.speed.is_none()).map(|goal| family.goal(goal, 15))
         };
-        // Position, time, speed: a time of 0 leaves it to the speed.
+        // Position, time, speed. A time of 0 means that the speed counts.
         let profile = |servo: &Servo| {
             let ([a, b], [c, d]) =
                 (family.goal(servo.position?, 15), family.goal(servo.speed?, 15));
@@ -140,13 +140,13 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.write_goals(out, end, address::TORQUE_ENABLE, |servo| torque(servo, true))
     }
 
-    /// What comes back from so many servos, and how long all of it takes.
+    /// Returns the request for a packet of `len` bytes that `servos` servos answer, with its reply length and its time.
     fn request(&self, len: usize, servos: usize) -> Request {
         let reply_len = usize::from(self.settings.family.block_len()).saturating_add(6);
         self.request_of(len, servos, servos.saturating_mul(reply_len))
     }
 
-    /// The same of replies of so many bytes.
+    /// Like [`Self::request`], for replies of `reply_len` bytes in total.
     fn request_of(&self, len: usize, servos: usize, reply_len: usize) -> Request {
         let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         let timing = self.schedule.timing();
@@ -167,7 +167,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         read.encode(self.settings.family, id, out)
     }
 
-    /// Asks for the next registers that are to be compared, if there is time.
+    /// Asks for the next registers to compare, if there is time.
     fn ask_registers(
         &mut self,
         left_us: u32,
@@ -181,7 +181,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
             Some((id, registers))
         });
         let Some((id, registers)) = next else { return Ok(None) };
-        // All addresses of this protocol are of one byte.
+        // All addresses of this protocol have one byte.
         let [address, length] =
             [registers.0, registers.1].map(|number| u8::try_from(number).unwrap_or(u8::MAX));
         let len = Instruction::Read { address, length }.encode(family, id, out)?;

@@ -1,4 +1,4 @@
-//! One servo: from commands to goals in counts, from replies to readings.
+//! State of one servo of the bus: converts commands to goals in counts, and replies to readings.
 
 use super::setup::{Mode, ServoSetup, Settings};
 use crate::counts::{most_counts, profile_counts, step_counts};
@@ -8,9 +8,9 @@ use crate::servo_state::{Reading, ServoState, check_positive, count_range, limit
 use crate::table::Unit;
 use crate::{Command, CommandError, Effort, Limit, Plausible, Schedule, SetupError};
 
-/// PWM is in 0.1 %.
+/// Counts of full PWM: one count is 0.1 %.
 const PWM_COUNTS: i32 = 1000;
-/// The fastest profile that its register holds beside the sign.
+/// Maximum profile speed that the register can hold without its sign bit, in counts.
 const MOST_SPEED: i32 = 32_767;
 
 #[derive(Debug, Clone)]
@@ -19,13 +19,13 @@ pub(super) struct Servo {
     pub(super) state: ServoState,
     range: [i32; 2],
     pub(super) torque: Option<bool>,
-    /// Torque as it was last commanded; off at first.
+    /// Torque as it was last commanded; off at the start.
     is_on: bool,
     pub(super) position: Option<i32>,
-    /// Speed of the profile to the position, in its counts.
+    /// Speed of the profile that leads to the position, in counts of speed.
     pub(super) speed: Option<i32>,
     pub(super) pwm: Option<i32>,
-    /// Whether it has been asked in this tick.
+    /// Whether the servo was asked in this tick.
     pub(super) was_asked: bool,
 }
 
@@ -109,7 +109,7 @@ impl Servo {
                 Err(CommandError::Unsupported("position with a current"))
             }
             Command::Current(_) => Err(CommandError::Unsupported("current")),
-            // Its gains are in EEPROM, which stays shut.
+            // The gains are in EEPROM, which stays locked.
             Command::Stiffness(_) => Err(CommandError::Unsupported("stiffness")),
         }
     }

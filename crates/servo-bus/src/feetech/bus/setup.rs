@@ -1,63 +1,65 @@
-//! What servos are on the bus, and how they are read.
+//! Describes the servos of a bus, and how the bus reads them.
 
 use crate::feetech::table::Family;
 use crate::table::Sign;
 use crate::{Cost, Traffic};
 
-/// Position, speed, load, voltage, temperature: 56 to 63.
+/// Length of a reading: position, speed, load, voltage, temperature; addresses 56 to 63.
 const BLOCK_LEN: u8 = 8;
-/// The same up to the current, 56 to 70: STS measures it.
+/// Length of a reading up to the current, addresses 56 to 70: STS servos measure current.
 const STS_BLOCK_LEN: u8 = 15;
 
-/// What a servo is on the bus, and how far it may go.
+/// Setup of a servo on the bus: its id and its limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ServoSetup {
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// What it controls; it must be set to this mode before.
+    /// Operating mode. The servo's register must already hold it.
     pub mode: Mode,
-    /// Least and most own position, rad: within the turn that its encoder has.
+    /// Minimum and maximum position, rad, within the one turn of its encoder, zero where the encoder counts zero.
     pub range_rad: [f32; 2],
-    /// The most PWM, up to 1.
+    /// Maximum PWM, as a fraction of full PWM, up to 1.
     pub pwm: f32,
-    /// Its fastest speed, rad/s: a reading that is further away than that is not believed at once.
+    /// Maximum speed, rad/s. A reading that would need a higher speed is not believed at once.
     pub speed_rad_s: f32,
 }
 
-/// What a servo controls: its operating mode.
+/// Operating mode: the quantity that a servo controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mode {
-    /// 0: position within a turn.
+    /// Mode 0: position within one turn.
     Position,
-    /// 2: PWM.
+    /// Mode 2: PWM, without position control.
     Pwm,
 }
 
-/// How a bus is read.
+/// Settings for the reads of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// All servos of a bus are of one family: it decides which byte comes first.
+    /// Family of all servos on this bus: it decides the byte order.
     pub family: Family,
-    /// Whether the adapter gives back what it sends; an instruction looks like a reply.
+    /// Whether the adapter echoes all bytes that it sends. The bus must skip the echo, because an instruction looks
+    /// like a reply.
     pub echo: bool,
-    /// How often servos are asked again in one tick, over all.
+    /// Maximum number of repeated questions in one tick, for all servos together.
     pub retries: u8,
-    /// Counts of position a second that one count of speed is: 50 if bit 2 of Phase (18) is 0, else 1.
+    /// Speed of one count of the speed register, in counts of position per second: 50 if bit 2 of Phase (18) is 0,
+    /// otherwise 1.
     pub speed_counts: u8,
 }
 
 impl Settings {
-    /// One count of speed, rad/s.
+    /// Returns the speed of one count, rad/s.
     pub(super) fn rad_s_per_count(self) -> f32 {
         f32::from(self.speed_counts) * self.family.rad_per_count()
     }
 }
 
-/// The traffic of a bus of so many servos, for a [`Schedule`](crate::Schedule): a goal to each, and what those
-/// measure that are read.
+/// Returns the traffic of a bus with `servos` servos, for a [`Schedule`](crate::Schedule): a goal for each servo, and
+/// the readings of the servos that are read.
 ///
-/// A tick that also switches torque, or writes other goals, is longer by those packets:
-/// [`Request::time_us`](crate::Request::time_us) counts them.
+/// A tick that also switches torque or writes other goals takes longer: [`Request::time_us`](crate::Request::time_us)
+/// includes those packets.
 pub fn traffic(family: Family, servos: u32) -> Traffic {
     let len = u32::from(family.block_len());
     let sync = family == Family::Sts;
@@ -98,7 +100,7 @@ impl Family {
         Sign::Magnitude(bit).decode(self.number(bytes).into(), 2)
     }
 
-    /// Two bytes of a signed goal; what is too large for them was cut before.
+    /// Returns the two bytes of a signed goal. The caller has limited the value to the register's range.
     pub(super) fn goal(self, value: i32, bit: u8) -> [u8; 2] {
         self.bytes(u16::try_from(Sign::Magnitude(bit).encode(value)).unwrap_or(0))
     }

@@ -1,4 +1,4 @@
-//! What a servo does with a packet.
+//! Executes received packets and prepares the answers.
 
 use super::{Device, Event, LONGEST, Turn};
 use crate::feetech::frame::{BROADCAST, Packet};
@@ -7,7 +7,7 @@ use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
 use crate::table::Access;
 
-/// Between the answers to a broadcast ping, which collide on a real line.
+/// Time slot of one id for the answers to a broadcast ping, us. On a real line these answers collide.
 const PING_SLOT_US: u32 = 1_000;
 
 impl Device<'_> {
@@ -25,7 +25,7 @@ impl Device<'_> {
         }
         let own = self.id();
         let is_own = packet.id == own;
-        // A packet of another id may be a reply: only an instruction to this servo ends its wait.
+        // A packet with another id may be a reply of that servo: only an instruction to this servo ends its wait.
         if !is_own && packet.id != BROADCAST {
             return;
         }
@@ -98,7 +98,7 @@ impl Device<'_> {
         }
     }
 
-    /// Read-only bytes are left as they are, without a word.
+    /// Writes bytes. Ignores read-only bytes without an error.
     fn write(&mut self, first: u8, data: &[u8]) {
         let is_open = self.get(self.table.model.family.lock()) == 0;
         for (to, byte) in (u16::from(first)..).zip(data) {
@@ -148,7 +148,7 @@ impl Device<'_> {
         for (slot, byte) in self.memory.iter_mut().zip(self.stored) {
             *slot = byte;
         }
-        // The maker's table: at power-on the limit in RAM is the one that is kept.
+        // By the maker's table, power-on copies the limit in EEPROM to the limit in RAM.
         if table.model.family == Family::Sts {
             self.set(address::TORQUE_LIMIT, self.get(address::MAX_TORQUE));
         }

@@ -1,4 +1,4 @@
-//! A servo's side of the protocol, over a memory image that the caller owns.
+//! A simulated servo's side of the protocol, over a memory image that the caller owns.
 
 mod execute;
 
@@ -8,42 +8,42 @@ use super::parser::Parser;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
 
-/// What happened to a device that its simulation may want to know.
+/// An event that the simulation of a servo may want to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// Items were written.
+    /// A controller wrote registers.
     Written {
-        /// First address.
+        /// First address that was written.
         address: u8,
-        /// How many bytes.
+        /// Number of bytes that were written.
         length: u8,
     },
-    /// It starts anew: silent for about 0.8 s, torque off, EEPROM as it was stored.
+    /// The servo restarted: it is silent for about 0.8 s, torque is off, and EEPROM holds the stored values.
     Rebooted,
-    /// It is as it left the factory, but for its id.
+    /// The servo returned to its factory settings, except its id.
     FactoryReset,
-    /// It forgot full turns.
+    /// The servo cleared its full turns.
     TurnsCleared,
-    /// Where it stands is now this position.
+    /// The servo now counts its present angle as this position, in counts.
     PositionSet(i32),
 }
 
 const EEPROM_LEN: usize = address::TORQUE_ENABLE as usize;
 /// The longest packet of the protocol.
 const LONGEST: usize = 259;
-/// A servo on a line.
+/// A simulated servo on a bus line.
 ///
-/// What the manuals leave open follows what was measured on an STS3215 (feetech-cli 0.1.8, `simulator.py`): a write
-/// of the goal position switches torque on, and a write that the servo does not take is not reported. What is written
-/// to EEPROM while the lock is shut holds until a reboot. The manuals say that Return Delay does nothing on STS, so
-/// it does not here.
+/// Behaviour that the manuals do not describe follows measurements on an STS3215 (feetech-cli 0.1.8, `simulator.py`): a
+/// write of the goal position switches torque on, and a refused write is not reported. A value written to EEPROM while
+/// the lock is shut is valid until a reboot. The manuals say that Return Delay has no effect on STS, so this device
+/// ignores it.
 pub struct Device<'m> {
     table: Table,
     memory: &'m mut [u8],
-    /// What survives a loss of power.
+    /// EEPROM contents that survive a loss of power.
     stored: [u8; EEPROM_LEN],
     parser: Parser<LONGEST>,
-    /// A read of several servos that it answers after another one.
+    /// A read of several servos that this servo answers after another servo.
     turn: Option<Turn>,
     registered: Vec<u8, LONGEST>,
     answer: Vec<u8, LONGEST>,
@@ -59,8 +59,8 @@ struct Turn {
 }
 
 impl<'m> Device<'m> {
-    /// A servo that was just switched on, with what the factory sets and this id. `memory` needs 256 bytes; what it
-    /// lacks reads as 0.
+    /// Creates a servo that was just switched on, with factory settings and this id. `memory` needs 256 bytes; missing
+    /// bytes read as 0.
     pub fn new(table: Table, id: u8, memory: &'m mut [u8]) -> Self {
         let mut device = Self {
             table,
@@ -77,7 +77,7 @@ impl<'m> Device<'m> {
         device
     }
 
-    /// The number that an item holds; 0 if the servo has no item there.
+    /// Returns the value of a register, or 0 if the servo has no register at `address`.
     pub fn get(&self, address: u8) -> i32 {
         let Some(item) = self.table.at(address) else { return 0 };
         let bytes =
@@ -85,7 +85,7 @@ impl<'m> Device<'m> {
         item.value(bytes, self.table.model.family.order())
     }
 
-    /// Sets an item, without asking whether a controller could.
+    /// Sets a register, even if a controller could not write it.
     pub fn set(&mut self, address: u8, value: i32) {
         let Some(item) = self.table.at(address) else { return };
         let bytes = item.bytes(value, self.table.model.family.order());
@@ -94,18 +94,18 @@ impl<'m> Device<'m> {
         }
     }
 
-    /// At what rate it listens, bits per second.
+    /// Returns the current baud rate, bits per second.
     pub fn baud(&self) -> u32 {
         let code = usize::try_from(self.get(address::BAUD)).ok();
         code.and_then(|code| BAUDS.get(code)).copied().unwrap_or(1_000_000)
     }
 
-    /// What happened, oldest first.
+    /// Returns the oldest event that was not yet returned.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
 
-    /// Its table.
+    /// Returns the memory table of the servo's model.
     pub fn table(&self) -> Table {
         self.table
     }
@@ -114,7 +114,8 @@ impl<'m> Device<'m> {
 impl BusDevice for Device<'_> {
     fn hear(&mut self, bytes: &[u8]) {
         let mut input = bytes;
-        // The parser lends its bytes to the packet, and the packet goes to the rest of the device.
+        // The parser lends its bytes to the packet while the rest of the device processes it: the parser is therefore
+        // moved out meanwhile.
         let mut parser = core::mem::take(&mut self.parser);
         while let Some(packet) = parser.next(&mut input) {
             self.take(&packet);

@@ -1,48 +1,48 @@
-//! Addresses that this crate uses itself.
+//! Addresses that this crate itself uses.
 
-/// Model number.
+/// Address of the model number.
 pub const MODEL: u8 = 3;
-/// Id.
+/// Address of the id.
 pub const ID: u8 = 5;
-/// Code of the baud rate.
+/// Address of the baud rate code.
 pub const BAUD: u8 = 6;
-/// Return delay, 2 us; said not to work on STS.
+/// Address of the return delay, in 2 us. It has no effect on STS according to the manuals.
 pub const RETURN_DELAY: u8 = 7;
-/// Whether writes are answered.
+/// Address of the setting whether the servo answers writes.
 pub const STATUS_LEVEL: u8 = 8;
-/// Least position.
+/// Address of the minimum position.
 pub const MIN_POSITION: u8 = 9;
-/// Most position.
+/// Address of the maximum position.
 pub const MAX_POSITION: u8 = 11;
-/// Temperature limit.
+/// Address of the temperature limit.
 pub const MAX_TEMPERATURE: u8 = 13;
-/// Lowest supply.
+/// Address of the minimum supply voltage.
 pub const MIN_VOLTAGE: u8 = 15;
-/// Most torque after power-up.
+/// Address of the maximum torque after power-up.
 pub const MAX_TORQUE: u8 = 16;
-/// What makes it let go.
+/// Address of the mask of faults that switch torque off.
 pub const UNLOADING: u8 = 19;
-/// Position P gain.
+/// Address of the position P gain.
 pub const POSITION_P: u8 = 21;
-/// Position D gain.
+/// Address of the position D gain.
 pub const POSITION_D: u8 = 22;
-/// Position I gain.
+/// Address of the position I gain.
 pub const POSITION_I: u8 = 23;
-/// Operating mode of STS.
+/// Address of the operating mode of STS.
 pub const OPERATING_MODE: u8 = 33;
-/// 0 off, 1 on, 2 damped, 128 sets the middle.
+/// Address of the torque switch: 0 off, 1 on, 2 damped; 128 makes the present angle the middle.
 pub const TORQUE_ENABLE: u8 = 40;
-/// Acceleration.
+/// Address of the acceleration of the profile.
 pub const ACCELERATION: u8 = 41;
-/// Goal position; time and speed follow.
+/// Address of the goal position. Time and speed follow it in memory.
 pub const GOAL_POSITION: u8 = 42;
-/// Torque limit of STS.
+/// Address of the torque limit of STS.
 pub const TORQUE_LIMIT: u8 = 48;
-/// Present position; speed, load, voltage, temperature follow.
+/// Address of the present position. Speed, load, voltage and temperature follow it in memory.
 pub const PRESENT_POSITION: u8 = 56;
-/// Whether a write waits for an action.
+/// Address of the flag that a registered write waits for an action.
 pub const REGISTERED: u8 = 64;
-/// What is wrong.
+/// Address of the status bits: faults of the servo.
 pub const STATUS: u8 = 65;
-/// Present current of STS.
+/// Address of the present current of STS.
 pub const PRESENT_CURRENT: u8 = 69;

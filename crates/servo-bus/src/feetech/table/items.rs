@@ -1,4 +1,4 @@
-//! The items of both families, by address.
+//! The registers of both families, by address.
 
 use super::address;
 use crate::table::Range::{Any, Between};
@@ -6,10 +6,10 @@ use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
 pub(super) const STS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::TAU / 4096.0 };
-/// 300 degrees over 1024 counts: from memory of the SCS0009 data sheet. Measure it.
+/// Position of one SCS count: 300 degrees over 1024 counts, from memory of the SCS0009 data sheet. Measure it.
 pub(super) const SCS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::PI * (300.0 / 180.0) / 1024.0 };
-/// 50 counts in a second. Phase (18) bit 2 makes the unit a fiftieth of it.
+/// Speed of one STS count: 50 counts of position per second. Phase (18) bit 2 makes the unit a fiftieth of this.
 const STS_SPEED: Unit = Unit { symbol: "rad/s", scale: 0.732 * RAD_S_PER_RPM };
 const ACCELERATION: Unit = Unit { symbol: "rad/s2", scale: core::f32::consts::PI * (8.7 / 180.0) };
 pub(in crate::feetech) const CURRENT: Unit = Unit { symbol: "A", scale: 0.0065 };
@@ -23,7 +23,7 @@ const fn signed(bit: u8, item: Item) -> Item {
     Item { sign: Sign::Magnitude(bit), ..item }
 }
 
-/// STS and SMS.
+/// Registers of STS and SMS servos.
 pub(super) const STS: &[Item] = &[
     MAP.read(0, 1, "Firmware Major Version", Unit::NONE),
     MAP.read(1, 1, "Firmware Minor Version", Unit::NONE),
@@ -85,7 +85,7 @@ pub(super) const STS: &[Item] = &[
     MAP.read(86, 1, "Acceleration Multiplier", Unit::NONE),
 ];
 
-/// SCS.
+/// Registers of SCS servos.
 pub(super) const SCS: &[Item] = &[
     MAP.read(0, 1, "Firmware Major Version", Unit::NONE),
     MAP.read(1, 1, "Firmware Minor Version", Unit::NONE),

@@ -1,8 +1,8 @@
 //! Memory tables of STS, SMS and SCS servos.
 //!
 //! Sources: `sts_memory_table.md` of vassar-robotics/feetech-servo-sdk; the tables of `lerobot` 0.4.4 for SCS.
-//! Community tables disagree in places: read back once what was written. The range of SCS items is not known: any
-//! value goes.
+//! Community tables disagree in places: read each written value back once. The ranges of some SCS registers are not
+//! known: those accept any value.
 
 pub mod address;
 mod items;
@@ -11,7 +11,7 @@ use crate::table::{ByteOrder, Item, is_kind_of};
 pub(super) use items::CURRENT;
 use items::{SCS, SCS_POSITION, STS, STS_POSITION};
 
-/// Which table, and which byte comes first.
+/// A family of servos: it decides the memory table and the byte order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// STS and SMS: magnetic encoder, low byte first.
@@ -21,7 +21,7 @@ pub enum Family {
 }
 
 impl Family {
-    /// Which byte of a number comes first.
+    /// Returns the byte order of numbers.
     pub const fn order(self) -> ByteOrder {
         match self {
             Self::Sts => ByteOrder::Little,
@@ -29,7 +29,7 @@ impl Family {
         }
     }
 
-    /// Where the EEPROM lock is: 1 keeps, 0 stores.
+    /// Returns the address of the EEPROM lock: 1 locks, 0 makes writes permanent.
     pub const fn lock(self) -> u8 {
         match self {
             Self::Sts => 55,
@@ -37,7 +37,7 @@ impl Family {
         }
     }
 
-    /// The highest count of its encoder.
+    /// Returns the highest count of the encoder.
     pub const fn most_count(self) -> i32 {
         match self {
             Self::Sts => 4095,
@@ -45,7 +45,7 @@ impl Family {
         }
     }
 
-    /// Its items, by address.
+    /// Returns the registers of the family, by address.
     const fn items(self) -> &'static [Item] {
         match self {
             Self::Sts => STS,
@@ -53,7 +53,7 @@ impl Family {
         }
     }
 
-    /// The item at an address, at build time; what models have of their own is left out.
+    /// Returns the register at an address. For use at build time; without the values that differ by model.
     #[expect(
         clippy::indexing_slicing,
         clippy::arithmetic_side_effects,
@@ -72,7 +72,7 @@ impl Family {
         panic!("no item begins at this address");
     }
 
-    /// One count of its encoder, rad.
+    /// Returns the angle of one count of the encoder, rad.
     pub const fn rad_per_count(self) -> f32 {
         match self {
             Self::Sts => STS_POSITION.scale,
@@ -81,27 +81,27 @@ impl Family {
     }
 }
 
-/// A model of servo.
+/// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Model {
-    /// The maker's name.
+    /// Maker's name of the model.
     pub name: &'static str,
-    /// The number at address 3; 0 where no source gives it.
+    /// Model number at address 3; 0 if no source gives it.
     pub number: u16,
-    /// Its table.
+    /// Family of the model, which decides its table.
     pub family: Family,
-    /// The factory's code of the baud rate.
+    /// Factory code of the baud rate.
     pub baud: u8,
 }
 
 impl Model {
-    /// Returns the model of a kind of servo, by the name that rig files have for it: `STS3215-12V`.
+    /// Looks up a model by a servo kind as named in rig files, such as `STS3215-12V`.
     pub fn of_kind(kind: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| is_kind_of(model.name, kind))
     }
 }
 
-/// All models that this crate knows. Model numbers: `lerobot` 0.4.4, `feetech-cli` 0.1.8.
+/// All models that this crate knows. Source of the model numbers: `lerobot` 0.4.4, `feetech-cli` 0.1.8.
 pub const MODELS: &[Model] = &[
     Model { name: "STS3215", number: 777, family: Family::Sts, baud: 0 },
     Model { name: "STS3250", number: 2825, family: Family::Sts, baud: 0 },
@@ -110,14 +110,14 @@ pub const MODELS: &[Model] = &[
     Model { name: "SCS0009", number: 1284, family: Family::Scs, baud: 0 },
 ];
 
-/// Bits per second by the code at [`address::BAUD`]. That of `lerobot` differs from code 5 on;
-/// Feetech's own tools have this.
+/// Baud rates, bits per second, by the code in [`address::BAUD`]. The list of `lerobot` differs from code 5 on; this
+/// list is that of Feetech's own tools.
 pub const BAUDS: [u32; 8] = [1_000_000, 500_000, 250_000, 128_000, 115_200, 76_800, 57_600, 38_400];
 
 /// The memory table of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Table {
-    /// The model.
+    /// Model of the servo.
     pub model: &'static Model,
 }
 
@@ -130,23 +130,23 @@ impl Table {
             .map(|model| Self { model })
     }
 
-    /// How many bytes it spans.
+    /// Number of bytes that the table spans.
     pub const LEN: usize = 87;
 
-    /// All items, by address.
+    /// Returns all registers, by address.
     pub fn items(&self) -> impl Iterator<Item = Item> + '_ {
         let table = *self;
         self.model.family.items().iter().map(move |item| table.adapted(*item))
     }
 
-    /// The item that has this address.
+    /// Returns the register that contains this address.
     pub fn at(&self, address: u8) -> Option<Item> {
         let items = self.model.family.items().iter();
         let found = items.copied().find(|item| item.contains(address.into()));
         found.map(|item| self.adapted(item))
     }
 
-    /// The item of this name; case and what separates words do not matter.
+    /// Returns the register with this name. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         self.items().find(|item| item.is_named(name))
     }

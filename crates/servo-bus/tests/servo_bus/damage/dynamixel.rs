@@ -1,4 +1,4 @@
-//! Six XL330, each in a mode and with limits of its own.
+//! Six simulated XL330, each with its own mode and limits.
 
 use sinew_servo_bus::dynamixel::fast::FastTurn;
 use sinew_servo_bus::dynamixel::group::sync_blocks;
@@ -20,7 +20,7 @@ const MODES: [Mode; SERVOS] = [
     Mode::Current,
     Mode::Pwm,
 ];
-/// What all of the PWM is in counts, of any model.
+/// Full PWM in counts, for any model.
 const FULL_PWM: f64 = 885.0;
 const A_PER_COUNT: f64 = 0.001;
 const RAD_PER_COUNT: f64 = std::f64::consts::TAU / 4096.0;
@@ -70,7 +70,7 @@ impl Dynamixel {
         };
         match (address, data) {
             (address::TORQUE_ENABLE, &[on]) => assert!(on <= 1),
-            // Cleared, or 100 ms.
+            // 0 clears the watchdog, 5 sets it to 100 ms.
             (address::BUS_WATCHDOG, &[raw]) => assert!(raw == 0 || raw == 5),
             (address::POSITION_P, &[a, b]) => assert!(u16::from_le_bytes([a, b]) <= 16_383),
             (address::GOAL_PWM, &[a, b]) => {
@@ -82,7 +82,7 @@ impl Dynamixel {
                 within(current, [-setup.current_a, setup.current_a]);
             }
             (address::PROFILE_VELOCITY, &[a, b, c, d, e, f, g, h]) => {
-                // 0 would be no limit.
+                // 0 would mean "no limit".
                 assert!((1..=32_767).contains(&i32::from_le_bytes([a, b, c, d])));
                 position([e, f, g, h]);
             }
@@ -100,7 +100,8 @@ fn servo(id: u8) -> Option<usize> {
     usize::from(id).checked_sub(1)
 }
 
-/// Current, velocity and position. A small negative current and this velocity are FF FF FD in a row: stuffed.
+/// Encodes current, velocity and position. A small negative current followed by this velocity gives FF FF FD, which is
+/// stuffed.
 fn motion(reading: Reading) -> [u8; 10] {
     let mut data = [0; 10];
     data[..2].copy_from_slice(&i16::try_from(reading.tag - 256).unwrap().to_le_bytes());

@@ -1,6 +1,6 @@
-//! Answers to fast reads with a wrong CRC inside. All of it is one packet, whose own CRC is the last servo's: it may be
-//! right over bytes that are wrong. Every servo's CRC is checked; what is in front of the first wrong one is kept, and
-//! nothing behind it, for all checks behind it run over the damage too.
+//! Tests answers to fast reads with a wrong CRC inside. The answer is one packet, whose own CRC is that of the last
+//! servo. This CRC may match although earlier bytes are wrong. The bus therefore checks every servo's CRC: it keeps the
+//! parts before the first wrong CRC, and drops all parts after it, because their CRCs cover the damage too.
 
 use sinew_servo_bus::dynamixel::fast::FastReader;
 use sinew_servo_bus::dynamixel::table::{MODELS, address};
@@ -13,7 +13,7 @@ use super::TIMING;
 use crate::reference;
 
 const SERVOS: usize = 4;
-/// Current, velocity, position.
+/// Length of current, velocity and position.
 const LEN: usize = 10;
 const PART_LEN: usize = LEN + 4;
 
@@ -21,7 +21,8 @@ fn position(servo: usize) -> u8 {
     u8::try_from(10 + servo).unwrap()
 }
 
-/// The answer of all. `spoil` changes a servo's part, in front of the CRCs behind it: these run over what it made.
+/// Returns the answer of all servos. `spoil` changes a servo's part before the later CRCs are computed, so that those
+/// CRCs match the damage.
 fn answer(spoil: impl Fn(usize, &mut [u8])) -> Vec<u8> {
     let len = u8::try_from(1 + SERVOS * PART_LEN).unwrap();
     let mut said = vec![0xFF, 0xFF, 0xFD, 0, 0xFE, len, 0, 0x55];
@@ -35,7 +36,7 @@ fn answer(spoil: impl Fn(usize, &mut [u8])) -> Vec<u8> {
     said
 }
 
-/// What is wrong with a servo's part, and how it comes about.
+/// A kind of damage: its name, and a function that damages a servo's part.
 type Spoil = (&'static str, fn(&mut [u8]));
 
 const SPOILT: [Spoil; 4] = [
@@ -84,7 +85,7 @@ fn what_is_in_front_of_a_wrong_crc_is_kept_and_nothing_behind_it() {
     }
 }
 
-/// The servos whose parts were refused are asked by themselves in the same tick.
+/// The servos whose parts were refused are asked alone in the same tick.
 #[test]
 fn a_bus_asks_again_what_it_refused() {
     let model = MODELS.iter().find(|model| model.number == 1200).unwrap();

@@ -1,4 +1,4 @@
-//! Six servos of one family, two of them in PWM mode.
+//! Six simulated servos of one family, two of them in PWM mode.
 
 use sinew_servo_bus::feetech::{
     self, BROADCAST, Bus, Family, Instruction, Mode, Parser, ServoSetup, Settings, Status,
@@ -15,11 +15,11 @@ const MODES: [Mode; SERVOS] =
     [Mode::Position, Mode::Position, Mode::Position, Mode::Pwm, Mode::Position, Mode::Pwm];
 const TORQUE_ENABLE: u8 = 40;
 const GOAL_POSITION: u8 = 42;
-/// The time's register, in PWM mode.
+/// Address of the time register, which contains the PWM in PWM mode.
 const GOAL_PWM: u8 = 44;
 const PRESENT_POSITION: u8 = 56;
 
-/// STS, or SCS if `IS_SCS`.
+/// The test protocol of STS servos, or of SCS servos if `IS_SCS`.
 pub(crate) struct Feetech<const IS_SCS: bool> {
     setups: [ServoSetup; SERVOS],
 }
@@ -48,10 +48,11 @@ impl<const IS_SCS: bool> Feetech<IS_SCS> {
         Bus::new(&self.setups, schedule, settings).unwrap()
     }
 
-    /// How many of the replies with flipped bits have a right sum and a wrong position that is near enough.
+    /// Returns the share of replies with flipped bits that have a right sum and a wrong but plausible position.
     pub(crate) fn believed_flips(&self) -> f64 {
         let [least, most] = Self::RANGE;
-        // One tick more for each reach; in each the reading before was damaged as often as not.
+        // A larger error needs one more tick for each multiple of the reach. In each tick, the chance that the previous
+        // reading was damaged is one half.
         let reach = step::<Self>() + most_move::<Self>();
         let of = |(position, servo): (i32, usize)| {
             let reply = Self::reply(servo, self.reading(servo, position));
@@ -67,12 +68,13 @@ impl<const IS_SCS: bool> Feetech<IS_SCS> {
         all.iter().sum::<f64>() / all.len() as f64
     }
 
-    /// Of all places of a reply, those where a byte less or more moves the position: the status and the position.
+    /// Returns the share of the places in a reply where a lost or added byte moves the position: the status and the
+    /// position.
     pub(crate) fn moved_share(&self) -> f64 {
         3.0 / Self::reply(0, self.reading(0, Self::RANGE[0])).len() as f64
     }
 
-    /// Of all positions, those that are near the last one, which is two ticks old on average at most.
+    /// Returns the share of positions that are near the last position, which is at most two ticks old on average.
     #[expect(clippy::unused_self, reason = "beside the two above")]
     pub(crate) fn near_share(&self) -> f64 {
         let near = 2 * 2 * (step::<Self>() + most_move::<Self>()) + 1;
@@ -88,7 +90,7 @@ impl<const IS_SCS: bool> Feetech<IS_SCS> {
         if IS_SCS { number.to_be_bytes() } else { number.to_le_bytes() }
     }
 
-    /// Sign and magnitude.
+    /// Decodes sign and magnitude.
     fn signed(bytes: [u8; 2], bit: u32) -> i32 {
         let number = i32::from(Self::number(bytes));
         let magnitude = number & ((1 << bit) - 1);
@@ -119,7 +121,7 @@ impl<const IS_SCS: bool> Feetech<IS_SCS> {
             }
             (GOAL_POSITION, &[a, b, 0, 0, c, d]) => {
                 position([a, b]);
-                // 0 would be no limit.
+                // 0 would mean "no limit".
                 assert!((1..=32_767).contains(&Self::signed([c, d], 15)));
             }
             (GOAL_POSITION, &[a, b]) => position([a, b]),

@@ -1,20 +1,22 @@
-//! How often flipped bits leave Feetech's sum right and move the position, counted and not tried.
+//! Computes how often flipped bits leave Feetech's sum right and change the position. The result is computed, not
+//! simulated.
 //!
-//! A few flips are no random damage, of which one packet in 256 passes: two flips of the same bit in two bytes, one up
-//! and one down, always do.
+//! A few flips differ from random damage, of which one packet in 256 passes: two flips of the same bit in two bytes,
+//! one up and one down, always pass.
 
-/// Bytes of a reply in front of the status.
+/// Number of reply bytes before the status.
 const ADDRESS: usize = 4;
-/// Where the position stands.
+/// Bytes of the position in a reply.
 const POSITION: std::ops::Range<usize> = 5..7;
-/// The most bits that [`Random::damage`](super::random::Random::damage) flips.
+/// Maximum number of bits that [`Random::damage`](super::random::Random::damage) flips.
 const MOST: usize = 8;
 
-/// Ways to flip so many bits that change the sum by so much.
+/// Number of ways to flip a given number of bits (outer index) that change the sum by a given amount (inner index).
 type Ways = Vec<[f64; 256]>;
 
-/// The probability that one to eight flips of random bits of a reply, each number as likely, leave its sum right and
-/// change nothing in front of the status, weighted by how often the position that comes of it would be believed.
+/// Returns a probability for one to eight flips of random bits of a reply, each number equally likely: that the sum
+/// stays right and the bytes before the status stay unchanged. Each case is weighted by how often its position would be
+/// believed.
 pub(crate) fn believed(reply: &[u8], weight: impl Fn([u8; 2]) -> f64) -> f64 {
     let bits = reply.len() * 8;
     let positions = ways_of_position([reply[POSITION.start], reply[POSITION.start + 1]], weight);
@@ -38,7 +40,7 @@ pub(crate) fn believed(reply: &[u8], weight: impl Fn([u8; 2]) -> f64) -> f64 {
     total / MOST as f64
 }
 
-/// The probabilities that so many bits are other than before, after one more flip of any of them.
+/// Returns the probabilities of the number of changed bits after one more flip of a random bit.
 fn after_a_flip(before: [f64; MOST + 2], bits: usize) -> [f64; MOST + 2] {
     let mut after = [0.0; MOST + 2];
     for odd in 0..=MOST {

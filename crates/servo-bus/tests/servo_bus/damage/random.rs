@@ -1,8 +1,8 @@
-//! The same damage in every run.
+//! Creates damage that is the same in every run.
 
 use sinew_servo_bus::Command;
 
-/// `SplitMix64`.
+/// A pseudo-random generator: `SplitMix64`.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -18,7 +18,7 @@ impl Random {
         usize::try_from(self.next() % count as u64).unwrap()
     }
 
-    /// Up to `most` either way.
+    /// Returns a number of at most `most` either way.
     pub(crate) fn within(&mut self, most: i32) -> i32 {
         i32::try_from(self.below(usize::try_from(2 * most + 1).unwrap())).unwrap() - most
     }
@@ -27,7 +27,7 @@ impl Random {
         self.next().to_le_bytes()[0]
     }
 
-    /// What a program may ask for: near the limits, far outside, or no number at all.
+    /// Returns a number that a program may command: near the limits, far outside, or NaN.
     fn number(&mut self) -> f32 {
         let [a, b, c, d, ..] = self.next().to_le_bytes();
         match self.below(4) {
@@ -51,7 +51,7 @@ impl Random {
         }
     }
 
-    /// One kind of damage to one reply: loss, duplication, insertion, bytes and bits changed.
+    /// Applies one kind of damage to a reply: loss, duplication, insertion, changed bytes or bits.
     pub(crate) fn damage(&mut self, reply: &mut Vec<u8>) {
         let at = self.below(reply.len());
         match self.below(7) {

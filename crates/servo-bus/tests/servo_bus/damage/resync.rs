@@ -1,9 +1,9 @@
-//! The first whole packet behind damage is read, on both sides, wherever the stream is split.
+//! Tests that both sides read the first whole packet after damage, wherever the stream is split.
 //!
-//! Damage that looks like a header with a length makes a parser wait for so many bytes, at most as many as it holds. It
-//! looks at all of them again when their check is wrong, or when the line falls silent: so whole packets among them are
-//! late, never lost. Only where a false header and what follows have a right check by chance, they are taken for a
-//! packet: `reference` says where.
+//! Damage that looks like a header with a length makes a parser wait for that many bytes, at most as many as it holds.
+//! When their check is wrong, or when the line falls silent, the parser examines all of them again. Whole packets among
+//! them are therefore late, but not lost. Only if a false header and the bytes after it have a right check by chance,
+//! the parser takes them for a packet: `reference` finds these places.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ use sinew_servo_bus::{BusDevice, Schedule, ServoBus};
 use super::{MASTER_WINDOW, TIMING};
 use crate::reference::{self, Found};
 
-/// Id, instruction or status, and parameters.
+/// Contents of a packet: id, instruction or status, and parameters.
 type Content = (u8, u8, Vec<u8>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Protocol {
         }
     }
 
-    /// What the reference finds, by a receiver of packets up to `N` bytes.
+    /// Returns the packets that the reference finds, as a receiver of packets up to `N` bytes.
     fn found<const N: usize>(self, stream: &[u8]) -> Vec<Found> {
         match self {
             Dynamixel => reference::dynamixel(stream, N),
@@ -62,7 +62,7 @@ impl Protocol {
         }
     }
 
-    /// What the crate's parser finds in pieces of a stream, behind which the line is silent.
+    /// Returns the packets that the crate's parser finds in the pieces of a stream, followed by silence.
     fn parse<'a, const N: usize>(self, pieces: impl IntoIterator<Item = &'a [u8]>) -> Vec<Content> {
         let mut found = Vec::new();
         match self {
@@ -113,7 +113,8 @@ fn byte() -> impl Strategy<Value = u8> {
     prop_oneof![4 => Just(0xFF), 2 => Just(0xFD), 1 => Just(0), 1 => 1..40_u8, 3 => any::<u8>()]
 }
 
-/// A piece of a stream: a packet, a packet with a changed or a lost byte, a packet cut short, a header alone, rubbish.
+/// Generates a piece of a stream: a packet, a packet with a changed or lost byte, a cut packet, a header alone, or
+/// random bytes.
 fn segment() -> impl Strategy<Value = (u8, Content, prop::sample::Index, u8)> {
     let content = (0..=252_u8, any::<u8>(), vec(byte(), 0..20));
     (0..6_u8, content, any::<prop::sample::Index>(), any::<u8>())
@@ -142,7 +143,7 @@ fn bytes_of(protocol: Protocol, segments: &[(u8, Content, prop::sample::Index, u
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(500))]
 
-    /// What a receiver with all of the stream in front of it finds, every parser finds, wherever the stream is split.
+    /// Every parser finds the packets that a receiver with the whole stream finds, wherever the stream is split.
     #[test]
     fn parsers_find_every_whole_packet(
         segments in vec(segment(), 1..8),
@@ -154,7 +155,7 @@ proptest! {
             ends.extend([0, stream.len()]);
             ends.sort_unstable();
             let pieces: Vec<_> = ends.windows(2).map(|ends| &stream[ends[0]..ends[1]]).collect();
-            // The masters' window, and two of devices.
+            // The window of the masters, and two windows of devices.
             protocol.check_parser::<MASTER_WINDOW>(&stream, &pieces);
             protocol.check_parser::<259>(&stream, &pieces);
             protocol.check_parser::<1024>(&stream, &pieces);
@@ -162,7 +163,7 @@ proptest! {
     }
 }
 
-/// A stream of two packets with a false header in front and damage between them, split in three in every way.
+/// A stream of two packets with a false header first and damage between them, split in three parts in every way.
 #[test]
 fn every_split_gives_the_same_packets() {
     for protocol in [Dynamixel, Feetech] {
@@ -184,13 +185,14 @@ fn every_split_gives_the_same_packets() {
     }
 }
 
-/// False headers of every length that a receiver of up to `most` bytes waits for, and the first that it does not.
+/// Returns false headers of every length up to `most`: all that a receiver waits for, and the first that it refuses.
 fn false_headers(protocol: Protocol, most: u16) -> impl Iterator<Item = Vec<u8>> {
     let ids = [0, 1, 2, 252, 254];
     (0..=most).flat_map(move |length| ids.map(|id| protocol.header(id, length)))
 }
 
-/// Checks a receiver behind each false header. `is_read` gets the header and says whether the packet behind was read.
+/// Checks a receiver after each false header. `is_read` receives the header and returns whether the packet after it was
+/// read.
 fn behind_false_headers(
     protocol: Protocol,
     most: u16,
@@ -206,11 +208,11 @@ fn behind_false_headers(
             assert!(is_read(&header), "{protocol:?} behind {header:02X?}");
             read += 1;
         } else {
-            // A right check by chance, which 8 bits often have. That packet is no one's whole packet.
+            // The check is right by chance, which is frequent with 8 bits. No real packet begins there.
             assert_eq!((protocol, found[0].start), (Feetech, 0), "{header:02X?}");
         }
     }
-    // Of lengths that reach no further than the packet, one in 256 has a right sum; longer ones never end.
+    // Among lengths that end within the packet, one in 256 has a right sum. Longer lengths never end.
     assert!(all - read <= 2, "{protocol:?}: {read} of {all}");
 }
 
@@ -274,7 +276,7 @@ fn a_feetech_master_reads_the_first_whole_reply() {
     });
 }
 
-/// A servo reads the first whole instruction, and answers it as if there had been no damage.
+/// A servo reads the first whole instruction, and answers as without damage.
 #[test]
 fn a_dynamixel_servo_obeys_the_first_whole_instruction() {
     let table = Table::of(1200, 52).unwrap();

@@ -1,36 +1,36 @@
-//! Ticks of a master on a line with damage: what it sends is decoded as a servo does, and what it believes is compared
-//! with what the servos said, and with what a receiver apart from it finds in the same bytes.
+//! Runs ticks of a master on a line with damage. Its packets are decoded as by a servo. Its readings are compared with
+//! the servos' replies, and with the result of an independent receiver for the same bytes.
 
 use sinew_servo_bus::{Command, CommandError, Feedback, ServoBus};
 
 use super::random::Random;
 
 pub(crate) const SERVOS: usize = 6;
-/// The fastest that servos are said to be.
+/// Maximum speed of the servos, as given to the bus.
 pub(crate) const SPEED_RAD_S: f32 = 11.0;
 pub(crate) const RATE_HZ: u32 = 200;
-/// A number of its own in each reading of each servo; any two differ in four bits or more. The last three are of servos
-/// that nobody asked.
+/// A separate number for the readings of each servo; any two differ in four or more bits. The last three belong to
+/// servos that are not asked.
 pub(crate) const TAGS: [u8; SERVOS + 3] = [0x0F, 0x33, 0x3C, 0x55, 0x5A, 0x66, 0x69, 0x96, 0x99];
 
-/// What a servo measures, in the numbers of the wire.
+/// A measurement of a servo, in counts as on the wire.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Reading {
     pub(crate) position: i32,
-    /// One of [`TAGS`].
+    /// Number of the servo, from [`TAGS`].
     pub(crate) tag: i32,
-    /// What is the same in all readings.
+    /// Value that is the same in all readings.
     pub(crate) rest: i32,
 }
 
-/// What the master asks, and whom.
+/// The question of the master, and the servos that it asks.
 #[derive(Debug, Default)]
 pub(crate) struct Question {
     pub(crate) servos: Vec<usize>,
-    /// First address of what is asked.
+    /// First address of the read.
     pub(crate) address: u16,
     pub(crate) is_motion: bool,
-    /// All answer in one packet.
+    /// Whether all servos answer in one packet.
     pub(crate) is_fast: bool,
 }
 
@@ -42,30 +42,30 @@ impl Question {
     }
 }
 
-/// How a protocol looks on the wire.
+/// A protocol as it appears on the wire.
 pub(crate) trait Wire {
-    /// What one reading of a servo has besides the position and the tag.
+    /// Value of a reading besides position and tag.
     const REST: i32;
-    /// Least and most position that the protocol can say of a servo.
+    /// Minimum and maximum position that the protocol can express.
     const BOUNDS: [i32; 2];
-    /// Where servos go about in the run.
+    /// Range in which the servos move during the run.
     const RANGE: [i32; 2];
     const RAD_PER_COUNT: f32;
 
-    /// Decodes what the master sent as a servo does. Each goal in it must be within the limits of its servo; `goals`
-    /// counts them. `is_on` says whose torque was commanded to be on.
+    /// Decodes the master's packets like a servo. Each goal must be within the limits of its servo; `goals` counts
+    /// them. `is_on` states which servos were commanded to have torque on.
     fn hear(&self, sent: &[u8], is_on: [bool; SERVOS], goals: &mut usize) -> Question;
 
-    /// What the servos answer, one after the other.
+    /// Returns the answers of the servos, one after the other.
     fn answers(&self, question: &Question, readings: &[Reading; SERVOS]) -> Vec<Vec<u8>>;
 
-    /// A reply that nobody asked for, right in itself.
+    /// Returns a valid reply that was not asked for.
     fn stray(&self, servo: usize, reading: Reading) -> Vec<u8>;
 
-    /// The first reply to the question of each servo that is whole in the stream.
+    /// Returns for each servo the first whole reply to the question in the stream.
     fn received(&self, question: &Question, stream: &[u8]) -> Vec<(usize, Reading)>;
 
-    /// What the master believes, in the numbers of the wire.
+    /// Returns the master's reading in counts as on the wire.
     fn believed(&self, feedback: &Feedback) -> Reading;
 
     fn reading(&self, servo: usize, position: i32) -> Reading {
@@ -77,47 +77,47 @@ pub(crate) trait Wire {
 pub(crate) struct Count {
     pub(crate) damaged: usize,
     pub(crate) whole: usize,
-    /// Parts of a fast answer behind a damaged one, whose check covers the damage too.
+    /// Parts of a fast answer after a damaged part, whose checks cover the damage too.
     pub(crate) behind_tear: usize,
-    /// Whole replies that the master did not read, for those bytes were the end of a packet that was none.
+    /// Whole replies that the master did not read, because the parser took their bytes for the end of a false packet.
     pub(crate) hidden: usize,
-    /// Whole replies that the master read and did not believe: its last reading was wrong.
+    /// Whole replies that the master read but did not believe, because its last reading was wrong.
     pub(crate) doubted: usize,
-    /// Replies with a wrong content and a right check: what passes where nothing else is looked at.
+    /// Replies with wrong contents and a right check: they pass if only the check counts.
     pub(crate) passed: usize,
-    /// Those of them that have a wrong position.
+    /// Replies of `passed` that have a wrong position.
     pub(crate) passed_positions: usize,
-    /// Replies that have another servo's content and a right check.
+    /// Replies with the contents of another servo and a right check.
     pub(crate) passed_foreign: usize,
-    /// The same three, of what was believed.
+    /// Wrong replies that the master believed; likewise the next two fields.
     pub(crate) wrong: usize,
     pub(crate) wrong_positions: usize,
     pub(crate) foreign: usize,
-    /// The largest error of a position that was believed, counts.
+    /// Largest error of a believed position, counts.
     pub(crate) worst: i32,
-    /// Goals that the servos heard.
+    /// Number of goals that the servos received.
     pub(crate) goals: usize,
 }
 
-/// By how many counts a reading may move in a tick: twice of what the servo turns in the time, and four.
+/// Returns the maximum change of a reading in a tick, counts: twice the servo's motion in that time, plus four.
 #[expect(clippy::cast_possible_truncation, reason = "some tens")]
 pub(crate) fn step<W: Wire>() -> i32 {
     (2.0 * SPEED_RAD_S / RATE_HZ as f32 / W::RAD_PER_COUNT + 4.0).round() as i32
 }
 
-/// By how many counts the servos of the run move in a tick, at most.
+/// Returns the maximum motion of the run's servos in a tick, counts.
 #[expect(clippy::cast_possible_truncation, reason = "some tens")]
 pub(crate) fn most_move<W: Wire>() -> i32 {
     (0.8 * SPEED_RAD_S / RATE_HZ as f32 / W::RAD_PER_COUNT) as i32
 }
 
-/// Which readings of a servo are to be believed, by the rule in docs/buses.md.
+/// Decides which readings of a servo to believe, by the rule in docs/buses.md.
 #[derive(Debug, Clone, Copy, Default)]
 struct Model {
     last: Option<i32>,
-    /// Ticks since then.
+    /// Ticks since the last believed reading.
     age: i32,
-    /// What was not believed, and how old the last reading was then.
+    /// A reading that was not believed, and the age of the last reading at that time.
     doubtful: Option<(i32, i32)>,
 }
 
@@ -158,7 +158,7 @@ impl Count {
     }
 }
 
-/// Runs so many ticks, in which one reply in `odds` is damaged.
+/// Runs `ticks` ticks, in which one of `odds` replies is damaged.
 pub(crate) fn run<W: Wire>(bus: &mut impl ServoBus, wire: &W, ticks: usize, odds: usize) -> Count {
     let mut random = Random(16);
     let mut count = Count::default();
@@ -212,7 +212,7 @@ pub(crate) fn run<W: Wire>(bus: &mut impl ServoBus, wire: &W, ticks: usize, odds
             let cut = random.below(stream.len() + 1);
             bus.reply(&stream[..cut]);
             bus.reply(&stream[cut..]);
-            // Nothing more will come; what waits for the rest of a damaged packet is taken.
+            // No more bytes will arrive, so bytes that wait for the rest of a damaged packet are processed.
             request = bus.plan_more(left_us, &mut out).unwrap();
             if question.is_motion {
                 let received = wire.received(&question, &stream);
@@ -240,7 +240,7 @@ pub(crate) fn run<W: Wire>(bus: &mut impl ServoBus, wire: &W, ticks: usize, odds
     count
 }
 
-/// Any command with any number; what the servo cannot do, or is no number, is refused.
+/// Sends any command with any number. Numbers that are not finite and commands that the servo lacks are refused.
 fn command(bus: &mut impl ServoBus, servo: usize, is_on: &mut bool, random: &mut Random) {
     let command = random.command();
     match bus.command(servo, command) {

@@ -1,13 +1,13 @@
-//! A receiver that has all of a stream in front of it, written from the text of the protocols and nothing of the crate:
-//! at each byte in turn, either a whole packet begins there, or it is dropped.
+//! A receiver that sees the whole stream at once. It is written from the text of the protocols, without code of the
+//! crate. At each byte, either a whole packet begins, or the byte is dropped.
 
 /// A whole packet, without header, stuffing and check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Found {
-    /// Where it begins in the stream.
+    /// Index of the packet's first byte in the stream.
     pub(crate) start: usize,
     pub(crate) id: u8,
-    /// The instruction; in Feetech's replies the status.
+    /// Instruction byte; in Feetech's replies the status.
     pub(crate) code: u8,
     pub(crate) params: Vec<u8>,
 }
@@ -25,7 +25,7 @@ fn scan(stream: &[u8], packet_at: impl Fn(usize, &[u8]) -> Option<(Found, usize)
     found
 }
 
-/// Packets of Dynamixel 2.0 of at most `longest` bytes on the wire.
+/// Finds Dynamixel 2.0 packets of at most `longest` bytes on the wire.
 pub(crate) fn dynamixel(stream: &[u8], longest: usize) -> Vec<Found> {
     scan(stream, |start, bytes| {
         if bytes.len() < 7 || bytes[..4] != [0xFF, 0xFF, 0xFD, 0] {
@@ -47,7 +47,7 @@ pub(crate) fn dynamixel(stream: &[u8], longest: usize) -> Vec<Found> {
     })
 }
 
-/// Packets of Feetech of at most `longest` bytes.
+/// Finds Feetech packets of at most `longest` bytes.
 pub(crate) fn feetech(stream: &[u8], longest: usize) -> Vec<Found> {
     scan(stream, |start, bytes| {
         if bytes.len() < 4 || bytes[..2] != [0xFF, 0xFF] {
@@ -59,7 +59,7 @@ pub(crate) fn feetech(stream: &[u8], longest: usize) -> Vec<Found> {
             return None;
         }
         let sum: usize = bytes[2..len].iter().map(|byte| usize::from(*byte)).sum();
-        // The last byte is the inverse of the others' sum: with it they are 255.
+        // The last byte is the inverted sum of the others, so that the sum of all is 255.
         (sum % 256 == 255).then(|| {
             let params = bytes[5..len - 1].to_vec();
             (Found { start, id, code: bytes[4], params }, len)
@@ -67,8 +67,8 @@ pub(crate) fn feetech(stream: &[u8], longest: usize) -> Vec<Found> {
     })
 }
 
-/// The parts of the answer to a fast read of such servos (id, bytes) up to the first whose check is wrong: id, error,
-/// data. Each check runs from the header on.
+/// Returns the parts of the answer to a fast read before the first wrong check: id, error, data. `servos` lists id and
+/// number of bytes of each servo. Each check covers all bytes from the header on.
 pub(crate) fn fast(servos: &[(u8, usize)], stream: &[u8]) -> Vec<(u8, u8, Vec<u8>)> {
     let all: usize = servos.iter().map(|(_, len)| len + 4).sum();
     let [low, high] = u16::try_from(all + 1).unwrap().to_le_bytes();
@@ -90,7 +90,7 @@ pub(crate) fn fast(servos: &[(u8, usize)], stream: &[u8]) -> Vec<(u8, u8, Vec<u8
     found
 }
 
-/// CRC-16 of polynomial 8005, high bit first, from 0.
+/// Computes the CRC-16 with polynomial 8005, high bit first, from 0.
 pub(crate) fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0, |crc, byte| {
         (0..8).fold(crc ^ (u16::from(*byte) << 8), |crc, _| {
@@ -99,7 +99,7 @@ pub(crate) fn crc16(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Behind each FF FF FD one FD is left out.
+/// Removes an FD after each FF FF FD.
 fn unstuffed(bytes: &[u8]) -> Vec<u8> {
     let mut out = Vec::new();
     let mut rest = bytes;

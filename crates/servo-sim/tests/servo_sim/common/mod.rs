@@ -17,7 +17,7 @@ pub(crate) fn registers(count: usize) -> Registers {
     vec![[0; MEMORY_LEN]; count]
 }
 
-/// So many XL330 with ids from 1, return delay 2 us, no answers to writes.
+/// Creates a bench with an XL330 for each memory, with ids from 1, a return delay of 2 us, and no answers to writes.
 pub(crate) fn bench(memory: &mut Registers, arm: Arm, supply: Supply) -> Bench<'_, Vec<Arm>> {
     let kind = Parameters::built_in("XL330-M288-T").unwrap();
     let arms = vec![arm; memory.len()];

@@ -10,15 +10,15 @@ use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_tools::{Client, Exchange, Protocol, Settings};
 
-/// A line of simulated servos, in simulated time, that may lose and damage what passes.
+/// A line of simulated servos, in simulated time, that may lose and damage packets.
 pub(crate) struct SimLine {
     pub bench: Bench<'static, Vec<Arm>>,
-    /// How many of a hundred replies are lost, and how many damaged.
+    /// Percentage of replies that are lost; the next field is the percentage of damaged replies.
     pub lost: u32,
     pub damaged: u32,
-    /// Whether the adapter gives back what it sends.
+    /// Whether the adapter echoes the bytes that it sends.
     pub echoes: bool,
-    /// The fastest rate that the adapter does.
+    /// Maximum baud rate of the adapter, bits per second.
     pub most_baud: u32,
     /// Packets that were sent.
     pub sent: Vec<Vec<u8>>,
@@ -26,7 +26,7 @@ pub(crate) struct SimLine {
 }
 
 impl SimLine {
-    /// Servos as the factory ships them: kind and id.
+    /// Creates a line of servos with factory settings, from kinds and ids.
     pub(crate) fn new(servos: &[(&str, u8)]) -> Self {
         let made = servos.iter().map(|(kind, id)| {
             let kind = Parameters::built_in(kind).unwrap();
@@ -57,7 +57,7 @@ impl SimLine {
         u32::try_from(self.seed >> 33).unwrap() % 100
     }
 
-    /// How often a register was written: Dynamixel packets have their instruction at 7, Feetech's at 4.
+    /// Returns the number of write packets. The instruction is byte 7 in Dynamixel packets, byte 4 in Feetech packets.
     pub(crate) fn writes(&self) -> usize {
         let instruction = |packet: &[u8]| {
             let at = if packet.starts_with(&[0xFF, 0xFF, 0xFD, 0]) { 7 } else { 4 };
@@ -89,7 +89,7 @@ impl Exchange for SimLine {
                 let at = usize::try_from(place).unwrap() % said.len();
                 said[at] ^= 0x10;
             }
-            // In two parts: nothing says where a port cuts.
+            // The reply arrives in two parts: a port may split it anywhere.
             let (head, tail) = said.split_at(said.len() / 2);
             let is_complete = take(head);
             take(tail) || is_complete
@@ -114,7 +114,7 @@ impl Exchange for SimLine {
     }
 }
 
-/// A client at the factory's rate of the first servo.
+/// Creates a client at the factory baud rate of the first servo.
 pub(crate) fn client(servos: &[(&str, u8)]) -> Client<SimLine> {
     let line = SimLine::new(servos);
     let protocol =
@@ -123,5 +123,5 @@ pub(crate) fn client(servos: &[(&str, u8)]) -> Client<SimLine> {
     Client::new(line, protocol, baud, Settings::default()).unwrap()
 }
 
-/// One of each family.
+/// One servo kind of each family.
 pub(crate) const KINDS: [&str; 3] = ["XL330-M288-T", "XL430-W250-T", "STS3215-7.4V"];

@@ -1,27 +1,27 @@
-//! A NOR flash whose power fails wherever one wants.
+//! A NOR flash whose power can fail at any point.
 
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash,
 };
 use sinew_storage::{Area, BoardTable};
 
-/// Words of 4 bytes, as the F446's.
+/// Words of 4 bytes, as in the F446.
 const WORD: usize = 4;
 
 /// Bits only fall until a sector is erased, and no word is written twice: the contract of [`NorFlash`].
 ///
-/// Writing a word has two steps at which power can fail: before it, and within it, so that some bits have fallen. An
+/// Writing a word has two points at which power can fail: before it, and within it, after some bits have fallen. An
 /// erase has five: before it, and within it in four ways.
 #[derive(Debug, Clone)]
 pub(crate) struct MockFlash {
     pub(crate) bytes: Vec<u8>,
-    /// Where sectors begin, and how often each was erased.
+    /// Starts of the sectors, and how often each was erased.
     pub(crate) erases: Vec<(usize, u32)>,
     /// Steps until power fails.
     pub(crate) power: Option<u32>,
-    /// Steps that were taken.
+    /// Steps so far.
     pub(crate) steps: u32,
-    /// Words that were written twice. Ours never are: that panics, unless it is allowed.
+    /// Number of words that were written twice. Our store never does that: it panics, unless it is allowed.
     pub(crate) twice: u32,
     pub(crate) may_write_twice: bool,
     random: u64,
@@ -38,7 +38,7 @@ impl NorFlashError for PowerFailed {
 }
 
 impl MockFlash {
-    /// Blank flash with the sectors of a table, and one sector for each gap between them.
+    /// Returns blank flash with the sectors of a table, and a sector for each gap between them.
     pub(crate) fn new(table: &BoardTable) -> Self {
         let areas: Vec<Area> = [table.log].into_iter().chain(table.slots.iter().copied()).collect();
         let len = areas.iter().map(Area::end).max().unwrap() as usize;
@@ -64,7 +64,7 @@ impl MockFlash {
         }
     }
 
-    /// Power comes back, and stays.
+    /// Restores power permanently.
     pub(crate) fn restart(&mut self) {
         self.is_on = true;
         self.power = None;
@@ -84,7 +84,7 @@ impl MockFlash {
         self.random().to_le_bytes()[0]
     }
 
-    /// One step: whether power is still there.
+    /// Counts a step. Returns `true` if there is still power.
     fn step(&mut self) -> Result<(), PowerFailed> {
         if !self.is_on {
             return Err(PowerFailed);
@@ -126,7 +126,7 @@ impl MockFlash {
                     0 => any,
                     1 if at < middle => 0xFF,
                     2 if at >= middle => 0xFF,
-                    // Bits on their way up.
+                    // Bits that are rising during the erase.
                     3 => old | any,
                     _ => old,
                 };
@@ -160,7 +160,7 @@ impl ReadNorFlash for MockFlash {
 
 impl NorFlash for MockFlash {
     const WRITE_SIZE: usize = WORD;
-    // The smallest of all: sectors differ.
+    // The smallest sector: sectors differ in length.
     const ERASE_SIZE: usize = 1024;
 
     fn erase(&mut self, from: u32, to: u32) -> Result<(), PowerFailed> {
@@ -180,7 +180,7 @@ impl NorFlash for MockFlash {
         assert!(is_aligned, "not in words");
         for (word, at) in bytes.as_chunks::<WORD>().0.iter().zip((offset as usize..).step_by(WORD))
         {
-            // An erased word stays one.
+            // An erased word stays erased.
             if *word != [0xFF; WORD] || self.bytes[at..at + WORD] != *word {
                 self.write_word(at, *word)?;
             }

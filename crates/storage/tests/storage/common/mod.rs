@@ -1,4 +1,4 @@
-//! What several tests share.
+//! Shared helpers of several tests.
 #![expect(clippy::cast_possible_truncation, reason = "a small flash has small numbers")]
 
 pub(crate) mod flash;
@@ -11,7 +11,7 @@ use sinew_storage::{
 
 pub(crate) type Result<T> = core::result::Result<T, Error<PowerFailed>>;
 
-/// A small board: the log needs few changes to fill a sector, and slots have two sectors each.
+/// A small board: a few changes fill a sector of the log, and slots have two sectors each.
 pub(crate) const SMALL: BoardTable = BoardTable {
     log: Area { start: 0x1000, sector_len: 0x1000, sectors: 3 },
     slots: &[
@@ -29,19 +29,19 @@ pub(crate) fn describe(kind: Kind, content: &[u8]) -> Descriptor {
     Descriptor::of(kind, 1, content, 0x1234_abcd, approver())
 }
 
-/// Bytes without meaning, the same for the same number.
+/// Returns meaningless bytes that depend only on a number.
 pub(crate) fn content(number: u32, len: usize) -> Vec<u8> {
     let mut state = number;
     (0..len)
         .map(|_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            // Long runs of FF, too: they look as if nothing were written.
+            // Includes long runs of FF, which look unwritten.
             if state >> 28 == 0 { 0xFF } else { (state >> 24) as u8 }
         })
         .collect()
 }
 
-/// What begins as a rig of so many servos.
+/// Returns bytes that start like a rig with a number of servos.
 pub(crate) fn rig(number: u32, servos: u16, len: usize) -> Vec<u8> {
     let counts = [servos + 1, servos, 0, servos, servos];
     let mut bytes = b"SNWR\x01\x00".to_vec();
@@ -55,7 +55,7 @@ pub(crate) fn fault(number: u16) -> Fault {
     Fault { run: 0, time_us, number, part: Some(3), state: 5, times: 2 }
 }
 
-/// All that a store has, by content.
+/// The whole content of a store.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Everything {
     pub(crate) settings: Option<Vec<u8>>,
@@ -80,7 +80,7 @@ pub(crate) fn everything(store: &mut Store<&mut MockFlash>) -> Everything {
     }
 }
 
-/// The content of an item, which must be what its descriptor says.
+/// Returns the content of an item, which must match its descriptor.
 pub(crate) fn read(store: &mut Store<&mut MockFlash>, item: &Stored) -> Vec<u8> {
     let mut content = vec![0; item.descriptor().len as usize];
     store.read(item, 0, &mut content).unwrap();
@@ -97,7 +97,7 @@ pub(crate) fn put(
     store.put(disarmed, &describe(kind, content), content)
 }
 
-/// An upload as a host makes it: by blocks, from where the board says.
+/// Uploads an item like a host: in blocks, from the offset that the board returns.
 pub(crate) fn upload(
     store: &mut Store<&mut MockFlash>,
     disarmed: &Disarmed,
@@ -120,7 +120,7 @@ pub(crate) fn upload(
     }
 }
 
-/// Prints lines, which must stand in `docs/storage.md` as they are.
+/// Prints lines, which must be in `docs/storage.md` unchanged.
 pub(crate) fn is_on_page(lines: &[String]) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/storage.md");
     let page = std::fs::read_to_string(path).unwrap();

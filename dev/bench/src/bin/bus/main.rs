@@ -1,5 +1,5 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): a cycle of servo buses, from commands to packets and from replies to
-//! readings. Simulated servos give the replies, before anything is counted.
+//! readings. Simulated servos give the replies before the counting.
 
 #![no_std]
 #![no_main]
@@ -17,19 +17,19 @@ use sinew_servo_bus::{BusDevice, Command, Line, Schedule, ServoBus, Timing};
 const SERVOS: u8 = 18;
 const COUNT: usize = SERVOS as usize;
 
-/// As many times each cycle is run.
+/// Number of runs of each cycle.
 const RUNS: u16 = 16;
 
-/// Fast enough that all servos are read in every tick.
+/// Timing that is fast enough to read all servos in every tick.
 const TIMING: Timing = Timing { baud: 3_000_000, return_delay_us: 2, turnaround_us: 5 };
 const TICK_HZ: u32 = 200;
 
-/// Positions are commanded from here on, rad.
+/// Smallest commanded position, rad.
 const FIRST_RAD: f32 = 2.0;
 const RANGE_RAD: [f32; 2] = [1.0, 5.0];
 const SPEED_RAD_S: f32 = 11.0;
 
-/// Room for what a cycle sends, and for what comes back.
+/// Room for the bytes that a cycle sends, and for those that it receives.
 type Bytes = [u8; 1024];
 
 #[entry]
@@ -58,7 +58,7 @@ fn of_dynamixel(name: &str, fast: bool) -> Result<(), &'static str> {
     let mut ids = (0..).map(id);
     let mut devices = memories.each_mut().map(|memory| {
         let mut device = Device::<256>::new(table, ids.next().unwrap_or_default(), memory);
-        // Writes are not answered.
+        // Disables answers to writes.
         device.memory_mut().set(address::STATUS_LEVEL, 1);
         device.memory_mut().set(address::PRESENT_POSITION, 2000);
         device
@@ -95,7 +95,7 @@ fn of_feetech(name: &str) -> Result<(), &'static str> {
     measure(name, bus.map_err(|_| "no such bus")?, &mut devices)
 }
 
-/// Ids begin at 1.
+/// Returns the id of a servo; ids begin at 1.
 fn id(index: usize) -> u8 {
     u8::try_from(index + 1).unwrap_or(u8::MAX)
 }
@@ -125,7 +125,7 @@ fn measure(
     if all { Ok(()) } else { Err("a servo was not commanded or not read") }
 }
 
-/// Commands all servos and reads all; false if one did not take part.
+/// Commands all servos and reads all. Returns false if a servo did not take part.
 #[inline(never)]
 fn cycle(bus: &mut impl ServoBus, position_rad: f32, out: &mut [u8], replies: &[u8]) -> bool {
     let position = Command::Position(position_rad);

@@ -1,5 +1,5 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): a tick of the drives of 18 servos, from what a tracker asks of each
-//! joint to what each servo is commanded.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): a tick of the drives of 18 servos, from the tracker's efforts to the
+//! servos' commands.
 
 #![no_std]
 #![no_main]
@@ -17,13 +17,13 @@ use sinew_firmware::drives::{
 use sinew_rig::board::BoardRig;
 use sinew_servo_bus::{Effort, Feedback};
 
-/// An arm of 18 XL330, one to one (`build.rs`).
+/// An arm with 18 XL330, one servo per joint (`build.rs`).
 static RIG: &[u8] = include_bytes!(concat!(env!("OUT_DIR"), "/arm_18.rig"));
 
 const COUNT: usize = 18;
-/// As many times a tick is run.
+/// Number of runs of a tick.
 const RUNS: u16 = 16;
-/// 400 Hz.
+/// Timing of the loop at 400 Hz.
 const TIMING: Timing = Timing { dt_s: 0.0025, latency_ticks: 1 };
 
 #[entry]

@@ -1,5 +1,5 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, for `cargo xtask budget` to
-//! count what they execute; prints how much stack the ticks take, and how large the types are.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): runs each kernel and each kind of tick, so that `cargo xtask budget`
+//! can count their instructions. Prints the stack of the ticks, and the sizes of the types.
 //!
 //! Run it with `-icount shift=0`, see [`emulated`].
 
@@ -38,10 +38,10 @@ use sinew_core::{
     TorqueController, Transform, Tree, Twist, Workspace, Wrench, kinematics,
 };
 
-/// The commands on their way that observers have room for.
+/// Number of delayed commands for which observers have room.
 const ROOM: usize = 8;
 
-/// Rows of the mass matrix of 32 bodies: three dofs each, and six of the root.
+/// Numbers in the mass matrix of 32 bodies: three dofs each, and six of the root.
 const MATRIX_LEN: usize = (3 * 32 + 3) * (3 * 32 + 3);
 
 #[entry]
@@ -61,7 +61,7 @@ fn measure_all() -> Result<(), &'static str> {
     distances::<18>()
 }
 
-/// A tick of the core, in a function of its own.
+/// Runs a tick of the core, in a separate function.
 #[inline(never)]
 fn core_tick<const N: usize>(
     rig: &mut Rig<N, N>,
@@ -71,7 +71,7 @@ fn core_tick<const N: usize>(
     rig.tick(desired, measured).map(|torques| _ = black_box(torques))
 }
 
-/// A tick as boards run it, in a function of its own.
+/// Runs a tick as on boards, in a separate function.
 #[inline(never)]
 fn board_tick<const N: usize>(
     tracker: &mut Tracker<N, ROOM>,
@@ -102,7 +102,7 @@ fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// The mass matrix and forward dynamics: of a simulator rather than of a rig, but part of the core.
+/// Measures the mass matrix and forward dynamics: for simulators rather than rigs, but part of the core.
 fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let mut joints = [JointState::default(); N];
@@ -124,7 +124,7 @@ fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// What a rig or a character is weighed by, once: not part of any tick.
+/// Measures the importance of joints, which is computed once, not in a tick.
 fn importance<const N: usize>() -> Result<(), &'static str> {
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let rest_pose = RestPose::of_tree(&tree).map_err(|_| "no rest pose")?;
@@ -138,7 +138,7 @@ fn importance<const N: usize>() -> Result<(), &'static str> {
     Ok(())
 }
 
-/// How far two poses are apart in space: on the straight line between them in ten steps, and directly.
+/// Measures the distance of two poses in space: on the straight line between them in ten steps, and directly.
 fn distances<const N: usize>() -> Result<(), &'static str> {
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let space = PoseSpace::new(&tree);
@@ -214,14 +214,14 @@ fn errors<const N: usize>(tree: &Tree<N>) {
     black_box(accelerations);
 }
 
-/// States of all joints at a time of the motion.
+/// Returns the states of all joints at a time of the motion.
 fn some_states<const N: usize>(tree: &Tree<N>, time_s: f32) -> JointStates<N> {
     let mut at = [[Transform::IDENTITY; N]; 2];
     let [before, now] = &mut at;
     poses(tree.bodies(), time_s - DT_S, before);
     poses(tree.bodies(), time_s, now);
     let mut joints = JointStates::rest(tree);
-    // Poses that were just made are finite and unit.
+    // The poses were just made, so they are finite and unit.
     let _ = backward_states([&before[..], &now[..]], DT_S, &mut joints);
     joints
 }
@@ -335,7 +335,7 @@ fn ticks_of_boards<const N: usize>(
             board_tick(&mut tracker, &mut performance, run, &frames[run])
         })?;
     }
-    // No tick is like the one before: one of every four is left out.
+    // Consecutive ticks differ: one of every four is skipped.
     let mut tracker = Tracker::new(tree.clone(), &Settings::recommended(), timing)
         .map_err(|_| "there is no such tracker")?;
     let mut performance = Frames::new(enlarged);

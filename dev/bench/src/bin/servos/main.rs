@@ -1,5 +1,5 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs of servos, as their owners run them, and the same of
-//! joints that are balls. As the image `kernels`, but apart: what the compiler inlines there is to stay as it is.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs with servos, as their owners run them, and ticks of the
+//! same rigs with ball joints. Separate from the image `kernels`, so that inlining there does not change.
 
 #![no_std]
 #![no_main]
@@ -15,16 +15,16 @@ use sinew_core::state_error::Method;
 use sinew_core::tracker::{Frame, FrameSource, Measured, MethodName, Settings, Timing, Tracker};
 use sinew_core::{StateInputError, Transform, Tree, Workspace};
 
-/// The rows of the figures of a kind of joint.
+/// Names of the table rows for a kind of joint.
 struct Rows {
     joints: Joints,
     inverse: &'static str,
     core_tick: &'static str,
-    /// By method and kind of frame.
+    /// Name of a tick, with its method and kind of frame.
     ticks: [(&'static str, MethodName, Kind); 4],
 }
 
-/// What a frame is given as.
+/// Format of a frame.
 #[derive(Clone, Copy)]
 enum Kind {
     Coordinates,
@@ -65,7 +65,7 @@ fn main() -> ! {
     })
 }
 
-/// Rigs of `N` joints.
+/// Measures rigs of `N` joints.
 #[expect(clippy::large_stack_arrays, reason = "the emulated board has megabytes for its stack")]
 fn measure<const N: usize>() -> Result<(), &'static str> {
     for rows in &ROWS {
@@ -98,7 +98,7 @@ fn tick_of_core<const N: usize>(
     })
 }
 
-/// A tick of the core, in a function of its own.
+/// Runs a tick of the core, in a separate function.
 #[inline(never)]
 fn core_tick_of_rig<const N: usize>(
     rig: &mut Rig<N>,
@@ -108,13 +108,13 @@ fn core_tick_of_rig<const N: usize>(
     rig.tick(desired, measured).map(|torques| _ = black_box(torques))
 }
 
-/// Frames as they lie in memory: what a source does for one is not counted.
+/// Frames that are ready in memory: the work of a source is not counted.
 struct Performance<'a> {
     kind: Kind,
-    /// How many numbers the rig's positions and speeds are.
+    /// Numbers of positions and of speeds of the rig.
     counts: [usize; 2],
     measured: &'a [Instant; FRAMES],
-    /// The same motion of a larger performer.
+    /// Poses of the motion of a larger performer.
     poses: [[Transform; MOST_JOINTS]; FRAMES],
     joints: usize,
 }
@@ -129,7 +129,7 @@ impl<'a> Performance<'a> {
         Self { kind, counts, measured: instants, poses, joints: N }
     }
 
-    /// What the encoders read: they measure no speeds.
+    /// Returns readings of encoders, which measure no speeds.
     fn measured(&self, index: usize) -> Measured<'a> {
         let [positions, _] = self.counts;
         Measured::Positions { q: &self.measured[index].q[..positions] }
@@ -140,7 +140,7 @@ impl FrameSource for Performance<'_> {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         let index = usize::try_from(index).unwrap_or_default();
         let (Some(instant), Some(poses)) = (self.measured.get(index), self.poses.get(index)) else {
-            // Refused. No panic, which would be on the stack of the tick.
+            // An empty list is refused. There is no panic, which would be on the stack of the tick.
             return Frame::Poses(&[]);
         };
         let [positions, speeds] = self.counts;
@@ -175,7 +175,7 @@ fn tick_of_rig<const N: usize>(
     Ok(())
 }
 
-/// A tick as a rig of servos has it, from encoders to efforts, in a function of its own.
+/// Runs a tick of a rig with servos, from encoders to efforts, in a separate function.
 #[inline(never)]
 fn rig_tick<const N: usize>(
     tracker: &mut Tracker<N>,

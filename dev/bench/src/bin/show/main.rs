@@ -1,5 +1,5 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): a show of 20 servos, opened and played from tick to tick and from jump
-//! to jump, and a hash of all that comes of it.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): a show of 20 servos is opened, and played tick by tick and jump by
+//! jump. Prints a hash of the results.
 
 #![no_std]
 #![no_main]
@@ -46,7 +46,7 @@ fn play<const N: usize, const TIMES: u16>(
     result
 }
 
-/// What a show gives at a tick, in a function of its own.
+/// Returns the show's values at a tick, in a separate function.
 #[inline(never)]
 fn show_frame<const N: usize>(
     player: &mut Player<'_, N>,

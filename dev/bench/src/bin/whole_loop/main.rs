@@ -1,7 +1,7 @@
-//! Image for QEMU's `mps2-an386` (Cortex-M4F): a tick of the whole loop of an arm of XL330 that plays a show.
+//! Image for QEMU's `mps2-an386` (Cortex-M4F): a tick of the whole loop of an arm with XL330 that plays a show.
 //!
-//! It goes from what servos have said to the packets of the next: detectors, supervisor, show, tracker, drives, guards
-//! and the bus. Orders of the link and telemetry are not in it.
+//! The tick includes everything from the servos' answers to the next packets: detectors, supervisor, show, tracker,
+//! drives, guards and the bus. Commands of the host link and telemetry are not included.
 
 #![no_std]
 #![no_main]
@@ -14,7 +14,7 @@ use sinew_bench::emulated::{self, count_tick};
 
 use test_rig::{Bus, MotionController, Rig, TestRig};
 
-/// An arm of so many servos, and a show of it (`build.rs`).
+/// An arm with this number of servos, and a show for it (`build.rs`).
 macro_rules! arm {
     ($count:literal) => {
         (
@@ -24,7 +24,7 @@ macro_rules! arm {
     };
 }
 
-/// A size of rig, so that its tick is named by the number of its servos alone.
+/// A size of rig, so that its tick is identified by its number of servos only.
 struct Servos<const N: usize>;
 
 trait Of {
@@ -43,9 +43,9 @@ impl Of for Servos<40> {
     type TestRig<'a> = TestRig<'a, 41, 40>;
 }
 
-/// What is ticked.
+/// A rig that can run ticks.
 trait Ticks {
-    /// A tick; an error if it was not whole, or the show does not run.
+    /// Runs a tick. Returns an error if the tick was incomplete, or the show does not run.
     fn tick(&mut self) -> Result<(), &'static str>;
 }
 
@@ -83,7 +83,7 @@ where
         ("loop_controller", size_of::<MotionController<BODIES, N>>()),
         ("loop_rig", size_of::<Rig<BODIES, N>>()),
         ("loop_bus", size_of::<Bus<N>>()),
-        // Stored, not in RAM.
+        // Files in flash, not in RAM.
         ("loop_rig_file", rig.len()),
         ("loop_show_file", show.len()),
     ] {
@@ -92,7 +92,7 @@ where
     Ok(())
 }
 
-/// A tick, in a function of its own.
+/// Runs a tick, in a separate function.
 #[inline(never)]
 fn loop_tick<const N: usize>(
     test_rig: &mut <Servos<N> as Of>::TestRig<'_>,

@@ -1,4 +1,4 @@
-//! An arm under its controller, until it plays; then servos that answer what they answered before.
+//! An arm with its controller, until it plays; afterwards its servos repeat their earlier answers.
 
 use core::array;
 use core::f32::consts::{PI, TAU};
@@ -21,30 +21,30 @@ use sinew_servo_bus::{
     Request, Schedule, ServoBus, Timing,
 };
 
-/// The arm's compact form.
+/// Compact form of the arm.
 pub(crate) type Rig<const BODIES: usize, const N: usize> = BoardRig<BODIES, N, N>;
 pub(crate) type MotionController<'a, const BODIES: usize, const N: usize> =
     Loop<'a, BODIES, N, N, N>;
 pub(crate) type Bus<const N: usize> = dynamixel::Bus<N>;
 
-/// All servos are read in every tick.
+/// Timing that allows all servos to be read in every tick.
 const TIMING: Timing = Timing { baud: 4_000_000, return_delay_us: 2, turnaround_us: 5 };
 const TICK_HZ: u32 = 250;
-/// Room for what goes out, and for what comes back.
+/// Room for bytes that are sent, and for bytes that are received.
 const ROOM: usize = 1024;
-/// An answer to one servo's question.
+/// Room for an answer to a question for one servo, bytes.
 const SLOW: usize = 32;
-/// What a tick has left for a question to one servo, µs.
+/// Remaining time of a tick for a question to one servo, µs.
 const LEFT_US: u32 = 1000;
-/// XL330-M288: model, current, A, and what the maker says of it at stall, A and N m.
+/// The XL330-M288: model number, largest current in A, and the maker's stall current in A and stall torque in N m.
 const MODEL: u16 = 1200;
 const CURRENT_A: f32 = 1.2;
 const STALL_A: f32 = 1.47;
 const STALL_NM: f32 = 0.52;
-/// It plays after so many ticks, or never.
+/// Number of ticks after which the arm must play.
 const PATIENCE: u32 = 400;
 
-/// Controller, bus, and what servos answer.
+/// Controller, bus, and answers of the servos.
 pub(crate) struct TestRig<'a, const BODIES: usize, const N: usize> {
     controller: MotionController<'a, BODIES, N>,
     bus: Unregistered<N>,
@@ -52,15 +52,15 @@ pub(crate) struct TestRig<'a, const BODIES: usize, const N: usize> {
     ticks: u32,
 }
 
-/// What servos that stand still answer.
+/// Answers of servos that do not move.
 struct Answers<const N: usize> {
-    /// All of them.
+    /// Answers of all servos to the read of a tick.
     motion: Answer<ROOM>,
-    /// One of them, how it is.
+    /// Answers of each servo about its health.
     slow: [Answer<SLOW>; N],
 }
 
-/// Bytes that came together.
+/// Bytes that arrived together.
 #[derive(Clone, Copy)]
 struct Answer<const L: usize> {
     bytes: [u8; L],
@@ -82,7 +82,7 @@ impl<const L: usize> Answer<L> {
 }
 
 impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
-    /// An arm that plays this show.
+    /// Returns an arm that plays this show.
     pub(crate) fn new(
         rig: &'a Rig<BODIES, N>,
         rig_crc: u32,
@@ -114,7 +114,7 @@ impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
         Ok(test_rig)
     }
 
-    /// Servos that are at home, and stay there.
+    /// Runs ticks with simulated servos that stay at home, until the show plays.
     fn until_it_plays(&mut self, rig: &Rig<BODIES, N>, table: Table) -> Result<(), &'static str> {
         let homes: [f32; N] = array::from_fn(|index| {
             let own = rig.servos()[index].servo.settings();
@@ -127,7 +127,7 @@ impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
             #[expect(clippy::cast_possible_truncation, reason = "it is within a turn")]
             let counts = ((homes[index] + PI) / TAU * 4096.0) as i32;
             for (register, value) in [
-                // Writes are not answered.
+                // Disables answers to writes.
                 (address::STATUS_LEVEL, 1),
                 (address::PRESENT_POSITION, counts),
                 (address::PRESENT_VOLTAGE, 50),
@@ -152,12 +152,12 @@ impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
         Err("it does not play")
     }
 
-    /// Whether each servo has told how it is.
+    /// Whether each servo has reported its health.
     fn has_all(&self) -> bool {
         self.controller.report().servos.iter().all(|servo| servo.temperature_c.is_some())
     }
 
-    /// A tick of the show, with the answers of before.
+    /// Runs a tick of the show, with the earlier answers.
     #[expect(
         clippy::inline_always,
         reason = "the frame of the function that is measured has it all"
@@ -171,7 +171,7 @@ impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
     }
 }
 
-/// One tick, as a board's loop has it.
+/// Runs a tick as in a board's loop.
 #[expect(clippy::inline_always, reason = "the frame of the function that is measured has it all")]
 #[inline(always)]
 fn tick<const BODIES: usize, const N: usize>(
@@ -190,7 +190,7 @@ fn tick<const BODIES: usize, const N: usize>(
     controller.end(begun, exchanged, 0).map(|_| ()).map_err(|_| "a tick was not whole")
 }
 
-/// Servos that are asked, and what they answer is kept.
+/// A wire to simulated servos that stores their answers.
 struct DeviceWire<'s, 'm, const N: usize> {
     devices: &'s mut [Device<'m, 256>],
     answers: &'s mut Answers<N>,
@@ -217,7 +217,7 @@ impl<const N: usize> Wire for DeviceWire<'_, '_, N> {
     }
 }
 
-/// What they answered before.
+/// A wire that repeats the stored answers.
 struct Known<'s, const N: usize> {
     answers: &'s Answers<N>,
     is_first: bool,
@@ -237,12 +237,12 @@ impl<const N: usize> Wire for Known<'_, N> {
     }
 }
 
-/// The servo that a question is for, by its id.
+/// Returns the servo that a question addresses, by its id.
 fn asked(bytes: &[u8]) -> Option<usize> {
     usize::from(*bytes.get(4)?).checked_sub(1)
 }
 
-/// Ids begin at 1.
+/// Returns the id of a servo; ids begin at 1.
 fn id(index: usize) -> u8 {
     u8::try_from(index + 1).unwrap_or(u8::MAX)
 }
@@ -253,7 +253,7 @@ fn setup() -> ServoSetup {
     let current = CurrentSettings { encoder, blind_rad: 0.0059, current_a: CURRENT_A, cut_off };
     ServoSetup {
         drive: DriveSettings::Current(current),
-        // An XL330's gear with a light load: half its play and a step of its encoder.
+        // The gear of an XL330 with a light load: half its play and a step of its encoder.
         bandwidth_rad_s: 40.0,
         rest_rad: 0.0059,
         heat: HeatSettings::default(),
@@ -265,7 +265,7 @@ fn setup() -> ServoSetup {
     }
 }
 
-/// A bus whose servos' registers are not compared: that is over before a rig is armed.
+/// A bus whose servos' registers are not compared: the comparison happens before a rig is armed.
 pub(crate) struct Unregistered<const N: usize>(Bus<N>);
 
 impl<const N: usize> ServoBus for Unregistered<N> {

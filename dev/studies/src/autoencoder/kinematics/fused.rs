@@ -1,4 +1,5 @@
-//! Forward kinematics as one operation, its gradient derived by hand: one sweep outwards, one sweep inwards.
+//! Forward kinematics as one operation, with a gradient that is derived by hand: one sweep outwards, one sweep
+//! inwards.
 
 use candle_core::{CpuStorage, CustomOp1, Error, Layout, Result, Shape, Tensor};
 use glam::{Mat3, Vec3};
@@ -7,18 +8,18 @@ use sinew_mocap::Skeleton;
 use super::layout::{NUMBERS, SQUARE_MIN};
 use crate::autoencoder::two_columns;
 
-/// What the sweeps need of the skeleton: each joint's parent and its offset in metres.
+/// Skeleton for the sweeps: each joint's parent and its offset in metres.
 #[derive(Debug, Clone)]
 pub(in super::super) struct Fused {
     joints: Vec<(Option<usize>, Vec3)>,
 }
 
-/// A rotation made of two columns, with what its gradient needs.
+/// A rotation that is made of two columns, with the data for its gradient.
 struct Orthonormal {
     rotation: Mat3,
     /// Lengths of the first column, and of the second without its part along the first.
     lengths: [f32; 2],
-    /// The second column as it came, and its part along the first.
+    /// The second column of the input, and its part along the first.
     second: Vec3,
     along: f32,
 }
@@ -35,7 +36,7 @@ impl Orthonormal {
         Self { rotation: Mat3::from_cols(x, y, x.cross(y)), lengths, second, along }
     }
 
-    /// From the gradient by the matrix to that by the columns.
+    /// Converts the gradient with respect to the matrix to that with respect to the columns.
     fn gradient(&self, by: &Mat3) -> [Vec3; 2] {
         let Mat3 { x_axis: x, y_axis: y, .. } = self.rotation;
         let mut by_x = by.x_axis + y.cross(by.z_axis);
@@ -52,7 +53,7 @@ impl Fused {
         Self { joints: joints.map(|joint| (joint.parent, joint.offset_m.as_vec3())).collect() }
     }
 
-    /// Local and global rotations and global positions of one pose.
+    /// Computes local and global rotations and global positions of one pose.
     fn outwards(&self, columns: &[f32], world: &mut Vec<(Orthonormal, Mat3, Vec3)>) {
         world.clear();
         for ((parent, offset_m), columns) in
@@ -70,7 +71,8 @@ impl Fused {
         }
     }
 
-    /// The gradient by the columns of one pose, from that by its positions and global rotations.
+    /// Computes the gradient with respect to the columns of one pose, from that with respect to its positions and
+    /// global rotations.
     fn inwards(
         &self,
         world: &[(Orthonormal, Mat3, Vec3)],
@@ -107,7 +109,7 @@ impl Fused {
         }
     }
 
-    /// Numbers of a pose as they come in.
+    /// Returns the count of input numbers of a pose.
     fn inputs(&self) -> usize {
         two_columns::NUMBERS * self.joints.len()
     }

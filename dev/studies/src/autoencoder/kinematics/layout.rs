@@ -1,6 +1,6 @@
-//! How the numbers of a joint are laid out, and kept from a zero length.
+//! Layout of the numbers of a joint, and protection from zero lengths.
 
-/// Numbers per joint that forward kinematics makes.
+/// Numbers per joint in the output of forward kinematics.
 pub(in crate::autoencoder) const NUMBERS: usize = 9;
 
 /// Added to squared lengths, so that a column without a length has a gradient.

@@ -1,7 +1,7 @@
 //! Differentiable forward kinematics: from local rotations as two columns to global positions and rotations.
 //!
-//! In: `[poses, 6 joints]`, two columns per joint. Out: `[poses, 9 joints]`, per joint its position in metres with
-//! the root at the origin, and the two columns of its global rotation.
+//! Input: `[poses, 6 joints]`, two columns per joint. Output: `[poses, 9 joints]`, per joint its position in metres
+//! with the root at the origin, and the two columns of its global rotation.
 
 mod fused;
 mod layout;
@@ -15,7 +15,7 @@ pub(super) use layout::NUMBERS;
 use sinew_mocap::Skeleton;
 use tensors::Tensors;
 
-/// How forward kinematics is written: the result is the same, the time is not.
+/// Implementation of forward kinematics: the results are the same, the times differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Form {
@@ -23,7 +23,7 @@ pub enum Form {
     ByJoint,
     /// Tensor operations on all joints of one depth in the tree.
     ByLevel,
-    /// One operation with a gradient of its own.
+    /// One operation with its own gradient.
     Fused,
 }
 
@@ -31,7 +31,7 @@ impl Form {
     /// All forms, the slowest first.
     pub const ALL: [Self; 3] = [Self::ByJoint, Self::ByLevel, Self::Fused];
 
-    /// The form as tables name it.
+    /// Returns the form's name in tables.
     pub const fn label(self) -> &'static str {
         match self {
             Self::ByJoint => "joint by joint",
@@ -69,7 +69,7 @@ impl Kinematics {
     }
 }
 
-/// How many joints are above each joint.
+/// Returns the depth of each joint in the tree.
 fn depths(skeleton: &Skeleton) -> Vec<usize> {
     let mut depths: Vec<usize> = Vec::new();
     for joint in &skeleton.joints {

@@ -5,14 +5,14 @@ use sinew_mocap::Skeleton;
 
 use super::layout::SQUARE_MIN;
 
-/// Joints whose global poses are found at once: none is below another.
+/// Joints whose global poses are computed at once: none is a descendant of another.
 #[derive(Debug, Clone)]
 struct Group {
     /// Indices of the joints.
     joints: Tensor,
-    /// Where all their parents are: a group, and indices in it. The root has none.
+    /// Place of all their parents: a group, and indices in it. `None` for the root.
     parents: Option<(usize, Tensor)>,
-    /// `[joints, 3, 1]`, in metres.
+    /// Offsets, `[joints, 3, 1]`, in metres.
     offset_m: Tensor,
 }
 
@@ -20,12 +20,13 @@ struct Group {
 #[derive(Debug, Clone)]
 pub(in super::super) struct Tensors {
     groups: Vec<Group>,
-    /// For each joint, its place in the groups one after the other.
+    /// For each joint, its place in the concatenated groups.
     places: Tensor,
 }
 
 impl Tensors {
-    /// The groups must hold every joint once, the parents of a group in one earlier group.
+    /// Creates the operations. The groups must contain every joint once, and all parents of a group must be in one
+    /// earlier group.
     pub(super) fn new(skeleton: &Skeleton, groups: &[Vec<usize>]) -> Result<Self> {
         let order: Vec<usize> = groups.iter().flatten().copied().collect();
         let places = (0..order.len()).map(|joint| place(&order, joint));
@@ -76,7 +77,7 @@ impl Tensors {
                 }
             });
         }
-        // A position as one more column: all nine numbers of a joint are transposed at once.
+        // A position becomes one more column: all nine numbers of a joint are transposed at once.
         let joined: Vec<Tensor> = world
             .iter()
             .map(|(position_m, turn)| {
@@ -88,7 +89,7 @@ impl Tensors {
     }
 }
 
-/// Rotation matrices of columns `[poses, joints, 2, 3]`, by Gram and Schmidt.
+/// Returns rotation matrices of columns `[poses, joints, 2, 3]`, by Gram-Schmidt.
 fn rotations(columns: &Tensor) -> Result<Tensor> {
     let unit = |v: &Tensor| {
         let length = (v.sqr()?.sum_keepdim(D::Minus1)? + f64::from(SQUARE_MIN))?.sqrt()?;
@@ -98,7 +99,7 @@ fn rotations(columns: &Tensor) -> Result<Tensor> {
     let b = columns.narrow(2, 1, 1)?.squeeze(2)?;
     let along = (&x * &b)?.sum_keepdim(D::Minus1)?;
     let y = unit(&(&b - x.broadcast_mul(&along)?)?)?;
-    // The cross product: components moved round by one and by two.
+    // The cross product: components rotated by one and by two places.
     let turned = |v: &Tensor, by: usize| {
         let (tail, head) = (v.narrow(D::Minus1, by, 3 - by)?, v.narrow(D::Minus1, 0, by)?);
         Tensor::cat(&[tail, head], D::Minus1)

@@ -13,7 +13,7 @@ fn skeleton() -> Skeleton {
     builtin::clips().swap_remove(0).skeleton
 }
 
-/// Rotations all over, and their columns, lengthened and leant.
+/// Returns arbitrary rotations, and their columns, scaled and skewed.
 fn poses(joints: usize, count: usize) -> (Vec<Vec<DQuat>>, Tensor) {
     let mut random = Random::new(11, Subject::Noise);
     let mut columns = Vec::new();
@@ -48,7 +48,7 @@ fn every_form_agrees_with_the_kinematics_in_f64() {
                 for (expected, found) in
                     joint.position_m.to_array().iter().chain(&columns).zip(found)
                 {
-                    // Five rotations in f32 on the way to a hand.
+                    // Five rotations in f32 on the path to a hand.
                     let off = expected - f64::from(*found);
                     assert!(off.abs() < 3e-6, "{form:?}: {expected} {found}");
                 }
@@ -57,7 +57,7 @@ fn every_form_agrees_with_the_kinematics_in_f64() {
     }
 }
 
-/// A sum over all results, each with a factor of its own, and its gradient by the columns.
+/// Returns a weighted sum over all results, each with its own factor, and its gradient with respect to the columns.
 fn weighted(kinematics: &Kinematics, columns: &Tensor) -> (Tensor, Tensor) {
     let columns = Var::from_tensor(columns).unwrap();
     let global = kinematics.global(&columns).unwrap();
@@ -105,7 +105,7 @@ fn the_gradient_is_the_slope() {
                 f64::from(sum)
             };
             let central = (at(STEP) - at(-STEP)) / (2.0 * f64::from(STEP));
-            // Rounding of the sum over the step, and the third derivative: both below 2e-3.
+            // Rounding of the sum divided by the step, and the third derivative: both below 2e-3.
             assert!(
                 (central - f64::from(*slope)).abs() < 4e-3,
                 "{form:?} {number}: {central} {slope}"

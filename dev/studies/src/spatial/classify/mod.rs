@@ -1,4 +1,4 @@
-//! Walking or running, told by the nearest pose of other sequences (section 4 of the paper).
+//! Classifies walking and running by the nearest pose of other sequences (section 4 of the paper).
 
 mod nearest;
 mod report;
@@ -13,60 +13,60 @@ pub use report::{json, tables};
 
 use super::classes::{ClassesError, Labelled, TwoClasses};
 
-/// What to try.
+/// Settings of the study.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// The classes.
+    /// The two classes.
     pub classes: &'a TwoClasses,
-    /// How poses are seen.
+    /// The rig for the poses.
     pub rig: &'a SpatialRig,
-    /// The distances to compare; differences are against the first.
+    /// The distances to compare; differences are relative to the first.
     pub measures: Vec<Measure>,
     /// Sequences of each class in a draw.
     pub each: usize,
-    /// How often sequences are drawn.
+    /// Number of draws.
     pub draws: usize,
-    /// What they are drawn by.
+    /// Seed of the draws.
     pub seed: u64,
 }
 
-/// Which poses are no neighbours.
+/// Poses that do not count as neighbours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LeaveOut {
-    /// Those of the same sequence.
+    /// Poses of the same sequence.
     Sequence,
-    /// Those of the same group, such as of the same person.
+    /// Poses of the same group, such as the same person.
     Group,
 }
 
 impl LeaveOut {
-    /// Both.
+    /// Both choices, in the order of tables.
     pub const ALL: [Self; 2] = [Self::Sequence, Self::Group];
 }
 
-/// How much of a draw was classified correctly.
+/// Shares of a draw that were classified correctly.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
-    /// Of all poses.
+    /// Share of all poses.
     pub poses: f64,
-    /// Of the poses of each class.
+    /// Share of the poses of each class.
     pub of_class: [f64; 2],
-    /// Of sequences, each by the most of its poses.
+    /// Share of sequences, each classified by the majority of its poses.
     pub sequences: f64,
 }
 
-/// How many poses of a sequence were classified correctly, over all draws it was in.
+/// Number of correctly classified poses of a sequence, over all its draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Tally {
-    /// How many were classified.
+    /// Number of classified poses.
     pub poses: usize,
-    /// How many were classified correctly.
+    /// Number of correctly classified poses.
     pub right: usize,
 }
 
 impl Tally {
-    /// The share of what was right; `None` of none.
+    /// Returns the share of correct poses; `None` without poses.
     pub fn rate(&self) -> Option<f64> {
         (self.poses > 0).then(|| self.right as f64 / self.poses as f64)
     }
@@ -81,37 +81,37 @@ impl std::iter::Sum for Tally {
     }
 }
 
-/// What became of one measure.
+/// Results of one measure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The measure.
+    /// Measure of the distances.
     pub measure: Measure,
-    /// Which poses were no neighbours.
+    /// Poses that did not count as neighbours.
     pub leave: LeaveOut,
-    /// By draw.
+    /// Rates by draw.
     pub draws: Vec<Rates>,
-    /// By sequence.
+    /// Tallies by sequence.
     pub sequences: Vec<Tally>,
 }
 
-/// What became of all measures.
+/// Results of all measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     /// The sequences of each draw.
     pub draws: Vec<Vec<usize>>,
-    /// By measure, then by what is left out.
+    /// Outcomes by measure, then by the poses that are left out.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Study {
-    /// What became of a measure.
+    /// Returns the results of a measure.
     pub fn of(&self, measure: Measure, leave: LeaveOut) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.measure == measure && o.leave == leave)
     }
 }
 
 impl Plan<'_> {
-    /// Pairs of poses to compare.
+    /// Returns the number of pairs of poses to compare.
     pub fn steps(&self) -> usize {
         let lengths = || self.classes.sequences.iter().map(|sequence| sequence.frames.len());
         let (all, own): (usize, usize) = (lengths().sum(), lengths().map(|n| n * n).sum());
@@ -119,8 +119,8 @@ impl Plan<'_> {
     }
 }
 
-/// Draws sequences of both classes again and again, and tells every pose's class by its nearest neighbour in the other
-/// sequences of the draw; `progress` is called for pairs of poses.
+/// Draws sequences of both classes repeatedly, and classifies every pose by its nearest neighbour in the other
+/// sequences of the draw; `progress` is called with numbers of pairs of poses.
 ///
 /// # Errors
 /// [`ClassesError`] if there are too few sequences, or a pose cannot be compared.
@@ -147,7 +147,7 @@ pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, 
     Ok(Study { draws, outcomes })
 }
 
-/// The sequences of a draw, in their order.
+/// Returns the sequences of a draw, in their order.
 fn draw(plan: &Plan<'_>, number: u64) -> Vec<usize> {
     let mut random = Random::numbered(plan.seed, number, Subject::Draws);
     let mut drawn = Vec::with_capacity(2 * plan.each);
@@ -160,8 +160,8 @@ fn draw(plan: &Plan<'_>, number: u64) -> Vec<usize> {
     drawn
 }
 
-/// How many poses of each sequence of a draw have a nearest neighbour of their class. What has none is not classified
-/// correctly.
+/// Counts the poses of each sequence of a draw whose nearest neighbour has their class. A pose without a neighbour is
+/// not classified correctly.
 fn tell(classes: &TwoClasses, nearest: &Nearest, draw: &[usize], leave: LeaveOut) -> Vec<Tally> {
     let of_sequence = |own: &usize| {
         let Labelled { class, group, frames, .. } = &classes.sequences[*own];
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn poses_have_the_class_of_what_they_are_copies_of() {
         let (mut classes, rig) = built_in();
-        // Every sequence is that of its class, and all of a class are of one group.
+        // All sequences of a class are equal, and in one group.
         for class in [0, 1] {
             let members = classes.members(class);
             let first = classes.sequences[members[0]].clone();
@@ -241,7 +241,7 @@ mod tests {
         }
         let study = run(&plan(&classes, &rig), &|_| ()).unwrap();
         for outcome in &study.outcomes {
-            // Without its group there is none of its class.
+            // Without its group there is no other sequence of its class.
             let expected = if outcome.leave == LeaveOut::Sequence { 1.0 } else { 0.0 };
             let rates = Rates { poses: expected, of_class: [expected; 2], sequences: expected };
             assert_eq!(outcome.draws, vec![rates; 5], "{} {:?}", outcome.measure, outcome.leave);

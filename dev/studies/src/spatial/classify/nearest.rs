@@ -1,25 +1,25 @@
-//! How near poses come to sequences: all that a classifier by nearest neighbours asks, once for any choice of
+//! Distances of poses to sequences: the data for a classifier by nearest neighbours, computed once for any choice of
 //! sequences.
 
 use rayon::prelude::*;
 use sinew_pose_metrics::spatial::{MeasuredPose, Metric, RigMeasure, Workspace};
 
-/// For every pose of some sequences the distance of the nearest pose of every other sequence.
+/// For every pose of some sequences, the distance to the nearest pose of every other sequence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Nearest {
     sequences: usize,
-    /// The first pose of each sequence, counted through all.
+    /// Index of the first pose of each sequence among all poses.
     first: Vec<usize>,
-    /// By pose, then by sequence; infinite to its own.
+    /// Distances by pose, then by sequence; infinite for its own sequence.
     distances: Vec<f32>,
 }
 
 impl Nearest {
-    /// Between the poses of all sequences; `done` is called for pairs of poses. Pairs of sequences in parallel, the
-    /// same bits for any number of threads.
+    /// Computes the distances between the poses of all sequences; `done` is called with numbers of pairs of poses.
+    /// Pairs of sequences are computed in parallel, with the same bits for any number of threads.
     ///
-    /// A line that cannot be the shortest, because the way straight through space is not, is not walked: exact but
-    /// for the rounding of f32 in which a straight line may look shorter than it is.
+    /// A line is not sampled if the straight distance through space, a lower bound, shows that it cannot be the
+    /// shortest. This is exact except for rounding of f32, by which a straight line may look too short.
     pub fn new(
         measuring: &RigMeasure<'_>,
         poses: &[Vec<MeasuredPose>],
@@ -54,14 +54,14 @@ impl Nearest {
         nearest
     }
 
-    /// The distances of a sequence's pose to all sequences.
+    /// Returns the distances of a sequence's pose to all sequences.
     pub fn of(&self, sequence: usize, pose: usize) -> &[f32] {
         let from = (self.first[sequence] + pose) * self.sequences;
         &self.distances[from..from + self.sequences]
     }
 }
 
-/// For every pose of either sequence the distance of the other's nearest.
+/// Returns for every pose of both sequences the distance to the nearest pose of the other sequence.
 fn of_pair(
     measuring: &RigMeasure<'_>,
     a: &[MeasuredPose],

@@ -1,4 +1,4 @@
-//! The study as tables and as JSON.
+//! Formats the study as tables and as JSON.
 
 use std::fmt::Write as _;
 
@@ -12,10 +12,10 @@ use super::super::tables::{Difference, about, table};
 use super::{LeaveOut, Outcome, Plan, Rates, Study, Tally};
 use crate::recordings::Class;
 
-/// Why writing does not fail.
+/// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
-/// What the paper has of a measure, percent: of walking and running.
+/// Returns the paper's result for a measure, in percent; for walking and running only.
 pub(crate) fn paper(classes: &TwoClasses, measure: Measure) -> Option<f64> {
     let of_measure = match (measure.metric, measure.weighting) {
         (Metric::Angles, Weighting::Alike) => Some(90.0),
@@ -25,12 +25,12 @@ pub(crate) fn paper(classes: &TwoClasses, measure: Measure) -> Option<f64> {
     of_measure.filter(|_| classes.classes == [Class::Walk, Class::Run])
 }
 impl Outcome {
-    /// A rate over all draws.
+    /// Summarizes a rate over all draws.
     pub(crate) fn over_draws(&self, rate: impl Fn(&Rates) -> f64) -> Option<Summary> {
         Summary::of(&self.draws.iter().map(rate).collect::<Vec<_>>())
     }
 
-    /// The share of poses classified correctly of each group of a class.
+    /// Returns the share of correctly classified poses for each group of a class.
     pub(crate) fn of_groups<'a>(
         &self,
         classes: &'a TwoClasses,
@@ -45,7 +45,7 @@ impl Outcome {
     }
 }
 
-/// The tables: rates, differences, rates by group.
+/// Formats the tables: rates, differences, rates by group.
 pub fn tables(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> String {
     let mut text = about(plan.classes, plan.rig, &plan.measures);
     let word = plan.classes.group_word();
@@ -116,7 +116,7 @@ fn rates(plan: &Plan<'_>, study: &Study, leave: LeaveOut, costs: &[Cost]) -> com
     table(&header, rows)
 }
 
-/// The result of calling everything what most poses are.
+/// Formats the result of assigning all poses to the more frequent class.
 fn one_class(plan: &Plan<'_>, study: &Study) -> Vec<String> {
     let larger: Vec<[f64; 3]> = study
         .draws
@@ -194,8 +194,7 @@ fn groups(plan: &Plan<'_>, study: &Study) -> comfy_table::Table {
     table(&header, rows)
 }
 
-/// Everything as JSON: what was set, what was drawn, rates of every draw and every sequence, and costs if there are
-/// any.
+/// Returns everything as JSON: settings, draws, rates of every draw and every sequence, and costs if there are any.
 pub fn json(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> Value {
     let outcomes: Vec<Value> = study
         .outcomes

@@ -1,4 +1,4 @@
-//! Walking and running, told apart by clusters of the poses of one sequence of each (section 4 of the paper).
+//! Separates walking from running by clusters of the poses of one sequence of each (section 4 of the paper).
 
 mod report;
 
@@ -15,18 +15,18 @@ pub(crate) use report::{over_pairs, paper};
 use super::classes::{ClassesError, TwoClasses};
 use super::medoid_shift;
 
-/// What to try.
+/// Settings of the study.
 #[derive(Debug, Clone)]
 pub struct Plan<'a> {
-    /// The classes.
+    /// The two classes.
     pub classes: &'a TwoClasses,
-    /// How poses are seen.
+    /// The rig for the poses.
     pub rig: &'a SpatialRig,
-    /// The distances to compare; differences are against the first.
+    /// The distances to compare; differences are relative to the first.
     pub measures: Vec<Measure>,
-    /// How many pairs of sequences are drawn.
+    /// Number of pairs of sequences to draw.
     pub pairs: usize,
-    /// What they are drawn by.
+    /// Seed of the draws.
     pub seed: u64,
 }
 
@@ -35,73 +35,73 @@ pub struct Plan<'a> {
 pub struct Clustering {
     /// The smallest bandwidth of the kernel that makes two clusters, in the measure's unit.
     pub bandwidth: f64,
-    /// The cluster of every pose, 0 or 1, poses of the first sequence first.
+    /// The cluster of every pose, 0 or 1; poses of the first sequence are first.
     pub of: Vec<usize>,
 }
 
-/// How much of a pair is in its sequence's cluster, of both ways to call clusters by sequences the better one.
+/// Shares of a pair that are in their sequence's cluster, for the better assignment of clusters to sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
-    /// Of all poses.
+    /// Share of all poses.
     pub poses: f64,
-    /// The mean of the shares of either sequence's poses.
+    /// The mean of the shares of both sequences' poses.
     pub balanced: f64,
 }
 
-/// Which sequences make a pair, and how much of them.
+/// Choice of the sequences of a pair, and of their parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Pairing {
-    /// One of each class, whole.
+    /// One sequence of each class, whole.
     Whole,
-    /// The same pairs, the middle of the longer one as long as the shorter one.
+    /// The pairs of `Whole`, with the longer sequence cut to the length of the shorter one, around its middle.
     Cut,
-    /// One of each class, both of one group, cut.
+    /// One sequence of each class, both of one group, cut.
     OneGroup,
-    /// Two of the first class, of two groups, cut: what differs here is not a class.
+    /// Two sequences of the first class, of two groups, cut: they do not differ in class.
     OneClass,
 }
 
 impl Pairing {
-    /// All.
+    /// All pairings.
     pub const ALL: [Self; 4] = [Self::Whole, Self::Cut, Self::OneGroup, Self::OneClass];
 }
 
 /// A pair of sequences.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
-    /// Which ones.
+    /// Indices of the sequences.
     pub sequences: [usize; 2],
-    /// Which of their poses.
+    /// Ranges of their poses.
     pub poses: [Range<usize>; 2],
 }
 
-/// What became of one measure.
+/// Results of one measure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The measure.
+    /// Measure of the distances.
     pub measure: Measure,
-    /// Which pairs.
+    /// Kind of the pairs.
     pub pairing: Pairing,
-    /// By pair; `None` where no bandwidth makes two clusters.
+    /// Clusterings by pair; `None` if no bandwidth makes two clusters.
     pub clusterings: Vec<Option<Clustering>>,
-    /// By pair; where there are not two clusters, those of one.
+    /// Rates by pair; without two clusters, those of a single cluster.
     pub rates: Vec<Rates>,
-    /// By pair, with clusters of the same sizes, members by chance.
+    /// Rates by pair for random clusters of the same sizes.
     pub by_chance: Vec<Rates>,
 }
 
-/// What became of all measures.
+/// Results of all measures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// The pairs of every pairing that there are any of.
+    /// The pairs of every pairing that has any.
     pub pairs: Vec<(Pairing, Vec<Pair>)>,
-    /// By measure, then by pairing.
+    /// Outcomes by measure, then by pairing.
     pub outcomes: Vec<Outcome>,
 }
 
 impl Study {
-    /// What became of a measure.
+    /// Returns the results of a measure.
     pub fn of(&self, measure: Measure, pairing: Pairing) -> Option<&Outcome> {
         self.outcomes.iter().find(|o| o.measure == measure && o.pairing == pairing)
     }
@@ -119,19 +119,19 @@ impl Pair {
         Self { sequences, poses }
     }
 
-    /// How many poses of each.
+    /// Returns the number of poses of each sequence.
     pub fn lengths(&self) -> [usize; 2] {
         self.poses.each_ref().map(ExactSizeIterator::len)
     }
 
-    /// All poses in one cluster.
+    /// Returns a clustering with all poses in one cluster.
     pub fn in_one(&self) -> Vec<usize> {
         vec![0; self.lengths().iter().sum()]
     }
 }
 
-/// Draws pairs of sequences, and makes two clusters of the poses of each by every measure; `progress` is called for
-/// pairs.
+/// Draws pairs of sequences, and makes two clusters of the poses of each pair by every measure; `progress` is called
+/// with numbers of pairs.
 ///
 /// # Errors
 /// [`ClassesError`] if there is no sequence of a class, or a pose cannot be compared.
@@ -169,7 +169,8 @@ pub fn run(plan: &Plan<'_>, progress: &(dyn Fn(usize) + Sync)) -> Result<Study, 
     Ok(Study { pairs, outcomes })
 }
 
-/// Pairs, every one as likely as any other; more pairs do not change those before. None if there are none.
+/// Draws pairs, each with equal probability. A larger number of pairs does not change the earlier ones. Empty if
+/// there are no pairs.
 fn draw(plan: &Plan<'_>, pairing: Pairing) -> Vec<Pair> {
     let classes = plan.classes;
     let [first, second] = [0, 1].map(|class| classes.members(class));
@@ -192,7 +193,7 @@ fn draw(plan: &Plan<'_>, pairing: Pairing) -> Vec<Pair> {
     (0..count).map(pair).collect()
 }
 
-/// Two clusters of the poses of a pair.
+/// Makes two clusters of the poses of a pair.
 fn cluster(
     measuring: &RigMeasure<'_>,
     poses: &[Vec<MeasuredPose>],
@@ -209,12 +210,12 @@ fn cluster(
     Some(Clustering { bandwidth, of })
 }
 
-/// How well clusters of a pair's poses fit its sequences.
+/// Returns how well clusters of a pair's poses fit its sequences.
 pub(crate) fn rates(of: &[usize], pair: &Pair) -> Rates {
     let [first, second] = pair.lengths();
     let (of_first, of_second) = of.split_at(first);
     let share = |of: &[usize]| of.iter().filter(|own| **own == 0).count() as f64 / of.len() as f64;
-    // The first class called 0; called 1, all is the other way round.
+    // If the first class is cluster 0; if it is cluster 1, all shares are reversed.
     let (right, other_right) = (share(of_first), 1.0 - share(of_second));
     let [count, other_count] = [first, second].map(|count| count as f64);
     let poses = (right * count + other_right * other_count) / (count + other_count);

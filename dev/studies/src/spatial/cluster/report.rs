@@ -1,4 +1,4 @@
-//! The study as tables and as JSON.
+//! Formats the study as tables and as JSON.
 
 use std::fmt::Write as _;
 
@@ -12,10 +12,10 @@ use super::super::tables::{Difference, about, table};
 use super::{Pair, Pairing, Plan, Rates, Study};
 use crate::recordings::Class;
 
-/// Why writing does not fail.
+/// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
-/// What the paper has of a measure, percent: of walking and running.
+/// Returns the paper's result for a measure, in percent; for walking and running only.
 pub(crate) fn paper(classes: &TwoClasses, measure: Measure) -> Option<f64> {
     let of_measure = match (measure.metric, measure.weighting) {
         (Metric::Angles, Weighting::Alike) => Some(60.0),
@@ -24,12 +24,12 @@ pub(crate) fn paper(classes: &TwoClasses, measure: Measure) -> Option<f64> {
     };
     of_measure.filter(|_| classes.classes == [Class::Walk, Class::Run])
 }
-/// A rate over pairs.
+/// Summarizes a rate over pairs.
 pub(crate) fn over_pairs(rates: &[Rates], rate: impl Fn(&Rates) -> f64) -> Option<Summary> {
     Summary::of(&rates.iter().map(rate).collect::<Vec<_>>())
 }
 
-/// The tables: rates, differences.
+/// Formats the tables: rates, differences.
 pub fn tables(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> String {
     let mut text = about(plan.classes, plan.rig, &plan.measures);
     let [first, second] = plan.classes.classes.map(Class::name);
@@ -121,7 +121,7 @@ fn differences(plan: &Plan<'_>, study: &Study, base: Measure) -> comfy_table::Ta
     table(&header, plan.measures.iter().filter(|measure| **measure != base).map(row))
 }
 
-/// Everything as JSON: what was set, what was drawn, every pair's clusters, and costs if there are any.
+/// Returns everything as JSON: settings, draws, every pair's clusters, and costs if there are any.
 pub fn json(plan: &Plan<'_>, study: &Study, costs: &[Cost]) -> Value {
     let outcomes: Vec<Value> = study
         .outcomes

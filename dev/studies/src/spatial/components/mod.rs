@@ -1,8 +1,8 @@
-//! How few dimensions motion needs under a measure: classical multidimensional scaling, and Isomap, of a recording's
-//! frames.
+//! Measures how few dimensions motion needs under a measure: classical multidimensional scaling, and Isomap, of a
+//! recording's frames.
 //!
-//! Their figure 4 embeds two people's walks; over many recordings they give the share of the first component, with a
-//! mode of 40 % under the angle metric and of 80 % under the geodesic line.
+//! The paper's figure 4 embeds two people's walks. For many recordings the paper gives the share of the first
+//! component, with a mode of 40 % under the angle metric and of 80 % under the geodesic line.
 
 mod report;
 
@@ -17,104 +17,104 @@ use super::isomap::along_neighbours;
 use super::mds::{Embedding, classical, spectrum};
 use crate::recordings::{CMU_KINDS, Class, DataSet, Pose, Recordings, Sequence};
 pub use report::{json, tables};
-/// What is tried.
+/// Settings of the study.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
     /// The skeleton of both walks.
     pub skeleton: &'a Skeleton,
     /// Walks of two people, embedded together.
     pub walks: [&'a Sequence; 2],
-    /// Recordings that the share of the first component is of.
+    /// Recordings whose first component's share is computed.
     pub broad: &'a [Recordings],
-    /// Where poses are seen from: the first of these joints that a skeleton has; without any, from its root.
+    /// Joints from which poses are seen: the first one that a skeleton has; if empty, the root.
     pub roots: &'a [String],
-    /// Steps that lines are sampled in.
+    /// Steps in which lines are sampled.
     pub steps: u16,
-    /// Neighbours that Isomap joins every frame with.
+    /// Number of neighbours to which Isomap connects every frame.
     pub neighbours: usize,
 }
 
-/// What came of it.
+/// Results of the study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// Both walks in one embedding, the first one's frames first, under every measure.
+    /// Embedding of both walks under every measure; the frames of the first walk are first.
     pub walks: Vec<(Measure, Embedding)>,
     /// Number of the first walk's frames.
     pub first_frames: usize,
-    /// Every recording.
+    /// Results of every recording.
     pub recordings: Vec<RecordingResult>,
 }
 
-/// One recording.
+/// Results of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordingResult {
-    /// Its file.
+    /// Path of the file.
     pub file: String,
-    /// Where it is from.
+    /// Data set of the recording.
     pub data_set: DataSet,
     /// Kind of skeleton.
     pub kind: String,
-    /// What is done.
+    /// Class of the motion.
     pub class: Class,
     /// Number of its frames.
     pub frames: usize,
-    /// Under every measure, in the order of [`Measure::all`].
+    /// Components under every measure, in the order of [`Measure::all`].
     pub components: Vec<Components>,
 }
 
-/// What the first components hold of one recording under one measure. NaN where all poses are the same.
+/// Shares of the first components of one recording under one measure. NaN if all poses are equal.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Components {
     /// Share of the first component.
     pub mds: f64,
-    /// Sum of the negative eigenvalues against the positive ones.
+    /// Sum of the negative eigenvalues relative to that of the positive ones.
     pub mds_negative: f64,
-    /// The same along neighbours.
+    /// Share of the first component with distances along neighbours.
     pub isomap: f64,
-    /// Sum of the negative eigenvalues along neighbours.
+    /// Sum of the negative eigenvalues with distances along neighbours, relative to that of the positive ones.
     pub isomap_negative: f64,
-    /// Share of the frames that hang together by neighbours.
+    /// Share of the frames that are connected by neighbours.
     pub together: f64,
 }
 
-/// One of the figures.
+/// Selects a number of the components.
 pub type Figure = fn(&Components) -> f64;
 
-/// A recording cannot be compared in space.
+/// Error of a recording that cannot be compared in space.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// Its skeleton.
+    /// The skeleton is invalid.
     #[error("{file}: {source}")]
     Skeleton {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// What is wrong.
+        /// Reason for the failure.
         source: SpatialError,
     },
-    /// It has none: it is shorter than what is left out at its beginning.
+    /// The recording has no poses: it is shorter than the part that is left out at its beginning.
     #[error("{file}: expected poses, found none at 12 Hz")]
     NoPoses {
-        /// The file.
+        /// Path of the file.
         file: String,
     },
-    /// A pose.
+    /// A pose is invalid.
     #[error("{file}: {source}")]
     Pose {
-        /// The file.
+        /// Path of the file.
         file: String,
-        /// What is wrong.
+        /// Reason for the failure.
         source: PoseSpaceError,
     },
 }
 
 impl Plan<'_> {
-    /// All measures, with this plan's steps.
+    /// Returns all measures, with this plan's steps.
     pub fn measures(&self) -> impl Iterator<Item = Measure> {
         let steps = self.steps;
         Measure::all().map(move |measure| Measure { steps, ..measure })
     }
 
-    /// Number of recordings and measures that [`run`] goes through.
+    /// Returns the number of recordings times measures in [`run`].
     pub fn steps(&self) -> usize {
         self.measures().count() * (1 + self.sequences().count())
     }
@@ -132,7 +132,7 @@ impl Plan<'_> {
 }
 
 /// Embeds both walks, and computes the components of all recordings, in parallel; `done` is called for every measure
-/// of each. The same result for any number of threads.
+/// of each. The result is the same for any number of threads.
 ///
 /// # Errors
 /// [`Error`] of the first recording that cannot be compared.
@@ -172,24 +172,24 @@ pub fn run(plan: &Plan<'_>, done: &(dyn Fn(usize) + Sync)) -> Result<Study, Erro
     Ok(Study { walks, first_frames: first.frames.len(), recordings })
 }
 
-/// Recordings that are alike in how they were made.
+/// A group of recordings that were made in the same way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RecordingGroup {
-    /// CMU's, on the skeletons of 31 joints that they were recorded on.
+    /// CMU's recordings, on the skeletons of 31 joints on which they were recorded.
     Cmu31,
-    /// CMU's, carried over to other skeletons.
+    /// CMU's recordings, transferred to other skeletons.
     CmuOthers,
-    /// Bandai's.
+    /// Bandai's recordings.
     Bandai,
     /// The built-in clips.
     BuiltIn,
 }
 
 impl RecordingGroup {
-    /// All, in the order in which they are shown.
+    /// All groups, in the order in which they are shown.
     pub const ALL: [Self; 4] = [Self::Cmu31, Self::CmuOthers, Self::Bandai, Self::BuiltIn];
 
-    /// The name in tables and pictures.
+    /// Returns the name in tables and pictures.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Cmu31 => "CMU, 31 joints",
@@ -201,7 +201,7 @@ impl RecordingGroup {
 }
 
 impl RecordingResult {
-    /// Which part it is of.
+    /// Returns the group of the recording.
     pub fn part(&self) -> RecordingGroup {
         match self.data_set {
             DataSet::Cmu if CMU_KINDS.contains(&self.kind.as_str()) => RecordingGroup::Cmu31,
@@ -219,7 +219,7 @@ impl RecordingResult {
 }
 
 impl Study {
-    /// A figure of recordings under one measure; where all poses are the same there is none.
+    /// Returns a number for each recording under one measure, without recordings whose poses are all equal.
     pub fn figures<'a>(
         recordings: impl IntoIterator<Item = &'a RecordingResult>,
         metric: Metric,
@@ -231,7 +231,7 @@ impl Study {
     }
 }
 
-/// The mode that the paper has of the first component's share.
+/// Returns the paper's mode of the first component's share.
 pub const fn mode_of_paper(metric: Metric) -> Option<f64> {
     match metric {
         Metric::Angles => Some(0.4),

@@ -1,4 +1,4 @@
-//! The study as tables and as JSON.
+//! Formats the study as tables and as JSON.
 
 use std::fmt::Write as _;
 
@@ -12,13 +12,14 @@ use crate::spatial::mann_whitney;
 use crate::spatial::sample::Sample;
 use crate::tables::{aligned, table};
 
-/// Why writing does not fail.
+/// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
-/// Shares of the first component by both ways.
+/// Shares of the first component by both methods.
 const WAYS: [Figure; 2] = [|one| one.mds, |one| one.isomap];
 
-/// The tables: both walks; all recordings under every measure; angles against the line by kind of recording.
+/// Formats the tables: both walks; all recordings under every measure; angles compared with the line by kind of
+/// recording.
 pub fn tables(plan: &Plan<'_>, study: &Study) -> String {
     let mut text = String::new();
     let walker = |walk: &Sequence| {
@@ -107,7 +108,7 @@ fn measures(study: &Study) -> Table {
     aligned(table)
 }
 
-/// Kinds of recordings, with their names.
+/// Returns the kinds of recordings, with their names.
 fn kinds(study: &Study) -> Vec<(String, Vec<&RecordingResult>)> {
     let mut kinds: Vec<(String, Vec<&RecordingResult>)> = Vec::new();
     let mut add = |name: &str, is: &dyn Fn(&RecordingResult) -> bool| {
@@ -186,7 +187,7 @@ fn percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.1}", 100.0 * share))
 }
 
-/// The resolution of a mode.
+/// Formats a share in whole percent, the resolution of a mode.
 fn whole_percent(share: Option<f64>) -> String {
     share.map_or(String::new(), |share| format!("{:.0}", 100.0 * share))
 }
@@ -195,7 +196,7 @@ fn probability(p: f64) -> String {
     if p < 1e-3 { format!("{p:.0e}") } else { format!("{p:.3}") }
 }
 
-/// Everything as JSON: both walks' places, every recording under every measure.
+/// Returns everything as JSON: both walks' places, every recording under every measure.
 pub fn json(plan: &Plan<'_>, study: &Study) -> Value {
     let walks: Vec<Value> = study
         .walks

@@ -1,37 +1,37 @@
-//! Pairs of poses, drawn at random.
+//! Draws random pairs of poses.
 
 use sinew_host_util::random::{Random, Subject};
 
 use crate::recordings::{Class, Pose, Recordings, Sequence};
 
-/// Where the poses of a pair are from.
+/// Origin of the poses of a pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pairing {
-    /// Any two.
+    /// Any two poses.
     Any,
-    /// Of one recording.
+    /// Two poses of one recording.
     OneRecording,
-    /// Of two people.
+    /// Two poses of two people.
     TwoPeople,
 }
 
 /// A pose of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<'a> {
-    /// The recording.
+    /// Recording that contains the pose.
     pub sequence: &'a Sequence,
     /// Index of the frame.
     pub frame: usize,
 }
 
 impl<'a> Moment<'a> {
-    /// The pose.
+    /// Returns the pose at this frame.
     pub fn pose(&self) -> &'a Pose {
         &self.sequence.frames[self.frame]
     }
 }
 
-/// All moments of recordings of one class, or of all.
+/// Returns all moments of recordings of one class, or of all.
 pub(super) fn moments(recordings: &Recordings, class: Option<Class>) -> Vec<Moment<'_>> {
     let of_class = recordings.sequences.iter().filter(|s| class.is_none_or(|c| c == s.class));
     let of = |sequence: &Sequence| 0..sequence.frames.len();
@@ -40,7 +40,7 @@ pub(super) fn moments(recordings: &Recordings, class: Option<Class>) -> Vec<Mome
         .collect()
 }
 
-/// Draws `count` pairs of different moments: every one is as likely. `None` if there are no such pairs.
+/// Draws `count` pairs of different moments, each with equal probability. `None` if there are no such pairs.
 pub(super) fn pairs<'a>(
     moments: &[Moment<'a>],
     pairing: Pairing,

@@ -1,22 +1,22 @@
-//! Straight lines between poses, in several coordinates: what a geodesic is compared with.
+//! Straight lines between poses, in several coordinates, for comparison with geodesics.
 
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DQuat, DVec3, EulerRot};
 
-/// Coordinates of a ball joint that a straight line is drawn in.
+/// Coordinates of a ball joint in which a straight line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Line {
     /// Rotation vectors: the geodesic line of the measures, [`sinew_pose_metrics::spatial::Metric::Line`].
     RotationVectors,
-    /// Unit quaternions: every joint along its own shortest way.
+    /// Unit quaternions: every joint takes its own shortest path.
     GreatArcs,
     /// Euler angles about z, y and x, as in the files.
     EulerAngles,
 }
 
 impl Line {
-    /// The rotation a share `t` of the way from one to another.
+    /// Returns the rotation at a share `t` of the line between two rotations.
     pub(super) fn between(self, from: DQuat, to: DQuat, t: f64) -> DQuat {
         match self {
             Self::RotationVectors => {
@@ -34,12 +34,13 @@ impl Line {
     }
 }
 
-/// A rotation vector of at most half a turn.
+/// Returns a rotation vector of at most half a turn.
 fn vector(rotation: DQuat) -> DVec3 {
     (if rotation.w < 0.0 { -rotation } else { rotation }).to_scaled_axis()
 }
 
-/// Start and step of the shortest way between rotations by their vectors: either one has another, the other way round.
+/// Returns start and step of the shortest line between the vectors of two rotations. Each rotation has a second
+/// vector, with the opposite direction.
 fn shortest(from: DVec3, to: DVec3) -> (DVec3, DVec3) {
     let direct = (from, to - from);
     if from.length().max(to.length()) < FRAC_PI_2 {

@@ -1,6 +1,6 @@
-//! How much shorter a geodesic is than the line that stands in for it: `r = L(geodesic) / L(line)`, eq. (8).
+//! Ratio of a geodesic to the line that approximates it: `r = L(geodesic) / L(line)`, eq. (8).
 //!
-//! They draw 100 pairs of poses from walking, and find no r below 0.94.
+//! The paper draws 100 pairs of poses from walking, and finds no r below 0.94.
 
 mod draw;
 mod line;
@@ -20,60 +20,60 @@ pub use draw::{Moment, Pairing};
 pub use line::Line;
 pub use report::{json, tables};
 
-/// The lowest r of their 100 pairs.
+/// The lowest r of the paper's 100 pairs.
 pub const PAPER_LOWEST_RATIO: f64 = 0.94;
 
-/// What is tried.
+/// Settings of the study.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan<'a> {
-    /// The recordings.
+    /// Recordings from which pairs are drawn.
     pub recordings: &'a Recordings,
-    /// Where poses are seen from; without, from the skeleton's root.
+    /// Joint from which poses are seen; if `None`, the skeleton's root.
     pub root: Option<&'a str>,
     /// Pairs for each condition.
     pub pairs: usize,
-    /// Of the draws.
+    /// Seed of the draws.
     pub seed: u64,
     /// Steps of curves, N.
     pub steps: usize,
 }
 
-/// Which joints count.
+/// Weights of the joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counting {
-    /// All alike.
+    /// All joints count equally.
     All,
-    /// Those that carry others alike, ends (fingers, toes, head) not.
+    /// Joints with children count equally; ends (fingers, toes, head) do not count.
     WithoutEnds,
-    /// All by their importance.
+    /// All joints count by their importance.
     Importance,
-    /// All alike, and none turns further from rest than in the recordings of the condition.
+    /// All joints count equally, and none turns further from rest than in the recordings of the condition.
     WithinRanges,
 }
 
-/// One way to try it.
+/// A condition of the experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condition {
-    /// What is different from the first.
+    /// Name of the difference from the first condition.
     pub name: String,
-    /// Whether it is as in the paper: the first.
+    /// Whether this is the first condition, which is that of the paper.
     pub is_first: bool,
-    /// What is done in the recordings; without, anything.
+    /// Class of the recordings; if `None`, any.
     pub class: Option<Class>,
-    /// Whose recordings; without, everybody's.
+    /// Subject of the recordings; if `None`, any.
     pub subject: Option<String>,
-    /// Where the poses of a pair are from.
+    /// Origin of the poses of a pair.
     pub pairing: Pairing,
     /// Steps of curves, N.
     pub steps: usize,
     /// Coordinates of the line.
     pub line: Line,
-    /// Which joints count.
+    /// Weights of the joints.
     pub counting: Counting,
 }
 
 impl Condition {
-    /// Whether it goes into the picture: poses of anybody, of one recording, of one person.
+    /// Whether the condition is shown in the picture: poses of anybody, of one recording, of one person.
     pub(crate) fn is_shown(&self) -> bool {
         let of_one = self.pairing == Pairing::OneRecording || self.subject.is_some();
         of_one || self.is_first
@@ -85,22 +85,22 @@ impl Condition {
 pub struct Pair {
     /// Files and frames of both poses.
     pub ends: [(String, usize); 2],
-    /// The largest turn of a joint from one to the other, rad.
+    /// The largest turn of a joint between the poses, rad.
     pub turn_rad: f64,
-    /// Distance of the joints' positions, m: nothing is shorter.
+    /// Distance of the joints' positions, m: a lower bound of every length.
     pub positions_m: f64,
     /// Length of the line, m.
     pub line_m: f64,
     /// Length of the geodesic, m.
     pub geodesic_m: f64,
-    /// What it took.
+    /// Number of iterations of the solver.
     pub iterations: usize,
-    /// Whether the gradient is as small as was asked for.
+    /// Whether the gradient is below the tolerance.
     pub converged: bool,
 }
 
 impl Pair {
-    /// `L(geodesic) / L(line)`.
+    /// Returns `L(geodesic) / L(line)`.
     pub fn ratio(&self) -> f64 {
         self.geodesic_m / self.line_m
     }
@@ -109,25 +109,26 @@ impl Pair {
 /// A condition and its pairs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// The condition.
+    /// Condition under which the pairs were drawn.
     pub condition: Condition,
-    /// Its pairs.
+    /// Results of the pairs of this condition.
     pub pairs: Vec<Pair>,
 }
 
-/// Poses cannot be compared.
+/// Error of poses that cannot be compared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
-    /// The skeleton.
+    /// The skeleton is invalid.
     #[error(transparent)]
     Skeleton(#[from] SpatialError),
-    /// The rig or a pose.
+    /// The rig or a pose is invalid.
     #[error(transparent)]
     Rig(#[from] RigError),
 }
 
 impl Plan<'_> {
-    /// The paper's experiment, and what differs from it in one thing each, as far as there are recordings for it.
+    /// Returns the paper's experiment, and experiments with one difference each, as far as there are recordings for
+    /// them.
     pub fn conditions(&self) -> Vec<Condition> {
         let walks = self.recordings.sequences.iter().any(|s| s.class == Class::Walk);
         let class = walks.then_some(Class::Walk);
@@ -172,7 +173,7 @@ impl Plan<'_> {
         conditions
     }
 
-    /// Who has the most recordings of a class: the first of several.
+    /// Returns the subject with the most recordings of a class; the first of several.
     fn often(&self, class: Option<Class>) -> String {
         let of_class =
             self.recordings.sequences.iter().filter(|s| class.is_none_or(|c| c == s.class));
@@ -197,10 +198,11 @@ impl Plan<'_> {
     }
 }
 
-/// Tries all conditions, pairs in parallel; `done` is called for every pair. The same for any number of threads.
+/// Runs all conditions, with pairs in parallel; `done` is called for every pair. The result is the same for any
+/// number of threads.
 ///
 /// # Errors
-/// [`Error`] if the skeleton has not the root.
+/// [`Error`] if the skeleton does not have the root.
 pub fn run(
     plan: &Plan<'_>,
     conditions: &[Condition],
@@ -221,7 +223,7 @@ pub fn run(
     conditions.iter().map(outcome).collect()
 }
 
-/// A rig, its joints counting somehow.
+/// A rig with weights of its joints.
 struct Counted<'r> {
     spatial: &'r SpatialRig,
     rig: Rig,
@@ -248,7 +250,7 @@ impl<'r> Counted<'r> {
             .collect();
         if counting == Counting::WithinRanges {
             for (body, most) in most_turned_rad(spatial, moments).into_iter().enumerate() {
-                // A joint that never turns has no range that the solver takes: a milliradian is next to none.
+                // The solver needs a range, but a joint that never turns has none: a milliradian is almost zero.
                 #[expect(clippy::cast_possible_truncation, reason = "a range is f32")]
                 let most = most.clamp(1e-3, core::f64::consts::PI) as f32;
                 if bodies[body].joint == JointKind::Spherical {
@@ -292,7 +294,7 @@ impl<'r> Counted<'r> {
         })
     }
 
-    /// The length in space of a curve through poses, m.
+    /// Returns the length in space of a curve through poses, m.
     fn length_m(&self, curve: &[Vec<JointPosition>]) -> f64 {
         let places: Vec<_> = curve.iter().map(|pose| self.rig.positions_m(pose)).collect();
         let step = |pair: &[Vec<DVec3>]| {
@@ -304,7 +306,7 @@ impl<'r> Counted<'r> {
     }
 }
 
-/// What the joints of a rig are turned to in a pose.
+/// Returns the rotations of a rig's joints in a pose.
 fn positions(spatial: &SpatialRig, pose: &Pose) -> Vec<JointPosition> {
     let places = spatial.tree().bodies().iter().zip(spatial.joint_poses(pose));
     places
@@ -315,7 +317,7 @@ fn positions(spatial: &SpatialRig, pose: &Pose) -> Vec<JointPosition> {
         .collect()
 }
 
-/// How far every joint turns from rest at most, rad.
+/// Returns the largest turn of every joint from rest, rad.
 fn most_turned_rad(spatial: &SpatialRig, moments: &[Moment<'_>]) -> Vec<f64> {
     let mut most_rad = vec![0.0; spatial.tree().bodies().len()];
     for moment in moments {

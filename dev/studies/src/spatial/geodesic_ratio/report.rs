@@ -1,4 +1,4 @@
-//! The study as a table and as JSON.
+//! Formats the study as a table and as JSON.
 
 use std::fmt::Write as _;
 
@@ -9,10 +9,10 @@ use super::{Outcome, PAPER_LOWEST_RATIO, Pair, Plan};
 use crate::spatial::sample::Sample;
 use crate::tables::{aligned, table};
 
-/// Why writing does not fail.
+/// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
-/// The tables: r under every condition; r by length of the line.
+/// Formats the tables: r under every condition; r by length of the line.
 pub fn tables(plan: &Plan<'_>, outcomes: &[Outcome]) -> String {
     let mut text = String::new();
     let root = plan.root.unwrap_or(&plan.recordings.skeleton.joints[0].name);
@@ -73,7 +73,7 @@ fn conditions(outcomes: &[Outcome]) -> Table {
     aligned(table)
 }
 
-/// Pairs between steps of what they are sorted by.
+/// Formats pairs in groups of the quantity by which they are sorted.
 fn groups(pairs: &[Pair], name: &str, steps: &[f64], of: impl Fn(&Pair) -> f64) -> Table {
     let mut table = table([name, "pairs", "lowest r", "median", "mean"]);
     let ends = |index: usize| {
@@ -104,7 +104,7 @@ fn shown(value: Option<f64>, decimals: usize) -> String {
     value.map_or_else(String::new, |value| format!("{value:.decimals$}"))
 }
 
-/// Everything as JSON: every pair of every condition.
+/// Returns everything as JSON: every pair of every condition.
 pub fn json(plan: &Plan<'_>, outcomes: &[Outcome]) -> Value {
     let pair = |pair: &Pair| {
         json!({

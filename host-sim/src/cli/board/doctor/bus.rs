@@ -1,4 +1,4 @@
-//! A board's servos, asked through it.
+//! Checks of a board's servos, through the board.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ use super::findings::Findings;
 use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::PortBoard;
 
-/// Questions to each servo at its own rate.
+/// Number of questions to each servo at its own rate.
 const QUESTIONS: u32 = 20;
-/// One question, and an answer within this time.
+/// Settings for a single question, with an answer within this time.
 const ONCE: Settings = Settings { patience: Duration::from_millis(3), tries: 1 };
-/// An answer later than this makes ticks long. The factory's delay of a Dynamixel is 0.5 ms.
+/// Longest answer time that is good. A later answer makes ticks long. A Dynamixel's factory delay is 0.5 ms.
 const LATE: Duration = Duration::from_micros(1500);
 
-/// Asks all servos of all lines.
+/// Checks all servos on all bus lines.
 pub(super) fn look(
     mut board: PortBoard,
     parts: &RigParts,
@@ -28,7 +28,12 @@ pub(super) fn look(
         if line.is_of_pulses() {
             let what = format!("bus {:?}", line.name);
             let count = line.servos.len();
-            findings.add(Well, &what, &format!("{count} servos on pulses: they tell nothing"), "");
+            findings.add(
+                Well,
+                &what,
+                &format!("{count} servos driven by pulses: they report nothing"),
+                "",
+            );
             continue;
         }
         let mut servos = BoardServos::new(board, index)?;
@@ -63,7 +68,7 @@ fn of_line(
                 Err(ServiceError::Passing(why)) => return Err(why.into()),
                 Err(_) => misses += 1,
             }
-            // Nobody is there: it is not asked for long.
+            // A silent servo is not asked 20 times.
             if misses > 2 && times.is_empty() {
                 break;
             }
@@ -75,7 +80,7 @@ fn of_line(
                 Wrong,
                 &what,
                 &format!("does not answer at {} baud", line.baud),
-                "is it powered and plugged? `sinew servo scan --board` looks at all rates and ids",
+                "is it powered and plugged? `sinew servo scan --board` searches all rates and ids",
             );
             continue;
         };
@@ -99,7 +104,7 @@ fn of_line(
     for baud in protocol.bauds().into_iter().filter(|baud| *baud != line.baud) {
         let what = format!("bus {:?} at {baud} baud", line.name);
         if client.set_baud(baud).is_err() {
-            findings.add(Well, &what, "the board does not do this rate", "");
+            findings.add(Well, &what, "the board does not support this rate", "");
             continue;
         }
         let ids: Vec<String> = own()
@@ -117,7 +122,7 @@ fn of_line(
             Wrong,
             &what,
             &found,
-            &format!("`sinew servo set-baud ID {}` brings it to the line's rate", line.baud),
+            &format!("`sinew servo set-baud ID {}` sets it to the line's rate", line.baud),
         );
     }
     client.into_line().own_rate();

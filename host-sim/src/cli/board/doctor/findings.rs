@@ -1,4 +1,4 @@
-//! Findings of the doctor, a line each.
+//! Findings of the doctor, one line each.
 
 /// The verdict of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Adds a line. `todo`: what to do, unless it is well.
+    /// Adds a line. `todo`: what the user should do, unless the verdict is ok.
     pub(super) fn add(&mut self, verdict: Verdict, what: &str, found: &str, todo: &str) {
         let word = match verdict {
             Verdict::Ok => "ok",
@@ -30,7 +30,7 @@ impl Findings {
         }
     }
 
-    /// Adds a line that is well, or has another verdict.
+    /// Adds a line with the verdict ok if `is_well`, else with another verdict.
     pub(super) fn expect(
         &mut self,
         is_well: bool,

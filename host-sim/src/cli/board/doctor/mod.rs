@@ -1,4 +1,4 @@
-//! `sinew board doctor`: a board looked over while its rig is limp.
+//! `sinew board doctor`: checks a board while its rig is limp.
 
 mod bus;
 mod findings;
@@ -19,9 +19,9 @@ use crate::cli::rig::read;
 
 /// Check a board while its rig is limp, and write a report that you can send.
 ///
-/// It checks versions, faults, the time of ticks, link and supply; with --rig each servo's answers at each rate.
-/// Nothing moves. Each line of the report says ok, doubtful or wrong, and what to do. The exit code is 1 if anything is
-/// wrong.
+/// It checks versions, faults, the time of ticks, host link and supply; with --rig also each servo's answers at each
+/// rate. Nothing moves. Each line of the report says ok, doubtful or wrong, and what to do. The exit code is 1 if
+/// anything is wrong.
 #[derive(Debug, clap::Args)]
 pub(super) struct DoctorArgs {
     #[command(flatten)]
@@ -34,12 +34,12 @@ pub(super) struct DoctorArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// File to write the report to.
+    /// File of the report.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
     output: OutputPath,
 }
 
-/// Looks, prints and writes.
+/// Checks the board, prints the report and writes it.
 pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let parts = rig.as_ref().map(|rig| {
@@ -54,7 +54,7 @@ pub(super) fn run(args: &DoctorArgs) -> anyhow::Result<ExitCode> {
         Some(parts) if passes => bus::look(board, parts, &mut findings)?,
         Some(_) => {}
         None => {
-            findings.lines += "          servos were not asked: --rig RIG says which there are\n";
+            findings.lines += "          servos were not checked: --rig RIG names them\n";
         }
     }
     let head = format!("sinew {} doctor\n", env!("CARGO_PKG_VERSION"));

@@ -1,4 +1,4 @@
-//! What a board says of itself.
+//! Checks of a board by its own reports.
 
 use std::time::Duration;
 
@@ -13,16 +13,16 @@ use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::text::fault_text;
 use crate::cli::board::{PortBoard, cycles, named, remedy};
 
-/// For so long it is listened to.
+/// Time for which telemetry is collected.
 const LISTEN: Duration = Duration::from_secs(2);
-/// More of the period than this is much jitter.
+/// Largest jitter that is good, as a share of the period.
 const JITTER: f64 = 0.05;
-/// Less of the stack than this is little, bytes.
+/// Smallest free stack that is good, bytes.
 const STACK: u32 = 1024;
-/// The supply may be this far from the rig's.
+/// Largest good difference of the supply from the rig's voltage, as a share.
 const SUPPLY: f32 = 0.1;
 
-/// Looks; whether packets may be passed on to its servos.
+/// Checks the board. Returns whether packets may be passed on to its servos.
 pub(super) fn look(
     board: &mut PortBoard,
     parts: Option<&RigParts>,
@@ -36,7 +36,7 @@ pub(super) fn look(
         Doubtful,
         "link",
         &format!("version {} on the board, {own} here", about.protocol),
-        "`sinew board flash` brings the firmware of this release",
+        "`sinew board flash` installs the firmware of this release",
     );
     let has_rig = about.rig != 0;
     let rig = if has_rig { format!("{:08x}", about.rig) } else { "none".to_owned() };
@@ -70,7 +70,7 @@ pub(super) fn look(
         findings.add(Doubtful, "log", &found, &remedy(warning.fault).unwrap_or_default());
     }
     let names: Vec<String> = faults.iter().map(|record| named(record.fault)).collect();
-    let found = if names.is_empty() { "none are kept".to_owned() } else { names.join("; ") };
+    let found = if names.is_empty() { "none are stored".to_owned() } else { names.join("; ") };
     findings.expect(
         names.is_empty(),
         Doubtful,
@@ -81,7 +81,7 @@ pub(super) fn look(
     Ok(is_limp && board.needs(1).is_ok())
 }
 
-/// The CRC by which a board names a rig.
+/// Returns the CRC by which a board identifies a rig.
 fn crc(parts: &RigParts) -> Option<u32> {
     let bytes = parts.compact_rig().ok()?;
     bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc))
@@ -103,7 +103,7 @@ fn stored(board: &mut PortBoard, findings: &mut Findings) -> anyhow::Result<()> 
             Wrong,
             what,
             &format!("schema {found}, {length} bytes, by {approver}"),
-            &format!("this firmware reads schema {schema}: upload it anew"),
+            &format!("this firmware reads schema {schema}: upload it again"),
         );
     }
     Ok(())
@@ -148,7 +148,7 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
             Doubtful,
             "stack",
             &format!("{} bytes were never used", summary.stack_free),
-            "tell us: this rig is near the board's end",
+            "tell us: this rig nearly fills the board",
         );
     }
     let lost = board.log.lost;
@@ -156,7 +156,10 @@ fn loop_and_link(board: &mut PortBoard, findings: &mut Findings) {
         lost == 0 && summary.link_damaged == 0,
         Doubtful,
         "link's frames",
-        &format!("{} damaged there, {lost} lost on the way back", summary.link_damaged),
+        &format!(
+            "{} damaged on the way to the board, {lost} lost on the way back",
+            summary.link_damaged
+        ),
         "another cable, or no hub between",
     );
     let errors: Vec<String> = (board.log.servos.iter().enumerate())
@@ -179,14 +182,14 @@ fn health(
     parts: Option<&RigParts>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
-    // What was counted before belongs to other work.
+    // Discards counts from before this check.
     cycles::read(board)?;
     board.run(LISTEN)?;
     let Some(health) = cycles::read(board)? else { return Ok(()) };
     let Health { cycles_hz, period, .. } = health;
     let us = |cycles: u32| f64::from(cycles) * 1e6 / f64::from(cycles_hz.max(1));
     if cycles_hz == 0 {
-        findings.add(Doubtful, "cycles", "the board counts none", "");
+        findings.add(Doubtful, "cycles", "the board does not count cycles", "");
     }
     for (what, cycles) in [("tick", health.tick), ("bus", health.bus), ("link", health.link)] {
         let Cycles { most, count, .. } = cycles;
@@ -225,7 +228,7 @@ fn supply(board: &PortBoard, least_v: f32, parts: Option<&RigParts>, findings: &
     let of_rig = wanted.map_or_else(String::new, |v| format!(", the rig's file has {v:.1} V"));
     let todo = "measure it at the last servo; a stronger supply, or thicker and shorter cables";
     match at_rest {
-        0.0 => findings.add(Doubtful, "supply at rest", "no servo tells it", "measure it"),
+        0.0 => findings.add(Doubtful, "supply at rest", "no servo reports it", "measure it"),
         v => {
             findings.expect(
                 is_near(v),

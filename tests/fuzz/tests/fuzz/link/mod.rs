@@ -1,4 +1,4 @@
-//! A target for each way in: it takes the corpus, then what bolero thinks of.
+//! A fuzz target for each decoder of the host link: it runs the corpus, then inputs of bolero.
 
 #[expect(dead_code, reason = "fuzzing uses a part")]
 #[path = "../../../../../crates/link/tests/link/common/mod.rs"]

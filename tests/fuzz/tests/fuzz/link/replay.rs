@@ -1,4 +1,4 @@
-//! The corpus covers all kinds of messages.
+//! Checks that the corpus covers all kinds of messages.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use sinew_link::{Decoder, Message};
 
 use super::{common, decoders};
 
-/// What kinds of messages are in bytes.
+/// Returns the kinds of messages in bytes.
 fn kinds<M: Message + std::fmt::Debug>(bytes: &[u8], name: fn(&M) -> String) -> BTreeSet<String> {
     let (mut decoder, mut kinds) = (Decoder::<M>::new(), BTreeSet::new());
     decoder.feed(bytes, |message| _ = kinds.insert(name(&message)));
     kinds
 }
 
-/// The first words of a text.
+/// Returns the first word of a text.
 fn first(text: &str) -> String {
     text.chars().take_while(|c| c.is_alphanumeric()).collect()
 }
@@ -32,7 +32,7 @@ fn of_host(message: &ToHost) -> String {
     first(&format!("{message:?}"))
 }
 
-/// Each message that there is, and streams that are cut, bent and stuffed.
+/// The corpus has every kind of message, and streams that are cut, damaged and padded.
 #[test]
 fn streams() {
     let (mut said, mut answered) = (BTreeSet::new(), BTreeSet::new());

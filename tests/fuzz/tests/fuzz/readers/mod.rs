@@ -1,5 +1,5 @@
-//! Every reader on its corpus and on damaged copies of it: refused in words or read, and nothing else. The same targets
-//! take inputs of bolero.
+//! Every reader of files with its corpus, and with damaged copies of it: it must read the file or refuse it with a
+//! message. The targets also accept inputs of bolero.
 
 mod targets;
 
@@ -11,10 +11,10 @@ use sinew_evaluation::sweep::Journal;
 use sinew_verification::verify_folder;
 use targets::TARGETS;
 
-/// Damaged copies of each file in each run: the same ones, so that what fails here was changed here.
+/// Number of damaged copies of each file in a run. They are the same in every run, so that a failure is reproducible.
 const DAMAGED: u64 = 60;
 
-/// The files of a target, and what they are called.
+/// Returns the names and contents of a target's files.
 fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     let folder = sinew_fuzz::corpus("readers").join(name);
     let mut files: Vec<_> = fs::read_dir(&folder)
@@ -28,7 +28,7 @@ fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     files.iter().map(read).collect()
 }
 
-/// Bytes changed, cut, doubled, or a number made odd.
+/// Returns bytes that are changed, cut or doubled, or with a number replaced by an odd one.
 fn damaged(bytes: &[u8], seed: u64) -> Vec<u8> {
     const ODD: [&[u8]; 8] = [
         b"nan",
@@ -69,7 +69,7 @@ fn damaged(bytes: &[u8], seed: u64) -> Vec<u8> {
     bytes
 }
 
-/// What is damaged there must be whole here: else only refusals are tried.
+/// The undamaged files must be accepted: otherwise the damaged copies would test refusals only.
 #[test]
 fn seeds_of_journal_and_golden_files_are_believed() {
     let folder = tempfile::tempdir().unwrap();
@@ -108,7 +108,7 @@ fn every_reader_takes_its_corpus_and_damaged_copies_of_it() {
     }
 }
 
-/// The target that `SINEW_TARGET` names; without a name all of them, by the first byte.
+/// Runs the target that `SINEW_TARGET` names; without a name, the target that the first byte selects.
 #[cfg(feature = "bolero")]
 #[test]
 fn readers() {

@@ -1,4 +1,4 @@
-//! Every reader of files as a fuzz target: it takes any bytes, and what it makes of them can be.
+//! Every reader of files as a fuzz target: it accepts any bytes, and its result must be valid.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use sinew_rig::import::{self, Options as ImportOptions};
 use sinew_rig::toml_file;
 use sinew_verification::verify_folder;
 
-/// A target by its name, which is that of its folder in the corpus.
+/// A target: its name, which is also the name of its folder in the corpus, and its function.
 pub(crate) type Target = (&'static str, fn(&[u8]));
 
 pub(crate) const TARGETS: [Target; 19] = [
@@ -57,7 +57,7 @@ pub(crate) const TARGETS: [Target; 19] = [
     ("journal", journal),
 ];
 
-/// A skeleton of two bones, for motions of fuzz.
+/// A skeleton of two bones, for motions from fuzzing.
 const ASF: &[u8] = include_bytes!("../../../corpus/readers/asf/two_bones.asf");
 const AMC: &[u8] = include_bytes!("../../../corpus/readers/amc/two_bones.amc");
 
@@ -65,7 +65,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
     core::str::from_utf8(bytes).ok()
 }
 
-/// What was read has a sample or a gap for each joint, and numbers alone; and it can be measured.
+/// Checks a motion: it has a sample or a gap for each joint, all its numbers are finite, and it can be measured.
 fn motion(recording: Option<Recording>) {
     let Some(recording) = recording else { return };
     let joints = recording.skeleton.joints.len();
@@ -96,8 +96,8 @@ fn rig(description: Option<sinew_rig::Description>) {
     }
 }
 
-/// A journal of these bytes, and one in which they stand behind the first line. What was taken up is there the next
-/// time, too.
+/// Opens a journal of these bytes, and a journal with these bytes after a valid first line. Rows that were accepted
+/// must be accepted again when the journal is reopened.
 fn journal(bytes: &[u8]) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("journal.jsonl");
@@ -114,7 +114,7 @@ fn journal(bytes: &[u8]) {
     }
 }
 
-/// Two cells on one clip.
+/// Returns a plan of two cells on one clip.
 pub(crate) fn plan() -> Plan {
     let text = "[[grid]]\ncontroller.kp = [1, 2]\n".to_owned();
     let file = SweepFile::parse(text, Path::new("a.toml"), None).unwrap();
@@ -128,7 +128,7 @@ pub(crate) fn plan() -> Plan {
     }
 }
 
-/// Gives a reader of files a folder of its own with one in it.
+/// Calls a reader with a file in a folder of its own.
 fn in_file(name: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join(name);

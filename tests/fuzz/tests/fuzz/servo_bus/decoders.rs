@@ -10,10 +10,10 @@ use sinew_servo_bus::{BusDevice, Schedule, ServoBus, Timing, pca9685};
 
 use super::reference;
 
-/// A decoder and its name.
+/// A decoder with its name.
 pub(crate) type Decoder = (&'static str, fn(&[u8]));
 
-/// All decoders, of both sides.
+/// All decoders, of controller and servos.
 pub(crate) const DECODERS: [Decoder; 9] = [
     ("dynamixel_stream", dynamixel_stream),
     ("dynamixel_controller", dynamixel_controller),
@@ -28,10 +28,11 @@ pub(crate) const DECODERS: [Decoder; 9] = [
 
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 0, turnaround_us: 0 };
 
-/// Between the parts of an input that become packets of their own.
+/// Separator between the parts of an input. Each part becomes a packet.
 const BETWEEN: u8 = 0xA5;
 
-/// The input as it is, and with its parts as packets whose checks are right: random bytes hardly ever have one.
+/// Returns two streams: the input itself, and its parts as packets with correct checksums, which random bytes almost
+/// never have.
 fn dynamixel_streams(bytes: &[u8]) -> [Vec<u8>; 2] {
     let mut stream = Vec::new();
     for part in bytes.split(|byte| *byte == BETWEEN) {
@@ -45,13 +46,13 @@ fn dynamixel_streams(bytes: &[u8]) -> [Vec<u8>; 2] {
     [bytes.to_vec(), stream]
 }
 
-/// The same of Feetech.
+/// Returns the two streams for Feetech: the input itself, and its parts as packets with correct checksums.
 fn feetech_streams(bytes: &[u8]) -> [Vec<u8>; 2] {
     let mut stream = Vec::new();
     for part in bytes.split(|byte| *byte == BETWEEN) {
         let [id, code, data @ ..] = part else { continue };
         let mut out = [0; 300];
-        // Written as a status, with any byte in its place.
+        // Encoded as a status, with any instruction byte in the place of the status bits.
         let status = feetech::Status { id: near_id(*id), bits: *code, data };
         let len = status.encode(&mut out).unwrap_or(0);
         stream.extend_from_slice(&out[..len]);
@@ -59,12 +60,12 @@ fn feetech_streams(bytes: &[u8]) -> [Vec<u8>; 2] {
     [bytes.to_vec(), stream]
 }
 
-/// To all servos, or one of those with a low number: there is somebody who listens.
+/// Maps a byte to the broadcast id or a low id, so that a servo listens.
 fn near_id(byte: u8) -> u8 {
     if byte >= 0x80 { dynamixel::BROADCAST } else { byte & 3 }
 }
 
-/// The parser finds what a receiver finds that has all of the stream in front of it.
+/// The parser finds the same packets as a reference parser that has the whole stream at once.
 pub(crate) fn dynamixel_stream(bytes: &[u8]) {
     for stream in dynamixel_streams(bytes) {
         let mut parser = dynamixel::Parser::<64>::new();
@@ -81,7 +82,7 @@ pub(crate) fn dynamixel_stream(bytes: &[u8]) {
     }
 }
 
-/// The same of Feetech.
+/// The parser for Feetech finds the same packets as a reference parser that has the whole stream at once.
 pub(crate) fn feetech_stream(bytes: &[u8]) {
     for stream in feetech_streams(bytes) {
         let mut parser = feetech::Parser::<64>::new();
@@ -102,7 +103,7 @@ fn contents(found: Vec<reference::Found>) -> Vec<(u8, u8, Vec<u8>)> {
     found.into_iter().map(|found| (found.id, found.code, found.params)).collect()
 }
 
-/// What is decoded is written as the same bytes again, and what is believed is within bounds.
+/// A decoded packet encodes to the same bytes, and accepted values are within bounds.
 pub(crate) fn dynamixel_controller(bytes: &[u8]) {
     for stream in dynamixel_streams(bytes) {
         hear_dynamixel(&stream);
@@ -118,7 +119,7 @@ fn hear_dynamixel(bytes: &[u8]) {
             let len = status.encode(&mut out).unwrap();
             let mut again = dynamixel::Parser::<1024>::new();
             let packet = again.next(&mut &out[..len]).unwrap();
-            // A fast answer has the id of all servos, and is not stuffed.
+            // A fast answer has the broadcast id, and no byte stuffing.
             assert!(packet.id == dynamixel::BROADCAST || Status::of(packet) == Some(status));
         } else if let Ok(instruction) = Instruction::decode(&packet)
             && let Ok(len) = instruction.encode(packet.id, &mut out)
@@ -149,7 +150,7 @@ fn hear_dynamixel(bytes: &[u8]) {
     }
 }
 
-/// Whatever a servo has heard, it answers a ping afterwards.
+/// After any input a servo still answers a ping.
 pub(crate) fn dynamixel_servo(bytes: &[u8]) {
     for stream in dynamixel_streams(bytes) {
         tell_dynamixel(&stream);
@@ -175,8 +176,8 @@ fn tell_dynamixel(bytes: &[u8]) {
     assert!(status.answers(id, 3));
 }
 
-/// An answer to a fast read, whose first bytes say of whom, with bytes changed that the last ones name: the reader
-/// keeps what is in front of the first wrong check.
+/// An answer to a fast read with some bytes changed. The first input bytes choose the servos, the last ones the
+/// changes. The reader keeps the data before the first wrong checksum.
 pub(crate) fn fast_answer(bytes: &[u8]) {
     let [count, length, rest @ ..] = bytes else { return };
     let (count, length) = (1 + u16::from(count & 7), u16::from(length & 15));
@@ -214,7 +215,7 @@ pub(crate) fn fast_answer(bytes: &[u8]) {
     assert_eq!(found, reference::fast(&servos, &stream));
 }
 
-/// What is decoded is written as the same bytes again, and what is believed is within bounds.
+/// A decoded packet encodes to the same bytes, and accepted values are within bounds.
 pub(crate) fn feetech_controller(bytes: &[u8]) {
     for stream in feetech_streams(bytes) {
         hear_feetech(&stream);
@@ -247,14 +248,14 @@ fn hear_feetech(bytes: &[u8]) {
     }
 }
 
-/// Whatever a servo has heard, it answers a ping afterwards; but for an id that nobody can call.
+/// After any input an STS servo still answers a ping, unless its id has become one that cannot be addressed.
 pub(crate) fn sts_servo(bytes: &[u8]) {
     for stream in feetech_streams(bytes) {
         tell_feetech("STS3215", &stream);
     }
 }
 
-/// The same of the family whose numbers have the high byte first.
+/// After any input an SCS servo, which sends the high byte first, still answers a ping.
 pub(crate) fn scs_servo(bytes: &[u8]) {
     for stream in feetech_streams(bytes) {
         tell_feetech("SCS0009", &stream);
@@ -278,7 +279,7 @@ fn tell_feetech(model: &str, bytes: &[u8]) {
     }
 }
 
-/// A pulse is never longer than its period, nor a number that is none.
+/// Every pulse length of the chip is a number, and not longer than the period.
 pub(crate) fn pca9685_chip(bytes: &[u8]) {
     let mut chip = pca9685::Device::new(25e6);
     for transfer in bytes.split(|byte| *byte == BETWEEN) {

@@ -1,11 +1,11 @@
-//! A target for each decoder: it takes the corpus, then what bolero thinks of.
+//! A fuzz target for each decoder of the servo bus: it runs the corpus, then inputs of bolero.
 
 mod decoders;
 #[path = "../../../../../crates/servo-bus/tests/servo_bus/reference/mod.rs"]
 mod reference;
 mod replay;
 
-/// Returns streams of bytes.
+/// Returns the streams of the corpus.
 fn streams() -> Vec<Vec<u8>> {
     sinew_fuzz::inputs("servo_bus/streams.hex")
 }

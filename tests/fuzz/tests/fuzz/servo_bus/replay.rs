@@ -1,4 +1,4 @@
-//! The corpus, through all decoders.
+//! Runs the corpus through all decoders.
 
 use super::{decoders, streams};
 
@@ -17,7 +17,7 @@ fn replay() {
     }
 }
 
-/// One stream runs into another, with a byte changed, lost or doubled.
+/// Runs pairs of streams through all decoders, with a byte changed, lost or doubled.
 #[test]
 fn replay_with_changes() {
     let streams = streams();

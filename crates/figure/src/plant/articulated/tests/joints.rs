@@ -1,4 +1,4 @@
-//! Joints of all kinds, rotors, friction and ranges.
+//! Tests of joints of all kinds, rotors, friction and ranges.
 
 use glam::DMat3;
 use sinew_core::dynamics::{ArticulatedBody, forward_dynamics};
@@ -8,7 +8,7 @@ use sinew_host_util::random::{Random, Subject};
 use super::*;
 use crate::plant::link;
 
-/// A body of 2 kg, its centre of mass 0.3 m below its joint, on a bolted one.
+/// Returns a body of 2 kg, its centre of mass 0.3 m below its joint, attached to a bolted body.
 fn pendulum(joint: JointModel) -> Mechanism {
     let body = solid(2.0, DVec3::new(0.0, -0.3, 0.0), diagonal(0.04, 0.02, 0.05));
     let mut mechanism = hung(body);
@@ -16,12 +16,12 @@ fn pendulum(joint: JointModel) -> Mechanism {
     mechanism
 }
 
-/// Its inertia about z at the joint, kg m².
+/// Inertia of the pendulum about z at the joint, kg m².
 const ABOUT_JOINT: f64 = 0.05 + 2.0 * 0.3 * 0.3;
 
 const H: f64 = 0.001;
 
-/// The pendulum, let go at an angle about z.
+/// Returns the pendulum, released at an angle about z.
 fn let_go(mechanism: &Mechanism, angle_rad: f64) -> ArticulatedPlant {
     let start = [
         at_rest(DVec3::ZERO, DQuat::IDENTITY),
@@ -30,13 +30,13 @@ fn let_go(mechanism: &Mechanism, angle_rad: f64) -> ArticulatedPlant {
     ArticulatedPlant::new(mechanism, &start, H, 1).unwrap()
 }
 
-/// Angle about z and speed of the pendulum.
+/// Returns the angle about z and the speed of the pendulum.
 fn swing(plant: &ArticulatedPlant) -> [f64; 2] {
     let motion = plant.motions()[1];
     [motion.pose.rotation.to_scaled_axis().z, motion.angular_rad_s.z]
 }
 
-/// A torque about z on the pendulum.
+/// Returns a drive with a torque about z on the pendulum.
 fn about_z(torque_nm: f64) -> Drive {
     Drive { torque_nm: vec![DVec3::ZERO, DVec3::Z * torque_nm], ..Drive::none(2) }
 }
@@ -56,7 +56,7 @@ fn joints_of_all_kinds_accelerate_as_the_core_says() {
 
         let tree: Tree<18> = mechanism.tree().unwrap();
         let bodies = mechanism.bodies.iter().zip(&start);
-        // Of every joint: its state, the drive, and how fast its body slides in its own axes.
+        // For every joint: its state, the drive, and the velocity of its body in its own axes.
         let joints = bodies.enumerate().map(|(index, (link, state))| {
             let parent = link.parent.map_or(at_rest(DVec3::ZERO, DQuat::IDENTITY), |p| start[p]);
             let to_body = state.pose.rotation.conjugate();
@@ -93,7 +93,7 @@ fn joints_of_all_kinds_accelerate_as_the_core_says() {
                 got.slides_m_s2[index]
             };
             let linear = (linear - expected.linear.as_dvec3()).length();
-            // Rounding of f32 over trees with bodies of 0.5 kg that carry 30: a part in 1e4.
+            // Rounding of f32 in trees where bodies of 0.5 kg carry 30 kg: a relative error of 1e-4.
             let limit = 1e-4 * f64::from(largest);
             let kind = mechanism.bodies[index].joint;
             assert!(
@@ -114,7 +114,7 @@ fn a_passive_tree_of_all_kinds_keeps_its_energy() {
         let scale = kinetic(&mechanism, &start);
         let [e, e_2, e_4] = [1e-4, 5e-5, 2.5e-5].map(|h| error(h) / scale);
         assert!(e.abs() > 1e-6 && e.abs() < 2e-2, "{seed}: {e:e}");
-        // Of first order: what is left without its part of first order is small against it.
+        // The error is of first order: without its first-order part, the remainder is much smaller.
         assert!((e - 2.0 * e_2).abs() < 0.1 * e.abs(), "{seed}: {e:e} {e_2:e}");
         assert!((e_2 - 2.0 * e_4).abs() < 0.05 * e_2.abs(), "{seed}: {e_2:e} {e_4:e}");
     }
@@ -127,7 +127,7 @@ fn a_rotor_slows_a_pendulum_as_its_inertia_says() {
     let mut mechanism = pendulum(JointModel::Revolute(axis));
     mechanism.bodies[1].rotor_inertia = rotor;
     let (mass_kg, length_m, amplitude) = (2.0, 0.3, 1.2_f64);
-    // T / 4 = K(sin(θ/2)) / ω, and K by the arithmetic-geometric mean.
+    // T / 4 = K(sin(θ/2)) / ω, with K from the arithmetic-geometric mean.
     let rate = (mass_kg * 9.81 * length_m / (ABOUT_JOINT + rotor)).sqrt();
     let (mut a, mut g) = (1.0, (0.5 * amplitude).cos());
     for _ in 0..6 {
@@ -172,16 +172,16 @@ fn a_stop_is_reached_and_not_passed_and_lets_go() {
         assert!(least > -0.4 - 1e-12, "{least}");
     }
     let [angle, speed] = swing(&plant);
-    // It hits the stop, without a rebound it falls back from there and swings to and fro below: here it has
-    // come back to 0.4 at most on the other side.
+    // It hits the stop, falls back without a rebound and swings below it: by now it reaches at most 0.4 on the
+    // other side.
     assert!(least < -0.4 + 1e-12 && angle < 0.4 + 1e-2 && speed.abs() < 3.0, "{least} {angle}");
-    // Pressed against the stop, it rests on it.
+    // Pressed against the stop, it rests there.
     for _ in 0..2000 {
         plant.step(&about_z(-20.0));
     }
     let [angle, speed] = swing(&plant);
     assert!((angle + 0.4).abs() < 1e-12 && speed == 0.0, "{angle} {speed}");
-    // Drawn off, it goes at once.
+    // Pulled away, it moves at once.
     plant.step(&about_z(5.0));
     let lifted = (5.0 + 2.0 * 9.81 * 0.3 * 0.4_f64.sin()) / ABOUT_JOINT;
     assert!((swing(&plant)[1] - H * lifted).abs() < 1e-12);
@@ -198,7 +198,8 @@ fn a_ball_joint_ends_at_its_angle() {
         plant.step(&drive);
         let moved = plant.motions()[1];
         let angle = moved.pose.rotation.angle_between(DQuat::IDENTITY);
-        // Turns across within a step are of second order in it, φ² / 4 · cot(θ / 2); twice that for the step before.
+        // Turns across the range within a step are of second order in the step, φ² / 4 · cot(θ / 2); doubled for
+        // the previous step.
         let across = H * moved.angular_rad_s.length();
         let beyond = 2.0 * across * across / (4.0 * libm::tan(0.25));
         assert!(angle < 0.5 + beyond + 1e-9, "{angle} {beyond}");
@@ -215,14 +216,14 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
     for _ in 0..1000 {
         plant.step(&about_z(0.999 * friction));
     }
-    // It sticks: no creep at all.
+    // It sticks, without any creep.
     assert!(swing(&plant).iter().all(|x| x.abs() <= 0.0));
     for _ in 0..100 {
         plant.step(&about_z(2.0 * friction));
     }
     let speed = 100.0 * H * friction / ABOUT_JOINT;
     assert!((swing(&plant)[1] - speed).abs() < 1e-9, "what is above it accelerates");
-    // Let alone it comes to rest as fast as it was sped up, and stays.
+    // Without a torque it comes to rest as fast as it accelerated, and stays at rest.
     for step in 1..=105 {
         plant.step(&passive(2));
         let left = (speed * (1.0 - f64::from(step) / 100.0)).max(0.0);
@@ -234,13 +235,13 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
 #[test]
 fn viscous_friction_of_any_size_is_stable() {
     let mut mechanism = pendulum(JointModel::Revolute(DVec3::Z));
-    // 400 times the inertia in a step.
+    // 400 times the inertia per step.
     mechanism.bodies[1].damping = 400.0 * ABOUT_JOINT / H;
     let mut plant = let_go(&mechanism, 1.0);
     for _ in 0..1000 {
         plant.step(&passive(2));
     }
-    // Its weight over the friction: it creeps.
+    // Weight divided by friction: the speed at which it creeps.
     let creep = -2.0 * 9.81 * 0.3 * 1.0_f64.sin() / mechanism.bodies[1].damping;
     let [angle, speed] = swing(&plant);
     assert!((speed / creep - 1.0).abs() < 1e-3 && (angle - 1.0).abs() < 1e-3, "{angle} {speed}");
@@ -259,7 +260,7 @@ fn everything_that_holds_joints_agrees_with_how_they_move() {
                 JointModel::Universal(_) => 2,
                 _ => 0,
             };
-            // Not all start within it.
+            // Not all start within the range.
             link.ranges = vec![[-0.8, 0.5]; ranges];
         }
         for state in &mut start {
@@ -305,7 +306,7 @@ fn inertia_is_inverted() {
     assert!((inverse * given).abs_diff_eq(DMat3::IDENTITY, 1e-14));
 }
 
-/// Two weightless frames and a weight of a point: three crossing hinges, as MJCF has several joints in a body.
+/// Returns two weightless frames and a point mass: three crossing hinges, like several joints in one MJCF body.
 fn gimbal(axes: [DVec3; 3], rotor: f64) -> Mechanism {
     let nothing = solid(0.0, DVec3::ZERO, DMat3::ZERO);
     let weight = solid(2.0, DVec3::new(0.0, -0.3, 0.0), DMat3::ZERO);
@@ -322,7 +323,7 @@ fn gimbal(axes: [DVec3; 3], rotor: f64) -> Mechanism {
 #[test]
 fn a_pendulum_on_weightless_frames_swings_as_one_without() {
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 4];
-    // The third axis goes through the weight: a rotor is all that it moves.
+    // The third axis goes through the point mass: that joint moves only a rotor.
     let mut mechanism = gimbal([DVec3::X, DVec3::Z, DVec3::Y], 0.0);
     mechanism.bodies[3].rotor_inertia = 0.01;
     let mut plant = ArticulatedPlant::new(&mechanism, &start, H, 1).unwrap();
@@ -336,9 +337,9 @@ fn a_pendulum_on_weightless_frames_swings_as_one_without() {
 fn a_joint_that_nothing_resists_is_refused_by_its_body() {
     let start = [at_rest(DVec3::ZERO, DQuat::IDENTITY); 4];
     for (axes, body) in [
-        // A weight in a point does not resist a turn about a line through it.
+        // A point mass does not resist a turn about a line through it.
         ([DVec3::X, DVec3::Z, DVec3::Y], 3),
-        // Of two hinges about one line, one could turn as fast as it likes against the other.
+        // If two hinges have one line, one hinge could turn against the other without any resistance.
         ([DVec3::X, DVec3::X, DVec3::Z], 2),
     ] {
         let error = ArticulatedPlant::new(&gimbal(axes, 0.0), &start, H, 1).unwrap_err();

@@ -11,7 +11,7 @@ use crate::plant::fixture::{
 };
 use crate::plant::{GRAVITY_M_S2, JointModel, Link};
 
-/// Runs for 0.2 s in steps of `h`, a part of that. `before_step` sees the plant before each step.
+/// Runs for 0.2 s in steps of `h`, a fraction of that time. `before_step` sees the plant before each step.
 fn run(
     plant: &ArticulatedPlant,
     drive: &Drive,
@@ -28,14 +28,14 @@ fn run(
     plant
 }
 
-/// Checks that a quantity that ought to be zero is so but for the integrator's error `a h + b h² + ..`:
-/// small, halved by half the step, and nothing without the parts of first and second order.
+/// Checks that a quantity is zero except for the integrator's error `a h + b h² + ..`: the error is small, halves
+/// with the step, and vanishes without its first- and second-order parts.
 fn vanishes_with_the_step(scale: f64, error: impl Fn(f64) -> f64) {
     let [e, e_2, e_4] = [2e-4, 1e-4, 5e-5].map(|h| error(h) / scale);
     assert!(e.abs() < 1e-2, "{e:e}");
     assert!(e.abs() > 1e-5, "{e:e}: nothing was there to be kept");
     assert!((e / e_2 - 2.0).abs() < 0.1, "{e:e} {e_2:e}");
-    // The part of third order is (ω h)³, with ω up to 20 rad/s.
+    // The third-order part is (ω h)³, with ω up to 20 rad/s.
     let extrapolated = (e - 6.0 * e_2 + 8.0 * e_4) / 3.0;
     assert!(extrapolated.abs() < 6e-8, "{extrapolated:e}");
 }
@@ -47,7 +47,7 @@ fn solids<'a>(
     mechanism.bodies.iter().zip(plant.motions())
 }
 
-/// Kinetic and potential energy of all bodies, J.
+/// Returns the kinetic and potential energy of all bodies, J.
 fn energy(mechanism: &Mechanism, plant: &ArticulatedPlant) -> f64 {
     let of_body = |(body, motion): (&Link, MovingPose)| {
         let to_body = motion.pose.rotation.conjugate();
@@ -61,13 +61,13 @@ fn energy(mechanism: &Mechanism, plant: &ArticulatedPlant) -> f64 {
     solids(mechanism, plant).map(of_body).sum()
 }
 
-/// Kinetic energy of a state, J.
+/// Returns the kinetic energy of a state, J.
 fn kinetic(mechanism: &Mechanism, start: &[MovingPose]) -> f64 {
     let plant = ArticulatedPlant::new(mechanism, start, 0.01, 1).unwrap();
     energy(mechanism, &plant.with_gravity(DVec3::ZERO))
 }
 
-/// Linear and angular momentum of all bodies, the latter about the world's origin.
+/// Returns the linear and angular momentum of all bodies, the latter about the world's origin.
 fn momentum(mechanism: &Mechanism, plant: &ArticulatedPlant) -> [DVec3; 2] {
     let mut sum = [DVec3::ZERO; 2];
     for (body, motion) in solids(mechanism, plant) {
@@ -128,7 +128,7 @@ fn a_floating_tree_keeps_its_momentum() {
         let (mechanism, start) = random_tree(JointModel::Free, seed);
         let plant =
             ArticulatedPlant::new(&mechanism, &start, 0.01, 1).unwrap().with_gravity(DVec3::ZERO);
-        // Torques between bodies, which have no say in it.
+        // Torques between bodies, which do not change the total momentum.
         let drive = random_torques(seed);
         let before = momentum(&mechanism, &plant);
         for (kind, axis) in [(0, DVec3::X), (0, DVec3::Y), (1, DVec3::X), (1, DVec3::Z)] {
@@ -142,8 +142,8 @@ fn a_floating_tree_keeps_its_momentum() {
 
 #[test]
 fn a_pendulum_swings_as_its_equation_says() {
-    // Any body, let go with its centre of mass at an angle from the vertical, turns about one axis if that
-    // is a principal one; `twist` is how the body's axes lie in it, which must not matter.
+    // Any body, released with its centre of mass at an angle from the vertical, turns about one axis if that is a
+    // principal axis. `twist` rotates the body's axes in the body, which must not change the result.
     let (mass_kg, length_m, about_center, amplitude) = (2.0, 0.3, 0.05, 2.0_f64);
     let twist = DQuat::from_scaled_axis(DVec3::new(0.4, -1.1, 0.8));
     let inertia = tilted(diagonal(0.04, 0.02, about_center), twist.conjugate().to_scaled_axis());
@@ -153,7 +153,7 @@ fn a_pendulum_swings_as_its_equation_says() {
         at_rest(DVec3::ZERO, DQuat::IDENTITY),
         at_rest(DVec3::ZERO, DQuat::from_rotation_z(amplitude) * twist),
     ];
-    // T = 4 K(sin(θ/2)) / ω, and K by the arithmetic-geometric mean.
+    // T = 4 K(sin(θ/2)) / ω, with K from the arithmetic-geometric mean.
     let about_joint = about_center + mass_kg * length_m * length_m;
     let rate = (mass_kg * 9.81 * length_m / about_joint).sqrt();
     let (mut a, mut g) = (1.0, (0.5 * amplitude).cos());
@@ -174,8 +174,8 @@ fn a_pendulum_swings_as_its_equation_says() {
         assert!(turned.truncate().length() < 1e-9, "it stays in its plane: {turned}");
         (turned.z, motion.angular_rad_s.z)
     };
-    // Semi-implicit Euler is the leapfrog with velocities half a step late: it errs by h/2 times the
-    // acceleration in velocity and h/2 times the velocity in angle, here 2e-4 at most.
+    // Semi-implicit Euler is the leapfrog with velocities half a step late: its error is h/2 times the
+    // acceleration in velocity and h/2 times the velocity in angle, at most 2e-4 here.
     let fastest = 2.0 * rate * (0.5 * amplitude).sin();
     for (angle, speed) in [(0.0, -fastest), (-amplitude, 0.0), (0.0, fastest), (amplitude, 0.0)] {
         let got = after_quarter();
@@ -198,8 +198,8 @@ fn substeps_are_steps_of_a_passive_tree() {
 
 #[test]
 fn a_torque_turns_with_its_body_over_the_substeps() {
-    // A ball spinning fast about y, pushed about the x that it has at the start: held in body axes the
-    // torque turns along, and after a full turn has done nothing.
+    // A ball that spins fast about y, under a torque about its initial x axis. The torque is constant in body
+    // axes: it turns with the ball, and after a full turn its total effect is zero.
     let ball = solid(1.0, DVec3::ZERO, diagonal(0.1, 0.1, 0.1));
     let spin = DVec3::new(0.0, std::f64::consts::TAU, 0.0);
     let start = [
@@ -210,7 +210,7 @@ fn a_torque_turns_with_its_body_over_the_substeps() {
     let drive = Drive { torque_nm: vec![DVec3::ZERO, torque], ..Drive::none(2) };
     let mut plant = ArticulatedPlant::new(&hung(ball), &start, 1.0, 10_000).unwrap();
     plant.step(&drive);
-    // RootMount in the world it would have become τ t / I = 0.01 rad/s; a part in 1e4 of a turn is off.
+    // Constant in the world, the torque would have given τ t / I = 0.01 rad/s. The full turn is inexact by 1e-4.
     let gained = plant.motions()[1].angular_rad_s - spin;
     assert!(gained.length() < 1e-5, "{gained}");
 }
