@@ -345,19 +345,23 @@ fn a_rig_that_swings_says_so_and_ends_well() {
         table.contains("faults: none, 1 warning\nwarning 64 (swing): bend2, bend3, bend5, bend6\n"),
         "{table}"
     );
-    let of_joint = |name: &str| {
+    let of_joint = |table: &str, name: &str| {
         let line = table.lines().find(|line| line.split_whitespace().next() == Some(name)).unwrap();
         line.split_whitespace().skip(8).map(str::to_owned).collect::<Vec<_>>()
     };
     // Columns swing and limited. `turn1` turns about the vertical, so gravity does not load it.
-    let [still, swings] = ["turn1", "bend3"].map(of_joint);
+    let [still, swings] = ["turn1", "bend3"].map(|name| of_joint(&table, name));
     assert!(still[0] == "0.00" && still[1..] == ["0", "%"], "{table}");
-    assert!(swings[0].parse::<f64>().unwrap() > 1.0, "{table}");
+    let swing: f64 = swings[0].parse().unwrap();
+    assert!(swing > 1.0, "{table}");
     assert!(swings[1] != "0" && swings[2..] == ["%", "current"], "{table}");
 
     let (raised, calmed_rad, table) = stands(800.0, Some(FAST_RAD_S), 0.3);
     assert_eq!(raised, FaultSet::WARNINGS);
-    assert!(calmed_rad < 0.5 * mean_rad, "{calmed_rad}, {mean_rad}: {table}");
+    let calmed: f64 = of_joint(&table, "bend3")[0].parse().unwrap();
+    assert!(calmed < 0.25 * swing, "{swing}: {table}");
+    // The error that remains is mostly that of standing joints, by the play of their gears.
+    assert!(calmed_rad < 0.6 * mean_rad, "{calmed_rad}, {mean_rad}: {table}");
 
     let (raised, _, table) = stands(50.0, None, 1.0);
     assert!(raised.is_empty() && !table.contains("warning"), "{table}");
