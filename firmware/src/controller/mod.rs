@@ -15,6 +15,7 @@
 //! 2. [`exchange`] sends these packets on the board's [`Wire`], and reads the replies.
 //! 3. [`MotionController::end`] returns a [`Complete`](crate::watchdog::Complete) only if the tick was complete. A
 //!    board feeds its watchdog with nothing else.
+//!
 //! While torque is not permitted, torque off is sent to all servos in every tick, so a lost packet changes nothing.
 //! Torque on is sent in every tick of arming, after a first goal at the servo's measured position.
 //!
