@@ -57,8 +57,8 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
         BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, Jump, LinkLate, LinkLost,
-        NotFinite, Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad, ShowBad,
-        ShowForeign, SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
+        NotFinite, Overrun, Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad,
+        ShowBad, ShowForeign, SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
     };
     Some(match fault {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
@@ -70,6 +70,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         FollowingError | Range => "it runs by whole steps",
         Jump => "it is off from one reading to the next",
         NotFinite => "integers are finite",
+        Overrun => "in stopping the show had played for a shorter time",
         SettingsBad => "uploads count at a start",
         ShowBad | ShowForeign => "the background task checks it first",
         WatchdogReset | BrownOut => "the machine has none",
