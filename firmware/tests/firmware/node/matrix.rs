@@ -56,9 +56,10 @@ fn excuse(fault: Fault, state: State) -> Option<&'static str> {
 /// Returns the reason why a row differs from that of the first table.
 fn why_it_differs(fault: Fault) -> Option<&'static str> {
     use Fault::{
-        BrownOut, FollowingError, HostDeaf, HotMeasured, HotWinding, Jump, LinkLate, LinkLost,
-        NotFinite, Overrun, Panic, Range, ServoError, ServoSilent, ServoStopped, SettingsBad,
-        ShowBad, ShowForeign, SupplyHigh, SupplyLow, Swing, TorqueStuck, WatchdogReset,
+        BrownOut, EStop, FollowingError, HostDeaf, HotMeasured, HotWinding, Jump, LinkLate,
+        LinkLost, NotFinite, Overrun, Panic, Range, ServoError, ServoSilent, ServoStopped,
+        SettingsBad, ShowBad, ShowForeign, SupplyHigh, SupplyLow, Swing, TorqueStuck,
+        WatchdogReset,
     };
     Some(match fault {
         LinkLate | LinkLost => "the host's last beat was some ticks before",
@@ -77,7 +78,7 @@ fn why_it_differs(fault: Fault) -> Option<&'static str> {
         Panic => "the program stops itself in each state",
         Swing => "it swings by whole steps, 25 times a second",
         ServoStopped | TorqueStuck => "its register is read in its turn",
-        _ => return None,
+        EStop => return None,
     })
 }
 
