@@ -49,7 +49,7 @@ const RESTED: f32 = 1.33;
 /// Maximum distance of a lowered goal ahead of its servo, rad.
 const LEAD_RAD: f32 = 0.07;
 /// Weight below which a joint's goal is lowered more slowly: a part of its maximum effort, and a maximum in N m or N.
-const SLIGHT: f32 = 0.003;
+const SLIGHT: f32 = 0.01;
 const SLIGHT_MOST: f32 = 0.03;
 /// Minimum of that weight, N m or N.
 const LEAST_NM: f32 = 1e-6;

@@ -315,7 +315,7 @@ fn what_was_led_is_kept_if_the_board_is_gone() {
     drop(board);
     assert_eq!(record.wait().unwrap().code(), Some(2));
     std::io::Read::read_to_string(&mut said, &mut line).unwrap();
-    assert!(line.contains("walk.led.csv: what was led"), "{line}");
+    assert!(line.contains("walk.led.csv: the motion as measured"), "{line}");
     let rows = std::fs::read_to_string(&kept).unwrap().lines().count();
     // Four seconds at 100 Hz; a busy machine may lose some rows.
     assert!(rows > 200, "{rows}");

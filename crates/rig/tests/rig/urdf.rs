@@ -126,7 +126,7 @@ fn limits_that_stand_for_none_are_left_out() {
             assert_noted(
                 &imported,
                 NoteKind::LeftOut,
-                &format!("the limit effort = {value} stands"),
+                &format!("the limit effort = {value} means no limit"),
             );
         }
     }

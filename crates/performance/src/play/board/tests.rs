@@ -342,7 +342,7 @@ fn a_board_that_is_unplugged_holds_and_then_is_limp() {
         desk.begin_show();
         *desk.is_cut.borrow_mut() = true;
         let error = desk.client.step(SECOND).unwrap_err().to_string();
-        assert!(error.contains("unplugged") && error.contains("lowered"), "{error}");
+        assert!(error.contains("unplugged") && error.contains("torque is switched off"), "{error}");
         let came = desk.states();
         let at = |of: Of| came.iter().find(|(state, _)| *state == of).map(|(_, ms)| *ms);
         let [holds, lowers] = [Of::Holding, Of::Lowering].map(|of| at(of).unwrap());
