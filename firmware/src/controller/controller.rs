@@ -105,7 +105,7 @@ pub struct MotionController<
     state: State,
     is_there: bool,
     /// By dof, released part of its weight while the rig is lowered.
-    lowered: [f32; DOFS],
+    lowered: Vec<f32, DOFS>,
     /// Faults of the tick before, or of the board's start, to be reported in the next tick.
     pending: FaultSet,
     was_late: bool,
@@ -188,7 +188,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
-            lowered: [0.0; DOFS],
+            // As an array, the whole value would be created on the stack and moved.
+            lowered: filled(DOFS, 0.0),
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -319,7 +320,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
         if self.state != State::Lowering {
-            self.lowered = [0.0; DOFS];
+            self.lowered.fill(0.0);
         }
         self.tell(&outcome);
         if self.permission.torque {

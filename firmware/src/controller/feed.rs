@@ -276,9 +276,14 @@ pub fn open_show<
     let show = Show::open(bytes)?;
     show.check_rig(rig_crc)?;
     show.check_joints(rig.tree().bodies().iter().map(|body| body.joint))?;
-    let mut frames = ShowFrames::new(show, dt_s)?;
-    check_first_pose(rig, &mut frames)?;
-    Ok(frames)
+    // Opened in the result's place: each copy of frames costs 2 kB of stack.
+    let mut opened = ShowFrames::new(show, dt_s);
+    if let Ok(frames) = &mut opened
+        && let Err(error) = check_first_pose(rig, frames)
+    {
+        opened = Err(error);
+    }
+    opened
 }
 
 /// Refuses a show whose first pose is beyond a range: the rig would wait for it without end. Ball joints have no ends.
