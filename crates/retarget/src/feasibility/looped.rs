@@ -349,10 +349,7 @@ mod tests {
             q[4] = 0.01 * row as f64;
         }
         let told = looped(&rig, &walks, BLEND_S).unwrap_err().to_string();
-        assert!(
-            told.contains("2.00 m from its start") && told.contains("1.00 m/s"),
-            "{told}"
-        );
+        assert!(told.contains("2.00 m from its start") && told.contains("1.00 m/s"), "{told}");
         // Rotates from three quarters of 180 deg to 180 deg: the path back opposes its middle.
         let mut turned = given.clone();
         for (row, q) in turned.rows.iter_mut().enumerate() {
