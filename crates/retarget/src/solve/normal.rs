@@ -117,7 +117,8 @@ impl Normal {
             if left {
                 continue;
             }
-            // All are within bounds. If unknowns are held although their gradient points inwards, the strongest is released.
+            // All are within bounds. If unknowns are held although their gradient points inwards, the strongest is
+            // released.
             let mut strongest: Option<(usize, f64)> = None;
             for place in (0..self.count).filter(|place| self.bound[*place] != 0) {
                 let pull = -f64::from(self.bound[place]) * self.gradient(place);

@@ -14,8 +14,8 @@ const SWING_DEG: f64 = 0.6;
 /// The starter arm's XL330 are simulated a quarter stiffer than their model: they lift the arm too far, at most by
 /// this beyond the effect of friction and play, deg.
 const LIFTED_DEG: f64 = 0.3;
-/// Because of the damping of its load, Poppy's trunk is less stiff than its gear would allow: it rests at most this much
-/// farther off, deg.
+/// Because of the damping of its load, Poppy's trunk is less stiff than its gear would allow: it rests at most this
+/// much farther off, deg.
 const TRUNK_DEG: f64 = 0.05;
 
 /// Returns worse gears: half the stiffness, twice the play and a third of the damping, alone and together.
