@@ -287,8 +287,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         Ok(())
     }
 
-    /// Returns what servos or supply cannot hold in a pose: the joint with the greatest load of a servo, or else the sum
-    /// of currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out. O(dofs).
+    /// Returns what servos or supply cannot hold in a pose: the joint with the greatest load of a servo, or else the
+    /// sum of currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out. O(dofs).
     #[inline(never)]
     pub(super) fn overload<const COORDS: usize>(
         &self,
