@@ -70,7 +70,7 @@ impl Default for Transform {
 }
 
 impl From<Vec3> for Transform {
-    /// Creates a pose that only moves the origin, in m.
+    /// Creates a pose without rotation from a translation in m.
     fn from(translation_m: Vec3) -> Self {
         Self::from_translation(translation_m)
     }

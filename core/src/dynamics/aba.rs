@@ -179,7 +179,8 @@ pub fn forward_dynamics(
 }
 
 impl ArticulatedBody {
-    /// Starts with the body alone: Newton's and Euler's laws about its origin.
+    /// Initializes the articulated body with this body alone: the inertia, the wrench by Newton's and Euler's laws
+    /// (both about the body's origin), and the acceleration that results from the speeds.
     #[inline]
     fn start(&mut self, body: &Body, joint: &JointState, of_parent: Vec3, external: Wrench) {
         self.to_parent = Mat3::from_quat(joint.pose.rotation);

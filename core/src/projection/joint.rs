@@ -225,7 +225,7 @@ impl Joint {
         made
     }
 
-    /// Sets the pose from the angles or displacements; the zero pose if it is not finite.
+    /// Sets the pose from the angles or displacements. A pose that is not finite is replaced by the zero pose.
     fn go_along(&mut self, body: &Body) {
         let pose = body.placement * body.joint.at(self.along);
         self.pose = if pose.is_finite() { pose } else { body.placement };

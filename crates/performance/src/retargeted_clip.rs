@@ -182,8 +182,8 @@ impl RetargetedClip {
         }
     }
 
-    /// Returns the angles between the rig's limbs, with its bodies at `poses` in the world, and the performer's limbs
-    /// at a time of the clip, deg.
+    /// Returns the angle between each limb of the rig and the performer's limb at a time of the clip, deg. `poses`:
+    /// poses of the rig's bodies in the world.
     pub fn limb_errors_deg<'a>(
         &'a self,
         clip_time_s: f64,

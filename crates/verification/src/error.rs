@@ -16,7 +16,7 @@ pub struct UnknownFile {
     pub name: String,
     /// Schema named in the file.
     pub schema: String,
-    /// Kind of the file, if it is known. A known kind can be skipped.
+    /// Kind of the file, if it is known. The user can skip files of a known kind.
     pub kind: Option<Kind>,
 }
 

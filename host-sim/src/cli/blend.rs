@@ -46,11 +46,11 @@ use super::unit_args::UnitArgs;
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Args {
-    /// The clip to leave.
+    /// The first clip, in which the blend starts.
     #[arg(value_name = "A")]
     a: Reference,
 
-    /// The clip to enter.
+    /// The second clip, in which the blend ends.
     #[arg(value_name = "B")]
     b: Reference,
 

@@ -12,7 +12,7 @@ pub(super) struct UnitArgs {
     #[arg(long, value_name = "M", value_parser = unit, allow_negative_numbers = true)]
     metres_per_unit: Option<f64>,
 
-    /// Axis of the file that points up: x, y or z. Default: by the format, or by the body's posture.
+    /// Axis of the file that points up: x, y or z. Default: found from the file's format, or from the body's posture.
     #[arg(long, value_name = "AXIS")]
     up: Option<Up>,
 }

@@ -38,10 +38,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',', default_value = "all")]
     method: Vec<MethodArg>,
 
-    /// Base value of every joint, for all selected methods: in m by lengths, in m³ by cylinders and mesh. Default:
-    /// the values of the article's list for Geno: 0.1 m; 0.002 m³; 0.00183 m³ (0.001 with `--vertex-area article`).
-    /// They suit a figure 1.7 m tall. A figure half as tall gets the same weights with half of the first value, and
-    /// an eighth of the others.
+    /// Base value of every joint, for all selected methods: in m for `lengths`, in m³ for `cylinders` and `mesh`.
+    /// Default: the values of the article's list for Geno: 0.1 m for `lengths`; 0.002 m³ for `cylinders`; 0.00183 m³
+    /// for `mesh` (0.001 with `--vertex-area article`). They suit a figure 1.7 m tall. For a figure half as tall, use
+    /// half of the value in m, or an eighth of the value in m³, to get the same weights.
     #[arg(long, value_name = "B", allow_negative_numbers = true)]
     base: Option<f64>,
 
@@ -62,7 +62,8 @@ pub(super) struct Args {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Frame of a motion, from 0, whose pose is the rest pose. Default: the skeleton with no joint turned.
+    /// Use the pose of this frame of a motion as the rest pose. Frames count from 0. Default: the skeleton with no
+    /// joint turned.
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
 

@@ -20,7 +20,7 @@ pub struct Plan {
     pub clips: Vec<ClipIdentity>,
     /// Duration of the part of every clip that is used, from its beginning, in seconds; `None` for whole clips.
     pub seconds: Option<f64>,
-    /// Share of the cells on this machine.
+    /// Share of the cells that this machine computes.
     pub shard: Shard,
 }
 

@@ -61,7 +61,7 @@ pub(super) fn foot_heading_rad(side: Side) -> f64 {
     FEET_DEG[side.index()].to_radians()
 }
 
-/// A step of the whole stance.
+/// A step that brings the whole stance to a new pose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
     pub start_s: f64,

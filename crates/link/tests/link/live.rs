@@ -52,7 +52,7 @@ fn assert_slow(before: &[f32], after: &[f32]) {
 }
 
 struct Run {
-    /// Largest distance, by joint, of a target from the pose that was due, once the buffer follows.
+    /// Largest distance of each joint's target from the pose due at that time, after the buffer has begun to follow.
     worst: [f32; 3],
     stale: u32,
     held: u32,

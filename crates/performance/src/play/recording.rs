@@ -265,7 +265,7 @@ impl Recording {
     }
 }
 
-/// An end: its metadata, and its first and last byte in the file.
+/// An end (footer) of a Parquet file: the metadata, and the footer's range of bytes in the file.
 type End = (ParquetMetaData, [u64; 2]);
 
 /// Finds the last complete end of a file. There are also ends between the parts: see [`super::Recorder`].

@@ -16,7 +16,7 @@ pub struct Outcome<'a> {
     pub b: Side<'a>,
     /// The nearest pair of frames, in the middle of the blend.
     pub nearest: &'a Nearest,
-    /// Length of the geodesic line there, m.
+    /// Length in space of the straight line between the joint coordinates of the nearest frames, m.
     pub line_m: f64,
     /// The blended motion.
     pub blend: &'a Blend,

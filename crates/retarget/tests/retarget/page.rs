@@ -90,8 +90,8 @@ fn where_it_is_not_better_is_told() {
     assert_eq!(PAGE.lines().filter(is_told).count(), told);
 }
 
-/// Tests the bounds that define "better than GMR": those of the reference that contains the robots, GMR's results and
-/// the script.
+/// Checks that all scores keep the bounds that define "better than GMR". The bounds are those of the reference folder,
+/// which also contains the robots, GMR's results and the script.
 #[test]
 fn bounds_are_kept_in_every_cell() {
     let scores = scores();

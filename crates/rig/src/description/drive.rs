@@ -70,7 +70,8 @@ impl Default for DriveKind {
 pub(crate) struct UnitKeys {
     /// Key of a matrix's offsets, in degrees or metres.
     pub(crate) offset: &'static str,
-    /// Key of a curve's points: both in degrees, or servo in degrees and joint in metres.
+    /// Key of a curve's points, pairs of a servo position and a joint position: both in degrees, or the servo's in
+    /// degrees and the joint's in metres.
     pub(crate) points: &'static str,
 }
 

@@ -16,7 +16,7 @@ pub struct ImportError {
     pub found: String,
 }
 
-/// A line and a column, both from 1.
+/// A line and a column of a file, both counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[expect(missing_docs, reason = "the fields are what the type's line names")]
 pub struct SourcePosition {

@@ -17,7 +17,7 @@ use sinew_servo_tools::{Client, Exchange, Protocol, ServiceError, Settings as Pa
 
 use crate::common::SimLine;
 
-/// A servo with its load, and its differences from its kind.
+/// A servo of a known kind, its load, and the parameters that differ from those of the kind.
 #[derive(Clone, Copy)]
 struct Case {
     kind: &'static str,

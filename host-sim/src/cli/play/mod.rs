@@ -43,7 +43,8 @@ const ROUNDS: u32 = 2;
 /// The exit code is 1 if a fault ended the show, 2 if the board does not answer any more.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A show of `sinew bake`; or a clip, built-in or a file, which is baked as by `sinew bake --fit`.
+    /// A show of `sinew bake`, or a clip: the name of a built-in clip, or a file. A clip is first baked into a show, as
+    /// `sinew bake --fit` does it.
     #[arg(value_name = "SHOW|CLIP")]
     show: String,
 
@@ -99,7 +100,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
-    /// Number of rounds of a show that is a loop. Default: in real time until Ctrl-C, else 2.
+    /// Number of rounds of a looping show. Default: in real time, the show loops until Ctrl-C; otherwise 2 rounds.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
 

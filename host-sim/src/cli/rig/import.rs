@@ -25,7 +25,7 @@ pub(super) struct ImportArgs {
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     cut: Vec<String>,
 
-    /// Import a mechanism with closed loops as the tree in the file: the loops stay open.
+    /// Import a mechanism with closed loops as the tree of bodies that the file contains. The loops are left open.
     #[arg(long)]
     open_loops: bool,
 

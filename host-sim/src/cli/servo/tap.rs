@@ -54,7 +54,8 @@ pub(super) struct TapArgs {
     #[arg(long, value_enum, value_name = "TARGET", conflicts_with_all = ["port", "board"])]
     target: Option<TargetArg>,
 
-    /// Let the simulated servo differ from the rig's file, such as stiffness=0.5. May be repeated.
+    /// Change a value of the simulated servo by a factor, so that it differs from the rig's file: stiffness=0.5 halves
+    /// the stiffness of the gear. May be repeated.
     #[arg(long, value_name = "NAME=FACTOR", requires = "target", long_help = plant_help())]
     plant: Vec<Change>,
 

@@ -16,7 +16,7 @@ const LEAST_RAD_S: f64 = 0.3;
 /// Number of bisection steps, for a frequency or a delay.
 const HALVINGS: usize = 24;
 
-/// Margins of a stable loop, each for a change of that quantity alone.
+/// Margins of a stable loop. Each margin holds if only its own quantity changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Margins {
     /// Phase margin in either direction, deg.

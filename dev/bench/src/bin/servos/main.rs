@@ -114,7 +114,7 @@ struct Performance<'a> {
     /// Numbers of positions and of speeds of the rig.
     counts: [usize; 2],
     measured: &'a [Instant; FRAMES],
-    /// Poses of the motion of a larger performer.
+    /// Poses of a performer who is larger than the rig.
     poses: [[Transform; MOST_JOINTS]; FRAMES],
     joints: usize,
 }
