@@ -241,8 +241,10 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let soft = SoftStart::new(&settings.supervisor, dt_s);
         self.sources = Sources::new(self.path.now(), soft);
         self.readings = Readings::new(rig.dofs().len(), self.path.now());
-        let own = rig.servos().iter().zip(servos);
-        self.readings.beliefs.extend(own.map(|(own, setup)| Belief::new(&own.servo, setup, dt_s)));
+        for (own, setup) in rig.servos().iter().zip(servos) {
+            // A rig's servos are counted: there is room.
+            let _ = self.readings.beliefs.push(Belief::new(&own.servo, setup, dt_s));
+        }
         self.comparison = Comparison::new(rig.servos(), servos);
         self.pending = start.causes;
         Ok(())
@@ -587,8 +589,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             if performance.corrects(index) {
                 *speed = measured.map_or(0.0, |measured| measured.velocity);
             } else {
-                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
-                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
+                let least = (SLIGHT * dof.effort).max(LEAST_NM).min(SLIGHT_MOST);
+                let down = (-performance.weight(index) / least).max(-1.0).min(1.0);
                 let at = number(&to, index);
                 let ahead = measured.map_or(0.0, |measured| at - measured.position);
                 let is_held = ahead * down > LEAD_RAD * down.abs();
@@ -604,7 +606,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             let left = if *speed * performance.weight(index) > 0.0 { 1.0 } else { 1.0 - share };
             let is_slow = left > 0.0 && *lowered >= 0.0;
             let rate = if is_slow { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
-            *lowered = (*lowered + *dt_s * rate * left).clamp(LEAST_LOWERED, most);
+            *lowered = (*lowered + *dt_s * rate * left).max(LEAST_LOWERED).min(most);
             self.is_there &= *lowered >= RESTED;
         }
         let goal = sources.lower();

@@ -307,7 +307,12 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         for drive in self.rig.drives() {
             let dof = drive.dofs.first().copied().unwrap_or(0);
             let of = |numbers: &[f32]| -> Numbers {
-                drive.dofs.iter().map(|dof| number(numbers, usize::from(*dof))).collect()
+                let mut own = Numbers::new();
+                for dof in &drive.dofs {
+                    // A drive's dofs are counted: there is room.
+                    let _ = own.push(number(numbers, usize::from(*dof)));
+                }
+                own
             };
             let Ok(pose) = drive.drive.at_joints(&of(&at)) else { continue };
             let Ok(torques) = pose.servo_torques(&of(efforts)) else { continue };
