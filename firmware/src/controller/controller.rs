@@ -589,8 +589,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             if performance.corrects(index) {
                 *speed = measured.map_or(0.0, |measured| measured.velocity);
             } else {
-                let least = (SLIGHT * dof.effort).max(LEAST_NM).min(SLIGHT_MOST);
-                let down = (-performance.weight(index) / least).max(-1.0).min(1.0);
+                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
+                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
                 let at = number(&to, index);
                 let ahead = measured.map_or(0.0, |measured| at - measured.position);
                 let is_held = ahead * down > LEAD_RAD * down.abs();
