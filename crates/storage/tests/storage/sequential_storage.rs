@@ -102,8 +102,8 @@ fn it_loses_items_where_a_cut_erase_leaves_what_the_trait_allows() {
     }
     println!("{cuts} cuts: the rig not found after {neither}, a word written twice after {twice}");
     is_on_page(&[format!(
-        "  {cuts} cuts of a change of settings, a rig beside them was lost for good after {lost}, \
-         and a read erased a sector after {read_erases}."
+        "  In {cuts} cuts of a change of settings the rig was lost for good {lost} times, and a read erased a sector \
+         {read_erases} times."
     )]);
     assert!(lost > 0 && read_erases > 0);
 }

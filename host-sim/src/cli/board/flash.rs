@@ -21,7 +21,7 @@ const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
 /// Fails while the rig is armed, or if the firmware has another version of the host link than this program.
 #[derive(Debug, clap::Args)]
 pub(super) struct FlashArgs {
-    /// Image to write: the name of a board, such as `nucleo_f446re`, or an ELF file. `cargo xtask firmware` builds the
+    /// Image to flash: the name of a board, such as `nucleo_f446re`, or an ELF file. `cargo xtask firmware` builds the
     /// images of boards.
     #[arg(value_name = "BOARD|ELF")]
     image: PathBuf,
