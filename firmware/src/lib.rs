@@ -23,7 +23,8 @@
 //!   is the last check before the bus.
 //! - `controller/`: `controller` is the tick. It joins `watch` (all detectors), `feed` (show, live, jog, hold, rest),
 //!   `path` (blends, range, speed, acceleration), `performance` (tracker and drives) and `output` (guard, bus).
-//!   `registers` compares the servos' settings before they are armed; `wire` is the board's part of a tick.
+//!   `belief` refuses readings that a servo cannot have turned to. `registers` compares the servos' settings before
+//!   they are armed; `wire` is the board's part of a tick.
 //! - `node/`: `control` is the control loop, `background_task` serves host link and storage, `mail` connects them,
 //!   `pending` contains commands in progress. `start` reads flash at power-on; `settings` has a key for each number;
 //!   `board` is the interface to the hardware.

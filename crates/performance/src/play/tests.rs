@@ -358,7 +358,7 @@ fn a_rig_that_swings_says_so_and_ends_well() {
 
     let (raised, table) = stands(800.0, Some(FAST_RAD_S), 0.3);
     assert_eq!(raised, FaultSet::WARNINGS);
-    // The gains are 0.3 times as high: no loop of them swings. Its last half second is what began it.
+    // The gains are 0.3 times as high: a motion that is left may be no larger than in proportion.
     let calmed_deg = deg(&of_joint(&table, "bend3"));
     assert!(calmed_deg < 0.3 * swings_deg, "{calmed_deg}, {swings_deg}: {table}");
 
