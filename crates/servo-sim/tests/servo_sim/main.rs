@@ -2,9 +2,11 @@
 
 mod behaviour;
 mod common;
+mod drive_mode;
 mod faults;
 mod line;
 mod port;
 mod published;
 mod rates;
 mod rig;
+mod sts3215;

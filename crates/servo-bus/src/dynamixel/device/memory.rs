@@ -2,7 +2,7 @@
 
 use crate::dynamixel::instruction::ResetScope;
 use crate::dynamixel::status::ErrorCode;
-use crate::dynamixel::table::{Table, address};
+use crate::dynamixel::table::{Table, address, drive_mode};
 use crate::table::{Access, Area, ByteOrder, Item, Range};
 
 /// Maximum goal position in the modes of several turns, counts: 256 turns either way. Source: e-manual, Goal Position.
@@ -110,6 +110,10 @@ impl<'m> Memory<'m> {
         let is_goal = (address::GOAL_PWM..=address::GOAL_POSITION).contains(&item.address);
         let watchdog_ran_out = self.get(address::BUS_WATCHDOG) < 0;
         if watchdog_ran_out && (is_goal || (item.address == address::BUS_WATCHDOG && value != 0)) {
+            return Err(ErrorCode::DataRange);
+        }
+        if item.address == address::DRIVE_MODE && value & drive_mode::SLAVE != 0 {
+            // The slave of a dual joint obeys a cable to its master, which no line of simulated servos has.
             return Err(ErrorCode::DataRange);
         }
         let within = |least: i32, most: i32, code| {

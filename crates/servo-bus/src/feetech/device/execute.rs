@@ -90,9 +90,7 @@ impl Device<'_> {
                     .table
                     .at(address::PRESENT_POSITION)
                     .map(|item| item.value(position, order));
-                self.note(Event::PositionSet(
-                    given.filter(|_| position.len() == 2).unwrap_or(middle),
-                ));
+                self.set_position(given.filter(|_| position.len() == 2).unwrap_or(middle));
                 self.reply(is_own);
             }
         }
@@ -115,12 +113,27 @@ impl Device<'_> {
         } else if written(address::TORQUE_ENABLE) && self.get(address::TORQUE_ENABLE) == 128 {
             self.set(address::TORQUE_ENABLE, 0);
             let middle = self.table.model.family.most_count().saturating_add(1).saturating_div(2);
-            self.note(Event::PositionSet(middle));
+            self.set_position(middle);
         }
         self.note(Event::Written {
             address: first,
             length: u8::try_from(data.len()).unwrap_or(u8::MAX),
         });
+    }
+
+    /// Counts the present angle as `position`. An STS keeps the difference in its Homing Offset, also over a reboot.
+    fn set_position(&mut self, position: i32) {
+        let turn = self.table.model.family.most_count().saturating_add(1);
+        let (present, offset) =
+            (self.get(address::PRESENT_POSITION), self.get(address::HOMING_OFFSET));
+        let turned = present.saturating_add(offset).saturating_sub(position).rem_euclid(turn);
+        let is_behind = turned >= turn.saturating_div(2);
+        let offset = if is_behind { turned.saturating_sub(turn) } else { turned };
+        if self.table.model.family == Family::Sts {
+            self.set(address::HOMING_OFFSET, offset);
+            self.set(address::PRESENT_POSITION, position);
+        }
+        self.note(Event::PositionSet(position));
     }
 
     pub(super) fn put(&mut self, to: usize, byte: u8, is_stored: bool) {
