@@ -6,7 +6,8 @@
 //! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
 //! - `clip` reads and cleans a clip, `retargeted_clip` puts it on a rig, `own_motion` reads a motion of the rig's own
 //!   joints;
-//!   `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it.
+//!   `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it, `likeness` compares
+//!   it with the performer.
 //! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
 //!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
 //! - [`teach`] lets a hand lead a rig: `guide_trajectory` is the hand's path, `session` the simulated rig, `result`
@@ -15,6 +16,7 @@
 
 mod bake;
 mod clip;
+mod likeness;
 mod own_motion;
 pub mod play;
 mod retargeted_clip;
@@ -27,6 +29,7 @@ pub mod text;
 
 pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
+pub use likeness::Likeness;
 pub use own_motion::OwnMotion;
 pub use retargeted_clip::{RetargetError, RetargetedClip, retarget_clip};
 pub use rig_clip::RigClip;

@@ -8,5 +8,6 @@ mod line;
 mod port;
 mod published;
 mod rates;
+mod registers;
 mod rig;
 mod sts3215;

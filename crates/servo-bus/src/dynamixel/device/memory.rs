@@ -19,11 +19,20 @@ const POSITION_MODE: i32 = 3;
 pub struct Memory<'m> {
     table: Table,
     bytes: &'m mut [u8],
+    refuses: Refuses,
 }
+
+/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
+pub type Refuses = fn(address: u16, value: i32) -> bool;
 
 impl<'m> Memory<'m> {
     pub(super) fn new(table: Table, bytes: &'m mut [u8]) -> Self {
-        Self { table, bytes }
+        Self { table, bytes, refuses: |_, _| false }
+    }
+
+    /// Sets which values a controller cannot write: the servo answers with an error.
+    pub fn refuse(&mut self, refuses: Refuses) {
+        self.refuses = refuses;
     }
 
     /// Returns the layout of the control table.
@@ -107,6 +116,9 @@ impl<'m> Memory<'m> {
             return Err(ErrorCode::Access);
         }
         let value = item.value(value, ByteOrder::Little);
+        if (self.refuses)(item.address, value) {
+            return Err(ErrorCode::DataRange);
+        }
         let is_goal = (address::GOAL_PWM..=address::GOAL_POSITION).contains(&item.address);
         let watchdog_ran_out = self.get(address::BUS_WATCHDOG) < 0;
         if watchdog_ran_out && (is_goal || (item.address == address::BUS_WATCHDOG && value != 0)) {

@@ -5,7 +5,7 @@ use crate::feetech::frame::{BROADCAST, Packet};
 use crate::feetech::instruction::{Instruction, sync_blocks};
 use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
-use crate::table::Access;
+use crate::table::{Access, Item};
 
 /// Time slot of one id for the answers to a broadcast ping, us. On a real line these answers collide.
 const PING_SLOT_US: u32 = 1_000;
@@ -101,7 +101,9 @@ impl Device<'_> {
         let is_open = self.get(self.table.model.family.lock()) == 0;
         for (to, byte) in (u16::from(first)..).zip(data) {
             let item = u8::try_from(to).ok().and_then(|to| self.table.at(to));
-            if item.is_none_or(|item| item.access == Access::ReadWrite) {
+            if item.is_none_or(|item| {
+                item.access == Access::ReadWrite && !self.refused(&item, first, data)
+            }) {
                 self.put(to.into(), *byte, is_open);
             }
         }
@@ -119,6 +121,18 @@ impl Device<'_> {
             address: first,
             length: u8::try_from(data.len()).unwrap_or(u8::MAX),
         });
+    }
+
+    /// Returns whether the simulation refuses the value that a write would give to a register.
+    fn refused(&self, item: &Item, first: u8, data: &[u8]) -> bool {
+        let mut bytes = [0; 4];
+        for (byte, at) in bytes.iter_mut().zip(item.address..item.end()) {
+            let written = at.checked_sub(first.into()).and_then(|at| data.get(usize::from(at)));
+            let kept = self.memory.get(usize::from(at));
+            *byte = written.or(kept).copied().unwrap_or(0);
+        }
+        let address = u8::try_from(item.address).unwrap_or(u8::MAX);
+        (self.refuses)(address, item.value(&bytes, self.table.model.family.order()))
     }
 
     /// Counts the present angle as `position`. An STS keeps the difference in its Homing Offset, also over a reboot.
