@@ -193,12 +193,12 @@ mod tests {
         let mut text = "name = \"arm\"\n[[body]]\nname = \"base\"\n".to_owned();
         for (index, name) in ["shoulder_pan", "shoulder_lift"].into_iter().enumerate() {
             let parent = ["base", "shoulder_pan"][index];
-            text += &format!(
+            text.extend([format!(
                 "[[body]]\nname = \"{name}\"\n[[joint]]\nname = \"{name}\"\nparent = \"{parent}\"\nchild = \"{name}\"\n\
                  axis = [0, 1, 0]\n[[drive]]\njoints = [\"{name}\"]\nservos = [\"{name}\"]\n[[servo]]\nname = \"{name}\"\n\
                  model = \"{model}\"\nid = {}\n",
                 index + 1
-            );
+            )]);
         }
         text
     }

@@ -117,7 +117,8 @@ impl Aims {
                         list.direction(top, tip, Source::Limb { from: ball, to: end }, FIRST);
                     }
                     if limb == Limb::Path {
-                        list.hand(state, [ball, middle, end], [top, joint, tip]);
+                        let hand = rig.tips[end].unwrap_or(tip);
+                        list.hand(state, [ball, middle, end], [top, joint, tip, hand]);
                     }
                 }
                 if let Some(hinge) = rig.hinges[middle].filter(|hinge| hinge.is_sure)
@@ -307,13 +308,13 @@ impl List<'_> {
     }
 
     /// Adds the place of a hand relative to its shoulder.
-    fn hand(&mut self, state: &State, chain: [Landmark; 3], points: [RigPoint; 3]) {
-        let [top_m, joint_m, tip_m] = points.map(|point| state.point_m(&point));
-        let arm_m = top_m.distance(joint_m) + joint_m.distance(tip_m);
+    fn hand(&mut self, state: &State, chain: [Landmark; 3], points: [RigPoint; 4]) {
+        let places_m = points.map(|point| state.point_m(&point));
+        let arm_m: f64 = places_m.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         if arm_m <= f64::EPSILON {
             return;
         }
-        let kind = Kind::Way { from: points[0], to: points[2] };
+        let kind = Kind::Way { from: points[0], to: points[3] };
         self.add(kind, Source::Hand { chain, arm_m }, HAND / (arm_m * arm_m));
     }
 

@@ -12,7 +12,7 @@ pub enum Limb {
     End,
     /// The direction of the upper arm, or of the thigh.
     Upper,
-    /// Of arms: the place of the hand relative to the shoulder, scaled by the lengths of the arms.
+    /// The place of the end relative to the shoulder or the hip, scaled by the lengths of the limbs.
     Path,
 }
 

@@ -14,10 +14,10 @@ use sinew_servo_tools::rig_file::edited;
 
 use crate::cli::output::OutputPath;
 
-/// Take a calibration of LeRobot into the rig file, or write one of it.
+/// Take a calibration of `LeRobot` into the rig file, or write one of it.
 ///
-/// The file is the JSON that `lerobot-calibrate` writes: for each motor id, drive_mode, homing_offset, range_min and
-/// range_max. A motor belongs to the servo of its name, or of its id. `range_deg` and `homing_offset_deg` of the servos
+/// The file is the JSON that `lerobot-calibrate` writes: for each motor its id, drive mode, homing offset and range. A
+/// motor belongs to the servo of its name, or of its id. `range_deg` and `homing_offset_deg` of the servos
 /// are changed, and `direction` of reversed motors; everything else stays as you wrote it. `sinew servo apply` then
 /// writes the registers. No port is needed.
 #[derive(Debug, clap::Args)]
@@ -70,7 +70,7 @@ fn read(path: &Path) -> anyhow::Result<Calibrations> {
     Ok(Calibrations(motors.into_iter().collect()))
 }
 
-/// Returns the text of a calibration, as LeRobot indents it.
+/// Returns the text of a calibration, as `LeRobot` indents it.
 fn json(calibrations: &Calibrations) -> anyhow::Result<Vec<u8>> {
     let mut out = Vec::new();
     let format = serde_json::ser::PrettyFormatter::with_indent(b"    ");
