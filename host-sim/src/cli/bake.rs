@@ -140,7 +140,7 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
     let likeness =
         performance.limb_errors_deg(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
             format!(
-                "{} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most\n",
+                "{} limbs: {mean:.1} deg from the performer's on average, {most:.1} at most\n",
                 performance.clip.limbs
             )
         });

@@ -208,7 +208,7 @@ fn up_axis(poses: &[(&Pose, Axes)]) -> Option<UpAxis> {
             .collect()
     };
     let (ups, place) = match ups(true) {
-        ups if !ups.is_empty() => (ups, "in the mean over the clip"),
+        ups if !ups.is_empty() => (ups, "on average over the clip"),
         _ => (ups(false), "in the rest pose"),
     };
     if ups.is_empty() {

@@ -210,7 +210,7 @@ fn health(
             f64::from(jitter) <= JITTER * f64::from(period.mean),
             Doubtful,
             "period of ticks",
-            &format!("{:.1} us in the mean, jitter {:.1} us", us(period.mean), us(jitter)),
+            &format!("{:.1} us on average, jitter {:.1} us", us(period.mean), us(jitter)),
             "something interrupts the loop: tell us, with this file",
         );
     }
