@@ -158,7 +158,7 @@ pub enum JointCoordinatesError {
     },
     /// A position or a speed is NaN or infinite.
     NonFinite {
-        /// Index of the value; speeds count on after the positions.
+        /// Index of the value; the indices of speeds follow those of positions.
         index: usize,
     },
     /// The quaternion is not of length 1.

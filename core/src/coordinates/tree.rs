@@ -179,7 +179,8 @@ impl<const N: usize> JointStates<N> {
     }
 
     /// Sets all joints from newly measured positions, for encoders that measure no speeds. The speeds become the
-    /// backward differences from the positions `elapsed_s` earlier. An angle takes the shorter way round. O(n).
+    /// backward differences from the positions `elapsed_s` earlier. The difference of two angles is the shorter way
+    /// around the circle. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], and nothing changes, in the cases of [`Self::set_coordinates`]; or if the time is not a
@@ -208,7 +209,7 @@ impl<const N: usize> JointStates<N> {
         let bodies = tree.bodies();
         check_count("joints", bodies.len(), self.as_slice().len())?;
         check_positions(bodies, q)?;
-        // Positions are bounded, placements are not.
+        // The checks above limit positions, but not placements.
         bodies
             .iter()
             .try_for_each(|body| check_position(body.placement.translation_m))

@@ -22,7 +22,8 @@ impl ArticulatedInertia {
     pub(crate) const ZERO: Self =
         Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
 
-    /// Returns the inertia of a point mass in a ball, both at the origin: it resists motion alike in every direction.
+    /// Returns an inertia that resists rotation, and translation, equally in every direction: `angular` and
+    /// `linear` times the identity.
     pub(crate) fn round(angular: f32, linear: f32) -> Self {
         Self {
             angular: Symmetric::diagonal(angular),

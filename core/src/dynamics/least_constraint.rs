@@ -3,7 +3,7 @@
 //! that minimises `Σ ½ (A - T)ᵀ I (A - T)` over the bodies, where T is a body's desired motion and I its inertia.
 //!
 //! The inertias need not be those of masses: the manifold projection and the resolved acceleration use them as
-//! weights of each body's desired motion. O(n), and no matrix is larger than a joint's.
+//! weights of each body's desired motion. O(n), and no matrix is larger than that of a single joint.
 
 use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
@@ -226,7 +226,7 @@ impl Demand {
     }
 }
 
-/// Returns the step of an axis per force along it.
+/// Returns the step of an axis per force along the axis.
 fn yielding(resistance: f32, damping: f32) -> f32 {
     let resistance = resistance * (1.0 + damping);
     if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 }

@@ -6,7 +6,7 @@ use crate::inertia::Inertia;
 use crate::symmetric::Symmetric;
 use crate::transform::Wrench;
 
-/// Inertia of a body, or of bodies that are held together, in the axes of one frame.
+/// Inertia of a body, or of bodies that are rigidly connected, in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct RigidInertia {
     pub(crate) mass_kg: f32,

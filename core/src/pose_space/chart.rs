@@ -21,7 +21,7 @@ pub struct JointCoordinates {
 }
 
 impl JointCoordinates {
-    /// The pose of the joint's placement.
+    /// Coordinates of a joint whose body is at the joint's placement.
     pub const ZERO: Self = Self { angular_rad: Vec3::ZERO, linear_m: Vec3::ZERO };
 
     /// Returns `|angular|² + |linear|²`, in rad² and m².
@@ -126,8 +126,9 @@ fn nearer_angle(angle_rad: f32) -> f32 {
     }
 }
 
-/// Returns start and step of the shortest line between two rotations in terms of their vectors. Every rotation has a
-/// second vector, the other way round; it replaces one of the two vectors if that shortens the line.
+/// Returns start and step of the shortest line between two rotations in terms of their vectors. Every rotation has
+/// a second vector, for the turn in the opposite direction. This second vector replaces one of the two vectors if
+/// that shortens the line.
 fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     let direct = to_rad - from_rad;
     let (from_squared, to_squared) = (from_rad.dot(from_rad), to_rad.dot(to_rad));

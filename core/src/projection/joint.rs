@@ -1,4 +1,4 @@
-//! The part of one joint in a projection: its start, its allowed motions, and its step.
+//! One joint in a projection: its start, its allowed motions, and its step.
 
 use glam::Vec3;
 
@@ -231,7 +231,7 @@ impl Joint {
         self.pose = if pose.is_finite() { pose } else { body.placement };
     }
 
-    /// Returns a spherical joint to its range. The result is the correction, in body axes, if it was outside.
+    /// Moves a spherical joint back into its range. Returns the correction, in body axes, if the joint was outside.
     fn keep_turn_within(
         &mut self,
         body: &Body,

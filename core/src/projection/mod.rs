@@ -29,8 +29,8 @@ use crate::tree::{Body, Tree};
 /// Each call makes a fixed number of Gauss-Newton steps (twenty in a workspace's first call), from the last call's
 /// solution: the deviation of each joint from its desired pose. The deviation changes slowly in a performance, which
 /// makes a single step enough (see [`DEFAULT_SWEEPS`]). A step is stiffened where a body is pulled away, and damped
-/// while a joint is pressed against its end. Each step is solved exactly in O(n) by sweeps of the articulated-body
-/// algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
+/// while a joint is pressed against the end of its range. Each step is solved exactly in O(n) by sweeps of the
+/// articulated-body algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -73,8 +73,8 @@ const FIRST_SWEEPS: u8 = 20;
 
 /// Additional relative resistance of all joints while a joint is pressed against the end of its range.
 ///
-/// When a joint reaches or leaves its end, the other joints have not accounted for it. Without damping, the sweeps
-/// can oscillate forever.
+/// When a joint reaches or leaves the end of its range, the steps of the other joints have not taken this into
+/// account. Without damping, the sweeps can oscillate forever.
 const PRESSED_DAMPING: f32 = 0.3;
 
 impl<const N: usize> ManifoldProjection<N> {
@@ -104,7 +104,7 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { weights, ..self })
     }
 
-    /// Sets a range for each joint: no solution is ever outside its range.
+    /// Sets a range for each joint. No solution is ever outside these ranges.
     ///
     /// # Errors
     /// [`ProjectionError`] if the number of ranges is not the number of joints, or a range does not fit its joint.

@@ -184,8 +184,8 @@ pub enum Sharing {
     /// All torques are reduced by the same factor.
     #[cfg_attr(feature = "serde", serde(rename = "alike"))]
     Uniform,
-    /// The squared reductions are minimal, weighted by the skin motion they cause: the weights of the
-    /// [`TorqueSupply`](crate::supply::TorqueSupply).
+    /// The weighted sum of squared reductions is minimal. The weights are those of the
+    /// [`TorqueSupply`](crate::supply::TorqueSupply), for example the skin motion that a joint causes.
     Importance,
     /// The torques that carry the rig are kept; those that accelerate it are reduced by the same factor.
     Accelerations,

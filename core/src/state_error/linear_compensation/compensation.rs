@@ -63,8 +63,8 @@ pub enum AimStatus {
     Leaf,
     /// A body with a compensating rotation.
     Compensated,
-    /// The child is already in the desired direction, or several children are as near as possible: no rotation, but
-    /// its rate.
+    /// The child is already in the desired direction, or several children are as near as possible. The rotation is
+    /// zero, but its rate is used.
     Parallel,
     /// The measured origin is beyond the goal: the shortest rotation is a half turn about an undefined axis (for
     /// several children: no rotation is the single best). A figure must not jump, so World Space Error is used.

@@ -15,7 +15,8 @@ use crate::state_error::StateError;
 const NARROWEST: f32 = 1e-4;
 
 /// Maximum number of Newton steps. Figures that are close need two or three; 10,000 random cases of any size needed
-/// at most seven. The steps double the digits, and the best angle about each axis brings them near.
+/// at most seven. The best angle about each axis brings the first steps near the solution; each further step
+/// doubles the correct digits.
 const MOST_STEPS: usize = 12;
 
 /// Shifts of the curvature matrix, in units of the largest possible curvature.

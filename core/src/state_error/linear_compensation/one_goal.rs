@@ -42,7 +42,7 @@ pub fn compensate(
     toward(goal_arm_m.ok_or(AimStatus::Leaf), settings, desired, measured)
 }
 
-/// Returns the error like [`compensate`], or the status that explains why there is no goal.
+/// Returns the error like [`compensate`]. Without a goal, `goal_arm_m` is the status that explains why.
 #[inline]
 pub(super) fn toward(
     goal_arm_m: Result<Vec3, AimStatus>,
