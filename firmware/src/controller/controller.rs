@@ -29,7 +29,8 @@ use crate::watchdog::Complete;
 /// Maximum length of a packet that switches the torque of all servos, bytes: fixed part, and part per servo.
 const SWITCH: (u32, u32) = (14, 2);
 
-/// Parts of the way to a show's first pose. The rig must be held at both ends of each part.
+/// Number of parts of the way to a show's first pose. The servos must be able to hold the rig at both ends of each
+/// part.
 const WAY: u8 = 4;
 
 /// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
@@ -39,8 +40,7 @@ const PACE: f32 = 0.7;
 const LED: f32 = 0.7;
 /// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
 const BACK_PER_S: f32 = 3.0;
-/// Minimum of the released part of a weight. Negative, so that up to half more than the weight by the model may be
-/// carried: a rig may be heavier.
+/// Minimum of the released part of a weight. It is negative, because a rig may be heavier than its model.
 const LEAST_LOWERED: f32 = -0.25;
 /// Ratio to the target speed below which a joint rests. The rig is down after all joints have rested for a third of
 /// the fading time.
@@ -104,7 +104,7 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
-    /// By dof, released part of its weight while the rig is lowered.
+    /// Released part of each dof's weight while the rig is lowered.
     lowered: Vec<f32, DOFS>,
     /// Faults of the tick before, or of the board's start, to be reported in the next tick.
     pending: FaultSet,
@@ -146,8 +146,8 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS,
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     MotionController<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a controller at the board's start; torque is off. `schedule` is that of the bus, whose servos must be
-    /// the rig's, in its order.
+    /// Creates a controller at the board's start; torque is off. `schedule` is the schedule of the bus. The servos
+    /// of the bus must be those of the rig, in the same order.
     ///
     /// # Errors
     /// [`ControllerError`] names the part that does not fit: the rig, the rate, a setting.

@@ -286,7 +286,8 @@ pub fn open_show<
     opened
 }
 
-/// Refuses a show whose first pose is beyond a range: the rig would wait for it without end. Ball joints have no ends.
+/// Refuses a show whose first pose is beyond a range: the rig would wait for this pose without end. Ball joints
+/// have no ends.
 fn check_first_pose<
     const BODIES: usize,
     const DOFS: usize,

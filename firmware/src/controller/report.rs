@@ -114,7 +114,7 @@ pub struct ServoReport {
     pub guard: Option<GuardReason>,
     /// Permitted part of its effort, 0 to 1.
     pub share: f32,
-    /// Reason why that part is reduced, or soon will be.
+    /// Reason why the permitted part is reduced, or soon will be.
     pub concern: Option<Concern>,
     /// Temperature of the servo, degC.
     pub temperature_c: Option<f32>,

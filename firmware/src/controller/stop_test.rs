@@ -16,7 +16,8 @@ pub(super) struct StopTest {
 }
 
 impl StopTest {
-    /// Records that a tick was sent completely, with torque off for all servos or not.
+    /// Records that the packets of a tick were sent completely. `off` is whether they switched torque off on all
+    /// servos.
     pub(super) fn sent(&mut self, off: bool) {
         if off {
             self.ticks = self.ticks.saturating_add(1);

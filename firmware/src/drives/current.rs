@@ -35,10 +35,10 @@ pub struct CurrentSettings {
 /// Current control: the sum of feed-forward effort, feedback effort and friction at the wanted speed
 /// ([`Servo::shaft_friction`]) is converted by the gear and divided by the torque constant.
 ///
-/// The wanted speed is the target's speed plus the speed of the return to the target: 7 /s of the error beyond the
-/// encoder's uncertainty (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot Manipulators",
-/// 1987). Because of it, stiction does not hold a joint away from its target until the observer has learnt the
-/// friction.
+/// The wanted speed is the target's speed plus the speed of the return to the target: 7 rad/s per rad of the error
+/// beyond the encoder's uncertainty (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot
+/// Manipulators", 1987). Because of it, stiction does not hold a joint away from its target until the observer has
+/// learnt the friction.
 ///
 /// Beyond an end of its range the drive gives no torque outwards. Without fresh readings, and if the servo is hot,
 /// the current fades to zero: the tracker closes the loop, and a servo in current mode holds nothing by itself. O(1).
@@ -51,8 +51,8 @@ pub struct CurrentDrive {
 }
 
 impl CurrentDrive {
-    /// Minimum control rate, Hz, at a tick of latency, which a bus takes. It follows from the maximum delay of the
-    /// tracker's recommended setting, see [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
+    /// Minimum control rate, Hz, with the latency of one tick that a bus causes. It follows from the maximum delay
+    /// of the tracker's recommended setting, see [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
     pub const LEAST_HZ: f32 = Class::Current.least_hz();
 
     /// Creates the drive of a servo. `timing` is the tracker's timing. A reading of a tick takes effect in the next

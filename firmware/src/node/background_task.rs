@@ -77,7 +77,7 @@ pub struct BackgroundTask<
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// The last warning since faults were cleared.
     pub(super) warning: Option<FaultRecord>,
-    /// Set when new data was stored: it takes effect after a restart, and the rig cannot be armed before.
+    /// Set when new data was stored. The data takes effect after a restart, and the rig cannot be armed before it.
     pub(super) kept: Option<Disarmed>,
 }
 

@@ -10,7 +10,7 @@ pub struct Permission {
     pub torque: bool,
     /// Source of the pose.
     pub source: Source,
-    /// Weight of the source against the pose that was commanded when it began: from 0 to 1, with speed and
+    /// Weight of the source against the pose that was commanded when the source began: from 0 to 1, with speed and
     /// acceleration zero at both ends.
     pub weight: f32,
     /// Whether the source's own time advances: a show waits at its first pose until the rig has reached it.

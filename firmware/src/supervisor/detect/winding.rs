@@ -23,8 +23,9 @@ pub struct WindingSettings {
 }
 
 impl WindingSettings {
-    /// Returns the settings for a motor with a stall current: 30 % of it without time limit, 20 s, 600 s, and half of
-    /// the rise each. No maker of hobby servos publishes these values: all four are guesses on the safe side.
+    /// Returns the settings for a motor with a stall current: 30 % of this current without time limit, and time
+    /// constants of 20 s (winding) and 600 s (case), each with half of the temperature rise. No maker of hobby
+    /// servos publishes these values: all four are guesses on the safe side.
     pub fn of_stall(stall_a: f32) -> Self {
         Self { continuous_a: 0.3 * stall_a, winding_s: 20.0, case_s: 600.0, winding_share: 0.5 }
     }
