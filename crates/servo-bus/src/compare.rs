@@ -27,7 +27,7 @@ pub enum Compared {
 /// A register whose value differs from the required value, in counts of the register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Difference {
-    /// The maker's name of the register.
+    /// The maker's name for this register.
     pub item: &'static str,
     /// Address of the register.
     pub address: u16,

@@ -1,8 +1,8 @@
 //! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
 //! page `docs/fault-matrix.md`.
 //!
-//! These tests create a fault where an image can meet it: in the bytes of its bus and its host link, at its pins, by
-//! its clock. The first table plants it between bus and controller.
+//! These tests create a fault where an image can detect it: in the bytes of its bus and its host link, at its pins,
+//! by its clock. The tests of the first table create it between bus and controller.
 
 use std::collections::HashMap;
 use std::thread;
@@ -330,7 +330,7 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
 
 /// Checks that a command clears a fault as soon as filters have settled.
 fn is_cleared(world: &mut World, fault: Fault) {
-    // It goes to its rest pose and down before.
+    // The rig first goes to its rest pose and is lowered.
     for _ in 0..120 {
         if world.state().is_some_and(|state| !state.is_on()) {
             world.ask(Command::ClearFaults);
