@@ -188,7 +188,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
-            // As an array, the whole value would be created on the stack and moved.
+            // An array would be created as a whole on the stack, and then moved.
             lowered: filled(DOFS, 0.0),
             pending: FaultSet::EMPTY,
             was_late: false,

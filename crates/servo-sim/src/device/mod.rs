@@ -24,7 +24,7 @@ pub use limits::MEMORY_LEN;
 
 /// Step of the physics, s.
 pub const STEP_S: f64 = 2.5e-4;
-/// Time constant of the filter of the servo's own speed, s. Guess.
+/// Time constant of the filter with which the servo computes its speed, s. Guess.
 const SPEED_FILTER_S: f64 = 0.01;
 
 enum Program<'m> {
@@ -40,7 +40,8 @@ pub struct Servo<'m> {
     motor: Motor,
     heat: Heat,
     sensed: Sensed,
-    /// Measurements of its last ticks, the newest first. The servo reports the last entry, which is the oldest.
+    /// Measurements of the servo's last ticks, the newest first. The servo reports the last entry, which is the
+    /// oldest.
     past: VecDeque<Sensed>,
     delay_ticks: usize,
     power: Power,
@@ -207,7 +208,7 @@ impl<'m> Servo<'m> {
         self.gear.lead(STEP_S, shaft);
     }
 
-    /// Push on the shaft in the last step.
+    /// Returns the push on the shaft in the last step.
     pub fn push(&self) -> Push {
         self.gear.push()
     }
@@ -223,8 +224,8 @@ impl<'m> Servo<'m> {
     }
 
     /// Divides each step of the gear into `steps` steps, at least 1. For tests of how a gear oscillates: a step of
-    /// length h damps an oscillation at stiffness K like an additional K h. With one step, which is the default, an
-    /// XM430's damping of 0.225 N m s acts as 0.284.
+    /// length h damps an oscillation at stiffness K like an additional damping of K h. With one step, which is the
+    /// default, an XM430's damping of 0.225 N m s acts as 0.284.
     pub fn refine_gear(&mut self, steps: u32) {
         self.gear_steps = steps.max(1);
     }

@@ -14,7 +14,7 @@ const LARGEST: f64 = 1e6;
 /// accepted numbers are within f32.
 const SMALLEST: f64 = 1e-12;
 
-/// Least limit of a speed or an acceleration, in SI units: with less, a turn of 90 deg takes days.
+/// Least limit of a speed or an acceleration, in SI units: with a lower limit, a turn of 90 deg takes days.
 const SLOWEST: f64 = 1e-5;
 
 /// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
