@@ -1,4 +1,4 @@
-//! Rigs and their motions with their rounding, for limits that follow from it.
+//! Rigs and their motions, with the rounding errors of all numbers. Tests derive their limits from these errors.
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointKind, JointState, Twist};

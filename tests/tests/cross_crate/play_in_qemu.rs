@@ -38,7 +38,7 @@ struct Played {
 }
 
 impl Case {
-    /// Fits a clip to a rig, as `sinew play` does. `seconds`: the part of the clip that is played.
+    /// Fits a clip to a rig, as `sinew play` does. `seconds` is the part of the clip that is played.
     fn new(
         rig: Description,
         drive: Drive,
@@ -62,7 +62,8 @@ impl Case {
         Self { rig, mechanism, parts, show: baked.written.bytes }
     }
 
-    /// Plays to the end. `peer`: the controller that drives the servos beside the one in process.
+    /// Plays to the end. `peer` is a controller in QEMU that runs beside the controller in this process, and whose
+    /// packets the servos get.
     fn play(&self, peer: Option<&Rc<RefCell<QemuController>>>) -> Played {
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
