@@ -88,8 +88,8 @@ pub fn first_session(starts: u16) -> u16 {
 
 /// Runs a node from its power-on, through all its restarts.
 ///
-/// `causes`: reasons for the start. Without reasons the node is new, and its flash blank. `flash`:
-/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room for all shows that are loaded between two starts.
+/// `causes` are the reasons for the start; without reasons the node is new, and its flash is blank. `flash` has
+/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent` is room for all shows that are loaded between two starts.
 ///
 /// # Panics
 /// If the host sends an invalid message.
