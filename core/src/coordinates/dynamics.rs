@@ -59,9 +59,9 @@ impl<const N: usize> Tree<N> {
 
     /// Writes the accelerations `qdd` that the efforts `tau` make in the state `q`, `qd`. O(n).
     ///
-    /// Uses the articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics), also
-    /// for dofs without inertia. Factors of the mass matrix would instead need nv² numbers on the stack and O(nv³)
-    /// operations.
+    /// Uses the articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics),
+    /// which also explains dofs without inertia. Factors of the mass matrix would instead need nv² numbers on the
+    /// stack and O(nv³) operations.
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Self::inverse_dynamics`].

@@ -61,8 +61,8 @@ impl ArticulatedInertia {
         self.linear += Symmetric::from_outer(force_n, force_n * (-0.5 * per_force));
     }
 
-    /// Adds the inertia of a child, whose axes `rotation` turns to this body's axes, at a distance `arm_m` from this
-    /// body's origin.
+    /// Adds the inertia of a child at a distance `arm_m` from this body's origin. `rotation` turns the child's axes
+    /// to this body's axes.
     #[inline]
     pub(crate) fn add(&mut self, child: &Self, rotation: &Mat3, arm_m: Vec3) {
         self.add_at(

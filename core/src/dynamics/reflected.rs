@@ -73,8 +73,8 @@ impl ReflectedInertia {
     }
 }
 
-/// Computes the reflected inertia of every joint in one pose. O(n). Use it for settings only, because it differs in
-/// other poses.
+/// Computes the reflected inertia of every joint in one pose. O(n). Use the result for settings only, because the
+/// inertia differs in other poses.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, RotationalInertia, Transform, Tree};

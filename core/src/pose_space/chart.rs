@@ -167,7 +167,7 @@ pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) ->
 fn right_jacobian(vector_rad: Vec3) -> Mat3 {
     let squared = vector_rad.dot(vector_rad);
     let (of_cross, of_square) = if squared < 0.06 {
-        // Series, because the differences below would have no digits left.
+        // A series is used, because the differences below would have no digits left.
         (
             0.5 - squared * (1.0 / 24.0 - squared * (1.0 / 720.0)),
             1.0 / 6.0 - squared * (1.0 / 120.0 - squared * (1.0 / 5040.0)),

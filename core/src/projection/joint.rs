@@ -78,8 +78,8 @@ impl Joint {
         match body.joint {
             JointKind::Free => MotionSubspace::Free,
             JointKind::Spherical if held(0) => {
-                // The axis towards the border first, then two axes perpendicular to it: along the border, and about
-                // itself.
+                // The first axis points towards the border of the range. The two other axes are perpendicular to
+                // it, and are not limited.
                 let from_zero = body.placement.rotation.conjugate() * self.pose.rotation;
                 let out = pose.rotation * direction(math::log(from_zero));
                 let helper = if out.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
@@ -191,7 +191,8 @@ impl Joint {
                 self.deviation.rotation =
                     math::unit(desired.rotation.conjugate() * self.pose.rotation);
                 if let JointKind::Prismatic { .. } = kind {
-                    // Only along the axis: the part across it, due to another figure, would only add rounding.
+                    // Only the part along the axis is used: the part across it comes from the dimensions of the
+                    // other figure, and would only add rounding.
                     let wanted = kind.along(&(body.placement.inverse() * *desired));
                     let off = kind.at(self.along).translation_m - kind.at(wanted).translation_m;
                     if off.is_finite() {

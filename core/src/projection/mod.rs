@@ -65,7 +65,8 @@ pub struct ManifoldProjection<const N: usize> {
     sweeps: u8,
 }
 
-/// Default number of sweeps per call. Starting from the frame before, a single sweep is within 1 % of the optimum.
+/// Default number of sweeps per call. If a call starts from the solution of the previous frame, a single sweep is
+/// within 1 % of the optimum.
 pub const DEFAULT_SWEEPS: u8 = 1;
 
 /// Number of sweeps in the first call, which has no solution to start from.
@@ -125,8 +126,8 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { ranges: fixed::collect(ranges.iter().copied()), ..self })
     }
 
-    /// Holds the root at its desired pose, which a rig that walks on its own feet must not change. A root on a fixed
-    /// joint is held in any case.
+    /// Holds the root at its desired pose. For a rig that walks on its own feet, the projection must not change the
+    /// root's pose. A root on a fixed joint is held in any case.
     #[must_use]
     pub fn with_root_held(self) -> Self {
         Self { root_held: true, ..self }

@@ -15,7 +15,7 @@ use super::frames::Measured;
 #[derive(Debug)]
 pub(super) struct Estimate<const N: usize, const D: usize> {
     dt_s: f32,
-    /// Last accepted reading, with speeds by differences or as measured.
+    /// Last accepted reading, with measured speeds or speeds from differences.
     differenced: JointStates<N>,
     /// Ticks since the last accepted reading; zero before the first.
     age_ticks: u16,

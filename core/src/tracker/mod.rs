@@ -305,8 +305,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Starts like a new tracker at tick `index`: reads the frames before those of the tick, and accepts a reading
     /// from a tick earlier. If the reading has no speeds, the rig counts as at rest.
     ///
-    /// The first tick calls this itself, with its own reading. If the projection must find its first pose, the call
-    /// takes as long as about twenty ticks.
+    /// The first [`Self::step`] calls this function itself, with its own reading. If the projection must find its
+    /// first pose, the call takes as long as about twenty ticks.
     ///
     /// # Errors
     /// [`StepError`] if a frame or the reading is refused. Call the function again.

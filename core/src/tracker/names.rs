@@ -62,7 +62,7 @@ methods! {
 }
 
 impl MethodName {
-    /// The paper's three methods, in its order.
+    /// The paper's three methods, in the paper's order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
     /// All methods that need no reference body.
@@ -153,7 +153,7 @@ pub enum AimName {
     AllChildren,
 }
 
-/// The source of desired velocities, with forward differences.
+/// The source of the desired velocities, if forward differences are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(

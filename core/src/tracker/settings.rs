@@ -22,7 +22,7 @@ pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 /// Bandwidth of the recommended observer, rad/s; limited to one over the tick.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
-/// Importance of a bone itself in the importance by lengths, m.
+/// Base importance of every joint in the importance by lengths, m.
 const IMPORTANCE_BASE_M: f32 = 0.1;
 const IMPORTANCE_DISCOUNT: f32 = 0.9;
 
@@ -66,7 +66,7 @@ pub struct Settings<B: Default = usize> {
     pub observer: ObserverChoice,
     /// Frames whose differences give desired velocities and accelerations.
     pub differences: Differences,
-    /// Source of the desired velocities, with forward differences.
+    /// Source of the desired velocities, if forward differences are used.
     pub desired_velocity: DesiredVelocity,
     /// Law that turns the error into a torque.
     #[cfg_attr(feature = "serde", serde(with = "super::names::law"))]

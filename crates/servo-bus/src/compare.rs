@@ -14,7 +14,7 @@ const LONGEST_DELAY_US: u32 = 508;
 /// The result of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
-    /// Nothing was asked for, or the servo has no registers.
+    /// No comparison was requested, or the servo has no registers.
     Nothing,
     /// The comparison is not complete yet.
     Reading,

@@ -63,7 +63,7 @@ pub(super) struct Sources<'a, const DOFS: usize, const COORDS: usize> {
     show: Option<ShowFrames<'a, COORDS>>,
     /// Number of ticks that the show has run.
     ticks: u32,
-    /// Number of ticks, even, in which a show that starts at speed reaches its pace from standstill.
+    /// Number of ticks in which a show that starts at speed reaches its pace from standstill. It is even.
     run_in: u32,
     soft: SoftStart,
     /// Fault of the show that played, until it is reported.
@@ -300,7 +300,7 @@ fn check_first_pose<
     let Frame::Coordinates { q, .. } = frames.frame(0) else { return Ok(()) };
     let (mut q, mut dofs) = (q.iter(), rig.dofs().iter().enumerate());
     for joint in rig.tree().bodies().iter().map(|body| body.joint) {
-        // A ball joint has a coordinate more than dofs: the pairs end with it.
+        // A ball joint has one coordinate more than dofs: this last coordinate has no pair.
         let own = q.by_ref().take(joint.coordinate_count());
         for (found, (dof, BoardDof { range: [least, most], .. })) in
             own.zip(dofs.by_ref().take(joint.dof_count()))

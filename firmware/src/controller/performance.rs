@@ -27,7 +27,7 @@ pub(super) struct NotFinite;
 pub(super) struct Carried<'p> {
     /// Measured pose of the rig.
     pub(super) q: &'p [f32],
-    /// Target position of each dof, by coordinates: dofs that correct no error have their own goal.
+    /// Target positions, by coordinates. Dofs that correct no error have their own goal.
     pub(super) to: &'p [f32],
     /// Speed of each dof, which is to be braked; for dofs that correct no error, the speed of their goal.
     pub(super) qd: &'p [f32],
@@ -351,8 +351,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
         // A current is limited to its permitted part below. In position mode the offset is limited, which is the
-        // effort beyond the target; in PWM mode the effort is, since the part of the voltage against the back-EMF
-        // gives no effort.
+        // effort beyond the target; in PWM mode the effort itself is limited, since the part of the voltage against
+        // the back-EMF gives no effort.
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
             if !matches!(class, Some(Class::Position | Class::Voltage)) {

@@ -12,7 +12,7 @@ use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source
 pub struct Report<const DOFS: usize, const SERVOS: usize> {
     /// State of the supervisor.
     pub state: State,
-    /// Source of the pose.
+    /// Source of the commanded pose.
     pub source: Source,
     /// Position in the loaded show.
     pub show: Option<Position>,

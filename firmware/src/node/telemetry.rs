@@ -15,8 +15,8 @@ pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS
     seq: u16,
     /// Sequence number after the newest frame that the host has acknowledged.
     heard: u16,
-    /// Time of the last new or complete acknowledgement, µs. Only differences of this time are used, and of
-    /// `spoke_us`, the time of the host's last message.
+    /// Time of the last new or complete acknowledgement, µs. `spoke_us` is the time of the host's last message.
+    /// Only differences of these times are used.
     heard_us: u32,
     spoke_us: u32,
 }

@@ -8,7 +8,7 @@ use super::{Allows, Feed, Mode, Settings, Source, State};
 pub struct Permission {
     /// Whether torque may be on. If not, it is switched off in this tick.
     pub torque: bool,
-    /// Source of the pose.
+    /// Source of the commanded pose.
     pub source: Source,
     /// Weight of the source against the pose that was commanded when the source began: from 0 to 1, with speed and
     /// acceleration zero at both ends.

@@ -175,8 +175,9 @@ impl Spread {
                 // At a saddle, several directions lead up, and none is better than the others.
                 return newton.map(|_| turn).ok_or(AimStatus::Antiparallel);
             }
-            // Far from the best rotation, the curvature must be shifted for a direction that leads up: by little more
-            // than necessary, or the steps become short. The last shift suffices for any case.
+            // Far from the best rotation, the curvature must be shifted to get a direction that leads up. The first
+            // shift that suffices is used, because larger shifts make the steps shorter. The last shift suffices in
+            // all cases.
             let lifted = || {
                 LIFTS.iter().find_map(|lift| {
                     let lift = Mat3::from_diagonal(Vec3::splat(lift * scale));

@@ -18,7 +18,7 @@ const STANDING_SHARE: f32 = 0.6;
 const LEAST_SHARE: f32 = 0.03;
 /// Maximum of a value, as a multiple of the minimum for a swing, so that a single jerk does not count as a swing.
 const MOST: f32 = 2.0;
-/// Part of the minimum mean square below which the swing has ended, after `CALM_S`.
+/// The swing has ended when the mean square was below this part of its minimum for `CALM_S`.
 const CALM: f32 = 0.25;
 /// Time below `CALM` after which the swing has ended, s.
 const CALM_S: f32 = 5.0;
@@ -29,7 +29,8 @@ const FAINT: f32 = 0.05;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SwingSettings {
     dt_s: f32,
-    /// Weight of a tick in a mean of the high-pass: while the target moves, and while it stands still.
+    /// Weights of a tick in a mean of the high-pass filter: the first is used while the target moves, the second
+    /// while the target stands still.
     corners: [f32; 2],
     /// Weight of a tick in a mean over the window.
     window: f32,

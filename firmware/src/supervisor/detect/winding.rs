@@ -109,8 +109,8 @@ mod tests {
     #[test]
     fn the_continuous_current_is_borne_and_more_is_not() {
         assert_eq!(lasts_s(0.297, 0.01), None);
-        // 1.1² of it: the winding is warm soon; the case must reach (1 / 1.21 - 0.5) / 0.5 of its final heat, which
-        // takes 600 s times -ln(1 - 0.653).
+        // At 1.1 times the continuous current, the winding is warm soon; the case must reach (1 / 1.21 - 0.5) / 0.5
+        // of its final heat, which takes 600 s times -ln(1 - 0.653).
         assert!((lasts_s(0.33, 0.01).unwrap() - 635.0).abs() < 3.0);
         // Stall: (1 / 0.3)² times (0.5 (1 - e^(-t / 20)) + 0.5 (1 - e^(-t / 600))) is 1 at t = 3.84 s. The tolerance
         // covers the case's steps of a second and the rounding to a tick.

@@ -69,7 +69,7 @@ const HOLD: [Reaction; State::COUNT] = {
     reactions([Note, Note, Hold, Hold, Note, Note, Note])
 };
 
-/// Reaction to a fault of the show: a rig that plays holds.
+/// Reactions to a fault of the show: a rig that plays a show then holds its pose.
 const HOLD_SHOW: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Note, Note, Note, Note])

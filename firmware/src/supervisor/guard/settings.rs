@@ -180,7 +180,7 @@ impl GuardSettings {
             ("stale_s", self.stale_s, [1e-3, 10.0]),
         ];
         let current = |most_a| ("most_a", most_a, [0.0, 1e3]);
-        // The last item may appear several times.
+        // The lists have equal length: the last item of a list may be repeated.
         let of_limits = match &self.limits {
             GuardLimits::Goal(goal) => [
                 ("acceleration_rad_s2", goal.acceleration_rad_s2, [0.0, f32::INFINITY]),
