@@ -140,7 +140,7 @@ fn robots_say_in_qemu_what_they_say_in_process() {
         for joint in rig.joints.iter_mut().filter(|joint| Some(joint.name.as_str()) == turned) {
             joint.axis = joint.axis.map(|axis| axis.map(|x| 0.0 - x));
         }
-        // Through a file, as a user would have it.
+        // The rig is written to a file's text and read again, like a user's rig.
         let mut rig = toml_file::read(&toml_file::write(&rig)).unwrap();
         put_servos(&mut rig, &[servo.parse().unwrap()]).unwrap();
         rig

@@ -203,7 +203,7 @@ impl<'m> Servo<'m> {
         self.gear.shaft
     }
 
-    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear takes it along.
+    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear moves it.
     pub fn set_shaft(&mut self, shaft: Shaft) {
         self.gear.lead(STEP_S, shaft);
     }

@@ -307,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Computes a step like the earlier model, with friction only at the rotor.
+    /// Computes a step with a simpler model, which has friction only at the rotor.
     fn step_with_friction_at_the_rotor(
         gear: &Gear,
         motor: Characteristic,

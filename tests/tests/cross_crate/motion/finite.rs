@@ -810,7 +810,7 @@ fn settings_take_the_numbers_that_they_should() {
 #[test]
 fn what_overflows_is_said_to() {
     let huge = Gains::new(1e37, 0.0).expect("a finite gain");
-    // 1 + dt² kp overflows, kd does not. In an earlier version the gains silently became zero.
+    // 1 + dt² kp overflows, kd does not. Without the check the gains would silently become zero.
     assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
 
     let plate = RotationalInertia::diagonal(3e38, 1e38, 0.0);

@@ -280,7 +280,7 @@ fn with_and_without(rig: &Rig) -> [Vec<Wrench>; 2] {
 proptest! {
     #![proptest_config(property(200))]
 
-    /// For every kind of joint, with axes that move (a universal joint's) or not.
+    /// This holds for every kind of joint, whether its axes move (universal joints) or not.
     #[test]
     fn a_rotor_takes_its_inertia_times_the_acceleration_of_each_dof(
         rig in rigs_with_rotors(CAPACITY, Joints::Mixed)

@@ -18,7 +18,7 @@ const SMALLEST: f64 = 1e-12;
 const SLOWEST: f64 = 1e-5;
 
 /// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
-/// same. Files contain about six digits: a larger error is a mistake, not rounding.
+/// same tolerance. Files contain about six digits: a larger error is a mistake, not rounding.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A part, identified by its table and name.
