@@ -173,7 +173,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Returns the frame after the run-in, which has taken half of its duration from the show.
+    /// Returns the show's frame at this tick, after the run-in. A run-in of n ticks plays n/2 frames of the show.
     fn index(&self) -> i32 {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }

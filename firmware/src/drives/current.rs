@@ -22,9 +22,9 @@ const RETURN_PER_S: f32 = 7.07;
 pub struct CurrentSettings {
     /// Encoder of the servo.
     pub encoder: Encoder,
-    /// Maximum distance of the shaft from its target, rad at the servo, for which friction on the way back is not fed
-    /// forward: half the play of the gear and a step of the encoder. If the play is not known, use 10: no error is as
-    /// large.
+    /// Maximum distance of the shaft from its target, rad at the servo, for which the friction of the return to the
+    /// target is not fed forward: half the play of the gear and a step of the encoder. If the play is not known,
+    /// use 10: no error is as large.
     pub blind_rad: f32,
     /// Maximum current in either direction, A.
     pub current_a: f32,

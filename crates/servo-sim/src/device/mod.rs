@@ -218,7 +218,7 @@ impl<'m> Servo<'m> {
         self.gear.flow()
     }
 
-    /// Returns the gear, for faults and for energy.
+    /// Returns the gear, so that the caller can jam it or read its energy.
     pub fn gear_mut(&mut self) -> &mut Gear {
         &mut self.gear
     }
@@ -235,7 +235,7 @@ impl<'m> Servo<'m> {
         &self.heat
     }
 
-    /// Returns the temperatures for changes, such as faults or warmer air.
+    /// Returns the temperatures, so that the caller can change them, for example for a fault or warmer air.
     pub fn heat_mut(&mut self) -> &mut Heat {
         &mut self.heat
     }

@@ -63,7 +63,7 @@ mod tests {
             assert!(profile.position <= 100.0 + 1e-6);
             time += dt;
         }
-        // 0.25 s for each ramp, and 100/50 - 0.25 s between their middles; plus a few steps for the end.
+        // 0.25 s for each of the two ramps, and 100/50 - 0.25 s between the ramps; plus a few steps for the end.
         assert!((time - 2.25).abs() < 0.02, "{time}");
     }
 

@@ -50,7 +50,7 @@ fn no_energy_comes_from_nothing() {
     println!("{given:.3} J given, {lost:.3} J lost, {missing:.4} J missing, {worst:.5} J at worst");
     // Implicit Euler loses a few per cent of the energy of a motion with starts and stops.
     assert!(missing < 0.05 * given);
-    // Gravity and windup are computed at the beginning of a step: an error of half a step's motion.
+    // Gravity and windup are computed at the beginning of a step, which causes an error of half a step's motion.
     assert!(worst > -0.005 * given, "{worst} J");
 }
 

@@ -73,7 +73,7 @@ pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
                     // First the arm moves away from home.
                     test_rig.tick(Some(Command::Play(Feed::Show)));
                     test_rig.run(8.0);
-                    // The way home takes less than the link's time-out, so the link is cut before.
+                    // The rig moves home in less time than the link's time-out, so the link is cut before the stop.
                     test_rig.heard = fault != Fault::LinkLost;
                     test_rig.run(1.0);
                     test_rig.tick(Some(Command::Stop));

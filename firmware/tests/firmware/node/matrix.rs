@@ -211,8 +211,8 @@ fn bring(world: &mut World, state: State, fault: Fault) {
                     world.ask(Command::Play(Feed::Show));
                     world.run(4.0);
                     if matches!(fault, Fault::LinkLost | Fault::HostDeaf) {
-                        // The way home takes less than the time-out, so the link is cut before, and heat stops the
-                        // rig.
+                        // The rig moves home in less time than the link's time-out, so the link is cut before the
+                        // stop. Then heat stops the rig.
                         plant(world, fault);
                         world.run(1.1);
                         world.told.lie.celsius = Some(66);

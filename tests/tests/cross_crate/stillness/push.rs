@@ -11,7 +11,7 @@ use super::run::Rig;
 const FIRST_S: f64 = 3.0;
 const EVERY_S: f64 = 2.0;
 const PUSH_S: f64 = 0.2;
-/// Time after the push until the joint is at rest, s.
+/// Time from the end of a push until the joint must be at rest, s.
 const SETTLED_S: f64 = 0.5;
 /// Allowed offset beyond half the play and a step of the encoder, rad.
 const OFFSET_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
