@@ -268,7 +268,7 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// Limits a torque in place, like `apply`. `slides`: whether the joint may have a force.
+    /// Limits a torque in place, like `apply`. `slides` is whether the joint may have a force.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;
@@ -393,9 +393,9 @@ mod tests {
         assert_eq!(Gains::new(1.0, f32::INFINITY), Err(GainsError::NonFinite("kd")));
     }
 
-    /// Returns the spectral radius of one step of the error `(e, dt ė)` with a constant acceleration. `pushed`: how
-    /// much of the acceleration acts on the position within the step, in units of dt². 1 for semi-implicit Euler, 1/2
-    /// for a real joint.
+    /// Returns the spectral radius of one step of the error `(e, dt ė)` with a constant acceleration. `pushed` is
+    /// the part of the acceleration that acts on the position within the step, in units of dt²: 1 for semi-implicit
+    /// Euler, 1/2 for a real joint.
     fn growth(gains: Gains, dt_s: f32, pushed: f32) -> f32 {
         let (p, v) = (gains.kp() * dt_s * dt_s, gains.kd() * dt_s);
         let trace = 2.0 - pushed * p - v;

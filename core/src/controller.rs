@@ -687,8 +687,8 @@ fn moving_axis(body: &Body, measured: &JointState) -> Vec3 {
 }
 
 /// Completes the command of a joint that is neither spherical nor revolute, from the angular correction in `command`.
-/// `bodies`, `joints`: desired and measured. Never inlined, because its inlined code would take registers from the
-/// other joint kinds.
+/// `bodies` and `joints` are each a desired and a measured state. Never inlined, because its inlined code would
+/// take registers from the other joint kinds.
 #[inline(never)]
 fn finish_command(
     body: &Body,

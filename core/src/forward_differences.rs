@@ -77,8 +77,8 @@ impl<const N: usize> ForwardDifferences<N> {
         Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
     }
 
-    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s`: time between frames, s.
-    /// O(n).
+    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s` is the time between
+    /// frames, s. O(n).
     ///
     /// # Errors
     /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the

@@ -85,7 +85,8 @@ impl JointKind {
         }
     }
 
-    /// Returns the columns of the motion subspace S in body axes. `rotation`: the body in the joint frame.
+    /// Returns the columns of the motion subspace S in body axes. `rotation` is the body's rotation in the joint
+    /// frame.
     ///
     /// ```
     /// use sinew_core::{JointKind, glam::{Quat, Vec3}};

@@ -267,8 +267,8 @@ pub fn log(q: Quat) -> Vec3 {
     v * log_scale(v.dot(v), q.w)
 }
 
-/// Returns the factor from the vector part of a unit quaternion to its logarithm. `squared`: squared length of the
-/// vector part.
+/// Returns the factor from the vector part of a unit quaternion to its logarithm. `squared` is the squared length
+/// of the vector part.
 ///
 /// Never inlined, because it is large. Arguments and result are single numbers, which pass in registers; a quaternion
 /// would go through memory.

@@ -41,7 +41,7 @@ pub struct Body {
 
 impl Body {
     /// Returns the rotation of the body in the joint frame if the motion subspace depends on it (universal joints
-    /// only), else the identity. `rotation`: the body in its parent's frame.
+    /// only), else the identity. `rotation` is the body's rotation in its parent's frame.
     #[inline]
     pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
         if matches!(self.joint, JointKind::Universal { .. }) {

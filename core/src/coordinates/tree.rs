@@ -37,8 +37,8 @@ impl<const N: usize> Tree<N> {
     }
 
     /// Converts accelerations of joints in body axes ([`Workspace::commands`](crate::Workspace::commands),
-    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)) to accelerations by dof: `Sᵀ` times each. `joints`:
-    /// their states. O(n).
+    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)) to accelerations by dof: `Sᵀ` times each. `joints`
+    /// are the states of these joints. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -57,7 +57,7 @@ impl<const N: usize> Tree<N> {
     }
 
     /// Converts wrenches on bodies in body axes, such as a tick's torques, to efforts by dof (N m, N): `Sᵀ` times
-    /// each. `joints`: their measured states. The power is unchanged: `effort · qd = wrench · twist`. O(n).
+    /// each. `joints` are the measured joint states. The power is unchanged: `effort · qd = wrench · twist`. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.

@@ -240,8 +240,8 @@ impl ArticulatedBody {
         self.move_along(&wrench, resistance, self.inertia.linear.trace(), force)
     }
 
-    /// Lets an axis yield to a force. `wrench`, `resistance`: wrench and force per acceleration along the axis.
-    /// `in_all`: sum of the resistance in all directions.
+    /// Lets an axis yield to a force. `wrench` and `resistance` are wrench and force per acceleration along the
+    /// axis. `in_all` is the sum of the resistance in all directions.
     #[inline]
     fn move_along(&mut self, wrench: &Wrench, resistance: f32, in_all: f32, force: f32) -> Along {
         let resists = resistance > f32::MIN_POSITIVE && resistance > ROUNDING * in_all;
@@ -299,7 +299,7 @@ impl ArticulatedBody {
     }
 
     /// Adds the inertia and wrench that a child's joint transmits, at a distance `arm_m` from this body's origin.
-    /// `rotor`: rotor inertia of the child's joint.
+    /// `rotor` is the rotor inertia of the child's joint.
     #[inline]
     fn carry(&mut self, child: &Self, rotor: f32, arm_m: Vec3) {
         let mut wrench = child.wrench;

@@ -51,8 +51,8 @@ impl ArticulatedInertia {
         Wrench { moment_nm: self.coupling * axis, force_n: self.linear * axis }
     }
 
-    /// Removes a dof that yields to forces. `wrench`: the wrench per acceleration along the dof. `per_force`: the
-    /// acceleration along the dof per force along the dof.
+    /// Removes a dof that yields to forces. `wrench` is the wrench per acceleration along the dof. `per_force` is
+    /// the acceleration along the dof per force along the dof.
     #[inline]
     pub(crate) fn give_way(&mut self, wrench: &Wrench, per_force: f32) {
         let Wrench { moment_nm, force_n } = *wrench;

@@ -242,8 +242,8 @@ impl Square<'_> {
     }
 
     /// Sets a row up to a body's own columns, and the mirrored column: the forces along the dofs of all bodies that
-    /// carry this body. `wrench`: the wrench that accelerates the subtree along that dof, about the body's origin,
-    /// in the body's axes.
+    /// carry this body. `wrench` is the wrench that accelerates the subtree along that dof, about the body's
+    /// origin, in the body's axes.
     #[inline(never)]
     fn set_row(
         &mut self,
@@ -326,8 +326,8 @@ struct Rows<'a, const K: usize> {
 }
 
 impl<const K: usize> Rows<'_, K> {
-    /// Sets the rows. `moments`, `forces`: those that accelerate the body along each of its dofs, about its origin,
-    /// in root axes.
+    /// Sets the rows. `moments` and `forces` accelerate the body along each of its dofs, in root axes. The moments
+    /// are about the body's origin.
     #[inline]
     fn set(
         mut self,

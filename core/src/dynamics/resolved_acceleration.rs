@@ -25,10 +25,11 @@ impl ResolvedAccelerationScratch {
 /// of a tree at once. By Gauss's principle, the result equals the accelerations of bodies with those weights as
 /// inertias and the desired accelerations as free fall; the articulated-body algorithm computes them.
 ///
-/// `joints` are the measured states of the joints, and `world` those of the bodies. `accelerations`: by body,
-/// angular and of the origin (classical), in world axes. On entry the desired accelerations, on return the
-/// resulting ones. [`joint_accelerations`](crate::kinematics::joint_accelerations) converts them to joints. If a
-/// slice is shorter than the tree, the bodies beyond it are left out.
+/// `joints` are the measured states of the joints, and `world` those of the bodies. `accelerations` has the angular
+/// acceleration of each body, and the (classical) acceleration of its origin, in world axes. On entry these are the
+/// desired accelerations, on return the resulting ones.
+/// [`joint_accelerations`](crate::kinematics::joint_accelerations) converts them to joints. If a slice is shorter
+/// than the tree, the bodies beyond it are left out.
 ///
 /// ```
 /// use sinew_core::{Body, BodyState, Inertia, JointKind, JointStates, Twist, Transform, Tree, kinematics};

@@ -72,7 +72,7 @@ impl Joint {
         matches!(body.joint, JointKind::Spherical) && !self.is_pressed()
     }
 
-    /// Returns the motions that the joint allows, in world axes. `pose`: world pose of its body.
+    /// Returns the motions that the joint allows, in world axes. `pose` is the world pose of its body.
     pub(super) fn dofs(&self, body: &Body, pose: &Transform) -> MotionSubspace {
         let held = |index: u8| self.pressed & (1 << index) != 0;
         match body.joint {
@@ -119,8 +119,8 @@ impl Joint {
         self.pressed != 0
     }
 
-    /// Moves the joint by a sweep's response and returns the motion of its body, in world axes. `pose`: world pose of
-    /// the body. `carried`: motion by the parent.
+    /// Moves the joint by a sweep's response and returns the motion of its body, in world axes. `pose` is the world
+    /// pose of the body. `carried` is the body's motion with its parent.
     ///
     /// A step that is not finite (inputs near the limit of f32) is ignored.
     pub(super) fn step(
@@ -204,7 +204,7 @@ impl Joint {
         }
     }
 
-    /// Rotates the body, and updates its deviation from the desired pose. `turn`: in world axes.
+    /// Rotates the body, and updates its deviation from the desired pose. `turn` is in world axes.
     #[inline]
     fn turn_by(&mut self, desired: &Transform, pose: &Transform, turn: Vec3) {
         let in_body = math::rotate(pose.rotation.conjugate(), turn);

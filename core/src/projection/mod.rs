@@ -139,7 +139,7 @@ impl<const N: usize> ManifoldProjection<N> {
         Self { sweeps: sweeps.max(1), ..self }
     }
 
-    /// Computes the nearest pose, as the poses of all joints in their parents' frames. `desired`: in the same form,
+    /// Computes the nearest pose, as the poses of all joints in their parents' frames. `desired` has the same form,
     /// with the performer's dimensions. O(n) for each sweep.
     ///
     /// A root that is fixed or held gets its desired pose; other fixed joints get their placement. Use one workspace
@@ -348,7 +348,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
 }
 
 impl Solved {
-    /// Sets the demand of the body itself. `joint`: its joint to the parent.
+    /// Sets the demand of the body itself. `joint` connects the body to its parent.
     #[inline]
     fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: BodyWeight) {
         self.pose = parent.map_or(joint.pose, |parent| parent.pose * joint.pose);

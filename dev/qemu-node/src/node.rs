@@ -81,7 +81,7 @@ const ABOUT_RIGS: About = About {
     ..ABOUT
 };
 
-/// Returns the number of the first session after a number of starts.
+/// Returns the number from which a board counts its sessions, after a number of starts.
 pub fn first_session(starts: u16) -> u16 {
     starts.wrapping_mul(100)
 }

@@ -230,9 +230,9 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// Advances by a tick towards a goal. The goal has the weight `weight`, and the end of the previous source the
-    /// rest. Returns whether the goal is reached. `speed_rad_s` is the maximum speed of a joint; with `None` only
-    /// the joints' own limits apply. O(dofs).
+    /// Advances by a tick towards a goal. The goal has the weight `weight`, and the end of the previous source has
+    /// the rest of the weight. Returns whether the goal is reached. `speed_rad_s` is the maximum speed of a joint;
+    /// with `None` only the joints' own limits apply. O(dofs).
     pub(super) fn step(
         &mut self,
         goal: &Pose<DOFS, COORDS>,

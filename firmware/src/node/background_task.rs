@@ -90,7 +90,8 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a task before any host has connected. `first_session` must differ at each start.
+    /// Creates a task before any host has connected. Sessions are numbered from the number after `first_session`,
+    /// which must differ at each start.
     pub fn new(
         store: Store<F>,
         mut setup: Setup<'a, BODIES, DOFS, SERVOS>,

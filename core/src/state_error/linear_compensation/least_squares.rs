@@ -25,8 +25,8 @@ const LIFTS: [f32; 5] = [0.01, 0.04, 0.16, 0.64, 2.56];
 /// Last step, rad: after a step this small, the next step would be below f32 rounding.
 const LAST_STEP_RAD: f32 = 1e-5;
 
-/// Returns the Linear Compensation Error of a body that aims at several children, in world axes. `goal_arms_m`: the
-/// `z_k - p_d`, from the desired origin to the goals, in world axes.
+/// Returns the Linear Compensation Error of a body that aims at several children, in world axes. `goal_arms_m`
+/// contains the vectors `z_k - p_d` from the desired origin to the goals, in world axes.
 ///
 /// The rotation Φ minimises `Σ |p_m + Φ a_k - z_k|²` (Wahba, "A Least Squares Estimate of Satellite Attitude", 1965),
 /// with the arms `a_k`. For a single child, or if all children are on a line through the origin, the result is that
