@@ -6,7 +6,7 @@ use sinew_rig::review::Servos;
 
 use super::report::{Excess, Kind, Report};
 
-/// Default time over which effort counts as heat, s: that of a small servo's motor.
+/// Default time constant of the mean square of the effort, which measures heat, s: that of a small servo's motor.
 const THERMAL_TIME_S: f64 = 60.0;
 
 /// Limits of one dof; infinite without limit.
@@ -95,7 +95,7 @@ impl Limits {
     }
 }
 
-/// Factor on an exceeded limit, each time.
+/// Factor by which an exceeded limit is multiplied before each new attempt.
 const TIGHTER: f64 = 0.93;
 
 impl Limits {

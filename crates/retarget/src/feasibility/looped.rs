@@ -109,8 +109,8 @@ pub enum LoopError {
 /// are unchanged. A ball joint takes the shorter rotation. O(rows).
 ///
 /// # Errors
-/// [`LoopError`] if the motion is invalid for the rig or shorter than the blend, a base would have to return too
-/// fast, or a ball joint has no direct path.
+/// [`LoopError`] if the motion is invalid for the rig, the blend is shorter than three rows or longer than the motion,
+/// a base would have to return too fast, or a ball joint has no direct path.
 pub fn looped(
     mechanism: &Mechanism,
     motion: &RigMotion,
@@ -201,7 +201,8 @@ impl LoopedMotion {
     /// depends on the whole motion. O(rows · bodies).
     ///
     /// # Errors
-    /// [`LoopError::Beyond`] names the first excess.
+    /// [`LoopError::Beyond`] names the first excess; [`LoopError::Motion`] and [`LoopError::Check`] if a motion cannot
+    /// be checked.
     pub fn check(
         &self,
         mechanism: &Mechanism,
@@ -250,12 +251,13 @@ fn check_travel(
     Ok(())
 }
 
-/// Returns position, speed and acceleration at the first of three rows, per row.
+/// Returns position, speed (per row) and acceleration (per row²) at the first of three rows.
 fn parabola([a, b, c]: [f64; 3]) -> [f64; 3] {
     [a, (4.0 * b - 3.0 * a - c) / 2.0, a - 2.0 * b + c]
 }
 
-/// Returns the quintic from zero at rest to a step of position, speed and acceleration, at a share of its time.
+/// Returns the value, at a share of its duration, of the quintic that begins at zero at rest and ends with this
+/// position, speed and acceleration.
 fn added([p, v, a]: [f64; 3], share: f64) -> f64 {
     let x = share;
     let of_p = 10.0 + x * (6.0 * x - 15.0);

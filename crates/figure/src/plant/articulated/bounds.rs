@@ -1,7 +1,7 @@
 //! Constraints on a dof over a step: Coulomb friction and the ends of its range.
 //!
-//! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore
-//! stable for any step size, and need no stiffness parameter, which nobody would know:
+//! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore stable
+//! for any step size, and need no stiffness parameter, whose value would be a guess:
 //!
 //! - friction holds a dof at `v = 0` if the effort for that is at most the friction, and otherwise brakes with the
 //!   whole friction;
