@@ -51,7 +51,7 @@ impl fmt::Display for UnknownFiles {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// Files whose kind or version is unknown or not yet computed.
+    /// Files of schemas that this program cannot compute.
     #[error("{0}")]
     Unknown(UnknownFiles),
     /// A folder or a file that cannot be read.
@@ -87,7 +87,7 @@ pub enum FileError {
     /// A file that is not the JSON object of a golden file.
     #[error("not a golden file, which is an object with `schema` and `cases`: {0}")]
     Malformed(serde_json::Error),
-    /// A kind or version that is unknown or not yet computed.
+    /// A schema whose kind or version this program cannot compute.
     #[error("cannot compute schema `{schema}`, only {COMPUTED}")]
     UnknownSchema {
         /// Schema named in the file.

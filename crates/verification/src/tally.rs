@@ -19,7 +19,7 @@ pub struct Tally {
     pub largest_error: f64,
     /// Largest ratio of an error to its own limit. Above 1 the limit is exceeded.
     pub share: f64,
-    /// Place of that error.
+    /// Place of the error with this ratio.
     pub worst: String,
     /// Smallest fault of a single number that is detected at every place, in the unit.
     pub notices: f64,

@@ -120,9 +120,8 @@ impl Rig {
         bend
     }
 
-    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's, or
-    /// is the same.
-    /// same.
+    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's joint, or
+    /// the same joint.
     ///
     /// An outer axis rotates the velocity `u` that an inner axis gives: `∂²p = a × u`. For two axes of one ball
     /// joint it is the mean over both orders.

@@ -116,7 +116,7 @@ impl Model {
         })
     }
 
-    /// Computes Newton's step; `None` if that is impossible.
+    /// Computes Newton's step; `None` if the matrix is not positive definite.
     pub(super) fn direction(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<Direction> {
         let largest = self.poses.iter().map(|pose| pose.own.max()).fold(0.0, f64::max);
         let solve = |bends: bool, ridge: f64| {

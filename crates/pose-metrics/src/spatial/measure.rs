@@ -117,7 +117,7 @@ pub struct RigMeasure<'r, const N: usize = BODY_COUNT> {
     geodesics: Option<Rig>,
 }
 
-/// A pose that is prepared for comparison: 76 bytes for each of `N` bodies.
+/// A pose that is prepared for comparison: 68 bytes for each of `N` bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     coordinates: PoseCoordinates<N>,

@@ -181,7 +181,8 @@ impl Body {
         Passed { inertia, wrench }
     }
 
-    /// Computes it like the core: with `r (I + r)⁻¹` of the body's resistance, which avoids a difference.
+    /// Computes the load that a ball joint with a rotor transmits, like the core: with `r (I + r)⁻¹` of the body's
+    /// resistance, which avoids a difference.
     fn turn_any_way_with_rotor(&mut self, drive: Vector, rotor: Number) -> Passed {
         let block = |row: usize, column: usize| {
             let of = |k: usize| Vector {

@@ -29,13 +29,13 @@ impl Joint {
         }
     }
 
-    /// Returns the pose at rest.
+    /// Returns the joint in the same pose, at rest.
     #[must_use]
     pub fn still(&self) -> Self {
         Self { velocity: Motion::ZERO, ..*self }
     }
 
-    /// Returns the state as a body's state, seen from the parent and in its axes.
+    /// Returns the state as a body's state, seen from the parent and in the parent's axes.
     #[must_use]
     pub fn in_parent(&self) -> State {
         State {

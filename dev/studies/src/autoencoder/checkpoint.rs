@@ -160,7 +160,7 @@ impl Saved<'_> {
         }
     }
 
-    /// Returns the tensor with a name, if it has the type and, if given, the shape.
+    /// Returns the tensor with a name. Refuses a tensor of another type or, if a shape is given, of another shape.
     fn tensor(
         &self,
         name: &str,

@@ -22,8 +22,8 @@ use super::two_columns;
 use super::weights::{WeightsError, anatomy, weights};
 use crate::recordings::Pose;
 
-/// Must be raised when network, loss or optimizer change: then a training that began with the old version must not be
-/// resumed.
+/// Version of the checkpoints. Increase it when network, loss or optimizer change, because a training that began with
+/// the old version must then not be resumed.
 const FORMAT: u32 = 1;
 /// Steps between two checkpoints.
 const CHECKPOINT_STEPS: usize = 1_000;
@@ -147,7 +147,8 @@ impl fmt::Display for Run<'_> {
     }
 }
 
-/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called with completed steps.
+/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called with the number of newly
+/// completed steps.
 ///
 /// A plan gives the same bits on one machine, however often it was interrupted and with any number of threads. The
 /// kernels of matrix products differ between processors, and sum in other orders.

@@ -39,7 +39,8 @@ pub struct Clustering {
     pub of: Vec<usize>,
 }
 
-/// Shares of a pair that are in their sequence's cluster, for the better assignment of clusters to sequences.
+/// Shares of a pair's poses that are in the cluster of their sequence, for the better assignment of clusters to
+/// sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
     /// Share of all poses.
