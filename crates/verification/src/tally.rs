@@ -40,7 +40,7 @@ pub(super) struct Quantity<'a> {
     pub(super) name: &'a str,
     pub(super) unit: &'static str,
     pub(super) limit: f64,
-    /// Largest number of its kind nearby. The golden number was computed with roundings of f64 relative to it.
+    /// Largest number of the same kind nearby. The golden number was computed with roundings of f64 relative to it.
     pub(super) scale: f64,
 }
 

@@ -1,4 +1,4 @@
-//! Derivatives of the positions of a rig's joints by its pose, to second order.
+//! First and second derivatives of the positions of a rig's joints with respect to the rig's pose.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};

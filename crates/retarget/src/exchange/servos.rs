@@ -25,7 +25,7 @@ pub struct ServoTrack {
     pub address: Address,
     /// Position in every row: encoder steps for a servo with an id, or the pulse in us for a servo on a channel.
     pub positions: Vec<i32>,
-    /// Number of rows in which it was limited to an end of its range.
+    /// Number of rows in which the position was limited to an end of the servo's range.
     pub limited: usize,
 }
 

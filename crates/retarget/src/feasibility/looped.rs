@@ -326,9 +326,9 @@ mod tests {
             let [p0, v0, a0] = jet(rows, [0, 1, 2]);
             let [p1, v1, a1] = jet(rows, [last, last - 1, last - 2]);
             let [q1, w1, b1] = jet(&given.rows, [last, last - 1, last - 2]);
-            // Tolerance from the third derivative of the added quintic. A parabola from one side misses a third of
-            // it in its speed, all of it in its acceleration; the fourth derivative, a tenth of it per row, is the
-            // rest. Normalizing quaternions changes them by a similar amount.
+            // Tolerance from the third derivative of the added quintic. The speed of a one-sided parabola is wrong by a
+            // third of this derivative, its acceleration by all of it. The margin is for the fourth derivative, a tenth
+            // of the third per row. Normalizing quaternions changes speed and acceleration by a similar amount.
             let [p, v, a] = [p0 - q1, (v0 + w1) * span, (a0 - b1) * span * span];
             let third = (60.0 * p.abs() + 36.0 * v.abs() + 9.0 * a.abs()) / span.powi(3);
             let most = if (4..8).contains(&k) { third } else { 2.0 * third };

@@ -115,7 +115,7 @@ impl<'a> Body<'a> {
     /// Returns the last common ancestor of two joints.
     pub(super) fn common_ancestor(&self, mut a: usize, mut b: usize) -> usize {
         while a != b {
-            // The one with the larger index is not an ancestor of the other.
+            // The joint with the larger index is not an ancestor of the other joint.
             let later = if a > b { &mut a } else { &mut b };
             *later = self.parent(*later).unwrap_or(0);
         }

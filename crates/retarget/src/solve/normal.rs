@@ -117,7 +117,7 @@ impl Normal {
             if left {
                 continue;
             }
-            // All are within bounds. If unknowns are held although their gradient points inwards, the strongest is
+            // All unknowns are within bounds. If some are held although their gradient points inwards, the strongest is
             // released.
             let mut strongest: Option<(usize, f64)> = None;
             for place in (0..self.count).filter(|place| self.bound[*place] != 0) {

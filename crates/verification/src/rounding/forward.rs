@@ -33,9 +33,9 @@ struct Ball {
 
 /// Response of a joint.
 enum Response {
-    /// Along its dofs: wrenches of unit accelerations, resistance of the dofs, and remaining push.
+    /// A joint that moves along its dofs: wrenches of unit accelerations, resistance of the dofs, and remaining push.
     Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
-    /// About any axis, against a rotor.
+    /// A ball joint that turns about any axis, against a rotor.
     Ball(Box<Ball>),
 }
 

@@ -20,7 +20,7 @@ pub enum CheckpointError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The file is not a complete training.
+    /// The file does not contain a complete training.
     #[error("{}: {source}: expected the parameters of a training that was stopped", file.display())]
     Tensors {
         /// Path of the file.

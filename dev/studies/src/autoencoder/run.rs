@@ -54,13 +54,13 @@ pub struct Plan<'a> {
 pub struct Outcome {
     /// Number of latent units of the network.
     pub latent: usize,
-    /// Method of its loss.
+    /// Method of the network's loss.
     pub method: Method,
     /// Seed of the training.
     pub seed: u64,
-    /// Its own loss, over all training poses.
+    /// The network's own loss, over all training poses.
     pub train_loss: f64,
-    /// Its own loss, over all test poses.
+    /// The network's own loss, over all test poses.
     pub test_loss: f64,
     /// Errors over all test poses.
     pub errors: Errors,
@@ -84,7 +84,7 @@ pub struct Study {
     pub joints: Vec<String>,
     /// The group of each joint.
     pub groups: Vec<Group>,
-    /// The methods, and each joint's weight in them; their mean is 1.
+    /// The methods, each with the weights of all joints; the mean weight is 1.
     pub weights: Vec<(Method, Vec<f64>)>,
     /// Outcomes by latent units, then seeds, then methods.
     pub outcomes: Vec<Outcome>,

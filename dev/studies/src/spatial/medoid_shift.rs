@@ -87,7 +87,7 @@ impl Squares {
                 }
             }
         }
-        // It stays if no other place is better.
+        // The item stays if no other item's place is better.
         let stay = (costs[at], at);
         let better = |best: (f64, usize), (to, cost): (usize, f64)| {
             if cost < best.0 { (cost, to) } else { best }

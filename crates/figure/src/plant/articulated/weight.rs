@@ -31,7 +31,7 @@ pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), P
     Ok(())
 }
 
-/// The motion along a dof of a joint, as the velocity that it gives, world axes.
+/// The motion along a dof of a joint: the velocity of the body at unit speed of the dof, world axes.
 struct MotionAxis {
     body: usize,
     angular: DVec3,

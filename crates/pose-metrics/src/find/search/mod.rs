@@ -1,4 +1,4 @@
-//! Searches for the moments with the smallest distances, with few of all distances computed.
+//! Searches for the moments with the smallest distances, and computes only few of all distances.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -79,15 +79,15 @@ pub struct SearchStats {
 }
 
 impl SearchStats {
-    /// Returns the share of the distances that was never computed. A distance that serves as a bound is computed
-    /// again in its sum; the share may therefore be zero.
+    /// Returns the share of the distances that was never computed. A distance that serves as a bound is computed again
+    /// for the sum of its place; the share may therefore be zero.
     pub fn spared(&self) -> f64 {
         if self.all == 0 { 0.0 } else { (1.0 - self.computed as f64 / self.all as f64).max(0.0) }
     }
 }
 
-/// Number of places that are examined before the limit is updated: small if each takes long. It does not depend on
-/// the number of threads, since the cost of the search is part of the result.
+/// Number of places that are examined before the limit is updated: small if each place takes long. It does not depend
+/// on the number of threads, since the cost of the search is part of the result.
 const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;

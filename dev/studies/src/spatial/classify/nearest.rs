@@ -10,7 +10,7 @@ pub struct Nearest {
     sequences: usize,
     /// Index of the first pose of each sequence among all poses.
     first: Vec<usize>,
-    /// Distances by pose, then by sequence; infinite for its own sequence.
+    /// Distances by pose, then by sequence; infinite for the pose's own sequence.
     distances: Vec<f32>,
 }
 

@@ -56,7 +56,7 @@ pub struct RecordingResult {
     pub kind: String,
     /// Class of the motion.
     pub class: Class,
-    /// Number of its frames.
+    /// Number of the recording's frames.
     pub frames: usize,
     /// Components under every measure, in the order of [`Measure::all`].
     pub components: Vec<Components>,
