@@ -14,7 +14,7 @@ const THERMAL_TIME_S: f64 = 60.0;
 pub struct DofLimits {
     /// Name of the dof, see [`Mechanism::dof_names`].
     pub name: String,
-    /// Index of the body that its joint moves.
+    /// Index of the body that the dof's joint moves.
     pub joint: usize,
     /// Whether the dof slides: units are m and N, otherwise rad and N m.
     pub slides: bool,

@@ -106,7 +106,7 @@ fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) 
     }
 }
 
-/// Returns the length from the head's joint to its end, if it is in the file.
+/// Returns the length from the head's joint to the end of the head, if this end is in the file.
 fn head_length(body: &Body, head: usize) -> Option<f64> {
     let ends = body.children[head]
         .iter()
