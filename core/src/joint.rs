@@ -54,7 +54,7 @@ pub enum JointKind {
     },
     /// 3 dofs: any rotation.
     Spherical,
-    /// 6 dofs: any motion. For a floating root.
+    /// 6 dofs: any motion. Use it for a floating root.
     Free,
 }
 

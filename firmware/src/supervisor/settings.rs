@@ -17,7 +17,7 @@ pub const LOWER_MOST: [f32; 2] = [6.0, 2.0];
 pub struct Settings {
     /// Time without a valid message after which the rig holds, s.
     pub link_hold_s: f32,
-    /// Time without a valid message after which the rig is lowered, s. More than `link_hold_s`.
+    /// Time without a valid message after which the rig is lowered, s. It must be more than `link_hold_s`.
     pub link_limp_s: f32,
     /// Time for which the enabling button counts as held after each of its messages, s.
     pub enable_s: f32,

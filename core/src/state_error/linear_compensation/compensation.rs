@@ -41,8 +41,8 @@ pub enum RateTerm {
     /// error. For several children with arms `aₖ`: `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)`.
     #[default]
     Corrected,
-    /// `β ė_lin × (z - p_d) / d²`: the sign as printed in the paper, which fits rotations in the opposite sense (the
-    /// same applies to several children). For comparison.
+    /// `β ė_lin × (z - p_d) / d²`: the sign as printed in the paper, which fits rotations in the opposite sense
+    /// (the same applies to several children). Use it only for comparison.
     AsPrinted,
     /// No additional term.
     None,
