@@ -146,7 +146,7 @@ impl Args {
         })?;
         tell(&library, query.poses.len());
         let rigid = library.rigid(&query, self.measure.root.as_deref());
-        // With a root other than the skeleton's own, there is a body more.
+        // With a root other than the skeleton's own, there is one more body.
         let bodies = rigid.skeleton.joints.len() + usize::from(self.measure.root.is_some());
         ensure_room(&query.file, bodies)?;
         if bodies <= BODY_COUNT {
@@ -156,7 +156,7 @@ impl Args {
         }
     }
 
-    /// Searches the library, with room for `N` bodies.
+    /// Searches the library for the query, on a skeleton of at most `N` bodies.
     fn among<const N: usize>(
         &self,
         measure: Measure,

@@ -66,7 +66,7 @@ pub(super) struct Args {
     ///
     /// A board must have this rig; the command uploads the show if the board lacks it. Ctrl-C stops the rig: it goes to
     /// its rest pose, is lowered, and torque is off. `cargo xtask emulate` builds the emulator and the image of
-    /// `nucleo`; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
+    /// `nucleo`; The environment variables `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` select other files.
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
@@ -193,7 +193,7 @@ impl Args {
         Ok(())
     }
 
-    /// Returns how the simulated plant differs, if it does.
+    /// Returns the changes of the simulated plant as a text; `None` if there are none.
     fn varied(&self) -> Option<String> {
         let changes: Vec<String> = self.plant.iter().map(ToString::to_string).collect();
         (!changes.is_empty()).then(|| changes.join(", "))

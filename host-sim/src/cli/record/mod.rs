@@ -135,7 +135,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    /// Writes the motion of a person as it was measured, beside the first output file: nobody can repeat it exactly.
+    /// Writes the motion of a person as it was measured, beside the first output file, because nobody can repeat it
+    /// exactly.
     fn keep(&self, rig: &LoadedRig, measured: &RigMotion) {
         let Some(path) = self.output.first() else { return };
         let kept = path.with_extension("led.csv");
