@@ -35,7 +35,7 @@ pub trait EvaluatedMotion: Sync {
     /// [`RunError`] if there is no rig for this motion.
     fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError>;
 
-    /// Makes the rig for a setup. If a user's rig is on a stand, its base is not judged.
+    /// Makes the rig for a setup. If a user's rig is on a stand, the error of its base does not count.
     ///
     /// # Errors
     /// [`RunError`] if there is no rig, its values are not representable in f32, or it has no surface.

@@ -85,7 +85,7 @@ impl Axis {
         })
     }
 
-    /// Returns the axis narrowed to two ends. If nothing remains between them, the axis stays at home.
+    /// Returns the axis with its range reduced to the part from `least` to `most`. Home always remains in the range.
     pub(super) fn within(self, least: f64, most: f64) -> Self {
         let (least, most) =
             (self.least.max(least).min(self.home), self.most.min(most).max(self.home));

@@ -107,8 +107,8 @@ impl Joint {
         Curves { points }
     }
 
-    /// Returns the time for which the gear pushes after the step, s, at most `until_s`. After it the teeth may part,
-    /// since the motor no longer accelerates.
+    /// Returns the time for which the gear pushes after the step, s, at most `until_s`. Later the teeth may separate,
+    /// because the motor no longer accelerates.
     pub(super) fn contact_s(&self, push: &Push, until_s: f64) -> f64 {
         let curves = self.curves(until_s + push.preload_s);
         let [mut most_nm, mut time_s]: [f64; 2] = [0.0; 2];

@@ -55,7 +55,7 @@ impl Case {
         ServoModel::built_in(self.kind).unwrap()
     }
 
-    /// Creates the servo on a line, with registers set as by a person.
+    /// Creates the servo on a line, with these registers changed, as a person may have set them.
     fn line(&self, registers: &[(u16, i32)]) -> SimLine {
         let (kind, model) = (self.simulated(), self.model());
         let arm = Arm {
