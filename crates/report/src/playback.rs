@@ -42,9 +42,9 @@ pub(super) struct Run {
 }
 
 impl Playback {
-    /// Tracks a motion again with every method on its rig of every scale, and stores the visible points.
-    /// `mannequin` is the rig's in the motion's dimensions, `stream` the index of the motion among the evaluated
-    /// ones.
+    /// Tracks a motion again with every method on its rig of every scale, and stores the visible points. `mannequin` is
+    /// the mannequin of the rig in the motion's dimensions; `stream` is the index of the motion among the evaluated
+    /// motions.
     ///
     /// # Errors
     /// [`RunError`] of the runs.

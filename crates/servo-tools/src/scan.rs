@@ -72,8 +72,9 @@ const FEETECH_ANSWER: Duration = Duration::from_millis(260);
 /// Number of attempts to reach an id that is asked alone.
 const TRIES: u32 = 2;
 
-/// Scans all rates. At each rate, all servos are asked together; unless all answers are clean, each id is then asked
-/// alone.
+/// Scans all rates. At each rate, all servos are asked together. Each id is then asked alone if
+/// [`ScanSettings::thorough`] is set, if damaged bytes arrived from Dynamixels, or if a Feetech answered, because its
+/// common answer does not contain its model.
 ///
 /// # Errors
 /// An error if the line failed. `tell` receives an event for a rate that the line does not support.

@@ -265,7 +265,7 @@ impl<'a> Show<'a> {
         Cues::new(self.cues)
     }
 
-    /// Returns the cues from one position on, before another. O(all cues).
+    /// Returns the cues from position `from` (included) to position `to` (excluded). O(all cues).
     pub fn cues_between(&self, from: Position, to: Position) -> impl Iterator<Item = Cue<'a>> {
         self.cues().filter(move |cue| {
             let at = Position::from_samples(cue.sample);

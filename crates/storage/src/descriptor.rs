@@ -118,7 +118,7 @@ pub struct Descriptor {
     pub len: u32,
     /// SHA-256 of the content.
     pub hash: Hash,
-    /// Rig that it belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
+    /// CRC of the rig that the item belongs to, from the end of the rig's compact form; 0 for any rig.
     pub rig: u32,
     /// Name of the approver.
     pub approver: Approver,

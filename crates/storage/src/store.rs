@@ -94,7 +94,7 @@ impl<F: NorFlash> Store<F> {
         self.flash
     }
 
-    /// Returns the settings, if they are there.
+    /// Returns the settings, if they are stored.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -102,7 +102,7 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Settings)
     }
 
-    /// Returns the rig, if it is there.
+    /// Returns the rig, if it is stored.
     ///
     /// # Errors
     /// [`Error::Flash`].

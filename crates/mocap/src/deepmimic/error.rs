@@ -10,7 +10,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not JSON of this form.

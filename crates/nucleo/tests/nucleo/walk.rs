@@ -131,8 +131,8 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
         twin.tick(None, 0, &mut tick.leaves());
     }
     assert!(!twin.has_torque(), "the chip is limp");
-    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts: this share of ticks with 20 goals has one goal that
-    // rounds differently.
+    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts. With 20 goals in a tick, 6 % of the ticks have a goal
+    // that is rounded differently.
     assert!(rounded < lowered.len() * 7 / 100, "{rounded} of {} ticks", lowered.len());
 
     let mut twin = InProcess::new(&rig);

@@ -122,7 +122,6 @@ impl Rig {
 
     /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's, or
     /// is the same.
-    /// same.
     ///
     /// An outer axis rotates the velocity `u` that an inner axis gives: `∂²p = a × u`. For two axes of one ball
     /// joint it is the mean over both orders.

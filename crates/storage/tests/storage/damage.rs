@@ -86,7 +86,7 @@ fn a_damaged_head_hides_what_is_behind_it() {
     }
 }
 
-/// Damaged settings without earlier ones: there are none, and the damage is reported.
+/// If damaged settings have no earlier ones, no settings are returned, and the damage is reported.
 #[test]
 fn the_only_ones_that_are_damaged_are_missed() {
     let mut flash = MockFlash::new(&SMALL);

@@ -156,8 +156,8 @@ fn faults_that_fill_the_sector() {
     cut("the log is tidied", &flash, |store, disarmed| store.tidy(disarmed));
 }
 
-/// Any order of operations, with power failures in most of them and again right after; compared with a model of the
-/// possible content.
+/// Performs random operations, with a power failure in most of them, and compares the stored content with a model of
+/// the possible content.
 #[test]
 fn long_lives_with_many_cuts() {
     for life in 0..40_u32 {

@@ -29,7 +29,7 @@ pub enum WriteError {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A name that a reader would not return unchanged.

@@ -239,8 +239,8 @@ fn versions_that_do_not_fit_are_both_named() {
     });
 }
 
-/// Only the wire from the board is cut. The host sends `Stop` and then nothing. Before this rule it continued to
-/// drive, and kept the rig armed.
+/// Only the wire from the board is cut. The host sends `Stop` and then nothing. A host that continued to send would
+/// keep the rig armed.
 #[test]
 fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
     on_desk(false, |mut desk| {
