@@ -14,7 +14,7 @@ use super::output::OutputPath;
 use super::performance::{FOR_OTHERS, PerformanceArgs};
 use super::unit_args::UnitArgs;
 
-/// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
+/// Retarget a clip to a rig, and write the motion for other programs: CSV, BVH, or JSON.
 ///
 /// CSV: time in s, then the angle of each joint in rad, in columns with the joints' names; a driven base has its pose
 /// in a world with z up. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the servos in the format of the

@@ -86,7 +86,7 @@ impl PerformanceArgs {
         Ok(rig)
     }
 
-    /// Puts a clip on a rig.
+    /// Retargets a clip to a rig.
     pub(super) fn perform(
         &self,
         rig: &LoadedRig,

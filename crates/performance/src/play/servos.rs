@@ -1,4 +1,4 @@
-//! Puts servos on joints that have none, such as those of an imported URDF.
+//! Adds servos to joints that have none, such as those of an imported URDF.
 
 use std::str::FromStr;
 
@@ -48,7 +48,7 @@ impl ServoChoice {
     }
 }
 
-/// Error of servos that cannot be put on joints.
+/// Error of servos that cannot be added to joints.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PutError {
@@ -79,9 +79,9 @@ pub enum PutError {
     Ids,
 }
 
-/// Puts a servo on each revolute or universal joint that has none. It gets the joint's name, the bus `main`, and the
-/// middle of the joint's range as the middle of its own. The joint keeps its limits where the servo can do more, and
-/// only that part of its friction that exceeds the servo's. Returns the number of new servos.
+/// Adds a servo to each revolute or universal joint that has none. The servo gets the joint's name and the bus `main`;
+/// the middle of its range is the middle of the joint's range. The joint keeps each limit that the servo could exceed,
+/// and only the part of its friction that exceeds the servo's friction. Returns the number of new servos.
 ///
 /// # Errors
 /// [`PutError`] names the joint and the valid choices.
