@@ -22,7 +22,7 @@ use super::unit_args::UnitArgs;
 ///
 /// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face. All poses
-/// are put on the skeleton of the query; joints are matched by their names. A clip with
+/// are moved to the skeleton of the query; joints are matched by their names. A clip with
 /// other joints is refused if it is named, and left out if it is in a folder. Joints that
 /// no clip moves do not count.
 ///

@@ -72,7 +72,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.csv")]
     guide: Option<PathBuf>,
 
-    /// Put a servo of this kind on each joint that has none, as `sinew play` does. May be repeated.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
