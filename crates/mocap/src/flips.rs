@@ -88,8 +88,8 @@ fn of_joint(clip: &Clip, joint: usize, name: &str) -> Option<Flip> {
     flip
 }
 
-/// Returns the median of up to `around` values on each side of value `k`. Value `k` itself is left out, so that a
-/// jump does not hide itself in few values. Zero without values.
+/// Returns the median of up to `around` values on each side of value `k`; 0 if there are none. Value `k` itself is left
+/// out: among few values, a jump would raise the median with which it is compared.
 fn median(values: &[f64], k: usize, around: usize) -> f64 {
     let step = around.div_ceil(AROUND_MOST).max(1);
     let after = values[k + 1..].iter().take(around).step_by(step);

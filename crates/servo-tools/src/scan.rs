@@ -40,7 +40,7 @@ pub struct Found {
     pub protocol: Protocol,
     /// Baud rate at which the servo answers, bits per second.
     pub baud: u32,
-    /// Maker's name of the model; `None` if the model number is unknown.
+    /// The maker's name for the model; `None` if the model number is unknown.
     pub model: Option<&'static str>,
     /// Model number that the servo reports.
     pub model_number: u16,

@@ -44,7 +44,7 @@ impl<'a, const COORDS: usize> Player<'a, COORDS> {
     /// O(channels); a jump to another position costs O(block).
     ///
     /// # Errors
-    /// [`ShowError::Block`] if a block for this position is damaged. Nothing is written then.
+    /// [`ShowError::Block`] or [`ShowError::Broken`] if a block for this position is damaged. Nothing is written then.
     pub fn state_at(
         &mut self,
         position: Position,

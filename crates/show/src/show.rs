@@ -134,7 +134,8 @@ impl<'a> Show<'a> {
         Ok(())
     }
 
-    /// Checks the CRC of every block. O(size), like reading the show once. A show that passes plays to its end.
+    /// Checks the CRC of every block. O(size), like reading the show once. A show that passes was not damaged after it
+    /// was written.
     ///
     /// # Errors
     /// [`ShowError::Block`] with the first damaged block.

@@ -112,7 +112,7 @@ impl Approver {
 pub struct Descriptor {
     /// Kind of the item.
     pub kind: Kind,
-    /// Version of the content's meaning.
+    /// Schema version of the content.
     pub schema: u16,
     /// Length of the content, in bytes.
     pub len: u32,

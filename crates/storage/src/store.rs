@@ -33,8 +33,8 @@ pub enum Condition {
     New,
     /// The log is in order.
     Good,
-    /// A power cut left something, or faults filled the log. The items are intact, but faults cannot be recorded
-    /// until [`Store::tidy`].
+    /// A power cut left an incomplete record, or the log has too little room for new faults. The items are intact, but
+    /// recording a fault may fail until [`Store::tidy`].
     Untidy,
     /// The flash holds data, but not a log. Settings, rig and faults are lost.
     Lost,
@@ -192,7 +192,7 @@ impl<F: NorFlash> Store<F> {
         upload.end(&mut self.flash, self.board.capacity)
     }
 
-    /// Uploads an item in one call. It writes nothing if the same item is already there.
+    /// Uploads an item in one call. It writes nothing if the same item is already stored, and no newer item is damaged.
     ///
     /// # Errors
     /// As in [`Self::begin`], [`Self::write`], [`Self::end`].

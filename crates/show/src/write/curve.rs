@@ -4,7 +4,7 @@ use super::fit::fit;
 use crate::span::Cubic;
 use crate::span_lengths::{RUNGS, span};
 
-/// Samples of a channel. Those of a loop repeat forever, with the opposite sign in every other round if it `flips`.
+/// Samples of a channel. The samples of a loop repeat forever; if it `flips`, every other round has the opposite sign.
 pub(super) struct Samples {
     pub(super) values: Vec<f64>,
     pub(super) is_loop: bool,
