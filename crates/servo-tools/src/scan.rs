@@ -220,7 +220,8 @@ fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
 /// Searches for one servo at all rates of the protocols, or at the rate `baud`, and stays at the rate where it answers.
 ///
 /// # Errors
-/// [`ServiceError::Nowhere`]; [`ServiceError::Noise`] if the answer is not a packet.
+/// [`ServiceError::Nowhere`], or [`ServiceError::Silent`] if only one protocol and one rate are tried;
+/// [`ServiceError::Noise`] if the answer is not a packet; the errors of [`Client::open`].
 pub fn find<E: Exchange>(
     client: &mut Client<E>,
     id: u8,

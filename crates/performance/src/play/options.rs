@@ -2,7 +2,8 @@
 
 use super::servo_part::Drive;
 
-/// Options for playing. Default: the best drive of each servo, and the highest rate for which the lines have time.
+/// Options for playing. Default: the default drive of each servo, and the highest usual rate for which the lines have
+/// time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
     /// Drive of the servos.

@@ -79,9 +79,11 @@ pub enum PutError {
     Ids,
 }
 
-/// Adds a servo to each revolute or universal joint that has none. The servo gets the joint's name and the bus `main`;
-/// the middle of its range is the middle of the joint's range. The joint keeps each limit that the servo could exceed,
-/// and only the part of its friction that exceeds the servo's friction. Returns the number of new servos.
+/// Adds servos to the joints that have no drive, as far as `wanted` chooses a kind for them: one servo to a revolute
+/// joint, one for each axis to a universal joint. A servo gets the joint's name (`NAME.1` and `NAME.2` for two axes)
+/// and the bus `main`; the middle of its range is the middle of the joint's range. The joint keeps each limit of speed
+/// and effort that the servo could exceed, and only the part of its friction that exceeds the servo's friction. Returns
+/// the number of joints that got servos.
 ///
 /// # Errors
 /// [`PutError`] names the joint and the valid choices.
