@@ -132,7 +132,7 @@ impl RigPerformance {
         Ok((baked, report))
     }
 
-    /// Returns the rows of cues, whose times are those of the clip, in the motion or in a fit's motion.
+    /// Returns the rows of cues in the motion, or in a fit's motion. The times of the cues are times of the clip.
     fn cues(
         &self,
         fit: Option<&Fit>,

@@ -74,7 +74,8 @@ fn write_id<E: Exchange>(
 ///
 /// # Errors
 /// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not support the rate: nothing is written then;
-/// [`ServiceError::Register`] if torque is on; [`ServiceError::Lost`] if the servo then answers at neither rate.
+/// [`ServiceError::Register`] if torque is on; [`ServiceError::State`] if the servo keeps its rate;
+/// [`ServiceError::Lost`] if the servo then answers at neither rate.
 pub fn set_baud<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -177,7 +177,7 @@ pub(crate) fn answer_together<E: Exchange>(
 }
 
 /// Searches for any servo: returns protocol and rate at which something answers a common ping within the client's
-/// patience. The answer may be that of several servos that disturb each other.
+/// patience. The answer may come from several servos that disturb each other.
 ///
 /// # Errors
 /// An error if the line failed.

@@ -111,7 +111,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Returns `true` if newer settings, or a newer rig, existed than [`Self::settings`] or [`Self::rig`] reads, and
-    /// are damaged. This stays `true` over every power cut until new intact ones are written. A power failure in the
+    /// are damaged. This stays `true` over every power cut until a new intact item is written. A power failure in the
     /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(log).
     ///
     /// # Errors

@@ -115,7 +115,7 @@ pub enum Problem {
         /// Number that was found.
         found: u64,
     },
-    /// The number of a bone's angles differs from that of its dofs.
+    /// A bone has another number of angles than dofs.
     #[error("frame {frame}, bone `{bone}`: expected {expected}, found {found}")]
     Values {
         /// Number of the frame.

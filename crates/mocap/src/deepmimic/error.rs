@@ -51,7 +51,7 @@ pub enum Problem {
         /// Length of every row.
         found: usize,
     },
-    /// A row has another length than the others.
+    /// A row does not have the length of a humanoid3d's row.
     #[error("`Frames`, frame {frame}: expected {expected} numbers, found {found}")]
     RowLength {
         /// Index of the row.

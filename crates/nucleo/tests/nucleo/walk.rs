@@ -160,7 +160,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
 /// Arms the rig as soon as possible, plays, and stops; returns when torque is off.
 fn perform(board: &mut Board<Watched>, rig: &Rig) {
     load(board, rig);
-    // The rate is that of the ticks.
+    // Telemetry is sent in every tick.
     board.telemetry(f32::MAX, TelemetryParts::SUMMARY).unwrap();
     until(board, State::Limp, 5);
     arm_it(board);

@@ -141,8 +141,8 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
         let joint = &mut rig.joints[index];
         joint.speed_rad_s = joint.speed_rad_s.filter(|v| *v < model.no_load_speed_rad_s.value);
         joint.effort = joint.effort.filter(|effort| *effort < model.stall_torque_nm.value);
-        // The friction of a joint without a servo includes that of its unknown drive: the servo's friction must not
-        // count twice.
+        // The friction of a joint without a servo includes the friction of its unknown drive: the servo's friction must
+        // not count twice.
         joint.friction = (joint.friction - model.friction_nm.value).max(0.0);
         joint.damping = (joint.damping - model.damping_nm_s.value).max(0.0);
         let kind = DriveKind::one_to_one(dofs);
@@ -180,7 +180,7 @@ mod tests {
         assert_eq!(put_servos(&mut rig, &[]), Ok(0));
     }
 
-    /// A joint with its servo has the friction of its file, or that of the servo if it is larger.
+    /// A joint with its servo has the friction in its file, or the servo's friction if that is larger.
     #[test]
     fn friction_is_counted_once() {
         let model = ServoModel::built_in("XM430-W350-T").unwrap();

@@ -137,9 +137,9 @@ pub(super) struct Point {
     /// Position, rad, for four unit starts: rotor and shaft at 1 rad/s; windup of 1 rad; windup speed of 1 rad/s; a
     /// torque of 1 N m from time 0 on.
     pub(super) free: [f64; 4],
-    /// Speed for the last of these, rad/s.
+    /// Speed for the last of these starts, rad/s.
     pub(super) pushed_rad_s: f64,
-    /// Torque of the gear for the last of these, N m.
+    /// Torque of the gear for the last of these starts, N m.
     gear_nm: f64,
 }
 

@@ -18,7 +18,7 @@ const LEAST_READINGS: f64 = 4.0;
 /// Maximum deviation of the readings from the model, counts. An error of a millisecond in the times causes a smaller
 /// deviation.
 const MOST_NOISE_COUNTS: f64 = 1.0;
-/// Allowed range of the motor's torque, relative to that of its kind.
+/// Allowed range of the motor's torque, relative to the torque of its kind.
 const TORQUE_RATIOS: [f64; 2] = [0.75, 1.3];
 
 /// The outcome of a tap test.

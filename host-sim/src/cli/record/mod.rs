@@ -93,7 +93,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     release_test_s: Option<f64>,
 
-    /// Factor on the masses and inertias of the simulated bodies. The controller uses those of the rig's file.
+    /// Factor on the masses and inertias of the simulated bodies. The controller uses the values in the rig's file.
     /// Default: 1.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     mass_scale: Option<f64>,

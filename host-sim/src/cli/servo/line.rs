@@ -38,7 +38,7 @@ pub(super) struct LineArgs {
     #[arg(long, value_name = "N", global = true, default_value_t = 0, requires = "board")]
     line: u8,
 
-    /// Protocol of the servos. Default: that of the rig's servos; without a rig both are tried.
+    /// Protocol of the servos. Default: the protocol of the rig's servos; without a rig, both protocols are tried.
     #[arg(long, value_enum, global = true)]
     protocol: Option<ProtocolArg>,
 
