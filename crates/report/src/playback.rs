@@ -12,7 +12,8 @@ use super::view::View;
 /// Maximum duration of a playback, in seconds.
 const LONGEST_S: f64 = 30.0;
 
-/// Minimum time between two stored frames, in seconds. The script interpolates between them.
+/// Approximate time between two stored frames, in seconds, if the motion has that many. The script interpolates between
+/// them.
 const FRAME_S: f64 = 0.02;
 
 /// One motion, performed by every rig with every method.
