@@ -17,9 +17,9 @@ const BYTE: u128 = 10_000_000_000;
 const ROOM: usize = 1 << 16;
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on the
-    /// rig. In a tick no more bytes pass in each direction than a line of the port's rate carries, and further bytes
-    /// wait: a program that is too fast for a real board is thus too fast here.
+    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on
+    /// the rig. In a tick no more bytes pass, each way, than a line of the port's rate carries: more wait, so that a
+    /// program that is too fast for a board is too fast here.
     ///
     /// # Errors
     /// An I/O error of reading or writing.

@@ -1,4 +1,4 @@
-// Kinematics of the rig, for the scripts of pages.
+// Where the bodies are: the pages' own copy of the rig's kinematics.
 "use strict";
 
 const RIG = JSON.parse(document.getElementById("rig-data").textContent);
@@ -27,20 +27,20 @@ const exponential = (v) => {
   return angle < 1e-12 ? [0, 0, 0, 1] : about(times(v, 1 / angle), angle);
 };
 
-// A number for each slider.
+// One number for each slider.
 const values = RIG.dofs.map((dof) => dof.home);
 const OF_BODY = RIG.bodies.map(() => []);
 RIG.dofs.forEach((dof, index) => { OF_BODY[dof.body][dof.axis] = index; });
 
-// Index of the first coordinate of each joint.
+// Where the coordinates of each joint begin.
 const COUNT = { fixed: 0, revolute: 1, prismatic: 1, universal: 2, spherical: 4, free: 7 };
 let coordinates = 0;
 const FIRST = RIG.bodies.map((body) => (coordinates += COUNT[body.kind]) - COUNT[body.kind]);
 
-// Coordinates of ball joints, to which their sliders add a rotation, and of a driven base.
+// Coordinates of ball joints, before their sliders, and of a driven base.
 const given = RIG.bodies.map((body) => body.home);
 
-// Returns rotation and displacement of a body in its joint's frame.
+// Rotation and way of a body in its joint's frame.
 const motion = (body, index) => {
   const q = OF_BODY[index].map((slider) => values[slider]);
   switch (body.kind) {
@@ -53,7 +53,7 @@ const motion = (body, index) => {
   }
 };
 
-// Returns the poses of the bodies in the world, each with its joint's frame before the joint's own motion.
+// World poses of the bodies, and of their joints' frames before the joint's own motion.
 const solve = () => {
   const poses = [];
   RIG.bodies.forEach((body, index) => {
@@ -68,7 +68,7 @@ const solve = () => {
   return poses;
 };
 
-// Returns the axis of a dof in the world.
+// World axis of a dof.
 const axisOf = (dof, poses) => {
   const body = RIG.bodies[dof.body];
   const first = body.kind === "universal" && dof.axis === 0;
@@ -76,7 +76,7 @@ const axisOf = (dof, poses) => {
   return rotate(of, body.axes[dof.axis]);
 };
 
-// Returns the visible points of the bodies: joints, centres of mass, ends.
+// What is to be seen of the bodies: joints, centres of mass, ends.
 const pointsOf = (poses) => RIG.bodies.flatMap((body, index) => [
   poses[index].p,
   ...[body.center_m, ...body.tips_m].map((at) => add(poses[index].p, rotate(poses[index].q, at))),

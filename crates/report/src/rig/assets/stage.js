@@ -1,6 +1,6 @@
-// Draws a rig's bodies and joints in 3D on a canvas, with a camera that the user can turn.
+// A rig's bodies and joints drawn in 3D on a canvas, with a camera that turns.
 
-// ---- Colours of loads, as shares of a joint's capacity; grey if a share is unknown ----
+// ---- Colours of loads: shares of what a joint can give; none if that is not known ----
 const LOW = [46, 158, 107], MID = [217, 165, 20], HIGH = [211, 55, 31], UNKNOWN = [140, 148, 158];
 const mix = (a, b, t) => a.map((v, i) => v + (b[i] - v) * t);
 const shade = (share) => {
@@ -9,8 +9,8 @@ const shade = (share) => {
   return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
 };
 
-// `points`: all points that must be visible. `show` requests a new drawing by `draw`. `approach` moves the camera to the
-// smallest distance at which all points are visible.
+// `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`. `approach` brings the camera as near
+// as all points are still in view.
 const stageOn = (canvas, points, show) => {
   const context = canvas.getContext("2d");
   const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
@@ -41,7 +41,7 @@ const stageOn = (canvas, points, show) => {
     for (camera.distance = size; camera.distance < 5 * size && !points.every((p) => isSeen(project(p)));) camera.distance *= 1.04;
   };
 
-  // ---- Drawing, the farthest parts first ----
+  // ---- Drawing: far things first ----
   const line = (a, b, style, thick) => {
     context.beginPath();
     context.moveTo(a.x, a.y);
@@ -85,7 +85,7 @@ const stageOn = (canvas, points, show) => {
   const grid = () => {
     const step = 10 ** Math.round(Math.log10(size / 4));
     const reach = 6;
-    // The lines are fixed to the ground while the camera follows the rig.
+    // Its lines stay on the ground while the camera goes with the rig.
     const from = sub(middle, home).map((way) => Math.round(way / step));
     for (let i = -reach; i <= reach; i += 1) {
       for (const [a, b] of [[[i, -reach], [i, reach]], [[-reach, i], [reach, i]]]) {
@@ -94,7 +94,7 @@ const stageOn = (canvas, points, show) => {
       }
     }
   };
-  // Returns the start and the end of each line of the bodies.
+  // From where to where each body reaches.
   const bones = (poses) => RIG.bodies.flatMap((body, index) => {
     const from = poses[index].p;
     const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
@@ -103,8 +103,8 @@ const stageOn = (canvas, points, show) => {
     to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
     return to.map((end) => [from, end]);
   });
-  // `shares`: load of each joint as a share of its capacity. `marked`: returns whether a joint has a ring. `way`:
-  // displacement of the camera, which follows the rig. `sent`: poses that are drawn as thin lines.
+  // `shares`: of what each joint can give. `marked`: joints with a ring. `way`: how far the camera goes with the rig.
+  // `sent`: poses that are drawn as thin lines.
   const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null } = {}) => {
     middle = add(home, way);
     measure();
@@ -124,7 +124,7 @@ const stageOn = (canvas, points, show) => {
     }
     for (const [from, to] of sent ? bones(sent) : []) {
       const [a, b] = [project(from), project(to)];
-      // Drawn in front of the body that contains it.
+      // In front of what it is in.
       parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => line(a, b, color("world"), 1.5 * ratio()) });
     }
     RIG.dofs.forEach((dof, index) => {
