@@ -101,7 +101,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     let Watched { board, states, .. } = board.line_mut();
     let ticks = ticks(&rig, std::mem::take(&mut board.bus));
 
-    // The 3 s of lowering are measured with the clock, which the chip reads some us after its tick: it may take one
+    // The time of lowering is measured with the clock, which the chip reads some us after its tick: it may take one
     // more tick.
     let limp = states.iter().rposition(|(_, state)| *state == State::Lowering).unwrap();
     let lowered = &ticks[..states[limp].0 as usize];
@@ -168,7 +168,8 @@ fn perform(board: &mut Board<Watched>, rig: &Rig) {
     until(board, State::Playing, 1);
     until(board, State::Holding, 20);
     board.ask(Command::Stop).unwrap();
-    until(board, State::Limp, 20);
+    // The way to rest takes 10 s at most, lowering 18 s.
+    until(board, State::Limp, 30);
 }
 
 /// Returns the command that a tick executed, if its state differs from the state of the previous tick.
