@@ -334,7 +334,7 @@ fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
 /// Returns a rate in the form of a show: an integer number of samples in an integer number of seconds.
 fn rate(dt_s: f64) -> Result<Rate, BakeError> {
     let hz = dt_s.recip();
-    // 1001: the rates of television.
+    // Rates of television are a whole number of frames in 1001 s.
     for seconds in [1_u32, 1001] {
         let samples = hz * f64::from(seconds);
         if (samples - samples.round()).abs() < 1e-6 * samples && (1.0..1e6).contains(&samples) {

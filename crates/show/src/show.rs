@@ -143,7 +143,7 @@ impl<'a> Show<'a> {
         (0..self.header.block_count()).try_for_each(|block| self.check_block(block))
     }
 
-    /// Checks the CRC of a block. O(its size).
+    /// Checks the CRC of a block. O(size of the block).
     pub(crate) fn check_block(&self, block: u32) -> Result<(), ShowError> {
         let content = self.block(block);
         let (stored, content) = content.split_first_chunk::<CRC_LEN>().unwrap_or((&[0; 4], &[]));

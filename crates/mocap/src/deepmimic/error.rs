@@ -91,7 +91,7 @@ pub enum Problem {
     TooMany {
         /// Number of frames that the motion would have.
         frames: f64,
-        /// Time between them, s.
+        /// Time between these frames, s.
         frame_time_s: f64,
         /// Maximum number of frames.
         limit: usize,

@@ -22,7 +22,7 @@ const LATE_US: u64 = 10;
 /// The packets of one tick of the chip.
 #[derive(Default)]
 struct Tick {
-    /// Times at which its packets began to leave, ns.
+    /// Times at which the board began to send the tick's packets, ns.
     begins_ns: Vec<u64>,
     exchanges: Vec<Exchange>,
 }

@@ -260,7 +260,7 @@ impl Recording {
             return Err(missing());
         }
         let mut values = values.into_iter();
-        // Level 0 is null.
+        // Definition level 0 is null.
         Ok(levels.iter().map(|level| (*level > 0).then(|| values.next()).flatten()).collect())
     }
 }

@@ -65,7 +65,7 @@ pub struct ServoPart {
     pub own: RigServo,
     /// Quantity by which the servo is driven.
     pub drive: Drive,
-    /// Index of its line, and place on the line.
+    /// Index of the servo's line, and the servo's place on this line.
     pub place: (usize, usize),
 }
 

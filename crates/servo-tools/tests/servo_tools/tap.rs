@@ -221,7 +221,7 @@ fn what_makes_a_number_wrong_is_refused() {
     // It gives at most a quarter of its supply: PWM Limit.
     let error = case.tap_on(case.line(&[(36, 221)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
-    // It answers only reads: Status Return Level.
+    // With this Status Return Level the servo answers only reads.
     let error = case.tap_on(case.line(&[(68, 1)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("it does not answer writes"), "{error}");
     // A current mode has no goal position to hold.

@@ -130,7 +130,7 @@ fn the_end_of_a_show() {
 #[test]
 fn a_fault() {
     cut("a fault is recorded", &used(2), |store, disarmed| match store.record_fault(&fault(77)) {
-        // After a power cut within a record's head.
+        // The power cut was within a record's head.
         Err(sinew_storage::Error::Untidy) => {
             store.tidy(disarmed)?;
             store.record_fault(&fault(77)).map(drop)
