@@ -38,7 +38,7 @@ impl Likeness {
         if let Some([mean, most]) = self.limbs_deg {
             let _ = writeln!(
                 out,
-                "{limbs} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most"
+                "{limbs} limbs: {mean:.1} deg from the performer's on average, {most:.1} at most"
             );
         }
         out
