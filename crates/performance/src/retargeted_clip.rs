@@ -252,3 +252,25 @@ impl RetargetedClip {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use sinew_mocap::files::ClipFile;
+
+    use super::*;
+    use crate::ClipSettings;
+
+    #[test]
+    fn the_hand_of_a_small_arm_goes_along_the_performers_path() {
+        let mechanism = sinew_rig::new::arm(6).unwrap().mechanism().unwrap();
+        let file = ClipFile::new(Path::new("punches_01"));
+        let mut clip = PreparedClip::read(&file, ClipSettings::default()).unwrap();
+        clip.cut(4.0);
+        let taken = retarget_clip(&mechanism, &clip, None, false).unwrap();
+        let [mean, most] = taken.hand_error.unwrap();
+        println!("{:.1} % of the arm in the mean, {:.1} % at most", 100.0 * mean, 100.0 * most);
+        assert!(mean < 0.1 && most < 0.5, "{mean} {most}");
+    }
+}
