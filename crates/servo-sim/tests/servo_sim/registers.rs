@@ -42,6 +42,9 @@ const REFUSED: [(&str, &str); 12] = [
     ("Operating Mode", "3, steps (Feetech)"),
 ];
 
+/// The reason of a register that neither list has.
+const UNEXPLAINED: &str = "nobody knows";
+
 /// A sequence of a mode, registers and goals.
 struct Script {
     /// Registers that are written before torque is on.
@@ -68,6 +71,7 @@ fn scripts(is_feetech: bool) -> Vec<Script> {
     if is_feetech {
         vec![
             script(&[], &[(41, 20), (46, 800), (42, 2600)], LIGHT, 0.5),
+            script(&[], &[(42, 1500)], LIGHT, 0.4),
             script(&[(33, 1)], &[(46, 900)], LIGHT, 0.4),
             script(&[(33, 2)], &[(44, 300)], LIGHT, 0.4),
             script(&[(35, 20), (28, 100), (38, 20)], &[(42, 3500)], WALL, 0.8),
@@ -248,7 +252,7 @@ fn candidates(item: &Item) -> BTreeSet<i32> {
     };
     let near = [item.initial + 1, item.initial / 2, item.initial - 1];
     let all = [least, most, 0, 1, 2, 3, 4, 5, 8, 16, 20, 40, 100].into_iter().chain(near);
-    all.filter(|value| (least..=most).contains(value) && *value != item.initial).collect()
+    all.filter(|value| (least..=most).contains(value)).collect()
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -296,7 +300,7 @@ fn fates(kind: &str) -> BTreeMap<(u16, &'static str), Fate> {
                         fate = Fate::Simulated;
                         break 'tried;
                     }
-                    if seen.is_taken {
+                    if seen.is_taken && value != item.initial {
                         fate = Fate::Kept;
                     }
                 }
@@ -331,19 +335,19 @@ fn section(title: &str, kinds: &[&str]) -> String {
     };
     let mut out = format!("## {title}\n\nTried on {}.\n\n", kinds.join(", "));
     let simulated = names(Fate::Simulated);
-    let _ = writeln!(out, "**Simulated:** {}.\n", list(&simulated));
-    let _ =
-        writeln!(out, "**Read-only, and always the same:** {}.\n", list(&names(Fate::Constant)));
+    let simulates = format!("**Simulated:** {}.", list(&simulated));
+    let constant = format!("**Read-only, and always the same:** {}.", list(&names(Fate::Constant)));
+    let _ = writeln!(out, "{}\n\n{}\n", wrapped(&simulates), wrapped(&constant));
     out.push_str("| register | in the simulation | why, or which values |\n| --- | --- | --- |\n");
     for (address, name) in names(Fate::Kept) {
         let why = reason(&KEPT, name);
-        let why = why.unwrap_or_else(|| panic!("{title}: {name} ({address}) has no effect"));
+        let why = why.unwrap_or(UNEXPLAINED);
         let _ = writeln!(out, "| {name} ({address}) | kept, without an effect | {why} |");
     }
     let is_partly = |(_, name): &(u16, &str)| reason(&REFUSED, name).is_some();
     for (address, name) in names(Fate::Refused) {
         let why = reason(&REFUSED, name);
-        let why = why.unwrap_or_else(|| panic!("{title}: {name} ({address}) is refused"));
+        let why = why.unwrap_or(UNEXPLAINED);
         let _ = writeln!(out, "| {name} ({address}) | refused | {why} |");
     }
     for (address, name) in simulated.iter().filter(|register| is_partly(register)) {
@@ -354,18 +358,40 @@ fn section(title: &str, kinds: &[&str]) -> String {
     out
 }
 
+/// Returns a paragraph in lines of at most 120 characters.
+fn wrapped(text: &str) -> String {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let length = lines.last().map_or(0, |line| line.chars().count());
+        if length > 0 && length + 1 + word.chars().count() > 120 {
+            lines.push(String::new());
+        }
+        if let Some(line) = lines.last_mut() {
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+    }
+    lines.join("\n")
+}
+
 #[test]
 fn each_register_is_simulated_kept_or_refused_and_the_page_says_which() {
-    let mut page = "# Registers of simulated servos\n\n\
-        A test tries values of each register over the bus, in all simulated modes, with a light arm and against a wall, \
-        and compares\nmotion, answers and all other registers (`registers.rs` of `crates/servo-sim`). A refused value: a \
-        Dynamixel answers with\nan error, a Feetech keeps its old value, and `sinew servo write` says so. Indirect \
-        addresses of Dynamixels work. Kinds\nwithout physics (`--load none`, SCS) keep all that is written, and go to \
-        their goal at once.\n\n"
-        .to_owned();
+    let mut page = format!(
+        "# Registers of simulated servos\n\n{}\n\n",
+        wrapped(
+            "A test tries values of each register over the bus, in all simulated modes, with a light arm and against a \
+             wall, and compares motion, answers and all other registers (`registers.rs` of `crates/servo-sim`). A \
+             Dynamixel answers a refused value with an error, a Feetech keeps its old value, and `sinew servo write` \
+             says so. Indirect addresses of Dynamixels work. Kinds without physics (`--load none`, SCS) keep all that is \
+             written, and go to their goal at once."
+        )
+    );
     page += &section("Dynamixel", &DYNAMIXEL);
     page += &section("Feetech STS", &FEETECH);
     let page = page.trim_end().to_owned() + "\n";
+    assert!(!page.contains(UNEXPLAINED), "{page}");
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/simulated-registers.md");
     if std::env::var_os("INSTA_UPDATE").is_some_and(|update| update == "always") {
         std::fs::write(path, &page).unwrap();
