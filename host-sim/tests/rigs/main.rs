@@ -6,6 +6,8 @@ mod board;
 mod common;
 mod evaluate;
 mod first_rig;
+#[cfg(unix)]
+mod hostile;
 mod rig;
 mod servo;
 mod shows;

@@ -177,10 +177,10 @@ class Host:
             length = r.choice([0, 1, 300, 4000, 2**32 - 1])
             return link.item(r.randrange(4), r.randrange(4), length, r.randbytes(32), r.getrandbits(32), b'Mallory')
         if name == 'UploadBlock':
-            return link.block(r.choice([0, 0, 256, 512, 2**32 - 1]), r.randbytes(r.randrange(257)))
+            return link.block(r.choice([0, 0, 256, 512, 2**32 - 1]), r.randbytes(r.choice([0, 4, 9, 256, r.randrange(257)])))
         if name == 'PassOn':
             return link.pass_on(r.randrange(3), r.choice([0, 0, 1, 57600, 2**32 - 1]), r.choice([0, 300, 20000, 2**32 - 1]),
-                                r.randbytes(r.randrange(129)))
+                                r.randbytes(r.choice([0, 10, 14, 128])))
         return b''
 
     def choose_mood(self):
@@ -209,7 +209,7 @@ class Host:
         if self.arms and name == 'PassOn' and not self.chance(300):
             # Registers are compared again after each packet, before the rig can be armed.
             name = 'ReadHealth'
-        if self.chance(10):
+        if self.chance(60):
             self.seqs[0] += self.rng.choice([-3, -1, 1, 7])
         if name == 'SetTelemetry' and not self.chance(20):
             return self.command(name, real(20.0) + bytes([15]))
@@ -220,7 +220,7 @@ class Host:
         kind = r.choice([0, 1, 2, 3, 3, 3, 4])
         if kind == 4:
             return self.stream(4, count(self.heard if self.heard is not None and not self.chance(9) else r.randrange(65536)))
-        length = r.choice([3, 3, 3, 6, 64, r.randrange(70)])
+        length = r.choice([3] * 30 + [6, 64, r.randrange(70)])
         bounded = self.rng.uniform(-0.5, 0.5)
         values = [bounded] * length if self.chance(2) else [self.real() for _ in range(length)]
         sent_us = int(time.monotonic() * 1e6) if self.chance(2) else r.getrandbits(32)
@@ -299,7 +299,7 @@ class Host:
                 return 'damaged', b'\0'
             return 'mutated', link.frame(body)
         if which < 97:
-            body = b'\x53' * self.chance(2) + r.randbytes(r.randrange(1, 300))
+            body = b'\x53' * self.chance(2) + r.randbytes(r.choice([1, 2, 3, 5, 8, 13, r.randrange(1, 300)]))
             return 'anything', b'\0' if self.is_excluded(body) else link.frame(body)
         if which < 98:
             return 'bytes', r.randbytes(r.randrange(1, 40)).replace(b'\0', b'\1')

@@ -37,13 +37,6 @@ struct Desk {
     told: [u16; 2],
 }
 
-/// A message of a program.
-#[derive(Debug, Clone, PartialEq)]
-enum Said {
-    Hello,
-    Command(Command),
-}
-
 impl Desk {
     /// Returns the session as the link has it. It has no number of a command before.
     fn session(&self) -> Session {
@@ -55,25 +48,21 @@ impl Desk {
         session
     }
 
-    /// Handles a message like the node. Returns the command that the supervisor gets.
-    fn take(&mut self, who: usize, said: &Said) -> Option<Command> {
+    /// Handles a greeting, or a command, like the node. Returns the command if the supervisor gets it.
+    fn take(&mut self, who: usize, said: Option<&Command>) -> Option<Command> {
         let mut session = self.session();
-        match said {
-            Said::Hello => {
-                let before = session.id();
-                let welcome = session.hello(greeting(who), ABOUT, self.mode.state.is_on());
-                if session.id() != before {
-                    self.pass_to(who);
-                } else {
-                    self.told[who] = welcome.session;
-                }
-                None
-            }
-            Said::Command(item) => {
-                let command = Numbered { session: self.told[who], seq: 0, item: item.clone() };
-                (session.command(&command) == Intake::Execute).then(|| item.clone())
-            }
+        if let Some(item) = said {
+            let command = Numbered { session: self.told[who], seq: 0, item: item.clone() };
+            return (session.command(&command) == Intake::Execute).then(|| item.clone());
         }
+        let before = session.id();
+        let welcome = session.hello(greeting(who), ABOUT, self.mode.state.is_on());
+        if session.id() == before {
+            self.told[who] = welcome.session;
+        } else {
+            self.pass_to(who);
+        }
+        None
     }
 
     /// Gives a program a new session.
@@ -108,7 +97,8 @@ fn of_link(command: &Command) -> supervisor::Command {
     }
 }
 
-fn messages() -> Vec<Said> {
+/// Returns a greeting, which is `None`, and all commands.
+fn messages() -> Vec<Option<Command>> {
     let commands = [
         Command::EStop,
         Command::Arm,
@@ -123,7 +113,7 @@ fn messages() -> Vec<Said> {
         Command::ClearFaults,
         Command::Float,
     ];
-    [Said::Hello].into_iter().chain(commands.map(Said::Command)).collect()
+    [None].into_iter().chain(commands.map(Some)).collect()
 }
 
 /// Returns the situations of a rig whose servos are set up. The faults are those of a program that is killed, is deaf,
@@ -154,11 +144,11 @@ fn situations() -> Vec<Event> {
 fn broken(
     from: &Desk,
     who: usize,
-    said: &Said,
+    said: Option<&Command>,
     event: &Event,
     (to, obeyed): (&Desk, Option<&Command>),
 ) -> Option<&'static str> {
-    let ends = matches!(said, Said::Command(Command::Stop | Command::EStop));
+    let ends = matches!(said, Some(Command::Stop | Command::EStop));
     let is_ours = from.holder == Some(who) && from.told[who] == CURRENT;
     let silent = from.mode.next(event).0;
     let knows = |who: usize| to.told[who] == CURRENT;
@@ -169,7 +159,7 @@ fn broken(
             "a rig with torque stays with its program",
         ),
         (
-            !armed || is_ours && *said == Said::Command(Command::Arm),
+            !armed || is_ours && said == Some(&Command::Arm),
             "torque comes on by the program that has the session",
         ),
         (is_ours || ends || to.mode == silent, "a stranger commands nothing but an end"),
@@ -184,7 +174,7 @@ fn broken(
 
 /// Checks every desk that `take` can reach. Returns the number of desks and of steps.
 fn check(
-    take: impl Fn(&mut Desk, usize, &Said) -> Option<Command>,
+    take: impl Fn(&mut Desk, usize, Option<&Command>) -> Option<Command>,
 ) -> Result<(usize, usize), &'static str> {
     let (messages, situations) = (messages(), situations());
     let mut found = HashSet::from([Desk::default()]);
@@ -192,7 +182,7 @@ fn check(
     let mut steps = 0;
     while let Some(from) = waiting.pop_front() {
         for (who, said) in (0..2).flat_map(|who| messages.iter().map(move |said| (who, said))) {
-            let mut taken = from;
+            let (mut taken, said) = (from, said.as_ref());
             let obeyed = take(&mut taken, who, said);
             for event in &situations {
                 let command = obeyed.as_ref().map(of_link);
@@ -219,7 +209,7 @@ fn no_program_gets_a_rig_that_another_one_uses() {
 }
 
 #[track_caller]
-fn mistake(rule: &str, take: impl Fn(&mut Desk, usize, &Said) -> Option<Command>) {
+fn mistake(rule: &str, take: impl Fn(&mut Desk, usize, Option<&Command>) -> Option<Command>) {
     assert_eq!(check(take), Err(rule));
 }
 
@@ -227,7 +217,7 @@ fn mistake(rule: &str, take: impl Fn(&mut Desk, usize, &Said) -> Option<Command>
 #[test]
 fn a_greeting_that_takes_over_a_rig_that_is_lowered_is_found() {
     mistake("a rig with torque stays with its program", |desk, who, said| {
-        if *said == Said::Hello && desk.mode.state == State::Lowering {
+        if said.is_none() && desk.mode.state == State::Lowering {
             desk.pass_to(who);
             return None;
         }
@@ -240,7 +230,7 @@ fn a_greeting_that_takes_over_a_rig_that_is_lowered_is_found() {
 fn an_answer_that_tells_a_live_session_s_number_is_found() {
     mistake("only the program that has the session knows its number", |desk, who, said| {
         let obeyed = desk.take(who, said);
-        if *said == Said::Hello {
+        if said.is_none() {
             desk.told[who] = CURRENT;
         }
         obeyed
@@ -251,7 +241,7 @@ fn an_answer_that_tells_a_live_session_s_number_is_found() {
 #[test]
 fn a_stranger_s_hold_is_found() {
     mistake("a stranger commands nothing but an end", |desk, who, said| {
-        let is_hold = *said == Said::Command(Command::Hold);
+        let is_hold = said == Some(&Command::Hold);
         desk.take(who, said).or_else(|| is_hold.then_some(Command::Hold))
     });
 }
@@ -261,8 +251,8 @@ fn a_stranger_s_hold_is_found() {
 fn a_session_that_outlives_its_end_is_found() {
     mistake("torque comes on by the program that has the session", |desk, who, said| {
         let is_old = desk.told[who] == NUMBERS[1];
-        let item = if let Said::Command(item) = said { Some(item.clone()) } else { None };
-        desk.take(who, said).or_else(|| item.filter(|item| is_old && *item == Command::Arm))
+        let is_arm = said == Some(&Command::Arm);
+        desk.take(who, said).or_else(|| (is_old && is_arm).then_some(Command::Arm))
     });
 }
 
