@@ -8,7 +8,11 @@ mod evaluate;
 mod first_rig;
 #[cfg(unix)]
 mod hostile;
+#[cfg(unix)]
+mod killed;
 mod rig;
 mod servo;
 mod shows;
 mod teach;
+#[cfg(unix)]
+mod watched;
