@@ -21,11 +21,11 @@ const COMMANDS: [&str; 18] = [
     "rig check arm.toml",
     "clip inspect clip.bvh",
     "clip map clip.bvh",
-    "clip export clip.bvh --rig arm.toml -o out.csv",
-    "clip blend kicks_01 punches_01 --output out.bvh --picture out.svg",
-    "clip find . --like clip.bvh@1.0s --picture out.svg",
-    "clip weights kicks_01 --picture out.svg",
-    "bake clip.bvh --rig arm.toml --fit --seconds 4 -o out.show --html out.html",
+    "clip export kicks_01 --rig arm.toml -o out.csv",
+    "clip blend clip.bvh clip.bvh --blend-s 0.1 --output out.bvh --picture out.svg",
+    "clip find . --like clip.bvh@0.3s --picture out.svg",
+    "clip weights clip.bvh --picture out.svg",
+    "bake kicks_01 --rig arm.toml --fit -o out.show --html out.html",
     "play short.show --rig arm.toml --fast --record out.parquet",
     "record --rig arm.toml -o out.show",
     "report play.parquet --rig arm.toml -o out.html",
@@ -172,7 +172,8 @@ fn inputs() -> Files {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     done(folder, "rig new --arm 3 -o arm.toml");
-    done(folder, "clip blend kicks_01 punches_01 --output clip.bvh");
+    let clip = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/attack/m21.bvh");
+    fs::copy(clip, folder.join("clip.bvh")).expect("a copy");
     done(folder, "bake clip.bvh --rig arm.toml --fit --seconds 1 -o short.show");
     done(folder, "play short.show --rig arm.toml --fast --record play.parquet");
     fs::write(folder.join("sweep.toml"), SWEEP).expect("a file");

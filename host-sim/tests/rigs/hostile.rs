@@ -4,12 +4,14 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use sinew_firmware::supervisor::State;
+
 use super::board::{baked, says};
 use super::watched::{Seen, Watched};
 use crate::common::path;
 
 /// Number of frames that both hosts send together, unless [`FRAMES`] has another.
-const DEFAULT: u32 = 24_000;
+const DEFAULT: u32 = 40_000;
 /// Environment variable with the number of frames. `cargo xtask test --all` sets it.
 const FRAMES: &str = "SINEW_FRAMES";
 /// Rate of the port: more than a board's, so that a million frames take two minutes.
@@ -34,7 +36,11 @@ fn attack(options: &[&str]) -> Seen {
     let output = python.output().expect("Python 3, which `cargo xtask test` installs");
     let [said, errors] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
     let seen = std::mem::take(&mut *board.seen());
-    println!("{options:?}: {said}{seen:?}");
+    let states = State::ALL.map(|state| seen.states.iter().filter(|(_, of)| *of == state).count());
+    println!(
+        "{options:?}: {said}entered by state {states:?}; {} ticks on, {:.3} rad beyond, {:.2} rad/s, {:.2} rad",
+        seen.ticks_on, seen.beyond_rad, seen.speed_rad_s, seen.turned_rad
+    );
     assert!(output.status.success(), "{said}{errors}");
     assert_eq!(seen.torque_in_off, 0);
     seen

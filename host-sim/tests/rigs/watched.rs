@@ -116,8 +116,11 @@ fn serve(port: &Port, stop: &AtomicBool, seen: &Mutex<Seen>) {
     let rig = arm(3).unwrap();
     let mechanism = rig.mechanism().unwrap();
     let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
+    // Each dof has its own servo, without a gear between them. A shaft counts from the beginning of its turn.
+    let dofs = parts.compact().dofs().iter().zip(&parts.servos);
+    let range = |range: [f32; 2], turn_rad: f64| range.map(|end| 0.5 * turn_rad + f64::from(end));
     let ranges: Vec<_> =
-        parts.compact().dofs().iter().map(|dof| dof.range.map(f64::from)).collect();
+        dofs.map(|(dof, servo)| range(dof.range, servo.own.kind.range_rad)).collect();
     let chip = Chip::blank();
     SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];

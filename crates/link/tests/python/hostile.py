@@ -30,7 +30,10 @@ class Host:
         self.session, self.state, self.heard = 0, 'Off', None
         self.seqs = [0, 0]
         self.sent, self.answers, self.wrong = collections.Counter(), collections.Counter(), []
-        self.mood, self.mood_end = [], 0.0
+        # The first mood moves a rig, even in a short attack.
+        self.mood, self.mood_end = ['Play'], None
+        # What a source of live frames has in this mood.
+        self.feed, self.pose = 1, [1.2, 0.2, -0.3]
         # Session and number of each command that must be refused.
         self.strange = set()
 
@@ -162,7 +165,7 @@ class Host:
         r = self.rng
         small = bytes([r.randrange(5)])
         if name == 'Play':
-            return count(r.choice([0, 1, 1, 2, 3]))
+            return count(self.feed if not self.chance(50) else r.randrange(4))
         if name in ('Maintain', 'Leave'):
             return bytes([r.choice([1, 1, 1, 2])])
         if name == 'LoadShow':
@@ -185,9 +188,13 @@ class Host:
 
     def choose_mood(self):
         now = time.monotonic()
+        if self.mood_end is None:
+            self.mood_end = now + 5.0
         if now > self.mood_end:
             self.mood_end = now + self.rng.uniform(0.4, 4.0)
             self.mood = self.rng.choice(MOODS)
+            self.feed = self.rng.randrange(3)
+            self.pose = [self.rng.choice([self.rng.uniform(-2.0, 2.0), self.real()]) for _ in range(3)]
 
     def own(self):
         """Returns a command of the session."""
@@ -209,6 +216,8 @@ class Host:
         if self.arms and name == 'PassOn' and not self.chance(300):
             # Registers are compared again after each packet, before the rig can be armed.
             name = 'ReadHealth'
+        if name == 'LoadShow' and not self.chance(100):
+            name = 'ReadFault'
         if self.chance(60):
             self.seqs[0] += self.rng.choice([-3, -1, 1, 7])
         if name == 'SetTelemetry' and not self.chance(20):
@@ -220,10 +229,11 @@ class Host:
         kind = r.choice([0, 1, 2, 3, 3, 3, 4])
         if kind == 4:
             return self.stream(4, count(self.heard if self.heard is not None and not self.chance(9) else r.randrange(65536)))
-        length = r.choice([3] * 30 + [6, 64, r.randrange(70)])
-        bounded = self.rng.uniform(-0.5, 0.5)
-        values = [bounded] * length if self.chance(2) else [self.real() for _ in range(length)]
-        sent_us = int(time.monotonic() * 1e6) if self.chance(2) else r.getrandbits(32)
+        values, sent_us = self.pose, int(time.monotonic() * 1e6)
+        if self.chance(20):
+            values = [self.real() for _ in range(r.choice([3, 3, 6, 64, r.randrange(70)]))]
+        if self.chance(50):
+            sent_us = r.getrandbits(32)
         fields = [b'', bytes([r.choice([1, 1, 1, 2])]), bytes([r.randrange(5)]) + real(self.real()),
                   count(sent_us & 0xffffffff) + reals(values)]
         if self.chance(20):
@@ -246,18 +256,20 @@ class Host:
         return link.command(session, seq, name, fields)
 
     def is_excluded(self, body):
-        """Returns whether a body that was made by chance could arm, or change what is stored."""
+        """Returns whether a body that was made by chance could arm, or change what is stored. Goes on from its number,
+        since the board refuses lower ones."""
         r = link.Reader(body)
         try:
-            if r.byte() != 0x53 or r.count() != 1:
+            which = r.count() if r.byte() == 0x53 else 0
+            if which not in (1, 2) or r.count() & 0xffff != self.session:
                 return False
-            if r.count() != self.session:
-                return False
-            r.count()
+            seq = r.count() & 0xffff
+            if seq - self.seqs[which - 1] & 0xffff < 0x8000:
+                self.seqs[which - 1] = seq
             name = link.COMMANDS[r.count()]
         except IndexError:
             return False
-        return name in EXCLUDED or name == 'Arm' and not self.arms
+        return which == 1 and (name in EXCLUDED or name == 'Arm' and not self.arms)
 
     def mutated(self, body):
         r, body = self.rng, bytearray(body)
@@ -334,8 +346,8 @@ def main():
     host.attack(int(messages))
     took = time.monotonic() - begun
     host.write(b'\0')
-    host.greet()
     host.rest()
+    host.greet()
     if host.stock() != before:
         host.wrong.append(('what is stored is not what it was', repr(before)))
     # Bytes that wait when a program opens the port are not whole.
