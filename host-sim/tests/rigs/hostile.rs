@@ -35,7 +35,7 @@ fn attack(options: &[&str]) -> Seen {
     python.args([&link, &(frames / 2).to_string(), "7"]).args(options).stderr(Stdio::piped());
     let output = python.output().expect("Python 3, which `cargo xtask test` installs");
     let [said, errors] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-    let seen = std::mem::take(&mut *board.seen());
+    let seen = board.begin();
     let states = State::ALL.map(|state| seen.states.iter().filter(|(_, of)| *of == state).count());
     println!(
         "{options:?}: {said}entered by state {states:?}; {} ticks on, {:.3} rad beyond, {:.2} rad/s, {:.2} rad",

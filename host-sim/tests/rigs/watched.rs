@@ -86,9 +86,11 @@ impl Watched {
         self.seen.lock().unwrap()
     }
 
-    /// Forgets what was seen.
-    pub(super) fn begin(&self) {
-        *self.seen() = Seen::default();
+    /// Returns what was seen, and forgets it, except for the current state.
+    pub(super) fn begin(&self) -> Seen {
+        let mut seen = self.seen();
+        let states = seen.states.last().copied().into_iter().collect();
+        std::mem::replace(&mut *seen, Seen { states, ..Seen::default() })
     }
 
     /// Waits until the rig is in a state. Returns whether it comes.

@@ -13,7 +13,7 @@ mod simulate;
 mod text;
 mod upload;
 
-pub(super) use arm::{READY, arm, check_rig};
+pub(super) use arm::{READY, arm, check_rig, end_by_hand};
 pub(super) use port::{PortBoard, SilenceArg, open};
 pub(super) use text::{named, tell_faults};
 pub(super) use upload::{put, put_show};
