@@ -44,12 +44,8 @@ const TOOLS: [Tool; 13] = [
     ("board doctor", "board doctor --port PORT --rig RIG -o OUT.txt", &[State::Limp]),
     ("board flash", "board flash IMAGE --chip any --port PORT", &[State::Limp]),
     ("servo apply", "servo apply --rig RIG --board PORT", &[State::Limp]),
-    (
-        "servo write",
-        "servo write 2 return-delay-time 100 --raw --board PORT --baud 3000000",
-        &[State::Limp],
-    ),
-    ("servo set-id", "servo set-id 2 2 --board PORT --baud 3000000", &[State::Limp]),
+    ("servo write", "servo write 2 return-delay-time 100 --raw --board PORT", &[State::Limp]),
+    ("servo reboot", "servo reboot 2 --board PORT", &[State::Limp]),
 ];
 
 /// A board with a show, and the files for its programs.
@@ -154,54 +150,50 @@ impl Desk {
     }
 }
 
-/// Returns the row of a program that is killed.
-fn matrix_row(name: &str, cells: &[(State, String)]) -> String {
-    let cell = |state: State| {
-        let found = cells.iter().find(|(of, _)| *of == state);
-        found.map_or("not this program", |(_, cell)| cell)
-    };
-    format!("| {name} | {} |", State::ALL.map(cell).join(" | "))
+/// Returns a row of the table on the page.
+fn row(name: &str, state: State, killed: &str, ended: &str) -> String {
+    format!("| {name} | {state} | {killed} | {ended} |")
 }
 
-/// Ends a program in each of its states by each signal. Returns its cells for kills, and the number of runs.
-fn all_of(tool: Tool, times: u32) -> (Vec<(State, String)>, usize) {
+/// Ends a program in each of its states by each signal. Returns the rows of its states, and the number of runs.
+fn all_of(tool: Tool, times: u32) -> (Vec<String>, usize) {
+    let (name, args, states) = tool;
     let desk = Desk::new();
-    let (mut cells, mut runs) = (Vec::new(), 0);
-    for state in tool.2 {
+    let (mut rows, mut runs) = (Vec::new(), 0);
+    for state in states {
         // A program that uses no torque is ended at moments that are spread over its run.
+        let is_short = *state == State::Limp && name != "board monitor";
         let begin = Instant::now();
-        let took = if *state == State::Limp && tool.0 != "board monitor" {
-            desk.start(tool.1).wait().unwrap();
+        let took = if is_short {
+            desk.start(args).wait().unwrap();
             begin.elapsed()
         } else {
             Duration::from_millis(100)
         };
+        let mut cells = Vec::new();
         for signal in SIGNALS {
             for time in 0..times {
                 let after = took * (2 * time + 1) / (2 * times);
-                let cell = desk.end(tool, *state, signal, after);
+                cells.push(desk.end(tool, *state, signal, after));
                 runs += 1;
-                if signal == "-KILL" && time == 0 {
-                    cells.push((*state, cell.clone()));
-                } else if signal != "-KILL" && state.is_on() {
-                    assert!(cell.ends_with("limp"), "{}, {state}, {signal}: {cell}", tool.0);
-                }
                 // The next program finds a board that answers, and that has its rig.
                 desk.clear();
                 let stop_s = says(&["board", "settings", "--port", &desk.link, "get", "stop_s"], 0);
-                assert!(["10\n", "3\n"].contains(&stop_s.as_str()), "{}: {stop_s}", tool.0);
+                assert!(["10\n", "3\n"].contains(&stop_s.as_str()), "{name}: {stop_s}");
             }
         }
-        if *state == State::Limp && tool.0 != "board monitor" {
-            assert!(desk.start(tool.1).wait().unwrap().success(), "{}: the next run", tool.0);
+        let (killed, ended) = cells.split_at(times as usize);
+        for cells in [killed, ended] {
+            assert!(cells.iter().all(|cell| *cell == cells[0]), "{name}, {state}: {cells:?}");
+        }
+        rows.push(row(name, *state, &killed[0], &ended[0]));
+        // Without a latched fault, `faults --clear` has nothing to do. 1 is a doubtful result of the doctor.
+        if is_short && name != "board faults" {
+            let code = desk.start(args).wait().unwrap().code();
+            assert!(code < Some(2), "{name}: the next run: {code:?}");
         }
     }
-    (cells, runs)
-}
-
-fn heads() -> String {
-    let heads = State::ALL.map(|state| state.to_string()).join(" | ");
-    format!("| a program that is killed | {heads} |")
+    (rows, runs)
 }
 
 /// A sample: a show, a rig in somebody's hands, and a setting.
@@ -212,12 +204,8 @@ fn a_rig_whose_program_is_killed_is_lowered() {
         for (index, state) in sample {
             scope.spawn(move || {
                 let cell = Desk::new().end(TOOLS[index], state, "-KILL", Duration::from_millis(50));
-                let row = MATRIX
-                    .lines()
-                    .find(|line| line.starts_with(&format!("| {} |", TOOLS[index].0)));
-                let row = row.unwrap_or_else(|| panic!("no row of {}: {cell}", TOOLS[index].0));
-                let on_page = row.split('|').nth(2 + usize::from(state.number())).map(str::trim);
-                assert_eq!(on_page, Some(cell.as_str()), "{} in {state}", TOOLS[index].0);
+                let row = row(TOOLS[index].0, state, &cell, "");
+                assert!(MATRIX.contains(row.trim_end_matches(" |")), "docs/fault-matrix.md: {row}");
             });
         }
     });
@@ -227,23 +215,16 @@ fn a_rig_whose_program_is_killed_is_lowered() {
 #[test]
 fn each_ended_program_leaves_a_limp_rig() {
     let times = std::env::var(KILLS).map_or(1, |times| times.parse().unwrap());
-    let mut rows = vec![heads(), format!("| --- |{}", " --- |".repeat(State::COUNT))];
-    let mut counts = Vec::new();
-    for tools in TOOLS.chunks(4) {
-        let of_tools: Vec<_> = thread::scope(|scope| {
-            let run = |tool: &Tool| {
-                let tool = *tool;
-                scope.spawn(move || all_of(tool, times))
-            };
-            let running: Vec<_> = tools.iter().map(run).collect();
-            running.into_iter().map(|running| running.join().unwrap()).collect()
-        });
-        for ((name, ..), (cells, runs)) in tools.iter().zip(of_tools) {
-            rows.push(matrix_row(name, &cells));
-            counts.push(format!("| `{name}` | {runs} |"));
-        }
+    let of_tools: Vec<_> = thread::scope(|scope| {
+        let running = TOOLS.map(|tool| scope.spawn(move || all_of(tool, times)));
+        running.into_iter().map(|running| running.join().unwrap()).collect()
+    });
+    let heads = "| program | its rig is | after SIGKILL | after Ctrl-C, SIGTERM, SIGHUP |";
+    let mut rows = vec![heads.to_owned(), "| --- | --- | --- | --- |".to_owned()];
+    for ((name, ..), (of_tool, runs)) in TOOLS.iter().zip(of_tools) {
+        rows.extend(of_tool);
+        println!("{name}: {runs} runs");
     }
-    println!("{}", counts.join("\n"));
     let table = rows.join("\n");
     assert!(MATRIX.contains(&table), "docs/fault-matrix.md must have:\n{table}");
 }

@@ -117,7 +117,8 @@ impl Drop for Watched {
 fn serve(port: &Port, stop: &AtomicBool, seen: &Mutex<Seen>) {
     let rig = arm(3).unwrap();
     let mechanism = rig.mechanism().unwrap();
-    let parts = RigParts::new(&rig, &mechanism, Options::default()).unwrap();
+    let options = Options { is_of_board: true, ..Options::default() };
+    let parts = RigParts::new(&rig, &mechanism, options).unwrap();
     // Each dof has its own servo, without a gear between them. A shaft counts from the beginning of its turn.
     let dofs = parts.compact().dofs().iter().zip(&parts.servos);
     let range = |range: [f32; 2], turn_rad: f64| range.map(|end| 0.5 * turn_rad + f64::from(end));
