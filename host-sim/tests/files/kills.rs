@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::command;
+use crate::common::{command, end_by};
 
 /// Environment variable with the number of runs that each signal ends, for each command.
 const KILLS: &str = "SINEW_KILLS";
@@ -120,10 +120,7 @@ fn row(args: &str, inputs: &Files, signals: &[&str], times: u32) -> String {
         let place = (index * 37) % 100;
         let share = if index % 2 == 0 { place } else { 80 + place / 4 };
         std::thread::sleep(took * share / 100 + Duration::from_millis(3));
-        let kill = Command::new("kill").args([signal, &child.id().to_string()]).status();
-        // The run may be over.
-        kill.expect("`kill` runs");
-        child.wait().expect("it ends");
+        end_by(&mut child, signal);
         let found = files(folder.path());
         let is_as = |path: &String, text: &[u8]| found.get(path).map(Vec::as_slice) == Some(text);
         let is_old = |path: &&String| found.get(*path).is_none_or(|text| text == OLD);

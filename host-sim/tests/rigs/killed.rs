@@ -2,7 +2,7 @@
 //! last table of the page `docs/killed.md`. The tests look at the servos in each tick.
 
 use std::os::unix::fs::PermissionsExt as _;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use sinew_firmware::supervisor::State;
 
 use super::board::{baked, says};
 use super::watched::Watched;
-use crate::common::{command, path};
+use crate::common::{command, end_by, path};
 
 /// Environment variable with the number of runs that each signal ends, for each program and state.
 const KILLS: &str = "SINEW_KILLS";
@@ -130,9 +130,7 @@ impl Desk {
     fn end(&self, (name, args, _): Tool, state: State, signal: &str, after: Duration) -> String {
         let mut program = self.until(args, state, after);
         self.board.begin();
-        let kill = Command::new("kill").args([signal, &program.id().to_string()]).status();
-        kill.unwrap();
-        program.wait().unwrap();
+        end_by(&mut program, signal);
         assert!(self.is_off(), "{name}, {state}, {signal}: torque is on");
         // Servos are without torque, and stay so.
         thread::sleep(Duration::from_millis(500));

@@ -3,14 +3,14 @@
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 use super::on_bus::Bus;
-use crate::common::command;
+use crate::common::{command, end_by};
 
 /// Environment variable with the number of runs that each signal ends, for each command.
 const KILLS: &str = "SINEW_KILLS";
@@ -101,9 +101,7 @@ fn row((args, is_endless): (&str, bool), times: u32) -> String {
             let bus = new_bus();
             let mut child = start(&bus, args);
             thread::sleep(took * (2 * time + 1) / (2 * times));
-            let kill = Command::new("kill").args([signal, &child.id().to_string()]).status();
-            kill.unwrap();
-            child.wait().unwrap();
+            end_by(&mut child, signal);
             // Waits for the watchdog of a servo.
             thread::sleep(Duration::from_millis(500));
             let (id, baud, said) = found(&bus);
