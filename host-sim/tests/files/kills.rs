@@ -75,13 +75,13 @@ fn folder_of(files: &Files) -> tempfile::TempDir {
     folder
 }
 
-/// Returns whether a file is an unfinished one, or the mark of a folder of results.
+/// Returns whether a file is unfinished, in an unfinished folder, or the mark of a folder of results.
 fn is_hidden(path: &str) -> bool {
-    Path::new(path).file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
+    path.split('/').any(|name| name.starts_with('.'))
 }
 
 fn is_unfinished(path: &str) -> bool {
-    is_hidden(path) && Path::new(path).file_name().is_some_and(|name| name != ".sinew")
+    path.split('/').any(|name| name.starts_with('.') && name != ".sinew")
 }
 
 /// Counts of what ended runs left.
@@ -107,12 +107,14 @@ fn row(args: &str, inputs: &Files, signals: &[&str], times: u32) -> String {
     // A journal grows, and is read by the next run.
     let is_journal = |path: &str| path.ends_with("journal.jsonl");
     let mut left = Left::default();
-    let mut again = folder;
+    let mut again = folder_of(inputs);
     for (signal, index) in
         signals.iter().flat_map(|signal| vec![*signal; times as usize]).zip(0_u32..)
     {
         let folder = folder_of(inputs);
-        for path in new.keys().filter(|path| !path.contains('/')) {
+        // `tap` refuses a file that exists.
+        let has_old = !args.starts_with("servo tap");
+        for path in new.keys().filter(|path| has_old && !path.contains('/')) {
             fs::write(folder.path().join(path), OLD).expect("the old file");
         }
         let mut child = start(folder.path(), args);
@@ -144,7 +146,7 @@ fn row(args: &str, inputs: &Files, signals: &[&str], times: u32) -> String {
         left.olds += usize::from(news == 0);
         left.news += usize::from(olds == 0 && news > 0);
         left.parts += usize::from(olds > 0 && news > 0);
-        if is_left || index == 0 {
+        if is_left || index == 0 && news == 0 {
             again = folder;
         }
     }
