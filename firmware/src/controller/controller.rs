@@ -30,7 +30,8 @@ use crate::watchdog::Complete;
 /// Maximum length of a packet that switches the torque of all servos, bytes: fixed part, and part per servo.
 const SWITCH: (u32, u32) = (14, 2);
 
-/// Parts of the way to a show's first pose. The rig must be held at both ends of each part.
+/// Number of parts of the way to a show's first pose. The servos must be able to hold the rig at both ends of each
+/// part.
 const WAY: u8 = 4;
 
 /// Inputs of a tick from outside of the controller.
@@ -124,8 +125,8 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS,
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     MotionController<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a controller at the board's start; torque is off. `schedule` is that of the bus, whose servos must be
-    /// the rig's, in its order.
+    /// Creates a controller at the board's start; torque is off. `schedule` is the schedule of the bus. The servos
+    /// of the bus must be those of the rig, in the same order.
     ///
     /// # Errors
     /// [`ControllerError`] names the part that does not fit: the rig, the rate, a setting.
@@ -281,7 +282,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let since_us = inputs.now_us.saturating_sub(self.last.0);
         let late = since_us.checked_div(self.tick_us.into()).unwrap_or(0).saturating_sub(1);
         let late = u32::try_from(late).unwrap_or(u32::MAX);
-        // Readings of this tick are from the tick before, and so is its number of missing ticks.
+        // The readings of this tick were made in the tick before, therefore the number of left-out ticks is that of
+        // the tick before, too.
         let last = core::mem::replace(&mut self.last, (inputs.now_us, late));
         let is_finite = self.read(bus, last.1);
         let mut findings = self.find(inputs, is_finite);

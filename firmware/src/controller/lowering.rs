@@ -15,23 +15,23 @@ use crate::supervisor::Settings;
 /// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
 /// suddenly.
 const PACE: f32 = 0.7;
-/// Ratio of a lowered goal's speed to that target speed, so that a servo that sticks can catch up.
+/// Ratio of a lowered goal's speed to the target speed. It is below 1, so that a servo that sticks can catch up.
 const LED: f32 = 0.7;
 /// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
 const BACK_PER_S: f32 = 3.0;
-/// Minimum of the released part of a weight. Negative, so that up to a quarter more than the weight by the model may be
-/// carried: a rig may be heavier.
+/// Minimum of the released part of a weight. It is negative, because a rig may be heavier than its model.
 const LEAST_LOWERED: f32 = -0.25;
-/// Ratio to the target speed below which a joint rests. The rig is down after all joints have rested for a third of
-/// the fading time.
+/// A joint rests if its speed is below this part of the target speed. The rig is down after all joints have rested
+/// for a third of the fading time.
 const RESTS: f32 = 0.1;
 const RESTED: f32 = 1.33;
 /// Maximum distance of a lowered goal ahead of its servo, rad.
 const LEAD_RAD: f32 = 0.07;
-/// Weight below which a joint's goal is lowered more slowly: a part of its maximum effort, and a maximum in N m or N.
+/// Weight below which a joint's goal is lowered more slowly, as a part of the joint's maximum effort; and the
+/// maximum of this weight, N m or N.
 const SLIGHT: f32 = 0.01;
 const SLIGHT_MOST: f32 = 0.03;
-/// Minimum of that weight, N m or N.
+/// Minimum of the weight of `SLIGHT`, N m or N.
 const LEAST_NM: f32 = 1e-6;
 
 /// Released part of the weight of each dof, while the rig is lowered.
@@ -63,7 +63,7 @@ impl<const DOFS: usize> Lowering<DOFS> {
     /// Creates a state in which nothing is released.
     #[inline]
     pub(super) fn new() -> Self {
-        // As an array, the controller's whole value would be created on the stack and moved.
+        // An array would be created as a whole on the stack, and then moved.
         Self { released: filled(DOFS, 0.0) }
     }
 
