@@ -5,8 +5,9 @@ use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
-/// Longest time that a program needs to end after a signal: on a board it lowers its rig before.
-const PATIENCE: Duration = Duration::from_secs(40);
+/// Longest time that a program needs to end after a signal: on a board it lowers its rig before, and a busy machine
+/// delays boards.
+const PATIENCE: Duration = Duration::from_mins(2);
 
 /// Returns the command without arguments.
 pub(crate) fn command() -> Command {
