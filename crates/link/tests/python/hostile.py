@@ -339,6 +339,7 @@ class Host:
 
 def main():
     path, messages, seed, *more = sys.argv[1:]
+    link.check_examples()
     host = Host(path, int(seed), '--arms' in more)
     host.greet()
     host.rest()
