@@ -244,9 +244,8 @@ class Host:
     def stranger(self):
         """Returns a valid command, with everything that changes what is stored, of another session."""
         r = self.rng
-        session = r.choice([0, self.session - 1, r.randrange(65536)]) & 0xffff
-        if session == self.session:
-            session ^= 1
+        # None, the one before, or one that the board has not reached: its welcome may be lost on a full line.
+        session = r.choice([0, self.session - 1, self.session + r.randrange(10000, 50000)]) & 0xffff
         if self.chance(5):
             return link.stream(session, r.randrange(65536), r.randrange(3), b'\1' + real(0.5))
         name = r.choice([name for name in link.COMMANDS if name not in ('Stop', 'EStop') or self.arms and self.chance(3000)])
