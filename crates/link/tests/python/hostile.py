@@ -30,6 +30,8 @@ class Host:
         self.port, self.rng, self.arms = link.Port(path), random.Random(seed), arms
         self.session, self.state, self.heard = 0, 'Off', None
         self.seqs = [0, 0]
+        # Whether live frames are sent beside heartbeats.
+        self.performs = False
         self.sent, self.answers, self.wrong = collections.Counter(), collections.Counter(), []
         # The first mood moves a rig, even in a short attack.
         self.mood, self.mood_end = ['Play'], None
@@ -102,6 +104,9 @@ class Host:
         if self.session:
             heard = self.heard is not None
             self.write(link.frame(self.stream(4 if heard else 0, count(self.heard) if heard else b'')))
+            if self.performs:
+                sent_us = int(time.monotonic() * 1e6) & 0xffffffff
+                self.write(link.frame(self.stream(3, count(sent_us) + reals(self.pose))))
 
     def stream(self, kind, fields=b''):
         self.seqs[1] = self.seqs[1] + 1 & 0xffff
@@ -145,6 +150,23 @@ class Host:
                 self.ask('Stop')
             self.ask('SetTelemetry', real(20.0) + bytes([15]))
             self.pause(0.3)
+
+    def begin(self):
+        """Arms the rig, and moves it, so that the attack meets a rig that moves."""
+        end = time.monotonic() + 240.0
+
+        def until(is_done):
+            while not is_done():
+                if time.monotonic() > end:
+                    raise TimeoutError('the rig stays ' + self.state)
+                self.pause(0.2)
+
+        until(lambda: self.ask('Arm')[0] == 0)
+        until(lambda: self.state == 'Holding')
+        self.performs = True
+        until(lambda: self.ask('Play', count(1))[0] == 0)
+        self.pause(2.0)
+        self.performs = False
 
     # The hostile part.
 
@@ -343,6 +365,8 @@ def main():
     host.greet()
     host.rest()
     before = host.stock()
+    if host.arms:
+        host.begin()
     begun = time.monotonic()
     host.attack(int(messages))
     took = time.monotonic() - begun
