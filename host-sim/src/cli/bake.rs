@@ -21,8 +21,8 @@ use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint cannot follow,
-/// when, and by how much.
+/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
+/// follow, at which time, and by how much.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
@@ -59,8 +59,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if a limit would be exceeded, or if a travelling base would have to return faster than it
-    /// ever moves.
+    /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, or if a travelling base would
+    /// have to return faster than it ever moves.
     #[arg(long = "loop")]
     is_loop: bool,
 

@@ -17,7 +17,7 @@ pub(super) fn read<L: Line>(
     }
 }
 
-/// Formats minimum, mean, maximum and jitter of each part; `None` if the board counts no cycles.
+/// Formats minimum, mean, maximum and jitter of each part. Returns `None` if the board counts no cycles.
 pub(super) fn spreads(health: &Health) -> Option<String> {
     if health.cycles_hz == 0 {
         return None;
