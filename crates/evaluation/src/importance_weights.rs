@@ -27,11 +27,10 @@ const POINTS: usize = 2 * CAPACITY;
 /// the middle of the cylinder. Every body therefore has a surface, including leaves and bodies with several
 /// children, whatever its joints.
 ///
-/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ is the angle between the desired and the measured rotation of joint
-/// i relative to its parent (for the root: to the world), and Δp the error of the root's position. To first order
-/// it is at least the mean distance of the skin's points from their desired places, if the figure had the clip's
-/// dimensions: rotations that cancel each other count as if they did not. A difference in dimensions is not an
-/// error of the pose.
+/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ is the angle between the desired and the measured rotation of joint i
+/// relative to its parent (for the root: to the world), and Δp the error of the root's position. To first order it is
+/// at least the mean distance of the skin's points from their desired places, if the figure had the clip's dimensions:
+/// rotations that cancel each other are counted in full. A difference in dimensions is not an error of the pose.
 ///
 /// A rig whose masses are all at its joints has no surface, and levers of 0.
 ///

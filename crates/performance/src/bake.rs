@@ -25,8 +25,8 @@ pub const CHECK_HZ: f64 = 250.0;
 /// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, it could
 /// exceed one for a few milliseconds.
 const FITTED_HZ: f64 = 1000.0;
-/// Lowest rate of a rough check, which is done before, Hz. It checks at least the samples, where accelerations are
-/// largest.
+/// Lowest rate of the rough check that precedes the fine check, Hz. It checks at least the samples, where accelerations
+/// are largest.
 const ROUGH_HZ: f64 = 100.0;
 /// Largest number of fits for one show.
 const FITS: usize = 12;

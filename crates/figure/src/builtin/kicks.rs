@@ -176,7 +176,8 @@ const ROUNDHOUSE: Kick = Kick {
     length_s: 1.52,
 };
 
-/// Time by which the pelvis moves earlier than the foot, in seconds. The next constant is the same for the trunk.
+/// Time by which the pelvis moves earlier than the foot, in seconds. The next constant is the corresponding time of the
+/// trunk.
 const HIPS_AHEAD_S: f64 = 0.060;
 const TRUNK_AHEAD_S: f64 = 0.030;
 /// Change of the elbow's direction per metre of swing: outwards and back, so that it is never parallel to the arm.

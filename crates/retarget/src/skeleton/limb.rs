@@ -128,7 +128,8 @@ fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
     Some(Limb { joints, lengths, side, by_name, skipped, score })
 }
 
-/// Returns the support of the name of `joint` for `part`: 1 for it, 0 unknown, -1 against it.
+/// Returns how well the name of `joint` supports `part`: from 1 (the name certainly means this part) over 0 (unknown
+/// name) to -1 (a finger or a part of the face).
 pub(super) fn says(body: &Body, joint: usize, part: Part) -> f64 {
     let name = &body.names[joint];
     let likely = name.says(part);

@@ -17,9 +17,9 @@ const BYTE: u128 = 10_000_000_000;
 const ROOM: usize = 1 << 16;
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on
-    /// the rig. In a tick no more bytes pass, each way, than a line of the port's rate carries: more wait, so that a
-    /// program that is too fast for a board is too fast here.
+    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on the
+    /// rig. In a tick, at most as many bytes pass in each direction as a line of the port's rate carries. Further bytes
+    /// wait, so that a program that sends too fast for a real board sends too fast here, too.
     ///
     /// # Errors
     /// An I/O error of reading or writing.

@@ -278,8 +278,8 @@ impl<'a> Fitting<'a> {
         is_lowered
     }
 
-    /// Increases the distance from range ends that the curve exceeds: between rows at an end, it overshoots.
-    /// Returns whether any was increased.
+    /// Increases the margin at range ends that the curve exceeds: between two rows at an end of a range, the curve
+    /// overshoots. Returns whether any was increased.
     fn widen(&mut self, report: &Report) -> bool {
         let is_range = |excess: &&Excess| matches!(excess.kind, Kind::Range | Kind::LinkedRange);
         let mut is_crowded = false;
