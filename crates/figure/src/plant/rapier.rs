@@ -262,7 +262,8 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
 }
 
 /// Returns the joint of a body in the engine's form. Ranges become its limits. Friction becomes its motor, which
-/// resists motion with a bounded force or a force proportional to the speed.
+/// resists motion with a bounded force or a force proportional to the speed. `None` for a free joint, for which the
+/// engine needs no joint.
 fn engine_joint(body: &Given) -> Option<GenericJoint> {
     let at = vector(body.position_m);
     let (axis, locked, free) = match body.joint {

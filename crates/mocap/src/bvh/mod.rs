@@ -323,8 +323,8 @@ impl Hierarchy {
     }
 
     /// Adds the joints' offsets to positions that are displacements from these offsets, which some exporters write.
-    /// Such positions are near zero although the offsets are not, and no valid file has all joints at one place.
-    /// The limit is 5 % of the bones' length.
+    /// Such positions are near zero although the offsets are not, and no valid file has all joints at one place. The
+    /// limit is 5 % of the bones' length. Returns a note for the user if offsets were added.
     fn add_offsets(&self, frames: &mut Frames) -> Option<String> {
         const NEAR: f64 = 0.05;
         let joints = &self.skeleton.joints;

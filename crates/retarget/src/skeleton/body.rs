@@ -152,7 +152,8 @@ impl<'a> Body<'a> {
         length <= ZERO * self.below[0]
     }
 
-    /// Returns the smallest and the largest angle in the clip between the bones before and after a joint, rad.
+    /// Returns the smallest and the largest angle in the clip between the bones before and after a joint, rad. `None`
+    /// if one of the bones is missing or has no length, or there are no frames.
     fn angles(&self, joint: usize) -> Option<(f64, f64)> {
         let parent = self.parent(joint)?;
         let child = *self.children[joint]
