@@ -22,7 +22,7 @@ use crate::play::bus::Buses;
 use crate::play::simulated_lines::lines;
 use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pulses};
 
-/// Steps of the background task per tick. They take 64 bytes each.
+/// Steps of the background task per tick. A step takes at most 64 of the bytes that came.
 const STEPS: u32 = 8;
 /// Name of the approver that is stored with the rig of a simulated board.
 const APPROVER: &str = "simulated board";
