@@ -22,8 +22,8 @@ const DOFS: usize = 128;
 const SERVOS: usize = 64;
 /// Rate at which a show is checked against limits, Hz.
 pub const CHECK_HZ: f64 = 250.0;
-/// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, it could
-/// exceed one for a few milliseconds.
+/// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, the show could
+/// exceed the limit for a few milliseconds.
 const FITTED_HZ: f64 = 1000.0;
 /// Lowest rate of the rough check that precedes the fine check, Hz. It checks at least the samples, where accelerations
 /// are largest.

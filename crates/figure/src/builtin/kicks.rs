@@ -16,8 +16,8 @@ use super::timing::Beats;
 struct Key {
     /// Time from the start of the kick, in seconds.
     time_s: f64,
-    /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in
-    /// metres. Chosen to keep the centre of mass above the foot.
+    /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in metres.
+    /// The values keep the centre of mass above the foot.
     shift: DVec3,
     /// Rotation of the pelvis relative to the stance, in degrees about x, y, z.
     pelvis: DVec3,

@@ -60,7 +60,8 @@ impl Default for Settings {
 /// Plausible heights in metres, from a puppet to a giant. If a height is outside, the unit of length must be wrong.
 const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 
-/// Something done to a clip that its user should know. The message does not contain the clip's name.
+/// A fact about a clip, or a change that was made to it, of which the user should know. The message does not contain
+/// the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
     /// Height, unit and up axis of the clip.

@@ -213,8 +213,8 @@ impl Plant for RapierPlant {
 }
 
 impl Link {
-    /// Returns the components of a torque and a force (world axes) along which the joint can move; all of both for
-    /// a bolted root.
+    /// Returns the components of a torque and a force (world axes) along which the joint can move. For the root, both
+    /// are returned unchanged.
     fn followed(&self, torque_nm: DVec3, force_n: DVec3, poses: &[BodyPose]) -> (DVec3, DVec3) {
         let Some(parent) = self.parent.map(|parent| poses[parent].rotation) else {
             return (torque_nm, force_n);
