@@ -59,8 +59,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, or if a travelling base would
-    /// have to return faster than it ever moves.
+    /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, if a travelling base would
+    /// have to return faster than it ever moves, or if a ball joint would have to turn back by 180 degrees.
     #[arg(long = "loop")]
     is_loop: bool,
 

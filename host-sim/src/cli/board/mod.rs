@@ -27,8 +27,8 @@ use text::remedy;
 
 /// Flash, check, watch and simulate controller boards, upload rigs and shows, and read faults.
 ///
-/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without it, the command uses the USB
-/// port where a board answers.
+/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without this option, the command uses
+/// the USB port where a board answers.
 #[derive(Debug, Args)]
 pub(super) struct BoardCommands {
     #[command(subcommand)]
