@@ -313,7 +313,7 @@ impl TorqueLimit {
     }
 }
 
-/// Returns `true` if a vector is surely shorter than a bound, or zero. Written so that NaN and overflow give `false`.
+/// Returns `true` if a vector is zero or surely shorter than a bound. Written so that NaN and overflow give `false`.
 /// Compares squares, which avoids a square root.
 #[inline]
 fn within(wanted: Vec3, bound: f32) -> bool {
@@ -333,7 +333,7 @@ impl fmt::Display for LimitError {
 
 impl core::error::Error for LimitError {}
 
-/// A value within its limits, and the limit that changed it.
+/// A value after all limits, and the reason if it differs from the wanted value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -344,7 +344,7 @@ impl core::error::Error for LimitError {}
 pub struct Limited<T> {
     /// The value to use.
     pub value: T,
-    /// The limit that changed the value, or `None` if the value is unchanged.
+    /// The reason why the value was changed, or `None` if it is unchanged.
     pub reason: Option<LimitReason>,
 }
 

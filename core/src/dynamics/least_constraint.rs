@@ -240,7 +240,7 @@ impl From<BallResponse> for Response {
 }
 
 impl BallResponse {
-    /// Returns the rotation of the body when its parent moves its origin by `way`.
+    /// Returns the rotation of the body when the parent moves the body's origin by `way`.
     #[inline]
     pub(crate) fn turn(&self, way: Vec3) -> Vec3 {
         self.turn - self.per_way * way
