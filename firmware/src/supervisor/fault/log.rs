@@ -13,7 +13,7 @@ pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
     /// The last faults, newest first.
     last: [Option<FaultRecord>; K],
-    /// Number of the last faults that occurred since faults were cleared.
+    /// Number of items of `last` that occurred since faults were cleared.
     since: usize,
     /// Number of times that faults were cleared.
     clears: u32,

@@ -27,7 +27,7 @@ const MEAN_TICKS: u32 = 50;
 const REST_RAD: f64 = 0.0175;
 const MOST_SERVOS: usize = 8;
 
-/// Ratio of the rig as built to its model.
+/// Ratios of properties of the rig as built to those of its model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AsBuilt {
     pub(crate) masses: f64,

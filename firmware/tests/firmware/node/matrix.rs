@@ -343,7 +343,8 @@ fn is_cleared(world: &mut World, fault: Fault) {
     panic!("{fault} is not cleared: {:?}", world.state());
 }
 
-/// Measures all cells of these faults and states, in a new world with such a board for each fault.
+/// Measures all cells of these faults and states. For each fault it makes a new world, with a new board from
+/// `emulated`.
 fn cells(
     emulated: fn() -> Option<Emulated>,
     is_wanted: impl Fn(Fault, State) -> bool + Sync,
@@ -400,7 +401,7 @@ fn the_second_table_is_what_happens_in_process() {
     is_the_page(|| None);
 }
 
-/// Returns a state for each fault that can be shown: the one that the faults before use least.
+/// Returns a state for each fault that can be shown: the state that was chosen least often for the earlier faults.
 fn share() -> Vec<(Fault, State)> {
     let mut times = [0; State::COUNT];
     let mut share = Vec::new();
