@@ -104,7 +104,7 @@ impl Port {
         Ok(tcgetattr(&self.program)?.output_speed())
     }
 
-    /// Reads the bytes that programs have written, without waiting. Returns their number, or 0.
+    /// Reads the bytes that programs have written, without waiting. Returns their number: 0 if there are none.
     ///
     /// # Errors
     /// An error of the operating system.

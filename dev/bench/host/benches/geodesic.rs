@@ -20,7 +20,7 @@ use sinew_figure::builtin;
 use sinew_mocap::Skeleton;
 use sinew_pose_metrics::geodesic::{self, JointPosition, Options, Rig, RigJoint};
 
-/// Steps of a curve, as in the paper.
+/// Number of steps of a curve, as in the paper.
 const STEPS: usize = 10;
 /// Largest number of iterations of every method.
 const ITERATIONS: u64 = 5_000;

@@ -47,7 +47,7 @@ fn settings() {
     });
 }
 
-/// A run takes seconds of the rig's time: allow minutes for a run.
+/// One input takes seconds of simulated time, so allow minutes for a run.
 #[test]
 fn node() {
     inputs::node().for_each(|bytes| {

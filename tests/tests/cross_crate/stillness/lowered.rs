@@ -23,7 +23,7 @@ const BURST_S: f64 = 0.02;
 const MOST_S: f64 = 18.01;
 /// Time for which the rig is watched after torque is off, s.
 const AFTER_S: f64 = 2.0;
-/// Time for which a pose is held before the rig is lowered, and maximum time to reach it, s.
+/// Time for which a pose is held before the rig is lowered, maximum time to reach it, s, and number of poses.
 const HELD_S: f64 = 1.0;
 const REACHED_S: f64 = 40.0;
 const POSES: u32 = 10;
