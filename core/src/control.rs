@@ -192,8 +192,8 @@ pub enum ControlLaw {
     /// the acceleration into a torque.
     ///
     /// The angular feed-forward θ̈ is used component by component, unchanged. The linear feed-forward is rotated from
-    /// desired to measured body axes through the parent's frame. A body's whole world error acts on its own joint;
-    /// the parent's error is not subtracted, because accumulation is the point of the method.
+    /// desired to measured body axes through the parent's frame. A world error acts on the body's own joint as a whole:
+    /// as in the paper, the error of the parent is not subtracted.
     #[default]
     InverseDynamics,
 }

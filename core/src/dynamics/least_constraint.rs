@@ -17,7 +17,7 @@ use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// The cost of all bodies from a joint outwards, `½ Aᵀ I A - Aᵀ W`, to be minimised. A is the motion of the joint's
-/// body. World axes, about the body's origin.
+/// body. All vectors are in world axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Demand {
     pub(crate) inertia: ArticulatedInertia,

@@ -49,7 +49,8 @@ pub enum PortError {
 #[derive(Debug)]
 pub struct Port {
     servos: OwnedFd,
-    /// Program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes it.
+    /// The program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes
+    /// it.
     program: OwnedFd,
     link: PathBuf,
 }

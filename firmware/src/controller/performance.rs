@@ -145,8 +145,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// Returns the effort that carries a dof that corrects no error, by the model, N m or N. It is from the last tick
-    /// in which the rig was carried.
+    /// Returns the effort by which the model carries a dof, without a correction of errors, N m or N. It is from the
+    /// last tick in which the rig was carried.
     pub(super) fn weight(&self, dof: usize) -> f32 {
         self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
     }

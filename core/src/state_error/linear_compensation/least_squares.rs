@@ -147,9 +147,9 @@ impl Spread {
         trace(self.second_moment) + math::length(shift) * math::length(self.sum)
     }
 
-    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin.
-    /// The result is the identity if no rotation is better. Errors: several rotations are equally good, or the square
-    /// of the curvature overflows f32.
+    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin. The
+    /// result is the identity if no rotation is better. Returns an error if several rotations are equally good, or the
+    /// square of the curvature overflows f32.
     ///
     /// Φ maximises `tr(Φᵀ B)`, `B = Σ (a + e) aᵀ`. A rotation about a unit axis n through an angle θ increases it by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature

@@ -9,7 +9,7 @@ const DRIFT_BITS: u32 = 10;
 /// Maximum change of the playing speed, to keep the delay: 1/8.
 const HURRY_BITS: u32 = 3;
 
-/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times in us.
+/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times are in us.
 ///
 /// The frame with the smallest delay gives the offset between the clocks. This offset is a lower bound, which rises
 /// slowly to allow for drift.

@@ -64,7 +64,8 @@ impl<const K: usize> FaultLog<K> {
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before that.
+    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before they were
+    /// cleared.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }

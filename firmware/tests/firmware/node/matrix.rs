@@ -1,5 +1,5 @@
-//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
-//! page `docs/fault-matrix.md`.
+//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. This is the second table of
+//! the page `docs/fault-matrix.md`.
 //!
 //! These tests create a fault where an image can detect it: in the bytes of its bus and its host link, at its pins,
 //! by its clock. The tests of the first table create it between bus and controller.
