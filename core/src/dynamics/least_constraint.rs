@@ -49,7 +49,7 @@ pub(crate) struct Hinge {
 /// An axis along which a joint can move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
-    /// Twist of the body for a unit along the axis, world axes.
+    /// Twist of the body for a unit along the axis, in world axes.
     pub(crate) motion: Twist,
     /// Whether the joint is at the end of its range and pressed against it. The bodies closer to the root then treat
     /// it as rigid.

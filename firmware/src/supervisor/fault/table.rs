@@ -63,7 +63,7 @@ const STOP: [Reaction; State::COUNT] = {
     reactions([Lower, Stop, Stop, Lower, Stop, Lower, Lower])
 };
 
-/// Reactions that make a rig hold which plays a feed or is in maintenance. All other motions continue.
+/// Reactions that make a rig hold if it plays a feed or is in maintenance. All other motions continue.
 const HOLD: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Hold, Note, Note, Note])

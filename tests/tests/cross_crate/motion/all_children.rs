@@ -12,7 +12,7 @@ use sinew_core::{BodySet, BodyState, Transform, Twist, kinematics, math};
 use sinew_test_support::property;
 use sinew_test_support::rig::{CAPACITY, figures};
 
-/// Bodies of a figure that is larger than the paper's 18.
+/// Maximum number of bodies of a figure: more than the paper's 18.
 const MOST: usize = 24;
 
 /// About ten roundings of 1.2e-7 in f32.

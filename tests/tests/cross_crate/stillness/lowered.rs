@@ -13,7 +13,7 @@ use super::measure::Poses;
 use super::robots::{MIXED, OP3, POPPY, robot};
 use super::run::Rig;
 
-/// Maximum speed of a joint, deg/s: the setting's default.
+/// Maximum speed of a joint, deg/s: the default of the setting `lower_rad_s`.
 const MOST_DEG_S: f64 = 30.0;
 /// Interval over which speeds are computed, s; and a shorter one, in which a joint falls through the play of its
 /// gear.
