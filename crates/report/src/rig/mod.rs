@@ -26,7 +26,7 @@ struct Data<'a> {
 
 /// A body in the form of `kinematics.js`.
 #[derive(Debug, Serialize)]
-pub(super) struct Body<'a> {
+pub struct Body<'a> {
     name: &'a str,
     parent: Option<usize>,
     kind: &'static str,
@@ -122,7 +122,7 @@ fn summary(mechanism: &Mechanism, review: &Review) -> String {
 }
 
 /// Returns the bodies of a rig in the form of `kinematics.js`.
-pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
+pub fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
     let body = |link: &'a Link| {
         let (kind, axes) = kind(link.joint);
         Body {
