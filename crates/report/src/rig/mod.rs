@@ -11,11 +11,19 @@ use super::palette;
 
 const SCRIPT: &str = concat!(
     include_str!("assets/kinematics.js"),
-    include_str!("assets/gravity.js"),
     include_str!("assets/stage.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/gravity.js"),
     include_str!("assets/view.js")
 );
 const STYLE: &str = include_str!("assets/view.css");
+
+/// The renderer of rigs as an ES module, for pages that are served: it exports `kinematicsOf`, `stageOn` and `shade`.
+pub const RENDERER: &str = concat!(
+    include_str!("assets/kinematics.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/module.js")
+);
 
 /// Data for the page's script.
 #[derive(Debug, Serialize)]
@@ -26,7 +34,7 @@ struct Data<'a> {
 
 /// A body in the form of `kinematics.js`.
 #[derive(Debug, Serialize)]
-pub(super) struct Body<'a> {
+pub struct Body<'a> {
     name: &'a str,
     parent: Option<usize>,
     kind: &'static str,
@@ -122,7 +130,7 @@ fn summary(mechanism: &Mechanism, review: &Review) -> String {
 }
 
 /// Returns the bodies of a rig in the form of `kinematics.js`.
-pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
+pub fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
     let body = |link: &'a Link| {
         let (kind, axes) = kind(link.joint);
         Body {
