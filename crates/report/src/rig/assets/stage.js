@@ -9,8 +9,11 @@ const shade = (share) => {
   return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
 };
 
-// `rig`: from `kinematicsOf`. `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`. `approach` brings the camera as near
-// as all points are still in view.
+// Yaw and pitch with which the camera begins, rad.
+const FRONT = [0.7, 0.25];
+
+// `rig`: from `kinematicsOf`. `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`.
+// `approach` brings the camera as near as all points are still in view.
 const stageOn = (rig, canvas, points, show) => {
   const { bodies, dofs, values, axisOf } = rig;
   const context = canvas.getContext("2d");
@@ -23,7 +26,9 @@ const stageOn = (rig, canvas, points, show) => {
     [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]]);
   const home = times(add(...box), 0.5);
   const size = Math.max(norm(sub(box[1], box[0])), 0.02);
-  const camera = { yaw: 0.7, pitch: 0.25, distance: 2.4 * size };
+  const camera = { yaw: FRONT[0], pitch: FRONT[1], distance: 2.4 * size };
+  // Where joints were drawn.
+  let marks = [];
   const ground = box[0][1];
 
   let width = 0, height = 0, middle = home;
@@ -138,6 +143,7 @@ const stageOn = (rig, canvas, points, show) => {
         } });
       }
     }
+    marks = dofs.map((dof) => project(poses[dof.body].p));
     dofs.forEach((dof, index) => {
       const axis = axisOf(dof, poses);
       const { p } = poses[dof.body];
@@ -156,12 +162,15 @@ const stageOn = (rig, canvas, points, show) => {
   };
 
   // ---- Camera ----
+  let isMoved = false;
   const turnView = (yaw, pitch) => {
+    isMoved = true;
     camera.yaw += yaw;
     camera.pitch = Math.min(Math.max(camera.pitch + pitch, -1.5), 1.5);
     show();
   };
   const zoom = (factor) => {
+    isMoved = true;
     camera.distance = Math.min(Math.max(camera.distance * factor, 0.4 * size), 20 * size);
     show();
   };
@@ -182,7 +191,24 @@ const stageOn = (rig, canvas, points, show) => {
     }[event.key];
     if (done) { event.preventDefault(); done(); }
   });
+  // Returns the joint that was drawn nearest to a place of the canvas, -1 if none is near.
+  const jointAt = (x, y) => {
+    const far = marks.map((at) => Math.hypot(at.x / ratio() - x, at.y / ratio() - y));
+    const near = far.indexOf(Math.min(...far));
+    return far[near] < 28 ? near : -1;
+  };
+  const front = () => {
+    [camera.yaw, camera.pitch] = FRONT;
+    approach();
+    isMoved = false;
+    show();
+  };
+  // Fits the rig into a canvas of another size, unless the reader has moved the camera.
+  const fit = () => {
+    if (!isMoved) approach();
+    show();
+  };
   addEventListener("resize", show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
-  return { draw, approach };
+  return { draw, approach, front, fit, jointAt };
 };
