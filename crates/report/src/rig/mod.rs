@@ -11,11 +11,19 @@ use super::palette;
 
 const SCRIPT: &str = concat!(
     include_str!("assets/kinematics.js"),
-    include_str!("assets/gravity.js"),
     include_str!("assets/stage.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/gravity.js"),
     include_str!("assets/view.js")
 );
 const STYLE: &str = include_str!("assets/view.css");
+
+/// The renderer of rigs as an ES module, for pages that are served: it exports `kinematicsOf`, `stageOn` and `shade`.
+pub const RENDERER: &str = concat!(
+    include_str!("assets/kinematics.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/module.js")
+);
 
 /// Data for the page's script.
 #[derive(Debug, Serialize)]

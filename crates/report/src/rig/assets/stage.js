@@ -9,17 +9,26 @@ const shade = (share) => {
   return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
 };
 
-// `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`. `approach` brings the camera as near
-// as all points are still in view.
-const stageOn = (canvas, points, show) => {
+// Yaw and pitch with which the camera begins, rad.
+const FRONT = [0.7, 0.25];
+
+// `rig`: from `kinematicsOf`. `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`.
+// `approach` brings the camera as near as all points are still in view.
+const stageOn = (rig, canvas, points, show) => {
+  const { bodies, dofs, values, axisOf } = rig;
   const context = canvas.getContext("2d");
-  const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  // Colours of the page's style; they are read once in a drawing.
+  let colors = {};
+  const color = (name) =>
+    colors[name] ??= getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   const box = points.reduce(
     ([low, high], p) => [low.map((x, i) => Math.min(x, p[i])), high.map((x, i) => Math.max(x, p[i]))],
     [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]]);
   const home = times(add(...box), 0.5);
   const size = Math.max(norm(sub(box[1], box[0])), 0.02);
-  const camera = { yaw: 0.7, pitch: 0.25, distance: 2.4 * size };
+  const camera = { yaw: FRONT[0], pitch: FRONT[1], distance: 2.4 * size };
+  // Where joints were drawn.
+  let marks = [];
   const ground = box[0][1];
 
   let width = 0, height = 0, middle = home;
@@ -62,7 +71,7 @@ const stageOn = (canvas, points, show) => {
     const { p } = poses[dof.body];
     const start = Math.abs(axis[1]) < 0.9 ? cross(axis, [0, 1, 0]) : cross(axis, [1, 0, 0]);
     const across = times(start, 1 / norm(start));
-    const now = values[RIG.dofs.indexOf(dof)];
+    const now = values[dofs.indexOf(dof)];
     const at = (angle) => {
       const way = angle - now;
       return project(add(p, times(add(times(across, Math.cos(way)), times(cross(axis, across), Math.sin(way))), radius)));
@@ -95,17 +104,18 @@ const stageOn = (canvas, points, show) => {
     }
   };
   // From where to where each body reaches.
-  const bones = (poses) => RIG.bodies.flatMap((body, index) => {
+  const bones = (poses) => bodies.flatMap((body, index) => {
     const from = poses[index].p;
-    const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
+    const to = bodies.map((_, child) => child).filter((child) => bodies[child].parent === index)
       .map((child) => poses[child].frame.p);
     const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
     to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
     return to.map((end) => [from, end]);
   });
   // `shares`: of what each joint can give. `marked`: joints with a ring. `way`: how far the camera goes with the rig.
-  // `sent`: poses that are drawn as thin lines.
-  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null } = {}) => {
+  // `sent`, `ghost`: poses that are drawn as thin lines, and as broken ones.
+  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null, ghost = null } = {}) => {
+    colors = {};
     middle = add(home, way);
     measure();
     if (width === 0) return;
@@ -122,12 +132,19 @@ const stageOn = (canvas, points, show) => {
         line(a, b, color("paper"), thick * a.scale);
       } });
     }
-    for (const [from, to] of sent ? bones(sent) : []) {
-      const [a, b] = [project(from), project(to)];
-      // In front of what it is in.
-      parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => line(a, b, color("world"), 1.5 * ratio()) });
+    for (const [lines, style, dashes] of [[sent, "world", []], [ghost, "egocentric", [5, 4]]]) {
+      for (const [from, to] of lines ? bones(lines) : []) {
+        const [a, b] = [project(from), project(to)];
+        // In front of what it is in.
+        parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => {
+          context.setLineDash(dashes.map((x) => x * ratio()));
+          line(a, b, color(style), 1.5 * ratio());
+          context.setLineDash([]);
+        } });
+      }
     }
-    RIG.dofs.forEach((dof, index) => {
+    marks = dofs.map((dof) => project(poses[dof.body].p));
+    dofs.forEach((dof, index) => {
       const axis = axisOf(dof, poses);
       const { p } = poses[dof.body];
       const half = (dof.slides ? 0.05 : 0.03) * size;
@@ -145,12 +162,15 @@ const stageOn = (canvas, points, show) => {
   };
 
   // ---- Camera ----
+  let isMoved = false;
   const turnView = (yaw, pitch) => {
+    isMoved = true;
     camera.yaw += yaw;
     camera.pitch = Math.min(Math.max(camera.pitch + pitch, -1.5), 1.5);
     show();
   };
   const zoom = (factor) => {
+    isMoved = true;
     camera.distance = Math.min(Math.max(camera.distance * factor, 0.4 * size), 20 * size);
     show();
   };
@@ -171,7 +191,24 @@ const stageOn = (canvas, points, show) => {
     }[event.key];
     if (done) { event.preventDefault(); done(); }
   });
+  // Returns the joint that was drawn nearest to a place of the canvas, -1 if none is near.
+  const jointAt = (x, y) => {
+    const far = marks.map((at) => Math.hypot(at.x / ratio() - x, at.y / ratio() - y));
+    const near = far.indexOf(Math.min(...far));
+    return far[near] < 28 ? near : -1;
+  };
+  const front = () => {
+    [camera.yaw, camera.pitch] = FRONT;
+    approach();
+    isMoved = false;
+    show();
+  };
+  // Fits the rig into a canvas of another size, unless the reader has moved the camera.
+  const fit = () => {
+    if (!isMoved) approach();
+    show();
+  };
   addEventListener("resize", show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
-  return { draw, approach };
+  return { draw, approach, front, fit, jointAt };
 };
