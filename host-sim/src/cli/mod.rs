@@ -5,6 +5,8 @@ mod blend;
 mod board;
 mod clip;
 mod clips;
+#[cfg(unix)]
+mod console;
 mod driven;
 mod evaluate;
 mod evaluation;
@@ -68,6 +70,8 @@ enum Command {
     Clip(clip::ClipCommands),
     Bake(bake::Args),
     Play(play::Args),
+    #[cfg(unix)]
+    Console(console::ConsoleArgs),
     Record(record::Args),
     Report(report::Args),
     Servo(servo::ServoArgs),
@@ -82,6 +86,8 @@ impl Command {
             Self::Clip(args) => clip::run(args),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
+            #[cfg(unix)]
+            Self::Console(args) => console::run(args),
             Self::Record(args) => record::run(args).map(|()| ExitCode::SUCCESS),
             Self::Report(args) => report::run(args),
             Self::Servo(args) => servo::run(args),
@@ -94,6 +100,8 @@ impl Command {
     fn check(&self) -> anyhow::Result<()> {
         match self {
             Self::Play(args) => args.check(),
+            #[cfg(unix)]
+            Self::Console(args) => args.check(),
             Self::Record(args) => args.check(),
             Self::Evaluate(args) => args.check(),
             _ => Ok(()),
