@@ -47,7 +47,7 @@ const socket = connect({
 const report = (what, { ok, text }) => {
   const answer = byId("answer");
   answer.className = ok ? "ok" : "refused";
-  write(answer, ok ? `${what}: done${text ? `, ${text}` : ""}` : `${what}: ${text || "refused"}`);
+  write(answer, `${what}: ${text || (ok ? "done" : "refused")}`);
 };
 const shows = show({ send: socket.send, ask: socket.ask, report });
 const events = log(socket.ask, report);
