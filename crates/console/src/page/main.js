@@ -166,5 +166,8 @@ const refresh = (swings = new Set()) => {
     : may.jog ? "Move a slider: the joint follows while you hold it, and stands when you let go. Arrow keys: 1°, with Shift 5°."
     : role.driver ? `Sliders move the rig when it holds; it is ${name}.` : "Sliders are the driver's: take the wheel first.");
 };
+// A phone's page keeps the rig in sight below the head, whose height depends on its words.
+new ResizeObserver(([{ target }]) => document.documentElement.style.setProperty("--head", `${target.offsetHeight}px`))
+  .observe(document.querySelector("header"));
 setInterval(() => { if (isStale()) refresh(); }, 500);
 refresh();

@@ -30,7 +30,7 @@ pub(super) fn of(body: &str) -> Vec<BodyShape> {
         }
         "head" => vec![
             BodyShape::capsule(0.062, 0.05).at([0.0, 0.11, -0.008], UPRIGHT).colored(SKIN),
-            BodyShape::cylinder(0.024, 0.07).at([0.0, 0.032, -0.012], UPRIGHT).colored(SKIN),
+            BodyShape::cylinder(0.024, 0.084).at([0.0, 0.025, -0.012], UPRIGHT).colored(SKIN),
             BodyShape::sphere(0.011).at([0.0, 0.078, 0.06], LEVEL).colored(SKIN),
             BodyShape::sphere(0.014).at([0.064, 0.09, -0.005], LEVEL).colored(SKIN),
             BodyShape::sphere(0.014).at([-0.064, 0.09, -0.005], LEVEL).colored(SKIN),

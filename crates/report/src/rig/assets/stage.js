@@ -29,12 +29,13 @@ const stageOn = (rig, canvas, points, show) => {
   const camera = { yaw: FRONT[0], pitch: FRONT[1], distance: 2.4 * size };
   const solids = bodies.map((body) => (body.shapes ?? []).map((shape) => solidOf(shape, size)));
   const hasSolids = solids.some((own) => own.length > 0);
-  // Beside solids the mark of a joint is small: it would hide them.
-  const markScales = bodies.map((body) => {
-    if (!body.shapes?.length) return 0.18;
-    const corners = body.shapes.flatMap(boundsOf);
-    const own = [0, 1, 2].map((k) => Math.max(...corners.map((p) => p[k])) - Math.min(...corners.map((p) => p[k])));
-    return Math.min(Math.max(norm(own) / size, 0.18), 0.45);
+  // Beside solids the mark of a joint is small, and smaller where joints are near each other: marks would hide them.
+  const places = rig.solve();
+  const markScales = dofs.map((dof, index) => {
+    if (!hasSolids) return 1;
+    const away = dofs.map((other, at) =>
+      at === index ? Infinity : norm(sub(places[other.body].p, places[dof.body].p)));
+    return Math.min(Math.max(Math.min(...away) / (0.15 * size), 0.2), 0.6);
   });
   // Where joints were drawn.
   let marks = [];
@@ -212,7 +213,7 @@ const stageOn = (rig, canvas, points, show) => {
       if (bodies[dof.body].kind === "free") return;
       const axis = axisOf(dof, poses);
       const { p } = poses[dof.body];
-      const scale = hasSolids ? markScales[dof.body] : 1;
+      const scale = markScales[index];
       const half = scale * (dof.slides ? 0.05 : 0.03) * size;
       const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
       const style = shade(shares[index]);
