@@ -91,23 +91,27 @@ fn a_rig_is_armed_moved_played_and_stopped_from_the_page() {
     let [rig, show] = arm_and_show(folder.path());
     let console = Served::start(&["--rig", &rig, &show]);
     let origin = console.origin().to_owned();
-    with_url(&console.address, |request| request.starts_with(&origin), |page| {
-        wait_for_state(page, "limp");
-        space_and_a_short_press_do_not_arm(page);
-        page.hold("#arm", 1300);
-        wait_for_state(page, "holding");
-        sliders_move_joints_while_they_are_held(page);
-        a_scrub_moves_the_ghost_alone(page);
-        the_show_plays_loops_and_is_held(page);
-        an_emergency_stop_is_a_fault_that_is_cleared(page);
-        page.hold("#arm", 1300);
-        wait_for_state(page, "holding");
-        page.hold("#stop", 50);
-        wait_for_state(page, "limp");
-        for width in [1280, 400] {
-            page.assert_fits(width);
-        }
-    });
+    with_url(
+        &console.address,
+        |request| request.starts_with(&origin),
+        |page| {
+            wait_for_state(page, "limp");
+            space_and_a_short_press_do_not_arm(page);
+            page.hold("#arm", 1300);
+            wait_for_state(page, "holding");
+            sliders_move_joints_while_they_are_held(page);
+            a_scrub_moves_the_ghost_alone(page);
+            the_show_plays_loops_and_is_held(page);
+            an_emergency_stop_is_a_fault_that_is_cleared(page);
+            page.hold("#arm", 1300);
+            wait_for_state(page, "holding");
+            page.hold("#stop", 50);
+            wait_for_state(page, "limp");
+            for width in [1280, 400] {
+                page.assert_fits(width);
+            }
+        },
+    );
 }
 
 fn space_and_a_short_press_do_not_arm(page: &Page) {
@@ -193,18 +197,23 @@ fn a_page_without_its_console_controls_nothing() {
     let origin = console.origin().to_owned();
     let address = console.address.clone();
     // A refused connection is an error of the browser's console, therefore it is counted by hand.
-    with_url(&address, |request| request.starts_with(&origin), |page| {
-        wait_for_state(page, "limp");
-        page.ask("WebSocket = class extends EventTarget {}");
-        console.process.kill().unwrap();
-        wait_until(page, "!document.getElementById('lost').hidden");
-        let enabled =
-            page.ask("[...document.querySelectorAll('button:enabled')].map(e => e.id).filter(id => id)");
-        let harmless = ["front", "tab-joints", "tab-servos", "tab-log"];
-        for id in enabled.as_array().unwrap() {
-            assert!(harmless.contains(&id.as_str().unwrap()), "{id} pretends to work");
-        }
-        assert_eq!(page.ask("document.getElementById('hold').disabled"), true);
-        assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
-    });
+    with_url(
+        &address,
+        |request| request.starts_with(&origin),
+        |page| {
+            wait_for_state(page, "limp");
+            page.ask("WebSocket = class extends EventTarget {}");
+            console.process.kill().unwrap();
+            wait_until(page, "!document.getElementById('lost').hidden");
+            let enabled = page.ask(
+                "[...document.querySelectorAll('button:enabled')].map(e => e.id).filter(id => id)",
+            );
+            let harmless = ["front", "tab-joints", "tab-servos", "tab-log"];
+            for id in enabled.as_array().unwrap() {
+                assert!(harmless.contains(&id.as_str().unwrap()), "{id} pretends to work");
+            }
+            assert_eq!(page.ask("document.getElementById('hold').disabled"), true);
+            assert_eq!(page.ask("document.querySelectorAll('#sliders input:enabled').length"), 0);
+        },
+    );
 }

@@ -60,3 +60,28 @@ fn color(geom: &Element<'_, '_>) -> Option<[f64; 3]> {
     let [red, green, blue, _]: [f64; 4] = own().or_else(of_material)?;
     Some([red, green, blue].map(|share| share.clamp(0.0, 1.0)))
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::description::BodyShape;
+    use crate::import::mjcf;
+
+    #[test]
+    fn a_body_is_drawn_by_its_seen_geoms_or_else_by_all() {
+        let text = r#"<mujoco><asset><material name="green" rgba="0 1 0 1"/></asset><worldbody>
+            <body name="a"><freejoint/>
+              <geom type="box" size="0.5 1 2" material="green"/>
+              <geom type="sphere" size="9" group="3"/>
+              <body name="b" pos="0 0 1"><joint axis="0 0 1" pos="0 0 0.25"/>
+                <geom type="capsule" size="0.1 0.5" pos="0 0 1" group="3" rgba="1 0 0 1"/>
+              </body>
+            </body></worldbody></mujoco>"#;
+        let bodies = mjcf(text, &crate::import::Options::default()).unwrap().description.bodies;
+        let level = [0.0, 0.0, 0.0, 1.0];
+        let block = BodyShape::cuboid([1.0, 2.0, 4.0]).colored([0.0, 1.0, 0.0]);
+        assert_eq!(bodies[0].shapes, [block]);
+        // The body's frame is at its joint.
+        let rod = BodyShape::capsule(0.1, 1.0).at([0.0, 0.0, 0.75], level);
+        assert_eq!(bodies[1].shapes, [rod.colored([1.0, 0.0, 0.0])]);
+    }
+}
