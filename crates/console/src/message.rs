@@ -46,10 +46,12 @@ pub(crate) enum PageCommand {
     /// A moment of the show as a ghost; `None` takes the ghost away.
     Seek {
         t: Option<f64>,
+        slot: Option<u8>,
     },
     /// The rig goes to the pose of a moment of the show.
     Follow {
         t: f64,
+        slot: Option<u8>,
     },
     /// The goal of a slider, repeated while the slider is held.
     Jog {
@@ -131,7 +133,7 @@ mod tests {
         assert_eq!(play, PageCommand::Play { slot: 0, is_loop: true });
         assert_eq!(
             read(r#"{"type":"seek","t":null}"#).unwrap().command,
-            PageCommand::Seek { t: None }
+            PageCommand::Seek { t: None, slot: None }
         );
         for bad in [
             r#"{"type":"jog","dof":-1,"goal":0}"#,

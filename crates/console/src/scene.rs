@@ -66,6 +66,8 @@ pub(crate) struct SceneDof {
     pub(crate) home: f32,
     /// Maximum speed, rad/s or m/s; `None` without a limit.
     pub(crate) speed: Option<f32>,
+    /// Maximum effort, N m or N; `None` without a limit.
+    pub(crate) effort: Option<f32>,
     /// Index in the pose; `None` for a ball joint.
     pub(crate) coordinate: Option<usize>,
 }
@@ -203,6 +205,7 @@ fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
                 limited: range.is_some(),
                 home: of_board[index].home,
                 speed: Some(of_board[index].speed).filter(|speed| speed.is_finite()),
+                effort: Some(of_board[index].effort).filter(|effort| effort.is_finite()),
                 coordinate: (!is_ball).then_some(coordinate + axis),
             });
         }

@@ -66,8 +66,8 @@ impl<L: Line> Hub<'_, L> {
             }
             Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
             Play { slot, is_loop } => self.play(slot, is_loop),
-            Seek { t } => self.seek(t),
-            Follow { t } => self.seek(Some(t)).and_then(|_| match self.ghost.clone() {
+            Seek { t, slot } => self.seek(t, slot),
+            Follow { t, slot } => self.seek(Some(t), slot).and_then(|_| match self.ghost.clone() {
                 Some(ghost) => self.travel(&ghost),
                 None => Err(Refused::because("there is no such pose")),
             }),

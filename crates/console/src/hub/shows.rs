@@ -141,11 +141,12 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
-    /// Shows the pose of the loaded show at a time as a ghost, or takes the ghost away.
-    pub(super) fn seek(&mut self, t: Option<f64>) -> Result<String, Refused> {
+    /// Shows the pose of a show at a time as a ghost, or takes the ghost away. Without a slot, the show is the loaded
+    /// one.
+    pub(super) fn seek(&mut self, t: Option<f64>, slot: Option<u8>) -> Result<String, Refused> {
         self.ghost = None;
         let Some(t) = t else { return Ok(String::new()) };
-        let slot = self.shows.loaded.or(self.shows.bytes.first().map(|(slot, _)| *slot));
+        let slot = slot.or(self.shows.loaded).or(self.shows.bytes.first().map(|(slot, _)| *slot));
         let bytes = slot.and_then(|slot| self.shows.bytes(slot));
         let bytes = bytes.ok_or_else(|| {
             Refused::because(
