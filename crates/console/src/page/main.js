@@ -26,8 +26,10 @@ const arrivals = [];
 const socket = connect({
   head: (message) => {
     isConnected = true;
-    const text = JSON.stringify(message);
-    if (text !== headText) { headText = text; setHead(message); }
+    // The view, the camera and the charts stay while only the line's rate changes.
+    const text = JSON.stringify({ ...message, line_rate_hz: null });
+    if (text === headText) Object.assign(head, message);
+    else { headText = text; setHead(message); }
     refresh();
   },
   shows: (message) => shows.setShows(message),
