@@ -3,10 +3,10 @@
 import { byId, make, position, scaleOf, setDisabled, write } from "./dom.js";
 
 const JOG_EVERY_MS = 50;
-// A tap on an arrow key moves the joint so far, and is held so long.
+// A tap on an arrow key moves the joint so far; it ends when the joint is sent there, after this time at the latest.
 const STEP = { turn: Math.PI / 180, slide: 0.001 };
 const LARGE = 5;
-const TAP_MS = 300;
+const TAP_MS = 1500;
 
 const KEYS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 
@@ -27,9 +27,14 @@ export const joints = (head, { send, choose }) => {
     clearTimeout(later);
     if (held?.dof === dof) return;
     release();
-    held = { dof, goal: shown[dof] };
+    held = { dof, goal: shown[dof], isTap: false };
     rows[dof].item.classList.add("held");
     timer = setInterval(jog, JOG_EVERY_MS);
+  };
+  // Lets the step be made, then releases the joint.
+  const tap = () => {
+    held.isTap = true;
+    later = setTimeout(release, TAP_MS);
   };
   const within = (dof, x) => Math.min(Math.max(x, head.dofs[dof].range[0]), head.dofs[dof].range[1]);
   // Where the slider is put while nobody holds it.
@@ -53,7 +58,7 @@ export const joints = (head, { send, choose }) => {
     slider.addEventListener("pointerdown", (event) => { if (event.button === 0 && !slider.disabled) begin(index); });
     slider.addEventListener("input", () => {
       // A value that no pointer holds is not a jog: a screen reader's step is one tap.
-      if (held?.dof !== index) { begin(index); later = setTimeout(release, TAP_MS); }
+      if (held?.dof !== index) { begin(index); tap(); }
       held.goal = Number(slider.value);
       jog();
     });
@@ -62,13 +67,14 @@ export const joints = (head, { send, choose }) => {
       if (!way || slider.disabled) return;
       event.preventDefault();
       begin(index);
+      held.isTap = false;
       const step = (dof.slides ? STEP.slide : STEP.turn) * (event.shiftKey ? LARGE : 1);
       held.goal = within(index, held.goal + way * step);
       slider.value = held.goal;
       jog();
     });
     slider.addEventListener("keyup", (event) => {
-      if (KEYS[event.key] && held?.dof === index) later = setTimeout(release, TAP_MS);
+      if (KEYS[event.key] && held?.dof === index) tap();
     });
     slider.addEventListener("blur", () => { if (held?.dof === index) release(); });
     return { item, slider, value, goal, mark };
@@ -102,6 +108,8 @@ export const joints = (head, { send, choose }) => {
         const [measured, wanted] = [frame.measured[at], frame.wanted[at]];
         if (Number.isFinite(wanted)) shown[index] = wanted;
         else if (Number.isFinite(measured)) shown[index] = measured;
+        const near = (dof.slides ? STEP.slide : STEP.turn) / 5;
+        if (held?.dof === index && held.isTap && Math.abs(shown[index] - held.goal) < near) release();
         const goal = held?.dof === index ? held.goal : shown[index];
         if (held?.dof !== index) row.slider.value = goal;
         row.slider.setAttribute("aria-valuetext", position(dof, goal));
@@ -111,8 +119,8 @@ export const joints = (head, { send, choose }) => {
         const part = (measured - least) / (most - least || 1);
         row.mark.hidden = !Number.isFinite(part);
         row.mark.style.setProperty("--at", String(Math.min(Math.max(part, 0), 1)));
-        const [near] = [Math.min(measured - least, most - measured)];
-        row.item.classList.toggle("edge", dof.limited && near * scaleOf(dof) < 2);
+        const left = Math.min(measured - least, most - measured);
+        row.item.classList.toggle("edge", dof.limited && left * scaleOf(dof) < 2);
       });
     },
   };

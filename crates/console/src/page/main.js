@@ -26,8 +26,10 @@ const arrivals = [];
 const socket = connect({
   head: (message) => {
     isConnected = true;
-    const text = JSON.stringify(message);
-    if (text !== headText) { headText = text; setHead(message); }
+    // The view, the camera and the charts stay while only the line's rate changes.
+    const text = JSON.stringify({ ...message, line_rate_hz: null });
+    if (text === headText) Object.assign(head, message);
+    else { headText = text; setHead(message); }
     refresh();
   },
   shows: (message) => shows.setShows(message),
@@ -47,7 +49,7 @@ const socket = connect({
 const report = (what, { ok, text }) => {
   const answer = byId("answer");
   answer.className = ok ? "ok" : "refused";
-  write(answer, ok ? `${what}: done${text ? `, ${text}` : ""}` : `${what}: ${text || "refused"}`);
+  write(answer, `${what}: ${text || (ok ? "done" : "refused")}`);
 };
 const shows = show({ send: socket.send, ask: socket.ask, report });
 const events = log(socket.ask, report);
@@ -166,5 +168,8 @@ const refresh = (swings = new Set()) => {
     : may.jog ? "Move a slider: the joint follows while you hold it, and stands when you let go. Arrow keys: 1°, with Shift 5°."
     : role.driver ? `Sliders move the rig when it holds; it is ${name}.` : "Sliders are the driver's: take the wheel first.");
 };
+// A phone's page keeps the rig in sight below the head, whose height depends on its words.
+new ResizeObserver(([{ target }]) => document.documentElement.style.setProperty("--head", `${target.offsetHeight}px`))
+  .observe(document.querySelector("header"));
 setInterval(() => { if (isStale()) refresh(); }, 500);
 refresh();

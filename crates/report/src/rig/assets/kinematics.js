@@ -89,10 +89,11 @@ const kinematicsOf = ({ bodies, dofs }) => {
     return rotate(of, body.axes[dof.axis]);
   };
 
-  // What is to be seen of the bodies: joints, centres of mass, ends.
+  // What is to be seen of the bodies: joints, centres of mass, ends, solids.
+  const bounds = bodies.map((body) => (body.shapes ?? []).flatMap(boundsOf));
   const pointsOf = (poses) => bodies.flatMap((body, index) => [
     poses[index].p,
-    ...[body.center_m, ...body.tips_m].map((at) => add(poses[index].p, rotate(poses[index].q, at))),
+    ...[body.center_m, ...body.tips_m, ...bounds[index]].map((at) => add(poses[index].p, rotate(poses[index].q, at))),
   ]);
   return { bodies, dofs, first, ofBody, values, given, take, solve, axisOf, pointsOf };
 };

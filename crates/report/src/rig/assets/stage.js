@@ -27,6 +27,16 @@ const stageOn = (rig, canvas, points, show) => {
   const home = times(add(...box), 0.5);
   const size = Math.max(norm(sub(box[1], box[0])), 0.02);
   const camera = { yaw: FRONT[0], pitch: FRONT[1], distance: 2.4 * size };
+  const solids = bodies.map((body) => (body.shapes ?? []).map((shape) => solidOf(shape, size)));
+  const hasSolids = solids.some((own) => own.length > 0);
+  // Beside solids the mark of a joint is small, and smaller where joints are near each other: marks would hide them.
+  const places = rig.solve();
+  const markScales = dofs.map((dof, index) => {
+    if (!hasSolids) return 1;
+    const away = dofs.map((other, at) =>
+      at === index ? Infinity : norm(sub(places[other.body].p, places[dof.body].p)));
+    return Math.min(Math.max(Math.min(...away) / (0.15 * size), 0.2), 0.6);
+  });
   // Where joints were drawn.
   let marks = [];
   const ground = box[0][1];
@@ -103,8 +113,49 @@ const stageOn = (rig, canvas, points, show) => {
       }
     }
   };
-  // From where to where each body reaches.
+  // The normal as the camera sees it: right, up, towards the camera.
+  const seenNormal = ([x, y, z]) => {
+    const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
+    return [x * cy - z * sy, -x * sp * sy + y * cp - z * sp * cy, x * cp * sy + y * sp + z * cp * cy];
+  };
+  const polygon = (corners) => {
+    context.beginPath();
+    corners.forEach(({ x, y }, i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+    context.closePath();
+  };
+  // The faces that look towards the camera.
+  const faces = (poses) => solids.flatMap((own, body) => own.flatMap(({ faces: all, color: paint }) => {
+    const { q, p } = poses[body];
+    return all.flatMap(({ corners, normal }) => {
+      const at = corners.map((corner) => project(add(p, rotate(q, corner))));
+      // Corners run clockwise on the canvas, whose y points down, if the face looks away.
+      let area = 0;
+      at.forEach((a, i) => { const b = at[(i + 1) % at.length]; area += a.x * b.y - b.x * a.y; });
+      if (area >= 0) return [];
+      const style = litColor(paint, seenNormal(rotate(q, normal)));
+      const depth = at.reduce((sum, point) => sum + point.depth, 0) / at.length;
+      return [{ depth, paint: () => {
+        polygon(at);
+        context.fillStyle = style;
+        context.fill();
+        // The seams between faces.
+        context.strokeStyle = style;
+        context.lineWidth = 0.8 * ratio();
+        context.stroke();
+      } }];
+    });
+  }));
+  // Outlines of the solids of bodies that are elsewhere in `others` than in `poses`.
+  const outlines = (others, poses) => solids.flatMap((own, body) => {
+    const { q, p } = others[body];
+    const turned = Math.abs(q.reduce((sum, x, i) => sum + x * poses[body].q[i], 0));
+    if (norm(sub(p, poses[body].p)) < 0.004 * size && turned > 0.9998) return [];
+    return own.map(({ faces: all }) =>
+      hullOf(all.flatMap(({ corners }) => corners.map((corner) => project(add(p, rotate(q, corner)))))));
+  });
+  // From where to where each body reaches; a body with solids shows this by them.
   const bones = (poses) => bodies.flatMap((body, index) => {
+    if (solids[index].length > 0) return [];
     const from = poses[index].p;
     const to = bodies.map((_, child) => child).filter((child) => bodies[child].parent === index)
       .map((child) => poses[child].frame.p);
@@ -132,6 +183,9 @@ const stageOn = (rig, canvas, points, show) => {
         line(a, b, color("paper"), thick * a.scale);
       } });
     }
+    parts.push(...faces(poses));
+    // Joints inside of solids are still seen: they are drawn last.
+    const last = [];
     for (const [lines, style, dashes] of [[sent, "world", []], [ghost, "egocentric", [5, 4]]]) {
       for (const [from, to] of lines ? bones(lines) : []) {
         const [a, b] = [project(from), project(to)];
@@ -142,23 +196,37 @@ const stageOn = (rig, canvas, points, show) => {
           context.setLineDash([]);
         } });
       }
+      for (const hull of lines ? outlines(lines, poses) : []) {
+        last.push({ depth: 0, paint: () => {
+          polygon(hull);
+          context.setLineDash(dashes.map((x) => x * ratio()));
+          context.strokeStyle = color(style);
+          context.lineWidth = 1.2 * ratio();
+          context.stroke();
+          context.setLineDash([]);
+        } });
+      }
     }
     marks = dofs.map((dof) => project(poses[dof.body].p));
     dofs.forEach((dof, index) => {
+      // A driven base has no axes.
+      if (bodies[dof.body].kind === "free") return;
       const axis = axisOf(dof, poses);
       const { p } = poses[dof.body];
-      const half = (dof.slides ? 0.05 : 0.03) * size;
+      const scale = markScales[index];
+      const half = scale * (dof.slides ? 0.05 : 0.03) * size;
       const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
       const style = shade(shares[index]);
-      parts.push({ depth: project(p).depth - 0.02 * size, paint: () => {
+      const wide = scale * 1.7 * thick;
+      (hasSolids ? last : parts).push({ depth: project(p).depth - 0.02 * size, paint: () => {
         if (index === chosen && !dof.slides) arc(dof, poses, 0.14 * size);
-        line(a, b, color(index === chosen ? "focus" : "text"), 1.7 * thick * a.scale + 2 * ratio());
-        line(a, b, style, 1.7 * thick * a.scale);
+        line(a, b, color(index === chosen ? "focus" : "text"), wide * a.scale + 2 * ratio());
+        line(a, b, style, wide * a.scale);
         if (marked(index)) ring(project(p), 0.05 * size, color("alert"));
       } });
     });
-    parts.sort((a, b) => b.depth - a.depth);
-    for (const part of parts) part.paint();
+    for (const layer of [parts, last]) layer.sort((a, b) => b.depth - a.depth);
+    for (const part of [...parts, ...last]) part.paint();
   };
 
   // ---- Camera ----
