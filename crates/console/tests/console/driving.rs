@@ -1,10 +1,11 @@
 //! A page drives: arming, sliders, shows, stops; and what ends when the page is gone.
 
-use std::thread::sleep;
+use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 use sinew_console::Ended;
+use sinew_console::local::{Request, ask, consoles};
 use sinew_link::message::{Command, Feed};
 
 use crate::client::{FAULTED, HOLDING, LIMP, LOWERING, PLAYING, Page};
@@ -141,4 +142,40 @@ fn a_show_without_a_driver_is_held() {
     assert!((ms(1500)..ms(2600)).contains(&silent.elapsed()), "{:?}", silent.elapsed());
     viewer.until_state(LOWERING);
     assert!(console.was_told(&Command::Play(Feed::Show)) && console.was_told(&Command::Disarm));
+}
+
+#[test]
+fn commands_of_other_terminals_move_and_stop() {
+    let console = OtherSide::start(false);
+    let mut page = Page::open(&console);
+    let jog = |by: f64| Request::Jog { joint: "turn1".to_owned(), by };
+    assert!(consoles().contains(&console.name));
+    page.until_state(LIMP);
+    let refused = ask(&console.name, &jog(5.0)).unwrap();
+    assert!(!refused.ok && refused.text.contains("limp"), "{}", refused.text);
+    page.arm();
+    let start = page.shown().wanted;
+    let name = console.name.clone();
+    let command = spawn(move || ask(&name, &jog(5.0)).unwrap());
+    page.until("a command at the wheel", |page| {
+        page.texts.iter().any(|text| text["other"] == "command")
+    });
+    // Nobody moves the rig meanwhile.
+    assert!(!page.ask(json!({ "type": "jog", "dof": 0, "goal": 0.0 })).0);
+    page.until("its end", |_| command.is_finished());
+    let reply = command.join().unwrap();
+    assert!(reply.ok, "{}", reply.text);
+    page.until_state(HOLDING);
+    let moved = page.shown().wanted - start;
+    assert!((moved - 5_f32.to_radians()).abs() < 5e-3, "{moved}");
+    for (by, why) in [(400.0, "range"), (f64::INFINITY, "")] {
+        let refused = ask(&console.name, &jog(by));
+        assert!(
+            refused.is_err() || refused.is_ok_and(|reply| !reply.ok && reply.text.contains(why))
+        );
+    }
+    assert!(ask(&console.name, &Request::Stop).unwrap().ok);
+    page.until_state(LOWERING);
+    assert!(ask(&console.name, &Request::EStop).unwrap().ok);
+    page.until_state(FAULTED);
 }

@@ -64,6 +64,8 @@ impl Line for Tapped {
 pub(crate) struct OtherSide {
     /// Address of the page, without the token.
     pub(crate) host: String,
+    /// Name for other commands.
+    pub(crate) name: String,
     pub(crate) token: String,
     pub(crate) told: Arc<Mutex<Told>>,
     stops: Arc<AtomicU32>,
@@ -99,12 +101,15 @@ impl OtherSide {
         let (told, stops) = (Arc::new(Mutex::new(Told::default())), Arc::new(AtomicU32::new(0)));
         let line = Tapped { line, decoder: Decoder::new(), told: Arc::clone(&told) };
         let counted = Arc::clone(&stops);
+        let name = format!("test-{}-{}", std::process::id(), host.replace([':', '.'], "-"));
+        let own_name = name.clone();
         let hub = thread::spawn(move || {
             let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
-            console.run(&mut board, &scene, shows, &|| counted.load(Ordering::Relaxed)).unwrap()
+            let stops = || counted.load(Ordering::Relaxed);
+            console.run(&mut board, &scene, (&name, shows), &stops).unwrap()
         });
         let (host, token) = (host.to_owned(), token.to_owned());
-        Self { host, token, told, stops, hub: Some(hub), board: Some(board) }
+        Self { host, name: own_name, token, told, stops, hub: Some(hub), board: Some(board) }
     }
 
     /// Returns whether the board was told a command.
