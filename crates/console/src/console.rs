@@ -10,6 +10,7 @@ use std::thread;
 use sinew_board_client::{Board, ClientError, Line};
 
 use crate::hub::{Ended, Hub, OwnShow};
+use crate::local::{Door, Reply, Request};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
 
@@ -25,6 +26,19 @@ pub struct Options {
     pub allow_drive: bool,
     /// Whether a show goes on while nobody is at the wheel.
     pub unattended: bool,
+}
+
+/// Executes a single command on a board that has no console: a motion arms the rig, and stops it afterwards.
+///
+/// # Errors
+/// [`ClientError`] if the board does not answer.
+pub fn execute<L: Line>(
+    board: &mut Board<L>,
+    scene: &Scene,
+    request: &Request,
+    stops: &dyn Fn() -> u32,
+) -> Result<Reply, ClientError> {
+    Hub::new(board, scene, false).execute(request, stops)
 }
 
 /// An open console. Pages may come, and wait for the hub.
@@ -60,7 +74,7 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
-    /// Serves pages, and is the hub of a board until `stops` counts a signal to end. The first signal stops the rig,
+    /// Serves pages and other commands, which know the console by `name`, and is the hub of a board until `stops` counts a signal to end. The first signal stops the rig,
     /// and the hub ends when torque is off; the second ends it at once.
     ///
     /// # Errors
@@ -69,7 +83,7 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        shows: Vec<OwnShow>,
+        (name, shows): (&str, Vec<OwnShow>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
         let Self { shared, inbox, options, addresses, listeners } = self;
@@ -80,7 +94,9 @@ impl Console {
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
+        let door = Door::open(name, shared.hub.clone()).map_err(ClientError::Line)?;
         let ended = Hub::new(board, scene, options.unattended).run(shows, &inbox, stops);
+        drop(door);
         shared.is_over.store(true, Ordering::Relaxed);
         // A connection wakes each listener, which then sees that the server is over.
         for address in addresses {

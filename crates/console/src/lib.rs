@@ -17,7 +17,7 @@
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, uploads.
-//! - `scene`: the rig as the page draws it.
+//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -25,11 +25,12 @@
 mod console;
 mod frame;
 mod hub;
+pub mod local;
 mod message;
 mod page;
 mod scene;
 mod server;
 
-pub use console::{Console, Options};
+pub use console::{Console, Options, execute};
 pub use hub::{Ended, OwnShow};
 pub use scene::{Scene, Source};

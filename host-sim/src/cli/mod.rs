@@ -14,6 +14,8 @@ mod export;
 mod figure;
 mod find;
 mod guide;
+#[cfg(unix)]
+mod halt;
 mod inspect;
 mod latency;
 mod map;
@@ -72,6 +74,11 @@ enum Command {
     Play(play::Args),
     #[cfg(unix)]
     Console(console::ConsoleArgs),
+    #[cfg(unix)]
+    Stop(halt::StopArgs),
+    #[cfg(unix)]
+    #[command(name = "estop")]
+    EStop(halt::EStopArgs),
     Record(record::Args),
     Report(report::Args),
     Servo(servo::ServoArgs),
@@ -88,6 +95,10 @@ impl Command {
             Self::Play(args) => play::run(args),
             #[cfg(unix)]
             Self::Console(args) => console::run(args),
+            #[cfg(unix)]
+            Self::Stop(args) => halt::stop(args),
+            #[cfg(unix)]
+            Self::EStop(args) => halt::estop(args),
             Self::Record(args) => record::run(args).map(|()| ExitCode::SUCCESS),
             Self::Report(args) => report::run(args),
             Self::Servo(args) => servo::run(args),

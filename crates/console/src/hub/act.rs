@@ -6,6 +6,7 @@ use sinew_board_client::Line;
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
 use super::journey::Journey;
+use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, Refused};
 use crate::message::Level;
@@ -16,8 +17,8 @@ const EVERY: Duration = Duration::from_millis(20);
 /// Longest time of a feed's start.
 const START: Duration = Duration::from_secs(1);
 /// Longest wait for a rig to become ready to be armed, and the time between two attempts.
-const READY: Duration = Duration::from_secs(10);
-const AGAIN: Duration = Duration::from_millis(100);
+pub(super) const READY: Duration = Duration::from_secs(10);
+pub(super) const AGAIN: Duration = Duration::from_millis(100);
 
 /// A motion.
 #[derive(Debug)]
@@ -126,8 +127,10 @@ impl<L: Line> Hub<'_, L> {
 
     fn go_on_journey(&mut self, mut feeding: Feeding<Journey>) -> Result<(), Refused> {
         let now = self.now();
-        if feeding.motion.is_over(now) {
+        let commanded = wanted(self.scene, &self.board.log);
+        if feeding.motion.is_over(commanded.as_deref(), now) {
             self.hold()?;
+            self.arrived = true;
             self.event(Level::Info, "the rig is there");
             return Ok(());
         }
@@ -203,14 +206,7 @@ impl<L: Line> Hub<'_, L> {
         let now = self.now();
         let Some(arming) = self.arming.take_if(|arming| now >= arming.due) else { return };
         let answer = match self.ask(Command::Arm) {
-            Err(Refused::Board(
-                Refusal::Moving { .. }
-                | Refusal::RegistersUnread
-                | Refusal::NotMeasured
-                | Refusal::StopUntested
-                | Refusal::Busy
-                | Refusal::State(State::Off),
-            )) if now < arming.until => {
+            Err(refused) if passes(&refused) && now < arming.until => {
                 self.arming = Some(Arming { due: now + AGAIN, ..arming });
                 return;
             }
@@ -225,4 +221,19 @@ impl<L: Line> Hub<'_, L> {
             self.answer(arming.page, id, answer);
         }
     }
+}
+
+/// Whether a refusal to arm may pass by itself.
+pub(super) fn passes(refused: &Refused) -> bool {
+    matches!(
+        refused,
+        Refused::Board(
+            Refusal::Moving { .. }
+                | Refusal::RegistersUnread
+                | Refusal::NotMeasured
+                | Refusal::StopUntested
+                | Refusal::Busy
+                | Refusal::State(State::Off),
+        )
+    )
 }

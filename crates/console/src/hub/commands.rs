@@ -12,7 +12,7 @@ use crate::message::ToPage;
 use crate::server::PageId;
 
 /// Share of the maximum speed that a journey uses: the board's own limit is not to be felt.
-const SHARE: f32 = 0.9;
+const SHARE: f32 = 0.7;
 
 impl<L: Line> Hub<'_, L> {
     /// Executes a command of a page, if the page may give it. Returns what was done; `None`: it is answered later.
@@ -60,10 +60,7 @@ impl<L: Line> Hub<'_, L> {
                 self.end_all();
                 self.ask(Command::Disarm).map(|_| "the rig is lowered where it is".to_owned())
             }
-            Home => {
-                let home = self.scene.home.clone();
-                self.travel(&home)
-            }
+            Home => self.travel(&self.scene.home.clone()),
             Clear => self.ask(Command::ClearFaults).map(|_| "no fault is latched".to_owned()),
             Play { slot, is_loop } => self.play(slot, is_loop),
             Seek { t, slot } => self.seek(t, slot),
@@ -84,7 +81,7 @@ impl<L: Line> Hub<'_, L> {
     }
 
     /// Ends what goes on, without a word to the board.
-    fn end_all(&mut self) {
+    pub(super) fn end_all(&mut self) {
         (self.act, self.arming) = (None, None);
     }
 
@@ -144,7 +141,7 @@ impl<L: Line> Hub<'_, L> {
     }
 
     /// Moves all joints to a pose.
-    fn travel(&mut self, to: &[f32]) -> Result<String, Refused> {
+    pub(super) fn travel(&mut self, to: &[f32]) -> Result<String, Refused> {
         if self.state() != State::Holding {
             return Err(Refused::Other(format!(
                 "the rig is {}: it must stand, armed",
@@ -163,6 +160,7 @@ impl<L: Line> Hub<'_, L> {
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
         let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now);
+        self.arrived = false;
         self.act = Some(Act::Journey(Feeding::new(journey, now)));
         Ok("the rig moves".to_owned())
     }

@@ -2,8 +2,12 @@
 
 use std::time::Duration;
 
-/// Time after the motion in which the board, which is late by its live buffer, arrives.
-const ARRIVE: Duration = Duration::from_millis(1500);
+/// Time after the motion in which the board, which follows late and slowly, arrives; and the time without news of the
+/// pose that it commands.
+const ARRIVE: Duration = Duration::from_secs(20);
+const ARRIVE_BLIND: Duration = Duration::from_secs(3);
+/// Distance at which a pose is reached, rad or m.
+const THERE: f32 = 2e-3;
 /// Peak speed of the profile in its mean speed.
 const PEAK: f32 = 1.5;
 
@@ -66,9 +70,16 @@ impl Journey {
         q
     }
 
-    /// Returns whether the board has arrived.
-    pub(super) fn is_over(&self, now: Duration) -> bool {
-        now >= self.begun + self.takes + ARRIVE
+    /// Returns whether the board has arrived, by the pose that it commands.
+    pub(super) fn is_over(&self, commanded: Option<&[f32]>, now: Duration) -> bool {
+        let Some(after) = now.checked_sub(self.begun + self.takes) else { return false };
+        let Some(commanded) = commanded else { return after >= ARRIVE_BLIND };
+        // A ball joint's quaternion may have the other sign.
+        let is_there = |(k, (a, b)): (usize, (&f32, &f32))| {
+            let is_ball = self.balls.iter().any(|first| (*first..first + 4).contains(&k));
+            (a - b).abs() < THERE || is_ball && (a + b).abs() < THERE
+        };
+        commanded.iter().zip(&self.to).enumerate().all(is_there) || after >= ARRIVE
     }
 }
 
@@ -92,6 +103,9 @@ mod tests {
             before = q;
         }
         assert!((before[0] - 0.5).abs() < 1e-6 && (before[1] - half).abs() < 1e-6);
-        assert!(journey.is_over(Duration::from_secs(20)));
+        let s = Duration::from_secs;
+        assert!(!journey.is_over(Some(&to), s(1)));
+        assert!(journey.is_over(Some(&to), s(12)) && !journey.is_over(Some(&from), s(12)));
+        assert!(journey.is_over(None, s(12)) && journey.is_over(Some(&from), s(40)));
     }
 }

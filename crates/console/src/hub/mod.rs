@@ -4,11 +4,12 @@
 //!   journey, a show.
 //! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`: slots and ghosts. `upload`: a show on its
 //!   way to the board.
-//! - `tell`: what pages are told.
+//! - `tell`: what pages are told. `local`: commands of this user in other terminals.
 
 mod act;
 mod commands;
 mod journey;
+mod local;
 mod pose;
 mod shows;
 mod slider;
@@ -29,6 +30,7 @@ use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
+use local::Waiting;
 use shows::Shows;
 use tell::Told;
 use upload::Upload;
@@ -84,6 +86,10 @@ pub(crate) struct Hub<'a, L> {
     told: Told,
     /// Time at which a rig whose driver is silent is lowered.
     lower_at: Option<Duration>,
+    /// Command in another terminal whose motion goes on.
+    waiting: Option<Waiting>,
+    /// Whether the last journey has reached its end.
+    arrived: bool,
     /// Time at which the rig was told to stop for the end of the program.
     closing: Option<Duration>,
 }
@@ -107,6 +113,8 @@ impl<'a, L: Line> Hub<'a, L> {
             lost: None,
             failed: None,
             lower_at: None,
+            waiting: None,
+            arrived: false,
             closing: None,
         }
     }
@@ -126,10 +134,7 @@ impl<'a, L: Line> Hub<'a, L> {
             for message in inbox.try_iter().take(MESSAGES) {
                 self.take(message);
             }
-            self.turn();
-            if let Some(error) = self.failed.take() {
-                return Err(error);
-            }
+            self.turn()?;
             if let Some(ended) = self.close(stops()) {
                 return Ok(ended);
             }
@@ -148,7 +153,10 @@ impl<'a, L: Line> Hub<'a, L> {
     }
 
     /// Receives from the board, and goes on with what goes on.
-    fn turn(&mut self) {
+    ///
+    /// # Errors
+    /// The port is of no use any more.
+    fn turn(&mut self) -> Result<(), ClientError> {
         if let Some(due) = self.lost {
             if self.board.now() >= due {
                 self.find_again();
@@ -163,8 +171,10 @@ impl<'a, L: Line> Hub<'a, L> {
             self.go_on();
             self.go_on_arming();
             self.go_on_upload();
+            self.go_on_waiting();
         }
         self.tell();
+        self.failed.take().map_or(Ok(()), Err)
     }
 
     fn now(&self) -> Duration {
@@ -188,6 +198,10 @@ impl<'a, L: Line> Hub<'a, L> {
             }
             ToHub::Content { page, bytes } => self.take_content(page, bytes.into()),
             ToHub::Left { page } => self.leave(page),
+            ToHub::Asked { command, request, answer } => {
+                self.take_request(command, &request, answer);
+            }
+            ToHub::Gone { command } => self.forget_waiting(command),
         }
     }
 
@@ -209,7 +223,7 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Holds a show whose driver is silent, then lowers the rig.
     fn watch_driver(&mut self) {
         let now = self.now();
-        if !self.wheel.is_silent(now) || self.is_unattended {
+        if !self.wheel.is_silent(now) || self.is_unattended || self.waiting.is_some() {
             self.lower_at = None;
             return;
         }

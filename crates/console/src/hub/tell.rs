@@ -65,7 +65,11 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn tell_roles(&self) {
         for (id, page) in &self.pages {
             let driver = self.wheel.is_at(*id);
-            let other = (!driver && !self.wheel.is_free()).then_some("page");
+            let other = match (&self.waiting, driver, self.wheel.is_free()) {
+                (Some(_), ..) => Some("command"),
+                (None, false, false) => Some("page"),
+                _ => None,
+            };
             page.out.send(&text(ToPage::Role { driver, other }.json()));
         }
     }

@@ -15,6 +15,7 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::local::{Reply, Request};
 use crate::message::FromPage;
 
 pub(crate) use socket::{Outbox, binary, text};
@@ -42,6 +43,10 @@ pub(crate) enum ToHub {
     Content { page: PageId, bytes: Vec<u8> },
     /// A page is gone.
     Left { page: PageId },
+    /// Another command of this user asks, and waits for the answer.
+    Asked { command: u64, request: Request, answer: SyncSender<Reply> },
+    /// A command has ended before its answer.
+    Gone { command: u64 },
 }
 
 /// Data of all threads of a server.

@@ -8,11 +8,13 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source};
+use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, local};
 use sinew_host_util::command::{note, print};
-use sinew_performance::play::{RigParts, ServoChoice, put_servos};
+use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
 use sinew_rig::new;
+use sinew_rig::servo::Address;
+use sinew_servo_sim::fault::{Fault, FaultOrder};
 use sinew_show::Show;
 
 use super::board::{check_rig, open};
@@ -58,6 +60,12 @@ pub(super) struct ConsoleArgs {
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
 
+    /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
+    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or its joint; the time is that since the start. May
+    /// be repeated.
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<FaultOrder>,
+
     /// Serve the page at this address of the machine, too: 192.168.1.5 or 192.168.1.5:8080. Whoever has the token may
     /// then watch and stop the rig. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
@@ -89,6 +97,7 @@ impl ConsoleArgs {
         }
         if let Target::Port(_) = self.target {
             self.target.refuse(&self.driven.given(), "the simulated board")?;
+            self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "the simulated board")?;
             if self.rig.is_none() {
                 bail!("--target {}: --rig RIG names the rig that the board has", self.target);
             }
@@ -113,6 +122,24 @@ impl ConsoleArgs {
 
     fn name(&self) -> String {
         self.rig.as_deref().unwrap_or(Path::new("the desk arm")).display().to_string()
+    }
+
+    /// Returns the faults of the simulated servos.
+    fn faults(&self, parts: &RigParts) -> anyhow::Result<Vec<Fault>> {
+        let resolve = |order: &FaultOrder| {
+            let is_it = |(index, part): (usize, &ServoPart)| {
+                let (Address::Id(id) | Address::Channel(id)) = part.own.address;
+                let of_joint = parts.first_servo.iter().position(|first| *first == Some(index));
+                order.servo == part.own.name
+                    || order.servo == id.to_string()
+                    || of_joint.is_some_and(|joint| order.servo == parts.names[joint])
+            };
+            let servo = parts.servos.iter().enumerate().position(is_it);
+            let servo =
+                servo.with_context(|| format!("--fault: there is no servo `{}`", order.servo))?;
+            Ok(order.of(servo))
+        };
+        self.fault.iter().map(resolve).collect()
     }
 
     /// Reads the shows, and bakes the clips.
@@ -145,6 +172,7 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
     let parts = parts.with_context(|| args.name())?;
     let shows = args.shows(&rig, &parts)?;
+    let faults = args.faults(&parts)?;
     let stop = Stop::new()?;
     let serve = |source| Served { args, rig: &rig, parts: &parts, source, stop: &stop };
     match &args.target {
@@ -153,9 +181,9 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
             check_rig(&board, &parts)?;
             serve(Source::Board).on(&mut board, shows)
         }
-        Target::Sim | Target::Nucleo => {
-            simulated::with_board(&rig, &parts, |board| serve(Source::Simulated).on(board, shows))
-        }
+        Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
+            serve(Source::Simulated).on(board, shows)
+        }),
     }
 }
 
@@ -188,7 +216,11 @@ impl Served<'_> {
             }
         }
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        match console.run(board, &scene, shows, &|| stop.times()) {
+        let name = match &args.target {
+            Target::Port(port) => local::name_of_port(port),
+            Target::Sim | Target::Nucleo => format!("simulated-{}", std::process::id()),
+        };
+        match console.run(board, &scene, (&name, shows), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)
