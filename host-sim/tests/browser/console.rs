@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{command, path, printed};
+use crate::common::{command, sinew_in};
 use crate::page::{Page, with_url};
 
 /// Longest wait for a state.
@@ -48,11 +48,11 @@ impl Drop for Served {
 
 /// Writes the desk arm and a show of it; returns their paths.
 fn arm_and_show(folder: &Path) -> [String; 2] {
-    let [rig, show] = ["arm.toml", "punch.show"].map(|name| path(folder, name));
-    printed(&["rig", "new", "--arm", "6", "--output", &rig]);
-    let bake = ["bake", "punches_01", "--seconds", "2", "--rig", &rig, "--fit", "--output", &show];
-    printed(&bake);
-    [rig, show]
+    let run = |arguments: &[&str]| assert!(sinew_in(folder, arguments).status.success());
+    run(&["rig", "new", "--arm", "6", "--output", "arm.toml"]);
+    let bake = ["bake", "punches_01", "--seconds", "2", "--rig", "arm.toml", "--fit"];
+    run(&[&bake[..], &["--output", "punch.show"]].concat());
+    ["arm.toml", "punch.show"].map(|name| folder.join(name).display().to_string())
 }
 
 fn text(page: &Page, id: &str) -> String {

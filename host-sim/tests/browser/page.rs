@@ -142,13 +142,6 @@ impl Page {
         self.mouse("mouseReleased", end);
     }
 
-    /// Writes a picture of the page.
-    pub(crate) fn picture(&self, file: &Path) {
-        let shown = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
-        let bytes = BASE64_STANDARD.decode(shown["data"].as_str().unwrap()).unwrap();
-        std::fs::write(file, bytes).unwrap();
-    }
-
     pub(crate) fn press(&self, key: &str) {
         // The Windows code of each key, and the text that it types.
         let (code, text) = match key {

@@ -112,7 +112,8 @@ export const joints = (head, { send, choose }) => {
         if (held?.dof === index && held.isTap && Math.abs(shown[index] - held.goal) < near) release();
         const goal = held?.dof === index ? held.goal : shown[index];
         if (held?.dof !== index) row.slider.value = goal;
-        row.slider.setAttribute("aria-valuetext", position(dof, goal));
+        const spoken = position(dof, goal);
+        if (row.slider.getAttribute("aria-valuetext") !== spoken) row.slider.setAttribute("aria-valuetext", spoken);
         write(row.value, position(dof, Number.isFinite(measured) ? measured : wanted));
         write(row.goal, held?.dof === index ? `to ${position(dof, goal)}` : "");
         const [least, most] = dof.range;
