@@ -86,6 +86,9 @@ pub(crate) struct Hub<'a, L> {
     told: Told,
     /// Time at which a rig whose driver is silent is lowered.
     lower_at: Option<Duration>,
+    /// Time at which a slider that was held moved for the last time although the rig was told to hold: it must be let go
+    /// first.
+    barred: Option<Duration>,
     /// Command in another terminal whose motion goes on.
     waiting: Option<Waiting>,
     /// Whether the last journey has reached its end.
@@ -113,6 +116,7 @@ impl<'a, L: Line> Hub<'a, L> {
             lost: None,
             failed: None,
             lower_at: None,
+            barred: None,
             waiting: None,
             arrived: false,
             closing: None,
