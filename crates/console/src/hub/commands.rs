@@ -132,6 +132,10 @@ impl<L: Line> Hub<'_, L> {
         if !matches!(self.state(), State::Holding | State::Playing) {
             return Err(Refused::Other(format!("the rig is {}: arm it first", self.state())));
         }
+        if self.barred.is_some_and(|last| now.saturating_sub(last) < LET_GO) {
+            self.barred = Some(now);
+            return Err(Refused::because("the rig was told to stand: let the slider go first"));
+        }
         let own =
             self.scene.dofs.get(dof).ok_or_else(|| Refused::because("there is no such joint"))?;
         let Some(coordinate) = own.coordinate else {
