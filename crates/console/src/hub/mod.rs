@@ -260,7 +260,8 @@ impl<'a, L: Line> Hub<'a, L> {
 
     /// Handles a board that does not answer.
     fn lose(&mut self, error: ClientError) {
-        (self.act, self.arming, self.upload) = (None, None, None);
+        self.act = None;
+        self.give_up(&error.to_string());
         if self.lost.is_none() {
             self.event(Level::Error, &error.to_string());
         }
