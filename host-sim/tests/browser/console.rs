@@ -190,6 +190,46 @@ fn an_emergency_stop_is_a_fault_that_is_cleared(page: &Page) {
     wait_until(page, "document.getElementById('faults').hidden");
 }
 
+/// Provokes a servo that does not answer, and one that is hot: the page names the joint and the remedy, marks the servo,
+/// and clears the fault when its cause is gone.
+#[test]
+#[ignore = "needs SINEW_CHROMIUM"]
+fn faults_are_told_with_joint_and_remedy_and_are_cleared() {
+    let faults = ["--fault", "2:silent@8s+4s", "--fault", "3:hot=90@24s+4s"];
+    let console = Served::start(&faults);
+    let origin = console.origin().to_owned();
+    with_url(
+        &console.address,
+        |request| request.starts_with(&origin),
+        |page| {
+            wait_for_state(page, "limp");
+            for (fault, joint, flag) in
+                [("servo silent", "bend2", "bus errors"), ("hot, measured", "bend3", "hot")]
+            {
+                let told = "document.getElementById('faults').textContent";
+                wait_until(page, &format!("{told}.includes('{fault}')"));
+                let panel = text(page, "faults");
+                assert!(panel.contains(joint) && panel.contains("To do: "), "{panel}");
+                wait_until(
+                    page,
+                    &format!(
+                        "document.getElementById('servo-table').textContent.includes('{flag}')"
+                    ),
+                );
+                let log = text(page, "events");
+                assert!(log.contains(fault), "{log}");
+                // The clear is refused until the cause is gone.
+                let begun = Instant::now();
+                while page.ask("document.getElementById('faults').hidden") != true {
+                    assert!(begun.elapsed() < PATIENCE, "{}", text(page, "answer"));
+                    page.ask("document.querySelector('#faults .clear')?.click()");
+                    page.wait_ms(500);
+                }
+            }
+        },
+    );
+}
+
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
 fn a_page_without_its_console_controls_nothing() {
