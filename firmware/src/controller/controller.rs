@@ -33,8 +33,8 @@ const SWITCH: (u32, u32) = (14, 2);
 /// part.
 const WAY: u8 = 4;
 
-/// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
-/// suddenly.
+/// While a rig is lowered: ratio of a joint's target speed to its maximum speed. It is below 1, because static friction
+/// may release a joint suddenly.
 const PACE: f32 = 0.7;
 /// Ratio of a lowered goal's speed to the target speed. It is below 1, so that a servo that sticks can catch up.
 const LED: f32 = 0.7;
@@ -502,7 +502,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         })
     }
 
-    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them.
+    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them; `None` if
+    /// there is none.
     #[inline(never)]
     fn overload(&mut self) -> Option<Overload> {
         let Self { sources, path, watch, performance, .. } = self;

@@ -16,7 +16,7 @@ enum DriveArg {
 }
 
 /// Options that select how servos are driven.
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct DrivenArgs {
     /// Quantity that servos receive each tick. Default: `current` for servos that have a current mode, else
     /// `position`.

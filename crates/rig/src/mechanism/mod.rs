@@ -8,6 +8,7 @@ mod pose;
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 
+use crate::description::BodyShape;
 use crate::number::single;
 
 pub use inverse_dynamics::{InverseDynamics, LANES};
@@ -86,6 +87,9 @@ pub struct Link {
     pub acceleration: f64,
     /// Maximum effort, N m or N; infinite without limit.
     pub effort: f64,
+    /// Solids that are drawn for this body and for the merged bodies, in this body's frame. The compact form of
+    /// boards does not have them.
+    pub shapes: Vec<BodyShape>,
 }
 
 /// A body that is merged into a [`Link`], because a fixed joint holds it there: for example a bracket, or a tool's
@@ -162,6 +166,7 @@ impl Link {
             speed: f64::INFINITY,
             acceleration: f64::INFINITY,
             effort: f64::INFINITY,
+            shapes: Vec::new(),
         }
     }
 

@@ -28,8 +28,8 @@ pub struct Row {
     pub what: &'static str,
     /// Published value.
     pub published: f64,
-    /// Value of the published servo's law with the numbers of the simulated servo, which may differ from those of the
-    /// source; `None` if the published value is for exactly this servo.
+    /// Value of the published servo's law, computed with the numbers of the simulated servo; they may differ from those
+    /// of the source. `None` if the published value is for exactly this servo.
     pub expected: Option<f64>,
     /// Simulated value.
     pub simulated: f64,

@@ -9,6 +9,7 @@ use sinew_firmware::node::{Next, RIG_SCHEMA};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
+use sinew_servo_sim::fault::Fault;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
@@ -172,6 +173,16 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     /// Returns the state of the control loop; `None` without a rig that fits.
     pub fn state(&self) -> Option<State> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
+    }
+
+    /// Sets the faults of the servos, which have the rig's numbers; times are since power-on.
+    pub fn set_faults(&mut self, faults: impl IntoIterator<Item = Fault>) {
+        let place = |fault: Fault| Fault { servo: self.parts.place_on_bench(fault.servo), ..fault };
+        let faults = faults.into_iter().map(place).collect();
+        // Without a line there are no servos.
+        if let Some(line) = self.lines.first_mut() {
+            line.servos.bench_mut().faults = faults;
+        }
     }
 
     /// Returns the number of restarts.

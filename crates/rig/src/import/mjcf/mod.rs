@@ -11,6 +11,7 @@ mod model;
 mod names;
 mod parts;
 mod pose;
+mod shapes;
 
 use std::collections::BTreeMap;
 
