@@ -138,7 +138,7 @@ impl<const N: usize> JointStates<N> {
     }
 }
 
-/// Returns the state after the step to a pose, with a normalised rotation.
+/// Moves a state on by the step to a pose, whose rotation is normalised.
 #[expect(
     clippy::inline_always,
     reason = "a few operations per tick, shared by several callers: a call would cost as much"

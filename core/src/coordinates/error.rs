@@ -80,7 +80,8 @@ pub(super) fn check_count(
     if found == expected { Ok(()) } else { Err(CoordinatesError::Count { name, expected, found }) }
 }
 
-/// Refuses a slice of the wrong length, and numbers that are NaN or too large. `count`: numbers per joint.
+/// Refuses a slice of the wrong length, and numbers that are NaN or too large. `count` returns the number of
+/// numbers for each joint.
 pub(super) fn check_numbers(
     name: &'static str,
     bodies: &[Body],

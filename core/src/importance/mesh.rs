@@ -13,8 +13,9 @@ use crate::math;
 /// weights that belongs to the joint and all joints below it.
 ///
 /// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area must be a third of the total area
-/// of its triangles; the areas then sum to the surface. (The article's published numbers result from the mean of
-/// these triangles instead, about half as much on its mesh, which doubles the effect of its base.)
+/// of its triangles; the areas then sum to the surface. (The published numbers of Holden's article result from the
+/// mean area of these triangles instead. On its mesh, this is about half as much, which doubles the effect of its
+/// base.)
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{MeshSurface, RestPose}};

@@ -206,7 +206,8 @@ impl<const N: usize> PoseSpace<'_, N> {
     }
 }
 
-/// Returns the rotation of a body in its joint frame, or the identity if its motion subspace does not depend on it.
+/// Returns the rotation of a body in its joint frame, or the identity if the joint's motion subspace does not
+/// depend on this rotation.
 fn rotation_in_joint<const N: usize>(body: &Body, place: &Transform, at: &BodyPoses<N>) -> Quat {
     if !matches!(body.joint, JointKind::Universal { .. }) {
         return Quat::IDENTITY;

@@ -17,8 +17,9 @@ const GLIDES_RAD_S: f32 = 0.2;
 /// Time in which a zone opens, s.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
-/// Radius, in units of the zone's radius, within which a joint is near its target. Swinging through the play of a
-/// gear stays below it, even with twice the modelled play; half of a joint's spare torque pushes it farther.
+/// Radius, in units of the zone's radius, within which a joint is near its target. A joint that swings through the
+/// play of its gear stays within this radius, even with twice the modelled play; half of the joint's spare torque
+/// pushes it beyond.
 const NEAR: f32 = 4.0;
 /// Time for which a joint must be near its target before it stands, s. Until then, a pushed joint returns at full
 /// speed.

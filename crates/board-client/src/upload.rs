@@ -10,7 +10,7 @@ use crate::{Board, ClientError, Line};
 /// Maximum time of a board's restart, unless it is slow to erase flash.
 const RESTART: Duration = Duration::from_secs(10);
 
-/// Returns the description of a content. `rig`: the CRC of the rig that it belongs to, 0 for any rig.
+/// Returns the item that describes a content. `rig`: the CRC of the rig that the content belongs to, 0 for any rig.
 ///
 /// # Errors
 /// [`ClientError::Approver`] if the name is invalid.

@@ -35,7 +35,7 @@ pub(super) fn bodies(placement: &Placement<'_>) -> Result<Vec<MassProperties>, B
     })
 }
 
-/// Returns the share of the body's mass that the table gives a body of the figure.
+/// Returns the mass of a body of the figure by the table, as a share of the whole mass.
 ///
 /// # Panics
 /// If `body` is not below [`BODY_COUNT`](super::BODY_COUNT).

@@ -72,7 +72,7 @@ impl Dimensions {
         BODIES.iter().map(factor).collect()
     }
 
-    /// Returns the first invalid value, as (key, expected range, value).
+    /// Returns the first invalid value, as (key, expected range, value); `None` if all values are valid.
     pub fn fault(&self) -> Option<(&'static str, &'static str, f64)> {
         let factors = [
             ("scale", self.scale),

@@ -6,7 +6,7 @@
 //!   (`subjects/`). `placement` places both on a skeleton by the same rules.
 //! - [`plant`] simulates a mechanism through one trait: `articulated` is exact and is the reference for `rapier`,
 //!   whose settings are data with a reason for each.
-//! - [`builtin`] makes the built-in clips: a seeded fighter, recorded with noise and gaps.
+//! - [`builtin`] makes the built-in clips: a synthetic fighter, generated from seeds and recorded with noise and gaps.
 //! - [`measured`] decides the size and the up axis of a clip or a character. No other module decides them.
 //! - [`pipeline`] prepares files: skip, fill gaps, find flips, low-pass at the recorded rate, resample, map to the
 //!   figure.

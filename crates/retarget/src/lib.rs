@@ -6,7 +6,7 @@
 //! - [`rig::RigMatch`]: assigns the joints of a rig to landmarks, by words and geometry.
 //! - [`performer::Performer`]: measures those properties of a clip that any rig can follow.
 //! - [`solve::bake`] and [`solve::Live`]: compute the rig's poses, for a whole clip or frame by frame.
-//! - [`mapping::Mapping`]: the joints of both sides by name, as a text to edit.
+//! - [`mapping::Mapping`]: assigns joints of a clip to joints of a rig by name, as a text to edit.
 //!
 //! # Files
 //! In the order in which a clip is processed:
@@ -16,7 +16,8 @@
 //! - `rig/`: finds the landmarks of a rig, by words (`text`, `chains`) and by geometry (`groups`, `points`,
 //!   `hinge`, `mirror`).
 //! - `performer/`: directions, twists and postures of a clip.
-//! - `mapping/`: the names of both sides: proposed, written, read, resolved; also curves from joint to joint.
+//! - `mapping/`: mappings from a clip's joint names to a rig's: proposed, written, read, resolved; also curves from
+//!   joint to joint.
 //! - `solve/`: `terms` and their `aim`, one bounded step (`solver`, `normal`), the first pose (`first`, `branch`),
 //!   contacts and paths over a clip (`contact`, `path`); a whole clip (`bake`) or frame by frame (`live`).
 //! - `feasibility/`: limits, where a motion exceeds them (`check`), the nearest motion within them (`fit`), loops.

@@ -3,12 +3,12 @@
 use crate::description::ServoModel;
 use crate::review::{FlexibleJoint, with_worst_gear};
 
-/// Delay of a servo's own loop: a tick of 1 ms, and half a tick for which the torque is held, s. It is a guess,
-/// because makers do not state the rate of the loop.
+/// Delay of a servo's own loop, s: a tick of 1 ms, plus half a tick because the torque is held during a tick. It is
+/// a guess, because makers do not state the rate of the loop.
 pub const DELAY_S: f64 = 1.5e-3;
 
-/// Minimum damping of the oscillation after a disturbance, as a share of the critical damping. It then overshoots
-/// by less than half.
+/// Minimum damping of the oscillation after a disturbance, as a share of the critical damping. The oscillation then
+/// overshoots by less than half.
 pub const DAMPING_RATIO: f64 = 0.25;
 
 /// Share of the limit stiffness (at which oscillations through the worst gear grow) that a servo may have, unless

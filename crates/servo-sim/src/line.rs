@@ -54,7 +54,8 @@ pub trait LineDevice {
     /// Passes bytes to all servos except `speaker`.
     fn hear(&mut self, bytes: &[u8], speaker: Option<usize>);
 
-    /// Returns the servo that sends next, and the silence before, us.
+    /// Returns the servo that sends next, and the silence before its first byte, us; `None` if no servo has bytes
+    /// to send.
     fn next_speaker(&self) -> Option<(usize, u32)>;
 
     /// Returns the bytes that a servo sends, and their additional delay, us; `None` if it stays silent.
@@ -115,7 +116,7 @@ impl<W: LineDevice> Line<W> {
         self.send();
     }
 
-    /// Returns whether bytes of the master are on the wire or wait for it.
+    /// Returns whether bytes of the master are on the wire or wait for the wire.
     pub fn is_sending(&self) -> bool {
         let of_master = |on_wire: &WireEntry| on_wire.speaker.is_none();
         !self.unsent.is_empty() || self.on_wire.as_ref().is_some_and(of_master)

@@ -29,7 +29,8 @@ pub(crate) fn hear(devices: &mut [impl Listener], baud: u32, bytes: &[u8], speak
     }
 }
 
-/// Returns the device that sends next, and the silence before, us.
+/// Returns the device that sends next, and the silence before its first byte, us; `None` if no device has bytes to
+/// send.
 pub(crate) fn next_speaker(devices: &[impl BusDevice]) -> Option<(usize, u32)> {
     let due = devices.iter().enumerate();
     due.filter_map(|(index, device)| Some((index, device.due_us()?)))

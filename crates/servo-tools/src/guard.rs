@@ -254,7 +254,7 @@ impl<E: Exchange> Drop for Guard<'_, E> {
 }
 
 impl Motion {
-    /// Brings the servo to its state before the move: torque off if it was off, otherwise back to the position that it
+    /// Returns the servo to its state before the move: with torque off if it was off, otherwise at the position that it
     /// held. A servo that refuses its goal would continue with full torque: its torque is switched off, even if it held
     /// something.
     fn calm<E: Exchange>(

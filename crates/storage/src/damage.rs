@@ -1,5 +1,5 @@
-//! Damage in a log: newer settings, or a newer rig, that are no longer intact. The reader of the older ones must know
-//! about it.
+//! Damage in a log: newer settings, or a newer rig, that are no longer intact. A program that reads the older item must
+//! know about it.
 //!
 //! Either a record was sealed and its CRC is wrong, or a head is invalid and followed by more bytes than a power cut
 //! leaves. A compaction drops both, and writes a note instead: a record without payload, whose schema is the item's

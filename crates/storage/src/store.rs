@@ -33,8 +33,8 @@ pub enum Condition {
     New,
     /// The log is in order.
     Good,
-    /// A power cut left something, or faults filled the log. The items are intact, but faults cannot be recorded
-    /// until [`Store::tidy`].
+    /// A power cut left an incomplete record, or the log has too little room for new faults. The items are intact, but
+    /// recording a fault may fail until [`Store::tidy`].
     Untidy,
     /// The flash holds data, but not a log. Settings, rig and faults are lost.
     Lost,
@@ -94,7 +94,7 @@ impl<F: NorFlash> Store<F> {
         self.flash
     }
 
-    /// Returns the settings, if they are there.
+    /// Returns the settings, if they are stored.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -102,7 +102,7 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Settings)
     }
 
-    /// Returns the rig, if it is there.
+    /// Returns the rig, if it is stored.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -111,7 +111,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Returns `true` if newer settings, or a newer rig, existed than [`Self::settings`] or [`Self::rig`] reads, and
-    /// are damaged. This stays `true` over every power cut until new intact ones are written. A power failure in the
+    /// are damaged. This stays `true` over every power cut until a new intact item is written. A power failure in the
     /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(log).
     ///
     /// # Errors
@@ -192,7 +192,7 @@ impl<F: NorFlash> Store<F> {
         upload.end(&mut self.flash, self.board.capacity)
     }
 
-    /// Uploads an item in one call. It writes nothing if the same item is already there.
+    /// Uploads an item in one call. It writes nothing if the same item is already stored, and no newer item is damaged.
     ///
     /// # Errors
     /// As in [`Self::begin`], [`Self::write`], [`Self::end`].

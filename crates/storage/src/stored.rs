@@ -11,8 +11,8 @@ use crate::record::{Record, Seal};
 
 /// An item that was intact when it was read.
 ///
-/// The content stays in place until it is deleted or replaced, and the log is compacted. Read the item again after
-/// that.
+/// The content of a show stays in place until the show is deleted. The content of settings or of a rig stays until the
+/// log erases its sector in a later compaction: read these items again after each compaction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stored {
     pub(crate) descriptor: Descriptor,

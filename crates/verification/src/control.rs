@@ -284,7 +284,7 @@ fn targets(case: &Case, tree: &Tree) -> Result<JointTargets<128>, CaseError> {
         let state =
             state(case, tree, &case.desired, "desired", body, case.desired_scale.rounded())?;
         let angular = case.feedforward.joint_acc_child[body].rounded();
-        // The core expects it in the desired body's axes.
+        // The core expects the linear acceleration in the desired body's axes.
         let linear = if body == 0 {
             in_body(&case.desired.quat[0].0, &case.feedforward.root_lin_acc_world)
         } else {

@@ -5,11 +5,11 @@ use std::{fmt, io};
 
 use super::kind::Kind;
 
-/// Schemas that this program can compute.
+/// Schemas that this program can recompute.
 const COMPUTED: &str =
     "rnea/1, control/1, errors/1, finite_difference/1, solids/1, weights/1 and hauberg/1";
 
-/// A golden file that cannot be computed.
+/// A golden file that cannot be recomputed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnknownFile {
     /// Name of the file.
@@ -20,7 +20,7 @@ pub struct UnknownFile {
     pub kind: Option<Kind>,
 }
 
-/// The golden files of a folder that cannot be computed.
+/// The golden files of a folder that cannot be recomputed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnknownFiles {
     /// Files by name.
@@ -51,7 +51,7 @@ impl fmt::Display for UnknownFiles {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum VerifyError {
-    /// Files whose kind or version is unknown or not yet computed.
+    /// Files of schemas that this program cannot recompute.
     #[error("{0}")]
     Unknown(UnknownFiles),
     /// A folder or a file that cannot be read.
@@ -67,10 +67,10 @@ pub enum VerifyError {
     NoFile {
         /// Path of the folder.
         folder: PathBuf,
-        /// Number of its files that were skipped.
+        /// Number of files in the folder that were skipped.
         skipped: usize,
     },
-    /// A file that cannot be computed.
+    /// A file that cannot be recomputed.
     #[error("{file}: {source}")]
     File {
         /// Name of the file.
@@ -80,14 +80,14 @@ pub enum VerifyError {
     },
 }
 
-/// The error of a golden file that could not be computed.
+/// The error of a golden file that could not be recomputed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// A file that is not the JSON object of a golden file.
     #[error("not a golden file, which is an object with `schema` and `cases`: {0}")]
     Malformed(serde_json::Error),
-    /// A kind or version that is unknown or not yet computed.
+    /// A schema whose kind or version this program cannot recompute.
     #[error("cannot compute schema `{schema}`, only {COMPUTED}")]
     UnknownSchema {
         /// Schema named in the file.

@@ -94,8 +94,8 @@ fn check_differences(case: &Case, at: &str, tallies: &mut Tallies) -> Result<(),
     Ok(())
 }
 
-/// Velocities with their rounding by kind (of the rotation in world axes, in body axes, of the position) and by
-/// frame.
+/// Velocities with their rounding, indexed by kind (of the rotation in world axes, of the rotation in body axes, of the
+/// position) and by frame.
 struct Rounded {
     orientations: Vec<rounding::Rotation>,
     velocities: [Vec<rounding::Vector>; 3],

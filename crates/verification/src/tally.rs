@@ -19,7 +19,7 @@ pub struct Tally {
     pub largest_error: f64,
     /// Largest ratio of an error to its own limit. Above 1 the limit is exceeded.
     pub share: f64,
-    /// Place of that error.
+    /// Place of the error with this ratio.
     pub worst: String,
     /// Smallest fault of a single number that is detected at every place, in the unit.
     pub notices: f64,
@@ -40,7 +40,7 @@ pub(super) struct Quantity<'a> {
     pub(super) name: &'a str,
     pub(super) unit: &'static str,
     pub(super) limit: f64,
-    /// Largest number of its kind nearby. The golden number was computed with roundings of f64 relative to it.
+    /// Largest number of the same kind nearby. The golden number was computed with roundings of f64 relative to it.
     pub(super) scale: f64,
 }
 

@@ -83,8 +83,8 @@ pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     }
 }
 
-/// Frames in memory, one list of poses after the other. Frames before the first continue its first step backwards;
-/// after the last frame it is held.
+/// Frames in memory, one list of poses after the other. Frames before the first continue the first step backwards;
+/// after the end, the last frame is held.
 #[derive(Debug)]
 pub struct Frames<'a, const N: usize> {
     frames: &'a [[Transform; N]],

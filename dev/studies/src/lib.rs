@@ -5,7 +5,7 @@
 //!   distances of a data set for NumPy (`distances`).
 //! - `autoencoder`: networks of poses with five losses (`loss`, `weights`), forward kinematics in tensors
 //!   (`kinematics`), checkpoints that resume bit by bit.
-//! - `pictures`, `cli`: pictures, made of the parts of the report; a file for each study.
+//! - `pictures`: pictures, made of the parts of the report. `cli`: the command line, a file for each study.
 
 pub mod autoencoder;
 pub mod pictures;

@@ -4,7 +4,7 @@
 /// through the values of `budget.toml` for 6, 20 and 40 servos (`estimated_cycles.loop_recommended`: current mode,
 /// `recommended`, all servos read in every tick). A test of `xtask` compares them. Cycles are the manual's cycles per
 /// instruction, without wait states of the flash.
-pub const TICK_CYCLES: [u32; 2] = [21_000, 15_900];
+pub const TICK_CYCLES: [u32; 2] = [21_000, 16_200];
 
 /// Ratio of instructions per tick in a board's image to those of [`TICK_CYCLES`], percent: a board's image is
 /// optimized for size, the image of the estimate for speed. Measured: 220 and 208 for arms of 3 and 6 servos on the

@@ -207,7 +207,8 @@ mod tests {
 
         #[test]
         fn a_target_within_its_limits_is_met(phase in 0.0_f32..6.0, dt_s in 0.001_f32..0.02) {
-            // 0.8 rad at 2 rad/s give a maximum speed of 1.6 rad/s and a maximum acceleration of 3.2 rad/s².
+            // A sine of 0.8 rad at 2 rad/s has a maximum speed of 1.6 rad/s and a maximum acceleration of 3.2
+            // rad/s².
             let mut follower = follower(3.0, 10.0, dt_s);
             for tick in 0..1000_u16 {
                 let angle = phase + 2.0 * dt_s * f32::from(tick);

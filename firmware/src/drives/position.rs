@@ -34,8 +34,8 @@ pub struct PositionSettings {
     pub profile: bool,
 }
 
-/// Offsets up to 0.35 rad (20 deg) at 5 rad/s, which friction requires when a joint reverses, with profile and the
-/// factory's gain.
+/// The default offset is at most 0.35 rad (20 deg), and changes by at most 5 rad/s, which friction requires when a
+/// joint reverses. Goals have a profile, and the servo has the factory's gain.
 impl Default for PositionSettings {
     fn default() -> Self {
         Self {

@@ -82,7 +82,7 @@ impl Wire for Exchange<'_> {
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
                     LinePort::I2c(prescale) => {
-                        // These are the first pulses after a pause: the chip may have got its power only now.
+                        // These are the first pulses after a pause: the chip may have been without power until now.
                         if !self.was_on {
                             pulses::start(&mut self.ports.i2c, &prescale);
                         }

@@ -56,7 +56,7 @@ pub struct Hardware {
     pub i2c: pulses::Bus,
     /// The output-enable pin (OE) of the PCA9685, PB5. High is off; a pull-up keeps it high from reset on.
     pub outputs: Output<'static>,
-    /// The loop of the emergency stop: high while it is closed.
+    /// Input of the emergency stop's circuit: high while the circuit is closed.
     pub stop: Input<'static>,
     /// The status light.
     pub light: Light,
@@ -122,8 +122,8 @@ struct Loop<'l> {
     asks_us: u32,
 }
 
-/// The loop, after it was started. From then on only its interrupt uses it. It is stored in the frame of [`node`],
-/// which never returns.
+/// The control loop, after it was started. From then on only its interrupt uses it. It is stored in the frame of
+/// [`node`], which never returns.
 static LOOP: AtomicPtr<Loop<'static>> = AtomicPtr::new(ptr::null_mut());
 /// Number of the first latched fault; 0 for none.
 static FAULT: AtomicU8 = AtomicU8::new(0);

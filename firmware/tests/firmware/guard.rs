@@ -52,7 +52,7 @@ const GOAL: GuardLimits = GuardLimits::Goal(GoalLimits {
     tells: true,
 });
 const CURRENT: GuardLimits = GuardLimits::Current { most_a: 0.8 };
-/// 4 V of current and 2 V of speed, out of 10 V.
+/// Limits of 4 V for the current and 2 V for the speed, with a supply of 10 V.
 const VOLTAGE: GuardLimits = GuardLimits::Voltage(VoltageLimits {
     most_a: 0.8,
     resistance_ohm: 5.0,

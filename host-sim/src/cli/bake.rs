@@ -25,8 +25,9 @@ use super::unit_args::UnitArgs;
 /// when, and by how much.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; or a motion of the rig's own: a CSV of joint
-    /// coordinates (`sinew record`, `sinew clip export`), or positions of servos (JSON).
+    /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
+    /// rig itself: a CSV of joint coordinates (from `sinew record` or `sinew clip export`), or a JSON of servo
+    /// positions.
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -58,7 +59,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if a limit would be exceeded, or if a base that travels would have to hurry back.
+    /// acceleration. Fails if a limit would be exceeded, or if a travelling base would have to return faster than it
+    /// ever moves.
     #[arg(long = "loop")]
     is_loop: bool,
 
@@ -140,7 +142,7 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
     let likeness =
         performance.limb_errors_deg(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
             format!(
-                "{} limbs: {mean:.1} deg off the performer's in the mean, {most:.1} at most\n",
+                "{} limbs: {mean:.1} deg from the performer's on average, {most:.1} at most\n",
                 performance.clip.limbs
             )
         });
@@ -167,14 +169,14 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
         1000.0 * written.lengths.largest,
         written.angles.rms.to_degrees(),
         1000.0 * written.lengths.rms,
-        // Half the flash of an STM32F446; all the flash of a usual RP2350 board; a 16 MB SPI flash.
+        // Memory sizes in kB: half the flash of an STM32F446; the flash of a usual RP2350 board; a 16 MB SPI flash.
         minutes(256),
         minutes(4_000),
         minutes(16_000),
     )
 }
 
-/// Returns the first and last time code of a show as a line, or nothing if the show has no time code.
+/// Returns the first and last time code of a show as a line, or an empty text if the show has no time code.
 fn clock(bytes: &[u8]) -> String {
     let Ok(show) = Show::open(bytes) else { return String::new() };
     let (Some(begin), Some(end)) = (show.time_code(), show.time_code_at(show.length())) else {

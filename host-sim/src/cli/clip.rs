@@ -1,4 +1,4 @@
-//! `sinew clip`: motion capture before it is put on a rig, and skeletons of clips.
+//! `sinew clip`: motion capture before it is retargeted to a rig, and skeletons of clips.
 
 use std::process::ExitCode;
 

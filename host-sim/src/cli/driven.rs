@@ -7,9 +7,11 @@ use sinew_performance::play::{Drive, Options};
 enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
-    /// PWM mode: the duty cycle that drives this current; the winding damps. Dynamixels only.
+    /// The duty cycle (PWM) that drives the current for the tracker's torque. The motor's winding adds damping.
+    /// Dynamixels only.
     Voltage,
-    /// The target position, corrected in advance by the angle by which gravity makes the servo sag.
+    /// The target position, corrected in advance by the angle by which the expected torque, such as gravity's, makes
+    /// the servo sag.
     Position,
 }
 

@@ -120,8 +120,8 @@ impl Command {
     }
 }
 
-/// Creates the parser. It accepts the options of `evaluate` also without that name, but only the help of `evaluate`
-/// lists them.
+/// Creates the parser. It accepts the options of `evaluate` also without the word `evaluate`, but only the help of
+/// `evaluate` lists them.
 fn command_line() -> clap::Command {
     Cli::command().mut_args(|option| option.hide(true))
 }

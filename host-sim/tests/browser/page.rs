@@ -76,7 +76,7 @@ impl Page {
         serde_json::from_str(text).unwrap()
     }
 
-    /// Lets the page run for `time_ms` milliseconds.
+    /// Runs the page for `time_ms` milliseconds.
     pub(crate) fn wait_ms(&self, time_ms: u32) {
         self.evaluate(&format!("new Promise(r => setTimeout(() => r(1), {time_ms}))"));
     }

@@ -36,7 +36,7 @@ impl FigureShow {
     /// Returns a line for each method: the hash of the torques that this machine computes for the show.
     ///
     /// # Errors
-    /// Rig and show do not match.
+    /// Returns an error if rig and show do not match.
     pub fn torque_hashes(&self) -> Result<Vec<String>, Box<dyn Error>> {
         let (tree, show) = (tree::<BODY_COUNT, DOFS>(&self.rig)?, Show::open(&self.show)?);
         show.check_rig(self.rig.last_chunk().copied().map_or(0, u32::from_le_bytes))?;

@@ -32,7 +32,7 @@ pub struct Coordinates {
     pub along: [f32; 2],
     /// Speeds, rad/s or m/s; first the angular ones, in body axes.
     pub speed: [f32; 6],
-    /// Derivatives of the speeds. For angular speeds in body axes, those of their components.
+    /// Derivatives of the speeds. For angular speeds in body axes, the derivatives of their components.
     pub acceleration: [f32; 6],
 }
 
@@ -56,8 +56,8 @@ pub enum Joints {
     Figure,
 }
 
-/// Two states of a figure of up to `most` bodies, desired and measured. They differ by up to about `size` rad (and m
-/// for the root, and a tenth of that per second).
+/// Two states of a figure of up to `most` bodies, desired and measured. In each axis, poses differ by up to `size`
+/// rad (for the root also by up to `size` m), and speeds by up to 1 rad/s or m/s.
 pub fn figures(most: usize, size: f32) -> impl Strategy<Value = (Rig, Rig)> {
     (rigs(most, Joints::Figure), vec(unit(), 12 * most)).prop_map(move |(desired, numbers)| {
         let mut measured = desired.clone();
@@ -93,8 +93,8 @@ pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     (shape, vec(body, 1..=most)).prop_map(move |(shape, bodies)| build(shape, joints, &bodies))
 }
 
-/// Builds a rig. Each body is given by a pick of its parent, one of six kinds of joint, and 48 numbers below 1 in
-/// size.
+/// Builds a rig. Each body is given by a number that selects its parent, one of six kinds of joint, and 48 numbers
+/// below 1 in size.
 pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
     let mut tree = Tree::new();
     let mut motions = Vec::new();

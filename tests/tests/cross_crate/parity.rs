@@ -42,7 +42,8 @@ const ALL: &str = "SINEW_PARITY_ALL";
 /// Tick rate at which recorded shows are decoded, Hz: not their sample rate, so that all phases of a span occur.
 const DECODE_HZ: u32 = 125;
 
-/// Duration of a played show, s, and its number of ticks; on emulated machines, one of which has no FPU, fewer.
+/// Duration of a played show, s, and its number of ticks. Emulated machines, one of which has no FPU, play fewer
+/// ticks.
 const PLAYED_S: f64 = 21.0;
 const TICKS: u32 = 2_100;
 const EMULATED_TICKS: u32 = 200;
@@ -77,7 +78,8 @@ fn motions() -> Vec<FigureMotion> {
 #[ignore = "needs programs that `cargo xtask parity` builds"]
 fn every_machine_computes_the_same_bits() {
     let machines = machines();
-    // Slow: a clip for each method, alternating between the two sizes; with `ALL` a clip for each method and size.
+    // This machine is slow: it gets a clip for each method, alternating between the two sizes; with `ALL`, a clip
+    // for each method and size.
     let soft_float = machine("Cortex-M4 without FPU", "SINEW_PARITY_M4", true);
     let soft_float = soft_float.as_slice();
 

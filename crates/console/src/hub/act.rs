@@ -121,6 +121,8 @@ impl<L: Line> Hub<'_, L> {
         }
         if self.follow(&mut feeding, Feed::Jog)? {
             self.act.get_or_insert(Act::Slider(feeding));
+        } else {
+            self.barred = Some(now);
         }
         Ok(())
     }

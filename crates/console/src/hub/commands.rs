@@ -1,5 +1,7 @@
 //! What pages ask.
 
+use std::time::Duration;
+
 use sinew_board_client::Line;
 use sinew_link::message::{Command, POSE_MAX, State};
 
@@ -11,6 +13,8 @@ use super::{Hub, PageCommand, Refused};
 use crate::message::ToPage;
 use crate::server::PageId;
 
+/// Time without a message of a slider after which it counts as let go.
+const LET_GO: Duration = Duration::from_millis(400);
 /// Share of the maximum speed that a journey uses: the board's own limit is not to be felt.
 const SHARE: f32 = 0.7;
 
@@ -33,7 +37,7 @@ impl<L: Line> Hub<'_, L> {
                 self.ask(Command::EStop).map(|_| "torque is off".to_owned())
             }
             Hold => {
-                self.arming = None;
+                self.end_all();
                 self.hold()
             }
             Stop => {
@@ -69,10 +73,13 @@ impl<L: Line> Hub<'_, L> {
                 None => Err(Refused::because("there is no such pose")),
             }),
             Jog { dof, goal } => self.jog(dof, goal),
-            Release { .. } => match self.act {
-                Some(Act::Slider(_)) => self.hold(),
-                _ => Ok("nothing moves".to_owned()),
-            },
+            Release { .. } => {
+                self.barred = None;
+                match self.act {
+                    Some(Act::Slider(_)) => self.hold(),
+                    _ => Ok("nothing moves".to_owned()),
+                }
+            }
             Upload { name, slot } => {
                 self.announce_upload(page, id, name, slot);
                 return None;
@@ -80,9 +87,17 @@ impl<L: Line> Hub<'_, L> {
         })
     }
 
-    /// Ends what goes on, without a word to the board.
+    /// Ends what goes on, without a word to the board. A slider that is held moves nothing until it is let go.
     pub(super) fn end_all(&mut self) {
+        self.bar_slider();
         (self.act, self.arming) = (None, None);
+    }
+
+    /// Bars a slider whose motion was ended by something else than its page.
+    pub(super) fn bar_slider(&mut self) {
+        if matches!(self.act, Some(Act::Slider(_))) {
+            self.barred = Some(self.now());
+        }
     }
 
     fn turn_wheel(&mut self, page: PageId, take: bool) -> Result<String, Refused> {
@@ -116,6 +131,10 @@ impl<L: Line> Hub<'_, L> {
         let goal = goal as f32;
         if !matches!(self.state(), State::Holding | State::Playing) {
             return Err(Refused::Other(format!("the rig is {}: arm it first", self.state())));
+        }
+        if self.barred.is_some_and(|last| now.saturating_sub(last) < LET_GO) {
+            self.barred = Some(now);
+            return Err(Refused::because("the rig was told to stand: let the slider go first"));
         }
         let own =
             self.scene.dofs.get(dof).ok_or_else(|| Refused::because("there is no such joint"))?;

@@ -86,6 +86,9 @@ pub(crate) struct Hub<'a, L> {
     told: Told,
     /// Time at which a rig whose driver is silent is lowered.
     lower_at: Option<Duration>,
+    /// Time at which a slider that was held moved for the last time although the rig was told to hold: it must be let go
+    /// first.
+    barred: Option<Duration>,
     /// Command in another terminal whose motion goes on.
     waiting: Option<Waiting>,
     /// Whether the last journey has reached its end.
@@ -113,6 +116,7 @@ impl<'a, L: Line> Hub<'a, L> {
             lost: None,
             failed: None,
             lower_at: None,
+            barred: None,
             waiting: None,
             arrived: false,
             closing: None,
@@ -256,7 +260,8 @@ impl<'a, L: Line> Hub<'a, L> {
 
     /// Handles a board that does not answer.
     fn lose(&mut self, error: ClientError) {
-        (self.act, self.arming, self.upload) = (None, None, None);
+        self.act = None;
+        self.give_up(&error.to_string());
         if self.lost.is_none() {
             self.event(Level::Error, &error.to_string());
         }

@@ -145,4 +145,13 @@ impl<L: Line> Hub<'_, L> {
             self.answer(upload.page, id, answer);
         }
     }
+
+    /// Answers pages that wait for a board that does not answer.
+    pub(super) fn give_up(&mut self, why: &str) {
+        let upload = self.upload.take().and_then(|upload| Some((upload.page, upload.id?)));
+        let arming = self.arming.take().and_then(|arming| Some((arming.page, arming.id?)));
+        for (page, id) in upload.into_iter().chain(arming) {
+            self.answer(page, id, Err(Refused::because(why)));
+        }
+    }
 }

@@ -115,7 +115,12 @@ fn one_page_drives_and_all_may_stop() {
     driver.slide(1.0, ms(300));
     assert!(viewer.ask(json!({ "type": "hold" })).0);
     viewer.until_state(HOLDING);
-    // The driver's next goal begins anew: who holds the wheel decides.
+    // The driver's slider is still held, and moves nothing any more.
+    driver.slide(1.0, ms(500));
+    assert_eq!(driver.shown().state, HOLDING);
+    sleep(ms(450));
+    driver.slide(1.0, ms(300));
+    driver.until_state(PLAYING);
     assert!(driver.ask(json!({ "type": "wheel", "take": false })).0);
     assert!(viewer.ask(json!({ "type": "wheel", "take": true })).0);
     assert!(!driver.ask(json!({ "type": "home" })).0);

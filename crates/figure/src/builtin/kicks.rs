@@ -176,10 +176,10 @@ const ROUNDHOUSE: Kick = Kick {
     length_s: 1.52,
 };
 
-/// Time by which the pelvis moves before the foot, in seconds. The next constant is for the trunk.
+/// Time by which the pelvis moves earlier than the foot, in seconds. The next constant is the same for the trunk.
 const HIPS_AHEAD_S: f64 = 0.060;
 const TRUNK_AHEAD_S: f64 = 0.030;
-/// Change of the elbow's direction per metre of swing: outwards and back, to keep it off the line of the arm.
+/// Change of the elbow's direction per metre of swing: outwards and back, so that it is never parallel to the arm.
 const ELBOW_PER_SWING: DVec3 = v(-1.6, 1.6, -1.0);
 /// Rise of the supporting heel while the foot turns, as pitch in degrees.
 const PIVOT_HEEL_DEG: f64 = 7.0;

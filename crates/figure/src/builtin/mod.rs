@@ -1,8 +1,8 @@
 //! The built-in clips: a synthetic fighter. With them, no motion data need be downloaded.
 //!
-//! Twelve clips at 120 Hz contain 80 punches and 40 kicks, with the guard and the steps between them. A script
-//! lists the events of a clip. Key poses, minimum-jerk tracks and inverse kinematics turn it into a motion of the
-//! 18 bodies; noise and gaps then turn the motion into a recording. All random numbers have explicit seeds and all
+//! Twelve clips at 120 Hz contain 80 punches and 40 kicks, with the guard and the steps between them. A script lists
+//! the events of a clip. Key poses, minimum-jerk tracks and inverse kinematics turn the script into a motion of the 18
+//! bodies; noise and gaps then turn the motion into a recording. All random numbers have explicit seeds and all
 //! functions are from `libm`: every machine produces the same bits.
 //!
 //! After the pipeline's 6 Hz low-pass the knuckles of a punching fist reach 5 to 10 m/s and the toes of a kicking

@@ -84,7 +84,7 @@ struct Guard {
 
 /// Share of the trunk's turn that the abdomen makes. The thorax makes the rest.
 const ABDOMEN_SHARE: f64 = 0.45;
-/// Share of the trunk's turn that an arm in guard follows. Less than 1 keeps it between chin and opponent.
+/// Share of the trunk's turn that an arm in guard follows. With less than 1 the arm stays between chin and opponent.
 const GUARD_FOLLOWS: f64 = 0.5;
 /// Extension of the wrist per radian of elbow flexion. The wrist is bent in guard and straight at impact.
 const WRIST_PER_ELBOW: f64 = 0.09;

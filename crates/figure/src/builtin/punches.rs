@@ -1,7 +1,7 @@
 //! Punches as keyed poses: jab, cross, and hook and uppercut of either hand.
 //!
-//! Written for an orthodox fighter, whose left hand leads. Hips move before shoulders, and shoulders before the
-//! fist. A straight punch stops at arm's length; hook and uppercut go through the target.
+//! The key poses are those of an orthodox fighter, whose left hand leads. Hips move before shoulders, and shoulders
+//! before the fist. A straight punch stops at arm's length; hook and uppercut go through the target.
 
 use glam::DVec3;
 
@@ -30,7 +30,7 @@ struct Key {
     elevation_deg: f64,
     /// Turn of the foot on the punching side about its ball, in degrees.
     pivot_deg: f64,
-    /// Rise of that foot's heel, as pitch in degrees.
+    /// Rise of the heel of the foot on the punching side, as pitch in degrees.
     heel_deg: f64,
 }
 
@@ -373,8 +373,8 @@ const REAR_UPPERCUT: Punch = Punch {
     length_s: 1.04,
 };
 
-/// Time by which the hips move before the fist, in seconds. The next two constants are for trunk and shoulder
-/// girdle.
+/// Time by which the hips move earlier than the fist, in seconds. The next two constants are the same for the trunk and
+/// for the shoulder girdle.
 const HIPS_AHEAD_S: f64 = 0.050;
 const TRUNK_AHEAD_S: f64 = 0.025;
 const GIRDLE_AHEAD_S: f64 = 0.010;

@@ -11,7 +11,7 @@ use super::{kicks, punches};
 use Side::{Left as Lead, Right as Rear};
 use StrikeKind::{Cross, FrontKick, Hook, Jab, RoundhouseKick, SideKick, Uppercut};
 
-/// One clip, before it is performed.
+/// The events of one clip, from which its motion is computed.
 #[derive(Debug, Clone)]
 pub(super) struct Script {
     pub name: String,
@@ -134,16 +134,17 @@ const LEAD_OUT_S: f64 = 0.20;
 /// the limb.
 const SLOT_TO_START_S: (f64, f64) = (0.08, 0.18);
 
-/// Highest speed of a step, in metres per second of the whole stance. `STEP_M` is its greatest length.
+/// Maximum speed of the whole stance in a step, in metres per second. `STEP_M` is the maximum length of a step.
 const STEP_SPEED_M_S: f64 = 0.5;
 const STEP_M: f64 = 0.20;
 /// Maximum distance from the place where the fighter began, in metres.
 const RING_M: f64 = 0.8;
-/// Maximum turn of the stance in one step; `LARGEST_TURN_DEG` is the maximum in all.
+/// Maximum turn of the stance in one step; `LARGEST_TURN_DEG` is the maximum of its heading.
 const STEP_TURN_DEG: f64 = 8.0;
 const LARGEST_TURN_DEG: f64 = 25.0;
 
-/// Returns the twelve clips: 80 punches and 40 kicks, each stance in half of them.
+/// Returns the twelve clips: 80 punches and 40 kicks. The left side leads in half of the clips, the right side in the
+/// others.
 ///
 /// Every programme is performed in both stances equally often, which makes left and right strikes equally
 /// frequent.

@@ -113,7 +113,8 @@ impl Beats {
         Self { times_s: core::iter::once(start_s).chain(keys_s).chain([end_s]).collect() }
     }
 
-    /// Returns the same movement earlier, for a proximal segment, which leads the distal ones.
+    /// Returns the times of the same movement, earlier by `lead_s`: a proximal segment moves before the distal
+    /// segments.
     pub(super) fn ahead_by(&self, lead_s: f64) -> Self {
         Self { times_s: self.times_s.iter().map(|time_s| time_s - lead_s).collect() }
     }

@@ -1,8 +1,8 @@
 //! Masses of the segments by regression.
 //!
-//! The regressions have the form of C. E. Clauser et al., AMRL-TR-69-70 (1969), as in implementations of the
-//! modified Hanavan model: not density times volume. The forearm's regression in those implementations uses the
-//! total mass in place of the wrist's circumference. That would give a forearm of 5.8 kg for a man of 75 kg; with
+//! The regressions have the form of C. E. Clauser et al., AMRL-TR-69-70 (1969), as in implementations of the modified
+//! Hanavan model. No mass is computed as density times volume. The forearm's regression in those implementations uses
+//! the total mass in place of the wrist's circumference. That would give a forearm of 5.8 kg for a man of 75 kg; with
 //! the wrist it is 1.13 kg, near de Leva's 1.2 kg.
 
 use super::inputs::Inputs;

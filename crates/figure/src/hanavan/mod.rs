@@ -7,8 +7,8 @@
 //! - Limbs are truncated cones, thighs and feet elliptical solids, head and hands ellipsoids. The trunk is, from
 //!   top to bottom, an elliptical column, an elliptical solid and a column. The upper column is cut into thorax
 //!   and two clavicle bodies (`cut.rs`). The head starts at its joint: the model has no neck.
-//! - Masses are computed by regressions (`masses.rs`). Their sum differs from the total mass by some percent; the
-//!   subject's `normalise` scales the difference away.
+//! - Masses are computed by regressions (`masses.rs`). Their sum differs from the total mass by some percent; if the
+//!   subject's `normalise` is true, all masses are scaled so that their sum is the total mass.
 //! - On a clip's skeleton, masses and cross-sections are the subject's. A limb is as long as its bone. All other
 //!   segments have the subject's length times one factor, the ratio of the clip's legs to the subject's. The
 //!   shoulder parts keep their place in the upper trunk's column: in the zero pose the three parts together are

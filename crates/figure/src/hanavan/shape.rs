@@ -32,7 +32,7 @@ pub enum Shape {
         a_m: f64,
         /// Sagittal semi-axis of the whole column in metres.
         b_m: f64,
-        /// Piece of the column that the segment is.
+        /// The piece of the column that forms the segment.
         piece: Piece,
     },
 }

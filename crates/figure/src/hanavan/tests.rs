@@ -169,7 +169,7 @@ fn the_own_figure_scales() {
     }
 }
 
-/// Checks that on a clip the limbs have the length of its bones, and the masses are the subject's.
+/// Checks that on a clip the limbs have the length of the clip's bones, and the masses are the subject's.
 #[test]
 fn limbs_take_the_length_of_their_bones() {
     let subject = Subject::built_in();

@@ -46,8 +46,8 @@ struct Placed {
 }
 
 impl Placed {
-    /// Places body `i`, whose parent is already placed. Returns `None` if a mistake makes it impossible to
-    /// continue.
+    /// Places body `i`, whose parent is already placed, and appends what does not fit to `mistakes`. Returns `None` if
+    /// a mistake makes it impossible to place the body.
     fn new(
         i: usize,
         part: &BodyJoints,
@@ -183,13 +183,13 @@ impl Binding {
         leg_m + trunk_m + of("head", &self.segment_end_m)
     }
 
-    /// Refuses a limb if one side is at least half as long again as the other. The aim is to find a damaged digit.
-    /// Both thresholds are choices, since we do not know how much real sides can differ. A change of the first
-    /// digit changes a length by half or more if the digit is small (1 to 2, 3 to 5), and an additional digit
-    /// multiplies the length by ten. Smaller errors are accepted; they do proportionally less harm.
+    /// Refuses a limb if one side is more than 1.5 times as long as the other, and the difference is more than 0.1 m.
+    /// The aim is to find a damaged digit. Both thresholds are choices, since we do not know how much real sides can
+    /// differ. A change of the first digit changes a length by half or more if the digit is small (1 to 2, 3 to 5), and
+    /// an additional digit multiplies the length by ten. Smaller errors are accepted; they do proportionally less harm.
     ///
     /// # Errors
-    /// [`UnlikeSides`] if the two sides of a limb differ by half or more.
+    /// [`UnlikeSides`] for the first limb whose sides differ by more than both thresholds.
     pub fn check_sides(&self) -> Result<(), UnlikeSides> {
         for (left, body) in BODIES.iter().enumerate() {
             let Some(part) = body.name.strip_suffix("_l") else { continue };
@@ -214,8 +214,8 @@ impl Binding {
         self.origin.iter().map(|joint| world[*joint].position_m).collect()
     }
 
-    /// Returns, for each body, the largest distance over `clip` between its origin in `motion` and its joint in
-    /// the recording, in metres. The distance is the cost of the figure's stiff trunk and neck.
+    /// Returns, for each body, the largest distance over `clip` between its origin in `motion` and its joint in the
+    /// recording, in metres. The distance arises because the figure's trunk and neck have fewer joints.
     pub fn worst_distance_m(&self, clip: &Clip, motion: &FigureMotion) -> Vec<f64> {
         let mut worst_m = vec![0.0; BODIES.len()];
         for (f, frame) in clip.frames.iter().enumerate() {

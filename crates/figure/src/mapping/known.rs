@@ -136,9 +136,9 @@ pub(super) fn joint_names(skeleton: &Skeleton) -> String {
     if rest > 0 { format!("{names} and {rest} more") } else { names }
 }
 
-/// Returns the nearest known mapping, and the joints that the skeleton lacks for it. A matching mapping is
-/// nearest; otherwise the mapping of which `skeleton` has the largest share of the signature's joints, after any
-/// prefix.
+/// Returns the nearest known mapping, and the joints that the skeleton lacks for it. A matching mapping is nearest;
+/// otherwise the mapping of which `skeleton` has the largest share of the signature's joints, after any prefix. `None`
+/// if the skeleton has no joint of any signature.
 pub fn find_nearest(skeleton: &Skeleton) -> Option<(&'static Mapping, Vec<&'static str>)> {
     if let [own, ..] = matching(skeleton)[..] {
         return Some((own, Vec::new()));

@@ -45,7 +45,8 @@ pub struct Measured {
 const OTHER_SIZE_M: std::ops::RangeInclusive<f64> = 0.05..=5.0;
 
 impl Measured {
-    /// Measures a recording. `matched` is the match of its skeleton.
+    /// Measures a recording. `matched` contains the landmarks of its skeleton; `by` is the mapping with which the
+    /// recording is read.
     pub fn new(
         recording: &Recording,
         matched: &SkeletonMatch,
@@ -85,7 +86,7 @@ impl Measured {
         Self { metres_per_unit, unit_reason, up, height_units, is_body: body.is_some() }
     }
 
-    /// Uses this unit, in metres, if nothing else determines it.
+    /// Uses this unit, in metres, if the unit could not be determined.
     #[must_use]
     pub fn or_unit(mut self, metres_per_unit: Option<f64>) -> Self {
         if self.metres_per_unit.is_none() && metres_per_unit.is_some() {
@@ -158,8 +159,8 @@ impl Display for Measured {
     }
 }
 
-/// Returns the extents of a recording's joints and ends in its first complete frame, or else at rest: along up,
-/// and the largest across it. In the file's unit.
+/// Returns the extents of a recording's joints and ends, in the file's unit: the extent along `up`, and the larger of
+/// the two extents across it. They are measured in the first complete frame or, if there is none, in the rest pose.
 pub fn extents(recording: &Recording, up: DVec3) -> [f64; 2] {
     up::extents(recording, up)
 }

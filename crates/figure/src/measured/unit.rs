@@ -15,8 +15,8 @@ pub struct MappingSource<'a> {
     pub is_given: bool,
 }
 
-/// Finds the unit in metres and the reason for it. In this order: the user's unit, the file's own, the given
-/// mapping's, the known skeleton's if it gives a plausible body, or else a unit inferred from the body's height.
+/// Finds the unit in metres and the reason for it. The first of these that exists is used: the user's unit, the file's
+/// own, the given mapping's, the known skeleton's if it gives a plausible body, a unit inferred from the body's height.
 ///
 /// # Errors
 /// The reason why the unit cannot be determined.

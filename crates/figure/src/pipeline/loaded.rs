@@ -12,7 +12,7 @@ use crate::mapping::{self, Binding, Mapping, NoRate};
 pub struct LoadedClip {
     /// The motion. Its first frame is the first that is not an inserted T-pose.
     pub clip: Clip,
-    /// Number of the file's frames before that.
+    /// Number of the file's frames before the first frame of `clip`.
     pub skipped: usize,
     /// Length of the file's unit, in metres.
     pub metres_per_unit: f64,

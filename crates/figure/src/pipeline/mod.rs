@@ -57,7 +57,7 @@ impl Default for Settings {
     }
 }
 
-/// Plausible heights in metres, from a puppet to a giant. Outside, the unit of length is wrong.
+/// Plausible heights in metres, from a puppet to a giant. If a height is outside, the unit of length must be wrong.
 const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 
 /// Something done to a clip that its user should know. The message does not contain the clip's name.
@@ -222,8 +222,8 @@ impl Settings {
     /// Checks every value.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a rate or cutoff that is not above zero, a time below zero, NaN or
-    /// infinity.
+    /// [`Error::Setting`] for a rate or cutoff that is not above zero, a time below zero, NaN or infinity, or a
+    /// `frame_rate_hz` that does not divide `rate_hz`.
     pub fn check(&self) -> Result<(), Error> {
         let Self { rate_hz, cutoff_hz, lead_in_s, gap_max_s, .. } = *self;
         for (name, value) in [("rate_hz", rate_hz), ("cutoff_hz", cutoff_hz)] {
@@ -297,8 +297,8 @@ pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Recordin
 /// The low-pass works at the clip's own rate, before resampling, to prevent aliasing too.
 ///
 /// # Errors
-/// [`Error::Setting`], [`Error::Mapping`], [`Error::Unit`], [`Error::Height`], [`Error::Gap`], [`Error::Filter`],
-/// [`Error::TooShort`].
+/// [`Error::Setting`], [`Error::Mapping`], [`Error::NoRate`], [`Error::Unit`], [`Error::Height`], [`Error::Bone`],
+/// [`Error::Sides`], [`Error::Gap`], [`Error::Filter`], [`Error::TooShort`].
 pub fn prepare(
     recording: Recording,
     settings: &Settings,

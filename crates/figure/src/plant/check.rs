@@ -43,7 +43,7 @@ pub enum PlantError {
     Parent {
         /// Index of the body.
         body: usize,
-        /// Index of its parent, as given.
+        /// Index of the body's parent, as given.
         parent: Option<usize>,
     },
     /// A number of a body, or of its initial state, that is physically impossible.

@@ -57,7 +57,8 @@ impl PlantSettings {
     /// Builds the mechanism in the given state. `start` has one state per body; the poses must fit the joints.
     ///
     /// # Errors
-    /// [`PlantError`].
+    /// [`PlantError`] if the mechanism, its state, the step or the substeps are invalid, or the engine does not
+    /// simulate a joint.
     pub fn build(
         &self,
         mechanism: &Mechanism,
@@ -119,8 +120,8 @@ pub fn link(
     }
 }
 
-/// Efforts of the drives during one step, world axes. A hinge uses only the torque about its axis, a slide only
-/// the force along its axis; their bearings take the other components.
+/// Efforts of the drives during one step, world axes. A hinge uses only the torque about its axis, a slide only the
+/// force along its axis; their bearings carry the other components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drive {
     /// Torque of joint `i` on body `i`, in N m. Its reaction acts on the parent; the root's torque is external.

@@ -61,7 +61,7 @@ impl RapierPlant {
     ///
     /// # Errors
     /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, or the
-    /// engine does not reproduce a body's inertia.
+    /// engine does not simulate a joint or does not reproduce a body's inertia.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],

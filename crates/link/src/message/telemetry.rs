@@ -256,7 +256,7 @@ impl Snapshot<'_> {
     }
 }
 
-/// Returns the index within `frames` frames; or `None`, and reduces `index` by `frames`.
+/// Returns `index` if it is less than `frames`. Otherwise subtracts `frames` from `index` and returns `None`.
 fn take(index: &mut usize, frames: usize) -> Option<usize> {
     match index.checked_sub(frames) {
         Some(behind) => {

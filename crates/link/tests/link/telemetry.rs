@@ -10,7 +10,7 @@ use crate::common;
 use crate::common::Random;
 use crate::common::wire::frame;
 
-/// Returns the longest possible summary.
+/// The longest possible summary.
 const LONGEST: Summary = Summary {
     state: State::Faulted,
     fault: Some(u8::MAX),

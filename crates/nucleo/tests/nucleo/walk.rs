@@ -22,7 +22,7 @@ const LATE_US: u64 = 10;
 /// The packets of one tick of the chip.
 #[derive(Default)]
 struct Tick {
-    /// Times at which its packets began to leave, ns.
+    /// Times at which the board began to send the tick's packets, ns.
     begins_ns: Vec<u64>,
     exchanges: Vec<Exchange>,
 }
@@ -101,7 +101,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
     let Watched { board, states, .. } = board.line_mut();
     let ticks = ticks(&rig, std::mem::take(&mut board.bus));
 
-    // The 3 s of lowering are measured with the clock, which the chip reads some us after its tick: it may take one
+    // The time of lowering is measured with the clock, which the chip reads some us after its tick: it may take one
     // more tick.
     let limp = states.iter().rposition(|(_, state)| *state == State::Lowering).unwrap();
     let lowered = &ticks[..states[limp].0 as usize];
@@ -131,8 +131,8 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
         twin.tick(None, 0, &mut tick.leaves());
     }
     assert!(!twin.has_torque(), "the chip is limp");
-    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts: this share of ticks with 20 goals has one goal that
-    // rounds differently.
+    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts. With 20 goals in a tick, 6 % of the ticks have a goal
+    // that is rounded differently.
     assert!(rounded < lowered.len() * 7 / 100, "{rounded} of {} ticks", lowered.len());
 
     let mut twin = InProcess::new(&rig);
@@ -160,7 +160,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
 /// Arms the rig as soon as possible, plays, and stops; returns when torque is off.
 fn perform(board: &mut Board<Watched>, rig: &Rig) {
     load(board, rig);
-    // The rate is that of the ticks.
+    // Telemetry is sent in every tick.
     board.telemetry(f32::MAX, TelemetryParts::SUMMARY).unwrap();
     until(board, State::Limp, 5);
     arm_it(board);
@@ -168,7 +168,8 @@ fn perform(board: &mut Board<Watched>, rig: &Rig) {
     until(board, State::Playing, 1);
     until(board, State::Holding, 20);
     board.ask(Command::Stop).unwrap();
-    until(board, State::Limp, 20);
+    // The way to rest takes 10 s at most, lowering 18 s.
+    until(board, State::Limp, 30);
 }
 
 /// Returns the command that a tick executed, if its state differs from the state of the previous tick.

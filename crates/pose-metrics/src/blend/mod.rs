@@ -1,8 +1,8 @@
 //! Blends one clip into another at their nearest poses, along geodesics.
 //!
-//! The places are found exactly: of all pairs of frames, the pair with the shortest geodesic ([`nearest`]). During
-//! the blend both clips play. Every pose is on the geodesic between the two clips' poses at that time, at a
-//! smoothly increasing share of its length ([`blend`]).
+//! The frames in the middle of the blend are found exactly: they are the pair with the shortest geodesic of all pairs
+//! of frames ([`nearest`]). During the blend both clips play. Every pose is on the geodesic between the two clips'
+//! poses at that time, at a smoothly increasing share of its length ([`blend`]).
 
 mod nearest;
 mod pair;

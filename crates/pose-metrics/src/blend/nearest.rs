@@ -40,8 +40,8 @@ pub struct Nearest {
     pub gave_up: usize,
 }
 
-/// Number of pairs that are solved before the best pair is updated. It does not depend on the number of threads,
-/// since the report contains it.
+/// Number of pairs that are solved before the best pair is updated. It does not depend on the number of threads, since
+/// the report contains the number of solved pairs, which must be the same on every machine.
 const BATCH: usize = 4;
 
 /// Safety factor for the rounding of f64. In exact arithmetic no curve is shorter than the straight-line distance.

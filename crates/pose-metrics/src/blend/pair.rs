@@ -22,7 +22,7 @@ pub struct Pair {
     pub scale: f64,
     /// Index of the joint that moves the body through space.
     pub(super) root: usize,
-    /// Indices of the joints of its subtree, itself first.
+    /// Indices of the joints in the subtree of `root`, `root` first.
     pub(super) joints: Vec<usize>,
     rigid: Rigid,
     pub(super) rig: Rig,

@@ -29,7 +29,7 @@ pub struct Outcome<'a> {
 pub struct Side<'a> {
     /// Name of the clip.
     pub name: &'a str,
-    /// Time of its first frame in the file, in seconds.
+    /// Time of the clip's first frame in the file, in seconds.
     pub start_s: f64,
     /// Frames per second of the file.
     pub file_rate_hz: f64,

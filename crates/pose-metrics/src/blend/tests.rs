@@ -207,7 +207,8 @@ fn where_geodesics_do_not_converge_every_joint_goes_its_own_way() {
         for joint in 1..count {
             let [a, b, at] =
                 [&pair.a.frames[k], &pair.b.frames[k], frame].map(|frame| frame[joint].rotation);
-            // On the great arc; an angle of quaternions is accurate only to the square root of f64's rounding.
+            // The rotation is on the great arc. The angle between quaternions is accurate only to the square root of
+            // f64's rounding.
             assert!((near(a, at) + near(at, b) - near(a, b)).abs() < 1e-6, "{k} {joint}");
         }
     }

@@ -49,13 +49,13 @@ pub struct PeakSpeed {
 /// Joins two clips. Frame `at_a` of the first and `at_b` of the second are the middle of the blend, which includes
 /// `half` frames before and after it.
 ///
-/// The second clip is turned about the vertical to bring its body as near as possible to the first body's
-/// orientation in the middle, and shifted until both are at one place there, seen from above. During the blend
-/// both clips play. The pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its
-/// length (minimum jerk: velocity and acceleration of the share are zero at both ends, which preserves each clip's
-/// own velocity there). By the same share the body's place moves along the line and its orientation along the
-/// great arc. If a geodesic does not converge, all joints move along their great arcs in the whole blend: see
-/// [`Blend::gave_up`]. `done` is called for each frame of the blend.
+/// The second clip is turned about the vertical to bring its body as near as possible to the first body's orientation
+/// in the middle, and shifted until both are at one place there, seen from above. During the blend both clips play. The
+/// pose is on the geodesic between both poses, at the share `10 t³ - 15 t⁴ + 6 t⁵` of its length (minimum jerk:
+/// velocity and acceleration of the share are zero at both ends, which preserves each clip's own velocity there). By
+/// the same share the body's position moves along a straight line, and its orientation along the great arc. If a
+/// geodesic does not converge, all joints move along their great arcs in the whole blend: see [`Blend::gave_up`].
+/// `done` is called for each frame of the blend.
 ///
 /// # Errors
 /// [`RigError`] if a pose does not fit the rig.

@@ -62,7 +62,7 @@ pub enum ReadError {
         file: PathBuf,
         /// Frame, at the search rate.
         frame: usize,
-        /// Reason why it cannot be compared.
+        /// Reason why the pose cannot be compared.
         source: PoseSpaceError,
     },
 }
@@ -157,7 +157,7 @@ impl Library {
         Rigid::new(&query.skeleton, poses, root)
     }
 
-    /// Precomputes the clips' poses for comparison, in parallel: 60 bytes for each of `N` bodies.
+    /// Precomputes the clips' poses for comparison, in parallel. A pose takes 68 bytes for each of `N` bodies.
     ///
     /// # Errors
     /// [`ReadError::Pose`].

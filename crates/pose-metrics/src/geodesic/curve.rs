@@ -51,8 +51,8 @@ impl Curve {
         }
     }
 
-    /// Returns the curve after a step, or after the share of it that leaves a part of every gap, and that share.
-    /// Forces are those after the whole step, to first order, with barriers of this height.
+    /// Returns the curve after a step, and the share of the step that was made: below 1 if the whole step would not
+    /// leave a part of every gap. Forces are those after the whole step, to first order, with barriers of this height.
     pub(super) fn stepped(&self, rig: &Rig, step: &[DVector<f64>], height: f64) -> (Self, f64) {
         let along = || {
             let poses = self.limits.iter().zip(step);

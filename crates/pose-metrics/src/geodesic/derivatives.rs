@@ -1,4 +1,4 @@
-//! Derivatives of the positions of a rig's joints by its pose, to second order.
+//! First and second derivatives of the positions of a rig's joints with respect to the rig's pose.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
@@ -120,9 +120,8 @@ impl Rig {
         bend
     }
 
-    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's, or
-    /// is the same.
-    /// same.
+    /// Returns [`Rig::bend`] along two columns. The outer column's joint is an ancestor of the inner column's joint, or
+    /// the same joint.
     ///
     /// An outer axis rotates the velocity `u` that an inner axis gives: `∂²p = a × u`. For two axes of one ball
     /// joint it is the mean over both orders.

@@ -37,11 +37,11 @@ pub(super) struct Direction {
 /// A curve after a step.
 pub(super) struct NextCurve {
     pub(super) curve: Curve,
-    /// Decrease of its energy, including that of the barriers, m².
+    /// Decrease of the curve's energy, including that of the barriers, m².
     pub(super) gain_m2: f64,
-    /// Predicted decrease, m².
+    /// Predicted decrease for the share of the step that was made, m².
     pub(super) predicted_m2: f64,
-    /// Predicted decrease for the whole step, if a limit shortened the step, m².
+    /// Predicted decrease for the whole step, m².
     pub(super) decrement_m2: f64,
 }
 
@@ -116,7 +116,7 @@ impl Model {
         })
     }
 
-    /// Computes Newton's step; `None` if that is impossible.
+    /// Computes Newton's step; `None` if the matrix is not positive definite.
     pub(super) fn direction(&self, rig: &Rig, curve: &Curve, damping: f64) -> Option<Direction> {
         let largest = self.poses.iter().map(|pose| pose.own.max()).fold(0.0, f64::max);
         let solve = |bends: bool, ridge: f64| {

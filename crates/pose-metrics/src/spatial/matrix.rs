@@ -10,9 +10,8 @@ pub struct Distances {
 }
 
 impl Distances {
-    /// Computes `distance` between all items `i > j`, rows in parallel. `done` is called for every row with its
-    /// number of pairs. The result is the same bits for any number of threads. Memory: two bytes for each ordered
-    /// pair.
+    /// Computes `distance` between all items `i > j`, rows in parallel. `done` is called for every row with its number
+    /// of pairs. The result has the same bits for any number of threads. Memory: two bytes for each ordered pair.
     pub fn new<W>(
         count: usize,
         workspace: impl Fn() -> W + Sync,

@@ -13,7 +13,8 @@ use super::BODY_COUNT;
 use super::rig::{SpatialRig, single};
 use crate::geodesic::{JointPosition, Options, Rig, RigJoint, solve};
 
-/// The quantity that a distance compares. Hauberg & Pedersen (2012); all except geodesics are computed by `core`.
+/// The quantity that a distance compares, after Hauberg & Pedersen (2012). `core` computes all metrics except
+/// geodesics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
 pub enum Metric {
     /// Coordinates of joints, rad: eq. (1).
@@ -117,7 +118,7 @@ pub struct RigMeasure<'r, const N: usize = BODY_COUNT> {
     geodesics: Option<Rig>,
 }
 
-/// A pose that is prepared for comparison: 76 bytes for each of `N` bodies.
+/// A pose that is prepared for comparison: 68 bytes for each of `N` bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPose<const N: usize = BODY_COUNT> {
     coordinates: PoseCoordinates<N>,

@@ -49,7 +49,7 @@ pub enum Error {
     RadiusColumns {
         /// Path of the file.
         file: PathBuf,
-        /// Names of its columns.
+        /// Names of the file's columns.
         found: String,
     },
     /// An invalid row of a file of radii.

@@ -28,9 +28,9 @@ use radii::Radii;
 pub enum Method {
     /// Total length of the joint's descendant bones.
     Lengths,
-    /// Surface of the joint's descendant bones as cylinders, times its distance.
+    /// Surface of the cylinders around the joint's descendant bones, each part times its distance from the joint.
     Cylinders,
-    /// Skin that moves with the joint, times its distance.
+    /// Area of the skin that moves with the joint, each part times its distance from the joint.
     Mesh,
 }
 
@@ -68,7 +68,7 @@ pub struct Settings {
     /// Initial weight of every joint, in the method's unit; `None` for the method's default, see
     /// [`Settings::base_of`].
     pub base: Option<f64>,
-    /// Discount of a bone's length for each joint further up; used by the method [`Method::Lengths`].
+    /// Factor by which a bone's length counts less for each joint further up; used by the method [`Method::Lengths`].
     pub discount: f64,
     /// Rule for the area of a vertex; used by the method [`Method::Mesh`].
     pub vertex_area: VertexArea,

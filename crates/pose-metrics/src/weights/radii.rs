@@ -30,9 +30,9 @@ pub struct RadiusTable {
 
 /// Radius per length of a bone without further information.
 ///
-/// Ratios from 0.03 to 0.4 were tried. This ratio gives the smallest difference from the article's list for Geno:
-/// its weights differ by 24 % (root mean square of the logarithms); the weight of the neck, a thick short bone, is
-/// 62 % too small.
+/// Ratios from 0.03 to 0.4 were tried. This ratio gives the smallest difference from the article's list for Geno: the
+/// weights differ by 24 % (root mean square of the logarithms); the weight of the neck, a thick short bone, is 62 % too
+/// small.
 pub const PER_LENGTH: f64 = 0.25;
 
 /// Length below which a bone has no direction and no surface.
@@ -147,14 +147,14 @@ fn estimated_m(character: &Character) -> Vec<f64> {
 /// Returns the radius of the bone that ends in each joint, estimated from the skin around it, in m; `None` without
 /// skin or bone.
 ///
-/// It is the mean distance from the bone's axis of the skin that moves with the joint at the bone's start,
-/// weighted by area and by the skin's weight for that joint. If several bones start at the joint, skin counts for
-/// the nearest bone. If no bone starts at the joint, its skin counts for the bone that ends there.
+/// The radius is the mean distance between the bone's axis and the skin that moves with the joint at the bone's start,
+/// weighted by area and by the skin's weight for that joint. If several bones start at the joint, skin counts for the
+/// nearest bone. If no bone starts at the joint, its skin counts for the bone that ends there.
 ///
-/// For Geno the resulting cylinders give weights within 10 % of the article's (root mean square of the
-/// logarithms); for the toes, which are flat, within 33 %. Alternatives on the same list: the median distance 10
-/// %, the distance from the bone instead of its axis 12 %, only the skin beside the bone 11 %, radii of equal
-/// surface 24 %.
+/// For Geno the resulting cylinders give weights within 10 % of the article's (root mean square of the logarithms); for
+/// the toes, which are flat, within 33 %. Other estimates differ from the same list by 10 % (median distance), 12 %
+/// (distance from the bone instead of its axis), 11 % (only the skin beside the bone) and 24 % (radii of equal
+/// surface).
 pub fn of_mesh_m(character: &Character) -> Vec<Option<f64>> {
     let mut sums = vec![(0.0, 0.0); character.joints().len()];
     if let Some(mesh) = character.mesh() {

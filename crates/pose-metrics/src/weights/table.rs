@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{Method, Weighing};
 use crate::character::Character;
 
-/// Number of decimals of a weight in tables: that of the article's list.
+/// Number of decimals of a weight in tables, as in the article's list.
 const DECIMALS: usize = 8;
 
 /// Returns an aligned table: a row per joint, indented by its depth, with the length of the bone that ends there,

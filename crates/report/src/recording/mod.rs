@@ -149,7 +149,7 @@ fn verdict(joints: &[Joint], watch: &Watch, duration_s: f64) -> String {
     let largest = turning().max_by(|(_, a), (_, b)| a.error_most.total_cmp(&b.error_most));
     let followed = match largest {
         Some((joint, told)) if ticks > 0 => format!(
-            "While the show ran, joints were {:.2}° from their targets in the mean, and {:.2}° at most ({} at {:.2} s).",
+            "While the show ran, joints were {:.2}° from their targets on average, and {:.2}° at most ({} at {:.2} s).",
             (turning().map(|(_, told)| told.error_sum).sum::<f64>() / ticks as f64).to_degrees(),
             told.error_most.to_degrees(),
             joint.name,

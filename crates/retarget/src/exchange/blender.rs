@@ -1,6 +1,6 @@
-//! Servo positions in the format of the Blender servo animation add-on: JSON with `fps`, `frames` and `positions`,
-//! a table of servo number and position for each frame. Its later versions have `servos` instead, with all
-//! positions of each servo.
+//! Servo positions in the format of the Blender servo animation add-on: JSON with `fps`, `frames` and `positions`: for
+//! each frame, a table from servo number to position. Later versions of the add-on have `servos` instead: for each
+//! servo, a list of its positions.
 //!
 //! The builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
 //! for a hobby servo.
@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::servos::{ServoTrack, ServoTrackError, number_of};
 
-/// Maximum number of frames of a file: about four times an hour at 240 Hz.
+/// Maximum number of frames of a file: 4.6 hours at 240 Hz.
 const FRAMES_MAX: usize = 4_000_000;
 
 /// The reason why a file of the add-on is invalid.
@@ -25,7 +25,7 @@ pub enum BlenderError {
     /// The frame rate is invalid.
     #[error("fps: expected a number of frames a second from 1 to 1000, found {0}")]
     Rate(f64),
-    /// The file has neither kind of table, or too few frames.
+    /// The file has neither `positions` nor `servos`, or the number of frames is below 2 or too large.
     #[error("expected `positions` of at least 2 frames, or `servos`; found {0} frames")]
     Frames(usize),
     /// The table does not fit the rig.

@@ -6,9 +6,10 @@ use sinew_rig::Mechanism;
 
 use crate::feasibility::RigMotion;
 
-/// Converts the motion of the rig's bodies to a clip with a joint for each body. The joints have world axes where
-/// all coordinates are zero, as in animators' files. Bone ends are merged bodies, and the centres of mass of the
-/// last bodies.
+/// Converts the motion of the rig's bodies to a clip with a joint for each body. In the pose in which all coordinates
+/// are zero, the joints have world axes, as in animators' files. The ends of a bone are the positions of the bodies
+/// that were merged into it; without merged bodies and without children, the end is the point at twice the vector to
+/// the centre of mass.
 pub fn clip(name: &str, mechanism: &Mechanism, motion: &RigMotion) -> Clip {
     let zero: Vec<f64> = mechanism.bodies.iter().flat_map(|link| link.joint.zero()).collect();
     let rest = mechanism.poses(&zero);

@@ -25,7 +25,7 @@ pub struct ServoTrack {
     pub address: Address,
     /// Position in every row: encoder steps for a servo with an id, or the pulse in us for a servo on a channel.
     pub positions: Vec<i32>,
-    /// Number of rows in which it was limited to an end of its range.
+    /// Number of rows in which the position was limited to an end of the servo's range.
     pub limited: usize,
 }
 
@@ -124,7 +124,8 @@ impl Numbering {
 /// Computes the positions of a rig's servos during a motion.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, or one of them is invalid.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, a drive refuses a position, or a position
+/// is not finite.
 pub fn tracks(
     rig: &Description,
     mechanism: &Mechanism,
@@ -171,7 +172,8 @@ pub fn tracks(
 /// Computes the rig's motion from servo positions; joints without servos stay at home.
 ///
 /// # Errors
-/// [`ServoTrackError`] if a servo of the rig has no track, or a track belongs to no servo.
+/// [`ServoTrackError`] if the rig has no servos, a servo has no position in a row, or a drive refuses a position.
+/// Tracks of other servos are ignored.
 pub fn motion(
     rig: &Description,
     mechanism: &Mechanism,

@@ -10,7 +10,7 @@ use super::error::CheckError;
 use super::limits::Limits;
 use super::report::{DofPeaks, Excess, Kind, Report};
 
-/// Excesses with a smaller gap are combined to one, s.
+/// Two excesses with a smaller gap between them are combined to one, s.
 const GAP_S: f64 = 0.1;
 
 /// Returns the smallest rate, at least `rate_hz`, whose samples include every row of a motion, because a curve's
@@ -23,7 +23,8 @@ pub fn rate_at_rows(rate_hz: f64, dt_s: f64) -> f64 {
 /// efforts are those of the core's inverse dynamics with rotors and friction. O(duration · rate · bodies).
 ///
 /// # Errors
-/// [`CheckError`] if the rig exceeds the core's capacity, or an instant is invalid for the rig.
+/// [`CheckError`] if the rate is not from 10 to 10,000 Hz, the rig exceeds the core's capacity, or an instant is
+/// invalid for the rig.
 pub fn check(
     mechanism: &Mechanism,
     limits: &Limits,

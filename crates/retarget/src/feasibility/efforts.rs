@@ -47,8 +47,8 @@ impl Efforts {
         Ok(Self { is_asked: limits.dofs.iter().any(asks), ..Self::of(mechanism)? })
     }
 
-    /// Returns the effort of Coulomb friction of a dof at a speed, N m or N. It is proportional to speed below 0.01
-    /// rad/s, so that a joint at rest needs none.
+    /// Returns the effort of Coulomb friction of a dof at a speed, N m or N. Below 0.01 rad/s (or m/s) the effort is
+    /// proportional to the speed, so that a joint at rest has no friction.
     pub fn dry_friction(&self, dof: usize, speed: f64) -> f64 {
         let [dry, _] = self.friction[dof];
         dry * (speed / 0.01).clamp(-1.0, 1.0)

@@ -6,7 +6,7 @@ use sinew_rig::review::Servos;
 
 use super::report::{Excess, Kind, Report};
 
-/// Default time over which effort counts as heat, s: that of a small servo's motor.
+/// Default time constant of the mean square of the effort, which measures heat, s: that of a small servo's motor.
 const THERMAL_TIME_S: f64 = 60.0;
 
 /// Limits of one dof; infinite without limit.
@@ -14,7 +14,7 @@ const THERMAL_TIME_S: f64 = 60.0;
 pub struct DofLimits {
     /// Name of the dof, see [`Mechanism::dof_names`].
     pub name: String,
-    /// Index of the body that its joint moves.
+    /// Index of the body that the dof's joint moves.
     pub joint: usize,
     /// Whether the dof slides: units are m and N, otherwise rad and N m.
     pub slides: bool,
@@ -95,7 +95,7 @@ impl Limits {
     }
 }
 
-/// Factor on an exceeded limit, each time.
+/// Factor by which an exceeded limit is multiplied before each new attempt.
 const TIGHTER: f64 = 0.93;
 
 impl Limits {

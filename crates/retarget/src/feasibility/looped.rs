@@ -109,8 +109,8 @@ pub enum LoopError {
 /// are unchanged. A ball joint takes the shorter rotation. O(rows).
 ///
 /// # Errors
-/// [`LoopError`] if the motion is invalid for the rig or shorter than the blend, a base would have to return too
-/// fast, or a ball joint has no direct path.
+/// [`LoopError`] if the motion is invalid for the rig, the blend is shorter than three rows or longer than the motion,
+/// a base would have to return too fast, or a ball joint has no direct path.
 pub fn looped(
     mechanism: &Mechanism,
     motion: &RigMotion,
@@ -201,7 +201,8 @@ impl LoopedMotion {
     /// depends on the whole motion. O(rows · bodies).
     ///
     /// # Errors
-    /// [`LoopError::Beyond`] names the first excess.
+    /// [`LoopError::Beyond`] names the first excess; [`LoopError::Motion`] and [`LoopError::Check`] if a motion cannot
+    /// be checked.
     pub fn check(
         &self,
         mechanism: &Mechanism,
@@ -250,12 +251,13 @@ fn check_travel(
     Ok(())
 }
 
-/// Returns position, speed and acceleration at the first of three rows, per row.
+/// Returns position, speed (per row) and acceleration (per row²) at the first of three rows.
 fn parabola([a, b, c]: [f64; 3]) -> [f64; 3] {
     [a, (4.0 * b - 3.0 * a - c) / 2.0, a - 2.0 * b + c]
 }
 
-/// Returns the quintic from zero at rest to a step of position, speed and acceleration, at a share of its time.
+/// Returns the value, at a share of its duration, of the quintic that begins at zero at rest and ends with this
+/// position, speed and acceleration.
 fn added([p, v, a]: [f64; 3], share: f64) -> f64 {
     let x = share;
     let of_p = 10.0 + x * (6.0 * x - 15.0);
@@ -324,9 +326,9 @@ mod tests {
             let [p0, v0, a0] = jet(rows, [0, 1, 2]);
             let [p1, v1, a1] = jet(rows, [last, last - 1, last - 2]);
             let [q1, w1, b1] = jet(&given.rows, [last, last - 1, last - 2]);
-            // Tolerance from the third derivative of the added quintic. A parabola from one side misses a third of
-            // it in its speed, all of it in its acceleration; the fourth derivative, a tenth of it per row, is the
-            // rest. Normalizing quaternions changes them by a similar amount.
+            // Tolerance from the third derivative of the added quintic. The speed of a one-sided parabola is wrong by a
+            // third of this derivative, its acceleration by all of it. The margin is for the fourth derivative, a tenth
+            // of the third per row. Normalizing quaternions changes speed and acceleration by a similar amount.
             let [p, v, a] = [p0 - q1, (v0 + w1) * span, (a0 - b1) * span * span];
             let third = (60.0 * p.abs() + 36.0 * v.abs() + 9.0 * a.abs()) / span.powi(3);
             let most = if (4..8).contains(&k) { third } else { 2.0 * third };

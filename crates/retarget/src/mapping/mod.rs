@@ -1,8 +1,8 @@
 //! A map from joints of a clip to joints of a rig, as a text that a person reads and edits.
 //!
-//! The text is TOML: `[performance]` contains settings, each `[[landmark]]` names joints of both sides, and each
-//! `[[curve]]` drives one joint of the rig by one angle of a clip's joint. Entries that are not listed are not
-//! used: a rig may follow a part of a clip. Angles are in degrees, lengths in metres.
+//! The text is TOML: `[performance]` contains settings, each `[[landmark]]` names joints of the clip and of the rig,
+//! and each `[[curve]]` drives one joint of the rig by one angle of a clip's joint. Landmarks that are not listed are
+//! not used, so a rig may follow only a part of a clip. Angles are in degrees, lengths in metres.
 
 mod curve;
 mod propose;
@@ -37,7 +37,7 @@ pub struct Performance {
     pub scale: Option<f64>,
     /// Whether left and right are exchanged.
     pub mirror: bool,
-    /// Whether a free base travels.
+    /// Whether a rig with a free base travels with the performer.
     pub travels: bool,
     /// For a rig with a fixed base: angle by which the performance is tilted, rad.
     pub tilt_rad: f64,
@@ -67,7 +67,7 @@ impl Default for Performance {
     }
 }
 
-/// A landmark with its joints on both sides.
+/// A landmark with its joints in the clip and in the rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
     /// The landmark.

@@ -1,4 +1,4 @@
-//! Proposes a mapping from the matches of both sides.
+//! Proposes a mapping from the landmarks of a clip and of a rig.
 
 use sinew_mocap::Skeleton;
 use sinew_rig::Mechanism;
@@ -12,8 +12,8 @@ use crate::rig::RigMatch;
 const POINT: f64 = 0.5;
 
 impl Mapping {
-    /// Creates a mapping of the landmarks that either side has. `of_clip` returns confidence (0 to 1) and reason
-    /// for a landmark's joint in the clip.
+    /// Creates a mapping of the landmarks that the clip or the rig has. `of_clip` returns confidence (0 to 1) and
+    /// reason for a landmark's joint in the clip.
     pub fn propose(
         names: [&str; 2],
         mechanism: &Mechanism,

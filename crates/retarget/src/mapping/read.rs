@@ -108,7 +108,8 @@ impl Mapping {
     /// Reads a mapping.
     ///
     /// # Errors
-    /// [`MappingError::Text`] with line, column, key, and a description of a valid value.
+    /// [`MappingError::Text`] with line, column, key, and a description of a valid value; [`MappingError::Value`] for a
+    /// landmark or a joint that is named twice; [`MappingError::Several`] for several errors.
     ///
     /// ```
     /// use sinew_retarget::mapping::Mapping;

@@ -10,8 +10,8 @@ const HEADER: &str = "\
 ";
 
 impl Mapping {
-    /// Returns the mapping as TOML. Comments contain confidence and reason of each landmark. [`Mapping::read`]
-    /// returns the same mapping, without these.
+    /// Returns the mapping as TOML. Comments contain confidence and reason of each landmark. [`Mapping::read`] returns
+    /// the same mapping without confidences and reasons.
     pub fn text(&self) -> String {
         let mut text = String::from(HEADER);
         // Writing to a string cannot fail.

@@ -22,7 +22,7 @@ pub struct PerformerFrame {
 }
 
 impl PerformerFrame {
-    /// Returns the midpoint between the hips, m; without hips, the pelvis.
+    /// Returns the midpoint between the hips, m; without hips, the pelvis; `None` without either.
     pub fn hips_m(&self) -> Option<DVec3> {
         self.middle_m(Landmark::Hip).or(self.points_m[Landmark::Pelvis])
     }

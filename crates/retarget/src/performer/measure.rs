@@ -7,7 +7,7 @@ use super::frame::trunk;
 use super::model::{Bend, Part, Performer, PerformerJoints};
 use crate::{Landmark, LandmarkMap, Side};
 
-/// Minimum cosine of a direction that counts as upright.
+/// Minimum cosine between up and a direction that counts as upright.
 const UPRIGHT: f64 = 0.87;
 /// Quantile of the toes' heights at which the floor is assumed.
 const FLOOR: f64 = 0.02;

@@ -81,8 +81,8 @@ impl<'m> AtZero<'m> {
     }
 }
 
-/// Returns the point nearest to all lines by least squares; where they leave it open, it is drawn weakly towards
-/// `towards_m`.
+/// Returns the point nearest to all lines by least squares. In directions that the lines do not determine, `towards_m`
+/// determines the point, by a term with the small weight `weight`.
 pub(super) fn meeting_point(axes: &[Axis], towards_m: DVec3, weight: f64) -> DVec3 {
     let mut matrix = glam::DMat3::from_diagonal(DVec3::splat(weight));
     let mut right = towards_m * weight;

@@ -99,7 +99,8 @@ fn check(mechanism: &Mechanism, groups: &[Group]) -> Result<(), RigMatchError> {
     Ok(())
 }
 
-/// Returns the body that carries a limb on both sides, or the only such limb.
+/// Returns the body that carries the left and the right limb; if the rig has only one of the two, the parent of that
+/// limb.
 pub(super) fn carrier(
     rig: &AtZero<'_>,
     groups: &[Group],

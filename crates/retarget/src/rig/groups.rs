@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::at_zero::{AtZero, Axis, meeting_point};
 
-/// Maximum distance of an axis from the common point, as a share of the chain's length. Axes within it, or within
-/// `OF_RIG`, meet.
+/// Maximum distance of an axis from the common point, as a share of the chain's length. Axes within this distance, or
+/// within that of `OF_RIG`, count as meeting.
 const OF_CHAIN: f64 = 0.12;
 /// Maximum distance of an axis from the common point, as a share of the rig's size.
 const OF_RIG: f64 = 0.035;

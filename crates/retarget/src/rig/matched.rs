@@ -34,7 +34,7 @@ pub struct RigPoint {
 pub struct UnmatchedJoint {
     /// Index of the body that the joint moves.
     pub joint: usize,
-    /// Reason why it has no counterpart.
+    /// Reason why the joint has no counterpart.
     pub reason: String,
 }
 

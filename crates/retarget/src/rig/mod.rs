@@ -1,4 +1,4 @@
-//! Assigns joints of a rig to places of a body.
+//! Assigns joints of a rig to landmarks.
 //!
 //! Names give side and limb; geometry finds the joints that form one ball or hinge: those whose axes nearly meet.
 

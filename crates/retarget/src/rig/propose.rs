@@ -100,7 +100,7 @@ impl Group {
     }
 }
 
-/// Doubts groups whose partner on the other side is missing or has another number of joints.
+/// Lowers the confidence of groups whose partner on the other side is missing or has another number of joints.
 fn doubt_partners(groups: &mut [Group]) {
     let counts: Vec<(Landmark, usize)> =
         groups.iter().map(|group| (group.landmark, group.joints.len())).collect();
@@ -118,7 +118,8 @@ fn doubt_partners(groups: &mut [Group]) {
     }
 }
 
-/// Returns the joints between the body that carries the hips and the one that carries the shoulders.
+/// Returns the joints between the body that carries the hips and the body that carries the shoulders or, without
+/// shoulders, the head; `None` if there are no such joints.
 fn waist(rig: &AtZero<'_>, groups: &[Group]) -> Option<Group> {
     let carrier = super::derive::carrier;
     let pelvis = carrier(rig, groups, Landmark::Hip)?;

@@ -9,7 +9,7 @@ use super::name::{Kind, Name, read_all};
 const FRAMES_MAX: usize = 48;
 /// Minimum length of a bone with a direction, as a share of the skeleton. A shorter bone only carries a joint.
 const ZERO: f64 = 2e-3;
-/// Minimum bend of some joint in a clip, rad, from which joints without a bend are significant.
+/// If some joint in a clip bends by at least this angle, rad, it is significant that another joint does not bend.
 const MOVES_RAD: f64 = 0.4;
 /// Maximum angle between bones of one line, rad: rest poses have kinks of a few degrees.
 const STRAIGHT_RAD: f64 = 0.2;
@@ -115,7 +115,7 @@ impl<'a> Body<'a> {
     /// Returns the last common ancestor of two joints.
     pub(super) fn common_ancestor(&self, mut a: usize, mut b: usize) -> usize {
         while a != b {
-            // The one with the larger index is not an ancestor of the other.
+            // The joint with the larger index is not an ancestor of the other joint.
             let later = if a > b { &mut a } else { &mut b };
             *later = self.parent(*later).unwrap_or(0);
         }

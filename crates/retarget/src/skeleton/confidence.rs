@@ -55,7 +55,7 @@ impl<'a> Judge<'a> {
         Self { body, legs, arms, trunk, stance, quadruped }
     }
 
-    /// Returns the landmarks that were found, and for each other landmark the reason.
+    /// Returns the landmarks that were found, and for each other landmark the reason why it was not.
     pub(super) fn landmarks(&self) -> (BTreeMap<Landmark, Found>, BTreeMap<Landmark, String>) {
         let (mut found, mut missing) = (BTreeMap::new(), BTreeMap::new());
         for landmark in Landmark::ALL {

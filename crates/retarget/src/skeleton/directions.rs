@@ -38,8 +38,8 @@ pub struct UpAxis {
 pub(super) struct Stance {
     pub directions: Option<Directions>,
     pub up: Option<UpAxis>,
-    /// Whether toes and knees point forward with these sides: positive if they do, negative if not; `None` if
-    /// unknown.
+    /// Whether toes and knees point forward if left and right are as assigned: positive if they do, negative if not;
+    /// `None` if unknown.
     pub faces: Option<f64>,
     /// Whether the trunk is level, with arms along the legs.
     pub on_all_fours: bool,
@@ -95,7 +95,8 @@ impl Axes {
         }
     }
 
-    /// Returns the cosine of the angle between trunk and legs. If one of them is missing, nothing contradicts an
+    /// Returns the cosine of the angle between trunk and legs. Returns -1 if the legs point in different directions, or
+    /// if both trunk and legs are missing. Returns 0.6 if only one of them is missing, since nothing contradicts an
     /// upright pose.
     fn upright(&self) -> f64 {
         match (self.trunk, self.legs) {
@@ -208,7 +209,7 @@ fn up_axis(poses: &[(&Pose, Axes)]) -> Option<UpAxis> {
             .collect()
     };
     let (ups, place) = match ups(true) {
-        ups if !ups.is_empty() => (ups, "in the mean over the clip"),
+        ups if !ups.is_empty() => (ups, "on average over the clip"),
         _ => (ups(false), "in the rest pose"),
     };
     if ups.is_empty() {

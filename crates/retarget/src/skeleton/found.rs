@@ -7,6 +7,6 @@ pub struct Found {
     pub joint: usize,
     /// Confidence: 0 is a guess; at 1, name, side, tree, mirror partner and lengths agree.
     pub confidence: f64,
-    /// The weakest of its evidence, in plain words.
+    /// The weakest evidence for this joint, in plain words.
     pub reason: String,
 }

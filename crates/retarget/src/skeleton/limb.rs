@@ -17,7 +17,7 @@ pub(super) enum LimbKind {
 }
 
 impl LimbKind {
-    /// Returns the parts that its three joints are.
+    /// Returns the parts of the body to which the limb's three joints belong.
     pub(super) fn parts(self) -> [Part; 3] {
         match self {
             Self::Leg => [Part::Hip, Part::Knee, Part::Ankle],
@@ -50,11 +50,11 @@ pub(super) struct Limb {
     pub joints: [usize; 3],
     /// Lengths of the upper and the lower bone.
     pub lengths: [f64; 2],
-    /// Side that its names contain.
+    /// Side that the joints' names contain.
     pub side: Option<Side>,
     /// Support by the names: at most 3, negative if they contradict.
     pub by_name: f64,
-    /// Cost of other joints between its own.
+    /// Cost of other joints between the limb's three joints.
     pub skipped: f64,
     /// Sum of all evidence.
     pub score: f64,
@@ -82,7 +82,7 @@ pub(super) fn candidates(body: &Body, kind: LimbKind) -> Vec<Limb> {
         let by_longest = (limb.lengths[0] + limb.lengths[1]) / longest;
         limb.score -= 0.3 * libm::log(by_longest / kind.by_leg()).abs().min(3.0);
     }
-    // Among equal candidates, the one nearer to the root is preferred, because it carries the others.
+    // Among equal candidates, the candidate nearest to the root is preferred, because it carries the others.
     limbs.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.joints.cmp(&b.joints)));
     let mut kept = [0; 3];
     limbs.retain(|limb| {

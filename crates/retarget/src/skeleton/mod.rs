@@ -1,9 +1,8 @@
 //! Matches joints of a recorded skeleton with landmarks of a body.
 //!
 //! First, names are split into words, which give side and part of the body. The tree overrules names: an elbow is
-//! between shoulder and wrist, and the pelvis carries both hips. If names are unknown, lengths and directions of
-//! the bones decide.
-//! Each landmark has a confidence and the weakest of its evidence.
+//! between shoulder and wrist, and the pelvis carries both hips. If names are unknown, lengths and directions of the
+//! bones decide. Each landmark has a confidence and a reason: its weakest evidence.
 
 mod body;
 mod confidence;

@@ -80,9 +80,9 @@ pub(super) struct Name {
     pub side: Option<Side>,
     /// Kind of joint.
     pub kind: Kind,
-    /// Parts that it may mean, each with a probability, 0 to 1.
+    /// Parts that the name may mean, each with a probability, 0 to 1.
     pub parts: Vec<(Part, f64)>,
-    /// Whether it contains front or hind legs.
+    /// Whether the name contains front or hind legs.
     pub quadruped: bool,
     /// Words other than the side: they are equal for mirror partners.
     pub rest: Vec<Word>,
@@ -255,7 +255,7 @@ const MEANINGS: &[Meaning] = {
         (&[Word::Arm, Word::Fore], None, &[(Elbow, 1.0)]),
         (&[Word::Arm], None, &[(Shoulder, 0.9), (Elbow, 0.3)]),
         (&[Word::Clavicle], None, &[(Clavicle, 1.0)]),
-        // It may be the ball joint or the clavicle; Kinect's centre of the shoulders is the chest.
+        // A shoulder may be the ball joint or the clavicle; Kinect's centre of the shoulders is the chest.
         (&[Word::Shoulder], Some(true), &[(Shoulder, 0.6), (Clavicle, 0.6)]),
         (&[Word::Shoulder], None, &[(Chest, 0.8)]),
         (&[Word::Hand], None, &[(Wrist, 0.8)]),

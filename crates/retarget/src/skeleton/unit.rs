@@ -63,7 +63,7 @@ fn of_height(height: f64) -> (Option<f64>, String) {
         format!("in {name} the body is {:.2} m tall", metres * height)
     };
     if let [unit] = fits(&USUAL_M)[..] {
-        // In another unit it could be a doll: the message mentions this, so that a user can see a wrong choice.
+        // In another unit the body could be a doll: the message mentions this, so that a user can see a wrong choice.
         let others = fits(&BODY_HEIGHT_M).into_iter().filter(|other| *other != unit);
         let reason = others.fold(told(unit), |reason, (metres, name)| {
             format!("{reason}, less usual: {:.2} m in {name}", metres * height)
@@ -106,13 +106,13 @@ fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) 
     }
 }
 
-/// Returns the length from the head's joint to its end, if it is in the file.
+/// Returns the length from the head's joint to the end of the head, if this end is in the file.
 fn head_length(body: &Body, head: usize) -> Option<f64> {
     let ends = body.children[head]
         .iter()
         .filter(|child| body.is_end[**child])
         .map(|child| body.lengths[*child]);
-    // Some writers add a stub of one millimetre there.
+    // Some writers add a stub of one millimetre at the head.
     let long = ends.chain([body.site(head)]).fold(0.0, f64::max);
     (long > 0.02 * body.below[0]).then_some(long)
 }

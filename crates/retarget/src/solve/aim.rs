@@ -279,8 +279,8 @@ impl List<'_> {
     }
 }
 
-/// Returns the end of a limb. That of an arm is fixed to the forearm, because the hand's own joints must not be
-/// used to point the forearm.
+/// Returns the end of a limb. The end of an arm is fixed to the forearm, because the hand's own joints must not be used
+/// to point the forearm.
 fn end_point(rig: &RigMatch, state: &State, end: Landmark) -> Option<RigPoint> {
     let point = rig.points[end]?;
     let first = rig.joints(end).first().copied();

@@ -38,9 +38,10 @@ pub struct Baked {
     pub held: Vec<Vec<ActiveBound>>,
 }
 
-/// Converts a clip to a rig. `performer` was measured on this clip. Takes about 0.1 ms per frame for 30 joints.
+/// Computes the rig's poses for a clip. `performer` must have been measured on this clip. Takes about 0.1 ms per frame
+/// for 30 joints.
 ///
-/// The base travels if the mechanism's base is free (`mount.base = "driven"`).
+/// The base travels if it is free (`mount.base = "driven"`) and `settings.travels` is true.
 pub fn bake(
     mechanism: &Mechanism,
     rig: &RigMatch,
@@ -89,8 +90,8 @@ struct Plan {
 }
 
 impl Solver {
-    /// Performs a pass with posture alone, and plans the paths of hips and toes from it; `None` if the rig does not
-    /// travel.
+    /// Performs a pass with posture alone, and plans the paths of hips and toes from its poses. Returns `None` if the
+    /// rig does not travel, or if its hips, its leg length or the scale are unknown.
     fn plan(
         &mut self,
         performance: &Performance<'_>,

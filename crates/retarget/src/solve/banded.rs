@@ -1,10 +1,10 @@
-//! Least squares over the frames of a clip, whose matrix has two places on each side of its diagonal.
+//! Least squares over the frames of a clip. The matrix has two bands on each side of its diagonal.
 
-/// A symmetric matrix with two places below its diagonal, and a right side: for sums of squares of values, first
-/// and second differences.
+/// A symmetric matrix with two bands below its diagonal, and a right side: for sums of squares of values, first and
+/// second differences.
 #[derive(Debug, Clone)]
 pub(super) struct Banded {
-    /// Diagonal, then the first and the second place below it.
+    /// The diagonal, then the first and the second band below it.
     bands: [Vec<f64>; 3],
     right: Vec<f64>,
 }

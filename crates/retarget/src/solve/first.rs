@@ -13,8 +13,8 @@ const FROM_HOME: f64 = 0.01;
 /// Another start is chosen only if its cost is below this share of the best, and lower by `BETTER_BY`.
 const BETTER_PART: f64 = 0.6;
 const BETTER_BY: f64 = 0.05;
-/// Step, rad or m, below which a start is settled: it moves by only about ten further steps of this size, therefore
-/// a start that is not better by then never is.
+/// A start whose step is smaller than this, rad or m, is settled: it moves by only about ten further steps of this
+/// size. If it is not better than the best start by then, it never will be.
 const SETTLED: f64 = 1e-3;
 
 impl Solver {

@@ -5,7 +5,7 @@ use crate::Landmark;
 /// A limb in a frame, in f32 because a clip has many.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakedLimb {
-    /// Landmark at its end.
+    /// Landmark at the end of the limb.
     pub landmark: Landmark,
     /// Direction of the performer's limb, unit vector in the rig's world.
     pub target: [f32; 3],

@@ -45,7 +45,7 @@ struct Foot {
     pin_m: Option<DVec3>,
 }
 
-/// A frame with a NaN or infinite number.
+/// The error of a frame with a NaN or infinite number, or of a frame time that is not a finite number above 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("expected a frame of finite numbers and a time above 0, found others: the pose stays")]
 pub struct NotFinite;
@@ -75,7 +75,8 @@ impl Live {
     /// takes a single sweep.
     ///
     /// # Errors
-    /// [`NotFinite`] if a number is NaN or infinite; the pose is unchanged.
+    /// [`NotFinite`] if a number of the frame is NaN or infinite, or `frame_s` is not a finite number above 0; the pose
+    /// is unchanged.
     pub fn step(&mut self, frame: &PerformerFrame, frame_s: f64) -> Result<&[f64], NotFinite> {
         if !(frame.is_finite() && frame_s > 0.0 && frame_s.is_finite()) {
             return Err(NotFinite);

@@ -20,8 +20,8 @@ pub(super) struct Normal {
     x: Vec<f64>,
     free: Vec<usize>,
     factor: Vec<f64>,
-    /// Number of zeros at the beginning of each row of the factor, rounded down to a multiple of four. Limbs that
-    /// share no joint have many.
+    /// Number of zeros at the beginning of each row of the factor, rounded down to a multiple of four. The rows of
+    /// limbs that share no joint have many zeros.
     zeros: Vec<usize>,
     solution: Vec<f64>,
 }
@@ -117,7 +117,7 @@ impl Normal {
             if left {
                 continue;
             }
-            // All are within bounds. If unknowns are held although their gradient points inwards, the strongest is
+            // All unknowns are within bounds. If some are held although their gradient points inwards, the strongest is
             // released.
             let mut strongest: Option<(usize, f64)> = None;
             for place in (0..self.count).filter(|place| self.bound[*place] != 0) {
@@ -135,7 +135,7 @@ impl Normal {
         &self.x
     }
 
-    /// Returns whether the last step held an unknown at its lower (-1) or upper bound (1).
+    /// Returns -1 if the last step held an unknown at its lower bound, 1 if at its upper bound, 0 if it was free.
     pub(super) fn held(&self, place: usize) -> i8 {
         self.bound[place]
     }

@@ -16,7 +16,8 @@ const HIPS_S: [f64; 2] = [1.6, 0.3];
 const STANDS: f64 = 50.0;
 /// Time constant with which a standing toe moves the hips to its floor height, s.
 const FLOOR_S: f64 = 0.1;
-/// Time constants of a toe's path: of its return to the posture's position, and of its stop when it stands, s.
+/// Time constants of a toe's path, s: `TOE_S` for the return to the posture's position, `REST_S` for the stop of a
+/// standing toe.
 const TOE_S: f64 = 0.08;
 const REST_S: f64 = 0.004;
 /// Time constant with which a standing toe moves to the floor's height, s.

@@ -12,15 +12,15 @@ use crate::LandmarkMap;
 use crate::performer::PerformerFrame;
 use crate::rig::RigMatch;
 
-/// Weight that pulls a joint to its position of 1/30 s ago, per rad². Together with `HOME`, it decides where no
-/// term does.
+/// Weight that pulls a joint to its position of 1/30 s ago, per rad². Together with `HOME`, it determines the joints
+/// that no term determines.
 const STILL: f64 = 0.01;
 
 const STILL_FRAME_S: f64 = 1.0 / 30.0;
 
 const HOME: f64 = 0.001;
 
-/// Factor on these weights for a free base.
+/// Weight that pulls a free base to its pose in the previous frame, per rad². It replaces `STILL` and `HOME`.
 const BASE: f64 = 1e-6;
 
 /// Maximum rotation of a joint by a sweep, rad: the linear model of a step is valid up to it.

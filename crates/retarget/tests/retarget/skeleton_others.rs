@@ -221,7 +221,7 @@ fn large_trees_take_no_time() {
     for skeleton in [tree(|joint| joint.saturating_sub(2)), tree(|_| 0), tree(|joint| joint - 1)] {
         SkeletonMatch::new(&skeleton, &[]);
     }
-    // It took 0.2 s on the machine of its author.
+    // The test took 0.2 s on its author's machine.
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 

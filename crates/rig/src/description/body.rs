@@ -4,8 +4,8 @@ use super::BodyShape;
 
 /// A rigid body. Its frame is the frame of the joint that moves it, after the joint's own motion.
 ///
-/// A body without mass is kinematic: it follows, and needs no torque. The inertia is given by a matrix or by the
-/// size of a box of the same mass; without both, the mass is a point at the centre of mass.
+/// A body without mass is kinematic: it follows its joint, and needs no torque. The inertia is given by a matrix or
+/// by the size of a box of the same mass; without both, the mass is a point at the centre of mass.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Body {
     /// Name of the body; unique among bodies.

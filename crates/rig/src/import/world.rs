@@ -28,8 +28,8 @@ const UNITS: [f64; 4] = [0.01, 0.001, 0.0254, 0.1];
 const GRAVITY_TOLERANCE: f64 = 0.002;
 
 impl World {
-    /// Chooses both from the user's options, otherwise from gravity if the file has it; otherwise z and the metre,
-    /// which are the usual choice of robot formats.
+    /// Chooses axis and unit from the user's options, otherwise from gravity if the file has it; otherwise z and
+    /// the metre, which are the usual choice of robot formats.
     pub(super) fn of(options: &Options, gravity: Option<DVec3>) -> Self {
         let against = gravity.and_then(|gravity| {
             let up = -gravity.try_normalize()?;

@@ -76,7 +76,8 @@ pub struct Link {
     pub friction: f64,
     /// Viscous friction of each dof, N m s or N s/m.
     pub damping: f64,
-    /// Minimum and maximum position of each axis, rad or m; empty without limit. For a spherical joint `[0, most]`.
+    /// Minimum and maximum position of each axis, rad or m; empty without limit. A spherical joint has one pair
+    /// `[0, most]`.
     pub ranges: Vec<[f64; 2]>,
     /// Home pose, as coordinates `q` of `sinew-core`.
     pub home: Vec<f64>,

@@ -12,7 +12,7 @@ const UP: [f64; 3] = [-1.0, 0.0, 0.0];
 const LEFT: [f64; 3] = [0.0, 1.0, 0.0];
 const TILT: [f64; 3] = [0.0, 0.0, -1.0];
 
-/// Speed and acceleration, deg/s and deg/s².
+/// Maximum speed and acceleration of each kind of joint, deg/s and deg/s².
 const NECK: [f64; 2] = [120.0, 500.0];
 const JAW: [f64; 2] = [300.0, 3000.0];
 const EYE: [f64; 2] = [400.0, 6000.0];

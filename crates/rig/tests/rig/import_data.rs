@@ -70,12 +70,12 @@ fn files_that_broke_readers_are_refused_at_once() {
         let error = read(file, &Options::default()).expect_err(file);
         println!("{file}: {:?}", start.elapsed());
         assert!(error.expected.contains(expected), "{file}:{error}");
-        // It takes milliseconds; the limit of 10 s is for a busy machine.
+        // A refusal takes milliseconds; the limit of 10 s is for a busy machine.
         assert!(start.elapsed() < Duration::from_secs(10), "{file}: {:?}", start.elapsed());
     }
 }
 
-/// Returns the largest difference of a number between two mechanisms.
+/// Returns the largest difference between the numbers that `of` selects in two mechanisms.
 fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> Vec<f64>) -> f64 {
     let pairs = one.bodies.iter().map(|link| {
         let named = other.bodies.iter().find(|other| other.joint_name == link.joint_name);
@@ -113,7 +113,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
         parents
     };
     assert_eq!(parents(&urdf), parents(&mjcf));
-    // The MJCF has six digits of every number, the URDF has all; limits and rotors differ in their data.
+    // The MJCF has six digits of every number, the URDF has all digits. Limits and rotors differ between the files.
     let vector = |numbers: &[f64]| numbers.to_vec();
     let digits: [(&str, f64, Numbers<'_>); 6] = [
         ("position, m", 5e-7, &|link| vector(&link.position_m.to_array())),

@@ -11,7 +11,7 @@ pub const TURN: i32 = 4096;
 pub const ACCELERATION_COUNTS_S2: f64 = 100.0;
 /// Factory value of P Coefficient, for which the stiffness is known.
 const SHIPPED_P: f64 = 32.0;
-/// Time outside of the supply's limits that counts as an error, s. Guess, as for the Dynamixel.
+/// Time after which a supply voltage outside its limits is an error, s. Guess, as for the Dynamixel.
 const VOLTAGE_S: f64 = 0.01;
 
 /// Contents of the registers.

@@ -13,7 +13,7 @@ impl Symmetric {
         Self { size, numbers: vec![0.0; size * size] }
     }
 
-    /// Takes the numbers of a matrix of the size of this one.
+    /// Copies the numbers of another matrix, which must have the same size.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.numbers.copy_from_slice(&other.numbers);
     }

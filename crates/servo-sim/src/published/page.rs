@@ -6,42 +6,43 @@ use super::Row;
 
 const HEAD: &str = "# Simulated servos
 
-What is published of servos against what the simulated ones do, over their bus. `cargo run -p sinew-servo-sim --example
-published > docs/simulated-servos.md` writes this page; a test compares.
+This page compares published figures of servos with the simulated servos, measured over their bus.
+`cargo run -p sinew-servo-sim --example published > docs/simulated-servos.md` writes this page; a test compares.
 
-*Fitted*: the servo's numbers were chosen to meet this figure; it tells nothing new. Nothing was chosen by the others.
-*Shown only*: the figure is known not to fit, or comes without what it would take to compare.
+- *Fitted*: the simulated servo's numbers were chosen to meet this figure, so its row proves nothing. All other rows are
+  independent of the choice.
+- *Shown only*: the figure is known not to match, or its source does not state the conditions.
+- *Our numbers*: for steps and sags, sources publish a law of second order with the numbers of their own servo, and
+  these are not always those of the simulated servo. This column is the result of that law with the simulated servo's
+  numbers.
+- *Within*: the largest permitted difference from *our numbers*, or else from the published figure. For sags: one
+  encoder step, half of it from the goal, half from the encoder. For steps: two ticks of the servo's loop (one until the
+  servo takes the goal, one for the age of a reading), and the time in which the shaft, at its speed there, turns by half
+  the play of its gear and one encoder step. For makers' figures: 3 %, since the winding warms during the measurement.
 
-*Our numbers*: steps and sags are published as laws of second order, whose numbers are not always those of the
-simulated servo: two people identified two motors, a maker's sheet tells of a third. This is what the published law
-says with the simulated servo's numbers, and *within* is how far the simulation may be from it; else, from what is
-published. Sags: one encoder step, half of it by the goal, half by the encoder. Steps: two ticks of the servo's loop,
-one until it takes the goal and one that a reading is old, and the time in which the shaft, as fast as it is there, goes
-half the play of its gear and an encoder step. Makers' figures: 3 %, the winding warms meanwhile.
-
-| servo | what | published | our numbers | simulated | off the published | fitted | within |
+| servo | figure | published | our numbers | simulated | difference from published | fitted | within |
 | --- | --- | ---: | ---: | ---: | ---: | --- | ---: |
 ";
 
 const REST: &str = "
-## Where they differ
+## Differences
 
-- **XL330: two figures of one motor.** The maker's stall torque is 0.52 N m at the shaft, which takes a motor of
-  0.62 N m before friction. Rhoban/bam identified 0.48 N m before friction. The simulated servo is the maker's; so it
-  sags a fifth less than bam's, and its stiffness is 0.7 N m/rad where `crates/rig/models` has bam's 0.55. An offset for
-  gravity by 0.55 then lifts the simulated one too far: see [drives](drives.md).
-- **STS3215 at 12 V: sags three times as much as a builder measured** (SO-ARM100 issue 134). The gains of that servo are
-  not told; with those it is shipped with, 2 deg at 1.47 N m cannot be.
-- **STS3215 at 12 V: draws 0.27 A without load, not 0.18.** Its friction is the 7.4 V type's.
-- **XL430: viscous friction is a guess.** The 0.12 N m s that toddlerbot identified holds the back-EMF (k²/R of the
-  maker's sheet is 0.14 N m s): with it the motor could not reach the sheet's no-load speed.
-- **Step responses** are compared with identified second-order models, not with recorded steps: none was found that
-  tells load and voltage.
-- Heat is a guess in all of them: no maker states a time constant.
+- **XL330: two sources disagree.** The maker's stall torque is 0.52 N m at the shaft, which takes a motor of 0.62 N m
+  before friction. Rhoban/bam identified 0.48 N m before friction. The simulated servo follows the maker, so it sags a
+  fifth less than bam's. Its stiffness is 0.7 N m/rad, while `crates/rig/models` has bam's 0.55. An offset for gravity
+  computed with 0.55 therefore lifts the simulated servo too far: see [drives](drives.md).
+- **STS3215 at 12 V sags three times as much as a builder measured** (SO-ARM100 issue 134). The builder did not state
+  the gains of that servo. With the factory's gains, 2 deg at 1.47 N m is impossible.
+- **STS3215 at 12 V draws 0.27 A without load instead of 0.18 A.** Its friction is that of the 7.4 V type.
+- **XL430: viscous friction is a guess.** The 0.12 N m s that toddlerbot identified contains the back-EMF (k²/R of the
+  maker's sheet is 0.14 N m s). A motor with that much friction could not reach the sheet's no-load speed.
+- **Step responses** are compared with identified second-order models. No recorded step with a stated load and voltage
+  was found.
+- **Heat** is a guess for all servos, since no maker states a time constant.
 
 ## Sources
 
-| servo | what | source, and what differs |
+| servo | figure | source, and differences |
 | --- | --- | --- |
 ";
 

@@ -198,7 +198,7 @@ fn current_limit<E: Exchange>(
     client.read(servo, &table.register("Current Limit")?).map(Some)
 }
 
-/// Refuses if the servo's limits are lower than the tap needs: the step would become smaller.
+/// Refuses if the servo's limits are lower than the tap needs, because the step would then be smaller than planned.
 fn ensure_strength<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -65,7 +65,8 @@ fn an_older_one_is_known_as_that_until_somebody_stands_for_it() {
     }
 }
 
-/// After an invalid head, the content is unknown.
+/// If the head of a record is damaged, the store cannot find the records after that record, and reports settings and
+/// rig as damaged.
 #[test]
 fn a_damaged_head_hides_what_is_behind_it() {
     let contents = [content(1, 60), content(2, 60)];
@@ -86,7 +87,7 @@ fn a_damaged_head_hides_what_is_behind_it() {
     }
 }
 
-/// Damaged settings without earlier ones: there are none, and the damage is reported.
+/// If damaged settings have no earlier ones, no settings are returned, and the damage is reported.
 #[test]
 fn the_only_ones_that_are_damaged_are_missed() {
     let mut flash = MockFlash::new(&SMALL);

@@ -47,7 +47,7 @@ pub(super) fn check(
             let at = format_args!("{at}, body {body}");
             let quantity = |limit| Quantity { name, unit: "rad/s²", limit, scale };
             tallies.add(quantity(rounded.angular.limit()), at, got.angular, angular);
-            // Zero, except for a free root.
+            // The expected linear acceleration is zero, except for a free root.
             tallies.add(quantity(rounded.linear.limit()), at, got.linear, linear);
         }
     }

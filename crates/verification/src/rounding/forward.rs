@@ -33,9 +33,9 @@ struct Ball {
 
 /// Response of a joint.
 enum Response {
-    /// Along its dofs: wrenches of unit accelerations, resistance of the dofs, and remaining push.
+    /// A joint that moves along its dofs: wrenches of unit accelerations, resistance of the dofs, and remaining push.
     Along { met: Vec<Six>, resistance: Vec<Vec<Number>>, push: Vec<Number> },
-    /// About any axis, against a rotor.
+    /// A ball joint that turns about any axis, against a rotor.
     Ball(Box<Ball>),
 }
 
@@ -181,7 +181,8 @@ impl Body {
         Passed { inertia, wrench }
     }
 
-    /// Computes it like the core: with `r (I + r)⁻¹` of the body's resistance, which avoids a difference.
+    /// Computes the load that a ball joint with a rotor transmits, like the core: with `r (I + r)⁻¹` of the body's
+    /// resistance, which avoids a difference.
     fn turn_any_way_with_rotor(&mut self, drive: Vector, rotor: Number) -> Passed {
         let block = |row: usize, column: usize| {
             let of = |k: usize| Vector {

@@ -51,9 +51,9 @@ impl Link {
         self.columns_by(|first| in_joint.inverse().turn(first))
     }
 
-    /// Returns the columns by way of the parent's axes, as the mass matrix and forward dynamics compute that axis.
-    /// Errors in the lengths of two quaternions cancel in the product of the quaternions, but not in this
-    /// computation.
+    /// Returns the columns like [`Self::columns`], but rotates the first axis of a universal joint by way of the
+    /// parent's axes, as the mass matrix and forward dynamics do. Errors in the lengths of two quaternions cancel in
+    /// the product of the quaternions, but not in this computation.
     pub fn columns_by_parent(&self, to_parent: &Matrix) -> Vec<Motion> {
         self.columns_by(|first| to_parent.turn_back(self.placement.turn(first)))
     }

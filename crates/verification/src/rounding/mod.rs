@@ -1,9 +1,9 @@
 //! The effect of rounding on the core's results: the core's formulas, evaluated with numbers that carry their
 //! rounding.
 //!
-//! An error limit is not read off a run: it follows from the additions and multiplications that lead to a result,
-//! in each case. The order of operations is mainly the core's. Another order of equal sums has errors of equal
-//! size, up to a factor for which the limits have room.
+//! An error limit is not taken from a run of the program: it follows from the additions and multiplications that lead
+//! to a result, in each case. The order of operations is mainly the core's. Another order of equal sums has errors of
+//! equal size, up to a factor for which the limits have room.
 
 mod dynamics;
 mod forward;

@@ -74,11 +74,11 @@ impl Number {
         Self::rounded_more(exact, 1.0, key, lane)
     }
 
-    /// Rounds like [`Self::rounded`], but with `times` the standard deviation, for a function of `times` squared
-    /// rounding steps.
+    /// Rounds like [`Self::rounded`], but with `times` times the standard deviation, for a function that consists of
+    /// `times²` rounding steps.
     #[inline]
     fn rounded_more(exact: f64, times: f64, key: u64, lane: impl Fn(usize) -> f64) -> Self {
-        // A rounding is uniform within half a unit: its standard deviation is that divided by the root of 3.
+        // A rounding is uniform within half a unit: its standard deviation is half a unit divided by the root of 3.
         let deviation = times * HALF_ULP * power_of_two_below(exact) / 3f64.sqrt();
         let signs = signs_of(key, exact < 0.0);
         Self { exact, lanes: array::from_fn(|k| lane(k) + deviation * signs[k / 4][k % 4]) }

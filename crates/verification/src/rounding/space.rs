@@ -176,8 +176,8 @@ impl Rotation {
         Self { v: -self.v, w: self.w }
     }
 
-    /// Returns the product, `other` first. The order of the sums keeps terms that cancel apart, since the core may
-    /// do so or not.
+    /// Returns the product, `other` first. The order of the sums keeps terms that cancel each other apart; the core may
+    /// use this order or another.
     #[must_use]
     pub fn after(self, other: Self) -> Self {
         let (a, b) = (self, other);

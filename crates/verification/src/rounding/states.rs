@@ -29,13 +29,13 @@ impl Joint {
         }
     }
 
-    /// Returns the pose at rest.
+    /// Returns the joint in the same pose, at rest.
     #[must_use]
     pub fn still(&self) -> Self {
         Self { velocity: Motion::ZERO, ..*self }
     }
 
-    /// Returns the state as a body's state, seen from the parent and in its axes.
+    /// Returns the state of the joint's body as seen from the parent, in the parent's axes.
     #[must_use]
     pub fn in_parent(&self) -> State {
         State {
@@ -51,7 +51,7 @@ impl Joint {
 pub struct State {
     /// Orientation of the body.
     pub rotation: Rotation,
-    /// Position of its origin, m.
+    /// Position of the body's origin, m.
     pub position: Vector,
     /// Velocity, in the axes from which the body is seen.
     pub velocity: Motion,

@@ -1,8 +1,8 @@
 //! Image for `cargo xtask audit`: everything that a board's program may call of the libraries, linked but never run.
 //!
 //! Every input is hidden from the compiler, so that no check is removed for a constant value. A reachable panic calls
-//! a function that does not exist, so the image does not link. `cargo xtask audit` reports where, and finds other
-//! forbidden content in the image.
+//! a function that does not exist, so the image does not link. `cargo xtask audit` reports where the panic is, and
+//! finds other forbidden content in the image.
 
 mod bus;
 mod construct;

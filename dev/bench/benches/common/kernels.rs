@@ -306,7 +306,8 @@ fn enlarged<const N: usize>(frames: &[[Transform; N]]) -> Vec<[Transform; N]> {
     frames
 }
 
-/// Checks that nothing was refused: a refused call takes no time, and the bench would show too little.
+/// Checks that nothing was refused: a refused call takes almost no time, and the bench would print too short a
+/// time.
 fn done<T, E: std::fmt::Debug>(result: Result<T, E>) {
     black_box(result.expect("the bench's own motion is not refused"));
 }

@@ -105,7 +105,8 @@ fn plants(motions: &[FigureMotion]) {
     }
 }
 
-/// Only steps a plant of the figure's tree. It is restarted now and then, so that it does not fall far.
+/// Steps a plant of the figure's tree without a controller. The plant is restarted now and then, so that it does
+/// not fall far.
 fn fall(settings: PlantSettings, steps: usize) {
     let mass = MassProperties {
         mass_kg: 4.0,

@@ -3,9 +3,9 @@
 //!
 //! The cases are pairs of poses of the built-in clips, far apart in time and in different clips, with curves of ten
 //! steps. All methods start from the same straight line, and take turns on each pair, so that a slow phase of the
-//! machine affects all. Ours use their own coordinates and stop by their own gradient. `argmin`'s L-BFGS uses
-//! rotation vectors, with cost and gradient written here in the simplest O(n) form, without code of ours. Therefore
-//! all are compared by energy: its excess over the lowest energy that any method found for the pair.
+//! machine affects all. Our methods use their own coordinates and stop by their own gradient. `argmin`'s L-BFGS
+//! uses rotation vectors, with cost and gradient written here in the simplest O(n) form, without code of ours.
+//! Therefore all are compared by energy: its excess over the lowest energy that any method found for the pair.
 
 use std::error::Error;
 use std::time::Instant;

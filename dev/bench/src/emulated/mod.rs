@@ -68,15 +68,15 @@ fn begin() {
     asm::nop();
 }
 
-/// Marks the end of the counted instructions. Its length differs from that of [`begin`]; otherwise the compiler would
-/// merge both.
+/// Marks the end of the counted instructions. The length of this function differs from that of [`begin`]; otherwise
+/// the compiler would merge both.
 #[inline(never)]
 fn end() {
     asm::nop();
     asm::nop();
 }
 
-/// Counts a kernel on rigs of `N` bodies. Its argument is the number of the run.
+/// Counts a kernel on rigs of `N` bodies. The kernel's argument is the number of the run.
 pub fn count<const N: usize>(name: &str, kernel: impl FnMut(usize)) {
     count_runs::<N, RUNS>(name, kernel);
 }

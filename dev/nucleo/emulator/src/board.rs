@@ -47,8 +47,9 @@ impl Port {
 #[derive(Debug)]
 pub struct Nucleo {
     pub mcu: Stm32f427,
-    /// Whether the array is mapped at the address of flash. A session refuses two regions at one address when it is
-    /// created; a run asks again, and the last mapping is the one that the core uses.
+    /// Whether the array is mapped at the address of flash. A new session refuses two regions at one address, so
+    /// this is set after the session is created. Each run reads the regions again, and the core uses the last
+    /// region at an address.
     pub is_array_in_place: bool,
 }
 

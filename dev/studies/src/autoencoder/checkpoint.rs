@@ -20,7 +20,7 @@ pub enum CheckpointError {
         /// Error of the system.
         source: std::io::Error,
     },
-    /// The file is not a complete training.
+    /// The file does not contain a complete training.
     #[error("{}: {source}: expected the parameters of a training that was stopped", file.display())]
     Tensors {
         /// Path of the file.
@@ -160,7 +160,7 @@ impl Saved<'_> {
         }
     }
 
-    /// Returns the tensor with a name, if it has the type and, if given, the shape.
+    /// Returns the tensor with a name. Refuses a tensor of another type or, if a shape is given, of another shape.
     fn tensor(
         &self,
         name: &str,

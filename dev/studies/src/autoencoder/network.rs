@@ -12,7 +12,8 @@ pub(super) struct Network {
 }
 
 impl Network {
-    /// Creates a network. Weights are uniform within one over the root of a layer's inputs, and biases are zero.
+    /// Creates a network. Weights are drawn uniformly from -b to b, where b is 1 divided by the square root of the
+    /// number of the layer's inputs; biases are zero.
     pub(super) fn new(numbers: usize, latent: usize, seed: u64) -> Result<Self> {
         let mut random = Random::new(seed, Subject::Network);
         let mut weights = |inputs: usize, outputs: usize| {

@@ -22,8 +22,8 @@ use super::two_columns;
 use super::weights::{WeightsError, anatomy, weights};
 use crate::recordings::Pose;
 
-/// Must be raised when network, loss or optimizer change: then a training that began with the old version must not be
-/// resumed.
+/// Version of the checkpoints. Increase it when network, loss or optimizer change, because a training that began with
+/// the old version must then not be resumed.
 const FORMAT: u32 = 1;
 /// Steps between two checkpoints.
 const CHECKPOINT_STEPS: usize = 1_000;
@@ -54,13 +54,13 @@ pub struct Plan<'a> {
 pub struct Outcome {
     /// Number of latent units of the network.
     pub latent: usize,
-    /// Method of its loss.
+    /// Method of the network's loss.
     pub method: Method,
     /// Seed of the training.
     pub seed: u64,
-    /// Its own loss, over all training poses.
+    /// The network's own loss, over all training poses.
     pub train_loss: f64,
-    /// Its own loss, over all test poses.
+    /// The network's own loss, over all test poses.
     pub test_loss: f64,
     /// Errors over all test poses.
     pub errors: Errors,
@@ -84,7 +84,7 @@ pub struct Study {
     pub joints: Vec<String>,
     /// The group of each joint.
     pub groups: Vec<Group>,
-    /// The methods, and each joint's weight in them; their mean is 1.
+    /// The methods, each with the weights of all joints; the mean weight is 1.
     pub weights: Vec<(Method, Vec<f64>)>,
     /// Outcomes by latent units, then seeds, then methods.
     pub outcomes: Vec<Outcome>,
@@ -147,7 +147,8 @@ impl fmt::Display for Run<'_> {
     }
 }
 
-/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called with completed steps.
+/// Trains all networks of a plan, or resumes from its checkpoints; `progress` is called with the number of newly
+/// completed steps.
 ///
 /// A plan gives the same bits on one machine, however often it was interrupted and with any number of threads. The
 /// kernels of matrix products differ between processors, and sum in other orders.

@@ -24,7 +24,7 @@ pub struct StepTime {
     pub latent: usize,
     /// Method of the loss.
     pub method: Method,
-    /// Form of its forward kinematics, if it has any.
+    /// Form of the method's forward kinematics, if the method uses them.
     pub form: Option<Form>,
     /// Time of the whole step.
     pub step_ms: f64,

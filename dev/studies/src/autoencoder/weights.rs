@@ -38,13 +38,15 @@ pub enum WeightsError {
     Importance(#[from] ImportanceError),
 }
 
-/// Returns the weights of a skeleton's joints, with a mean of 1. A training uses nothing else of a method.
+/// Returns the weights of a skeleton's joints, with a mean of 1. A training with a weighted loss depends on the method
+/// only through these weights.
 ///
 /// End sites count as ends of bones. The mesh's weights are those of a character, by joint; the weight of a joint is
 /// the sum over its counterparts there.
 ///
 /// # Errors
-/// [`WeightsError`] if a joint is unknown.
+/// [`WeightsError`] if a joint is unknown or has no counterpart in the character, or if the skeleton or the weights are
+/// invalid.
 pub(super) fn weights(
     skeleton: &Skeleton,
     method: Method,

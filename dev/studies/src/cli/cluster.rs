@@ -14,11 +14,12 @@ use super::two_classes::TwoClassesArgs;
 ///
 /// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
 /// understanding" (2012), who classified 65 % correctly by the geodesic line and 60 % by joint angles. Medoid shift
-/// with a Gaussian kernel clusters the poses of a sequence of walking and one of running, with the smallest of a
-/// hundred bandwidths that makes two clusters. The clusters are assigned to the sequences in the way that fits
-/// better, so even chance classifies more than half correctly; the table has the result of one cluster, and of random
-/// members. The longer sequence has more weight, so pairs are also cut to equal length. Two sequences differ in more
-/// than their class, so there are also pairs of one person's walking and running, and of two people's walking.
+/// with a Gaussian kernel clusters the poses of a sequence of walking and one of running, with the smallest of 101
+/// bandwidths that makes two clusters. The clusters are assigned to the sequences in the way that fits better, so even
+/// chance classifies more than half correctly; for comparison, the table has the results of a single cluster and of
+/// clusters with random members. The longer sequence has more weight, so pairs are also cut to equal length. Two
+/// sequences differ in more than their class, so there are also pairs of one person's walking and running, and of two
+/// people's walking.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]

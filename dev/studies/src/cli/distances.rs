@@ -87,7 +87,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let unit = measuring.measure().metric.unit();
     let spread = written.distances.map_or(String::new(), |spread| {
         let (least, mean, most) = (spread.least, spread.mean, spread.most);
-        format!(": from {least:.4} to {most:.4} {unit}, {mean:.4} {unit} in the mean")
+        format!(": from {least:.4} to {most:.4} {unit}, {mean:.4} {unit} on average")
     });
     print(&format!(
         "{} poses of {} recordings at {RATE_HZ} Hz, {} joints: {} pairs\n{}{spread}\n{}\n{}\n",

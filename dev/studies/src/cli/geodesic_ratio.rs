@@ -17,7 +17,8 @@ use super::results::ResultArgs;
 /// below 0.94. All joints are ball joints, the root is left out, all poses are on one skeleton (CMU's 31 joints).
 ///
 /// Further conditions change one thing each: the origin of pairs, the steps, the coordinates of the line, the joints
-/// that count, and the kind of motion. A second table groups the pairs by the distance of the poses.
+/// that count, and the kind of motion. Two further tables group the pairs of the first condition, by the largest turn
+/// of a joint and by the length of the line.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -35,7 +36,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value = "10", value_parser = clap::value_parser!(u16).range(2..=1000))]
     steps: u16,
 
-    /// Joint from which poses are seen. Default: the skeleton's root.
+    /// Joint relative to which poses are compared. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 

@@ -15,9 +15,9 @@ use super::results::ResultArgs;
 /// Embed motion by multidimensional scaling and Isomap: how much of it is in one dimension, by each measure of poses?
 ///
 /// The study repeats S. Hauberg & K. S. Pedersen, "Spatial measures between human poses for classification and
-/// understanding" (2012), figure 4 and the test after it. The measures are: differences of joint coordinates
-/// (angles), rotations times bone lengths (rotations), positions of joints, and the geodesic line; each with equal
-/// joints and weighted by importance.
+/// understanding" (2012), figure 4 and the test after it. The measures are: differences of joint coordinates (angles),
+/// rotations times bone lengths (rotations), positions of joints, and the geodesic line; each with equal weights of all
+/// joints, and with weights by importance.
 ///
 /// Two people's walks, on one skeleton, are embedded together. Then every broad recording at 12 Hz is embedded alone,
 /// on its own skeleton, and the share of its first component is computed.
@@ -44,7 +44,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value = "7", value_parser = clap::value_parser!(u16).range(1..=1000))]
     neighbours: u16,
 
-    /// Joint from which poses are seen; of several, the first that a skeleton has. Default: the skeleton's root.
+    /// Joint relative to which poses are compared; of several, the first that a skeleton has. Default: the skeleton's
+    /// root.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     root: Vec<String>,
 

@@ -22,7 +22,7 @@ pub(super) struct TwoClassesArgs {
     #[arg(long, value_name = "N", default_value = "10")]
     steps: NonZeroU16,
 
-    /// Joint from which poses are seen. Default: the skeleton's root.
+    /// Joint relative to which poses are compared. Default: the skeleton's root.
     #[arg(long, value_name = "JOINT")]
     root: Option<String>,
 

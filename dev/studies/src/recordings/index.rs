@@ -18,7 +18,7 @@ pub enum Class {
     Punch,
     /// Kicks.
     Kick,
-    /// Strikes of both kinds.
+    /// Punches and kicks.
     Mixed,
     /// Anything else.
     Other,

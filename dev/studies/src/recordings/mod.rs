@@ -49,7 +49,7 @@ pub struct Sequence {
     pub class: Class,
     /// Data set of the recording.
     pub data_set: DataSet,
-    /// Kind of skeleton on which it was recorded, as in the index.
+    /// Kind of skeleton on which the motion was recorded, as in the index.
     pub kind: String,
     /// Poses, at [`RATE_HZ`].
     pub frames: Vec<Pose>,
@@ -77,7 +77,7 @@ const BANDAI_FLOOR: &str = "joint_Root";
 /// Folder in which both data sets have recordings of all kinds.
 const BROAD: &str = "broad-12hz/";
 
-/// Names of the reference's joints in some of CMU's files, in its order: those of the ASF files.
+/// Names of the reference's joints in some of CMU's files (those of the ASF files), in the order of the reference.
 const ASF_NAMES: [&str; 31] = [
     "hip",
     "lhipjoint",

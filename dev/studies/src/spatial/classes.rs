@@ -26,11 +26,11 @@ pub struct TwoClasses {
 pub struct Labelled {
     /// Path of the recording.
     pub name: String,
-    /// Index of its class.
+    /// Index of the sequence's class.
     pub class: usize,
     /// Group of the sequence: the number of a person, or the style of the motion if people are not named.
     pub group: String,
-    /// Its poses, at least one.
+    /// Poses of the sequence, at least one.
     pub frames: Vec<Pose>,
 }
 

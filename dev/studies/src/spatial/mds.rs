@@ -93,7 +93,7 @@ mod tests {
                 assert!((apart.sqrt() - distances.get(a, b)).abs() < 1e-6);
             }
         }
-        // 3 by 1: nine tenths of the spread is along the longer side.
+        // The rectangle has sides of 3 and 1: nine tenths of the spread is along the longer side.
         let Spectrum { shares, negative_share } = &embedding.spectrum;
         assert!((shares[0] - 0.9).abs() < 1e-6, "{shares:?}");
         assert!(*negative_share < 1e-6);

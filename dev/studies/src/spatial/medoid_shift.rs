@@ -8,14 +8,14 @@ const REACH: f64 = 9.0;
 /// Returns the cluster of each item, numbered by first members, with a Gaussian kernel of the given bandwidth. O(n³).
 ///
 /// Every item moves to the item with the smallest sum of squared distances from all others, weighted by the kernel
-/// around its present place. It repeats this until it stays.
+/// around its present place. It moves again until it stays in place.
 pub fn clusters(distances: &Distances, bandwidth: f64) -> Vec<usize> {
     Squares::of(distances).clusters(bandwidth, usize::MAX).unwrap_or_default()
 }
 
 /// Returns the clusters of every bandwidth that makes `wanted` clusters of at least two items each, starting with the
-/// smallest. The hundred bandwidths are evenly spaced on a logarithmic scale from a hundredth of the largest distance
-/// to the largest distance.
+/// smallest. The 101 bandwidths are evenly spaced on a logarithmic scale from a hundredth of the largest distance to
+/// the largest distance.
 pub fn with_clusters(
     distances: &Distances,
     wanted: usize,
@@ -87,7 +87,7 @@ impl Squares {
                 }
             }
         }
-        // It stays if no other place is better.
+        // The item stays if no other item's place is better.
         let stay = (costs[at], at);
         let better = |best: (f64, usize), (to, cost): (usize, f64)| {
             if cost < best.0 { (cost, to) } else { best }

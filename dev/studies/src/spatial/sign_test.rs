@@ -1,7 +1,7 @@
 //! The sign test: whether one item is better than another more often than by chance.
 
 /// Returns the exact probability of a split at least this uneven, of either sign, by chance, if better and worse are
-/// equally likely. Ties must be left out before. 1 for no cases.
+/// equally likely. Ties must be left out before. Returns 1 if there are no cases.
 pub(super) fn p(better: usize, worse: usize) -> f64 {
     let count = better + worse;
     let log_half = -(count as f64) * std::f64::consts::LN_2;

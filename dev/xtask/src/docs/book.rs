@@ -54,7 +54,8 @@ pub(super) fn build(pages: &[Page]) -> Result<()> {
         step::run(
             "mdBook",
             step::cargo()
-                .args(["install", "--quiet", "--locked", "--debug", "--no-default-features"])
+                .args(["install", "--quiet", "--locked", "--debug"])
+                .args(["--no-default-features", "--features", "search"])
                 .args(["--version", VERSION, "mdbook", "--root"])
                 .arg(&tools)
                 .env("CARGO_TARGET_DIR", tools.join("build")),

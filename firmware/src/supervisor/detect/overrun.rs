@@ -13,7 +13,7 @@ pub struct OverrunSettings {
     pub window: u32,
 }
 
-/// 3 in 500 ticks, which is a second at 500 Hz.
+/// The default is 3 late ticks in 500 ticks, which take a second at 500 Hz.
 impl Default for OverrunSettings {
     fn default() -> Self {
         Self { most: 3, window: 500 }

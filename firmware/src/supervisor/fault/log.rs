@@ -5,8 +5,8 @@ use core::mem;
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K` faults. A repeated fault is counted, so that it does
-/// not displace others. It is not counted together with one from before faults were cleared, which has another cause.
-/// A warning is the first entry until a fault occurs.
+/// not displace others. It is not counted together with a fault from before faults were cleared, because that one
+/// has another cause. A warning is the first entry until a fault occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {

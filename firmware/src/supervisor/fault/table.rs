@@ -56,8 +56,8 @@ const fn reactions(on: [Reaction; 7]) -> [Reaction; State::COUNT] {
 
 const LOWER: [Reaction; State::COUNT] = reactions([Reaction::Lower; 7]);
 
-/// Moves the rig to the rest pose, except in states in which a person jogs or leads it, and not up again while it is
-/// lowered.
+/// Moves the rig to the rest pose, except in states in which a person jogs or leads it, and except while it is
+/// lowered, because it must not rise again.
 const STOP: [Reaction; State::COUNT] = {
     use Reaction::{Lower, Stop};
     reactions([Lower, Stop, Stop, Lower, Stop, Lower, Lower])
@@ -69,7 +69,7 @@ const HOLD: [Reaction; State::COUNT] = {
     reactions([Note, Note, Hold, Hold, Note, Note, Note])
 };
 
-/// Reaction to a fault of the show: a rig that plays holds.
+/// Reactions to a fault of the show: a rig that plays a show then holds its pose.
 const HOLD_SHOW: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Note, Note, Note, Note])

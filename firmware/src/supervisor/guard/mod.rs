@@ -53,7 +53,7 @@ impl Guard {
         Ok(Self { settings, dt_s, sent: None })
     }
 
-    /// Checks a command and returns the permitted one. To be called once per cycle and servo, with the servo's last
+    /// Checks a command and returns the permitted one. Call it once per cycle and servo, with the servo's last
     /// reading. O(1).
     pub fn check(
         &mut self,

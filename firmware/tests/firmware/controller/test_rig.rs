@@ -60,7 +60,7 @@ pub(crate) fn figure(kind: Kind) -> &'static Figure {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
-    /// Position to which the encoder runs, as fast as a pushed servo may, rad.
+    /// Position to which the encoder runs, as fast as a pushed servo may move, rad.
     pub(crate) runs_to_rad: Option<f32>,
     /// Amplitude of a swing at 16 Hz, with 0.3 A, rad.
     pub(crate) swing_rad: Option<f32>,

@@ -107,8 +107,8 @@ pub(crate) struct Rest {
     pub(crate) band_rad: f64,
 }
 
-/// Moves to a pose, holds it, and returns each joint at rest. `offset`: whether the drives compensate gravity with the
-/// rig's model.
+/// Moves to a pose, holds it, and returns each joint at rest. `offset` is whether the drives compensate gravity
+/// with the rig's model.
 pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: bool) -> Vec<Rest> {
     let is_feetech = figure.model.starts_with("STS");
     let kind = built.kind(&figure.model);

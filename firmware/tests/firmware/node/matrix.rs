@@ -1,8 +1,8 @@
 //! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
 //! page `docs/fault-matrix.md`.
 //!
-//! These tests create a fault where an image can meet it: in the bytes of its bus and its host link, at its pins, by
-//! its clock. The first table plants it between bus and controller.
+//! These tests create a fault where an image can detect it: in the bytes of its bus and its host link, at its pins,
+//! by its clock. The tests of the first table create it between bus and controller.
 
 use std::collections::HashMap;
 use std::thread;
@@ -211,8 +211,8 @@ fn bring(world: &mut World, state: State, fault: Fault) {
                     world.ask(Command::Play(Feed::Show));
                     world.run(4.0);
                     if matches!(fault, Fault::LinkLost | Fault::HostDeaf) {
-                        // The way home takes less than the time-out, so the link is cut before, and heat stops the
-                        // rig.
+                        // The rig moves home in less time than the link's time-out, so the link is cut before the
+                        // stop. Then heat stops the rig.
                         plant(world, fault);
                         world.run(1.1);
                         world.told.lie.celsius = Some(66);
@@ -330,7 +330,7 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
 
 /// Checks that a command clears a fault as soon as filters have settled.
 fn is_cleared(world: &mut World, fault: Fault) {
-    // It goes to its rest pose and down before.
+    // The rig first goes to its rest pose and is lowered.
     for _ in 0..120 {
         if world.state().is_some_and(|state| !state.is_on()) {
             world.ask(Command::ClearFaults);

@@ -206,14 +206,16 @@ impl Served<'_> {
         };
         let console = Console::open(options).context("the page's port")?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, source);
-        for (index, address) in console.addresses().iter().enumerate() {
+        for address in console.addresses() {
             print(&format!("{address}\n"))?;
-            if index > 0 || args.listen.is_some_and(|listen| listen.ip().is_unspecified()) {
-                let may = if args.allow_drive { "watch, stop and drive" } else { "watch and stop" };
-                note(format_args!(
-                    "other machines may {may} the rig, with this token; the connection is not encrypted"
-                ));
-            }
+        }
+        if let Some(listen) = args.listen.filter(|listen| !listen.ip().is_loopback()) {
+            let may = if args.allow_drive { "watch, stop and drive" } else { "watch and stop" };
+            let whole = listen.ip().is_unspecified();
+            let at = if whole { ", at any address of this machine" } else { "" };
+            note(format_args!(
+                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
+            ));
         }
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
         let name = match &args.target {

@@ -185,7 +185,7 @@ impl<L: Line> Performance<'_, L> {
 
 fn live(summary: &Summary) -> String {
     let errors = summary.errors.map_or_else(String::new, |errors| {
-        format!(", error {:.2} deg in the mean, {:.2} at most", errors.mean_deg, errors.largest_deg)
+        format!(", error {:.2} deg on average, {:.2} at most", errors.mean_deg, errors.largest_deg)
     });
     let supply = match summary.supply_v {
         0.0 => String::new(),

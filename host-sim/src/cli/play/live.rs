@@ -77,7 +77,7 @@ impl Live {
             if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) };
         let error = report.following.map_or_else(String::new, |error| {
             let [mean, most] = [error.mean_rad, error.most_rad].map(f32::to_degrees);
-            format!(", error {mean:.2} deg in the mean, {most:.2} at most")
+            format!(", error {mean:.2} deg on average, {most:.2} at most")
         });
         let mut text = format!(
             "{:7.2} s  {}, tick {}, show {played_s:.2} of {:.2} s{error}\n  \

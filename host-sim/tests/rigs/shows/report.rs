@@ -75,7 +75,7 @@ fn a_page_is_written_beside_its_recording() {
     let page = std::fs::read_to_string(&html).unwrap();
     // The mean and largest error that the play printed.
     let [mean, most] = errors(&table, "current");
-    let told = format!("were {mean:.2}° from their targets in the mean, and {most:.2}° at most");
+    let told = format!("were {mean:.2}° from their targets on average, and {most:.2}° at most");
     for part in [&told, "there was no fault", "bend2", "lowering", "Limited"] {
         assert!(page.contains(part), "{part}");
     }

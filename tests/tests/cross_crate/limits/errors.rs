@@ -110,7 +110,8 @@ impl Pair {
         if unclear && arm.exact().dot(way) < 0.0 {
             return if status == AimStatus::Antiparallel { of(self.world(body)) } else { None };
         }
-        // If f32 cannot distinguish two directions, the core leaves out the turn, which is as small.
+        // If f32 cannot distinguish two directions, the core leaves out the turn between them, which is then very
+        // small.
         let largest = SMALLEST_SINE + turned.sine.limit();
         let left_out_rad = if turned.sine.exact() < largest { largest } else { 0.0 };
         Some(Turned { difference: turned.difference, left_out_rad })
@@ -145,7 +146,8 @@ fn errors(
     vectors(table, [names[3], "m/s"], speeds, rounded.iter().map(|error| error.linear_rate));
 }
 
-/// Compares the wrenches of a controller's tick with those of the same errors with their rounding.
+/// Compares the wrenches of a controller's tick with wrenches that are computed from the same errors, with their
+/// rounding.
 fn tick(
     table: &mut Table,
     pair: &Pair,

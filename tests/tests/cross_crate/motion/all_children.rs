@@ -35,12 +35,14 @@ impl Wahba {
         self.arms.iter().map(|arm| (turn * *arm - (*arm + self.shift)).length_squared()).sum()
     }
 
-    /// Returns the largest cost that a turn can make, m².
+    /// Returns the scale of the cost, m²: the largest possible value of `Σ b · R a`, the only part of the cost that
+    /// depends on the turn `R`.
     fn scale(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length() * (*arm + self.shift).length()).sum()
     }
 
-    /// Returns the sum of the arms' lengths, m: the largest effect of a shift of all goals.
+    /// Returns the sum of the arms' lengths, m. If all goals are shifted, `Σ b · R a` changes by at most the length
+    /// of the shift times this sum.
     fn levers(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length()).sum()
     }
@@ -306,11 +308,11 @@ fn evenly_placed_children_need_no_turn() {
 
 #[test]
 fn what_has_no_one_best_turn_is_not_turned() {
-    // The body is far beyond its goals: a half turn, about X or -X.
+    // The body is far beyond its goals: the best turn is a half turn, about X or -X.
     let even = [Vec3::new(0.1, -0.3, 0.0), Vec3::new(-0.1, -0.3, 0.0)];
     let shift = Vec3::Y * 2.0;
     assert_eq!(turn(&even, shift), (Vec3::ZERO, AimStatus::Antiparallel));
-    // A little to the side the turn is well defined, and almost as long, as with one child.
+    // If the shift is a little to the side, the turn is well defined and almost as large, as with one child.
     let (error, status) = turn(&even, shift + Vec3::Z * 0.01);
     assert_eq!(status, AimStatus::Compensated);
     assert!(error.x.abs() > 3.0, "{error}");

@@ -707,7 +707,7 @@ proptest! {
     }
 }
 
-/// Whether a matrix has no principal moment below zero or above the sum of the other two.
+/// Returns whether no principal moment of a matrix is below zero or above the sum of the other two.
 fn possible(m: &sinew_core::glam::Mat3) -> bool {
     let m = m.as_dmat3();
     let size = m.to_cols_array().into_iter().fold(0.0f64, |a, b| a.max(b.abs()));
@@ -751,7 +751,7 @@ fn star(joint: JointKind, offsets: &[Vec3], length_m: f32) -> Tree<N> {
     tree
 }
 
-/// Tries one number at a time, from the table: which settings accept it, and the error for the others.
+/// Tries each number of the table: which settings accept it, and with which errors the others refuse it.
 #[test]
 fn settings_take_the_numbers_that_they_should() {
     let tree = chain(JointKind::Spherical, 0.1);
@@ -810,7 +810,7 @@ fn settings_take_the_numbers_that_they_should() {
 #[test]
 fn what_overflows_is_said_to() {
     let huge = Gains::new(1e37, 0.0).expect("a finite gain");
-    // 1 + dt² kp overflows, kd does not. Earlier the gains silently became zero.
+    // 1 + dt² kp overflows, kd does not. Without the check the gains would silently become zero.
     assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
 
     let plate = RotationalInertia::diagonal(3e38, 1e38, 0.0);

@@ -347,7 +347,8 @@ fn the_mesh_of_a_tube_is_the_cylinder_and_many_vertices_cost_no_digits() {
         }
         let weights = mesh.importance().expect("weights");
         let expected = cylinder.as_slice().iter().map(|weight| f64::from(*weight));
-        // A polygon of n sides in a circle: (π / n)² / 6 too little around, and half of that nearer.
+        // The perimeter of a polygon of n sides in a circle is too small by (π / n)² / 6, and the polygon is nearer
+        // by half of that.
         let off = worst(weights.as_slice(), expected);
         assert!(off < limit, "{sides} sides: {off:e}");
 

@@ -88,8 +88,8 @@ fn joint_poses(rig: &Rig) -> Vec<Transform> {
     rig.states().as_slice().iter().map(|state| state.pose).collect()
 }
 
-/// Deviation of a desired pose from one that the rig can reach: its dimensions by a share of up to `stretch`, its
-/// joints by up to `twist` rad in any direction, even directions that the kind of joint cannot turn.
+/// Deviation of a desired pose from a pose that the rig can reach: its dimensions deviate by a share of up to
+/// `stretch`, its joints by up to `twist` rad in any direction, even directions that the kind of joint cannot turn.
 #[derive(Debug, Clone, Copy)]
 struct Unlike {
     stretch: f32,
@@ -249,7 +249,7 @@ proptest! {
         let mut frame = case;
         for _ in 0..6 {
             let got = frame.next(1, &mut workspace);
-            // Only rounding of f32: of an angle, and of a distance of this size.
+            // The tolerance is only rounding of f32: of an angle, and of a distance of this size.
             let way = got.iter().fold(1.0, |most, pose| pose.translation_m.length().max(most));
             let outside = frame.problem().excess(&got);
             prop_assert!(outside < 1e-6 * f64::from(way), "{outside:e} rad or m outside, of {way} m");

@@ -170,7 +170,7 @@ proptest! {
     }
 
     /// A rig was at the previous frame and is at the present one. If it has the acceleration of aligned targets for
-    /// one period, velocity first, it reaches the next frame.
+    /// one period, and its velocity is updated before its pose, it reaches the next frame.
     #[test]
     fn aligned_targets_lead_to_the_next_frame(frames in frames()) {
         let tree = one_joint();

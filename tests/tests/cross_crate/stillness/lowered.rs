@@ -171,7 +171,7 @@ fn row(name: &str, rig: &Rig, away_rad: f64) -> Vec<String> {
     let play_deg = 2.0 * plays.fold(0.0, f64::max).to_degrees();
     let allowed_deg_s = MOST_DEG_S + play_deg / SPEED_S;
     let bad = |run: &&Lowered| {
-        // Out of time, what is still on its way falls: `docs/lowering.md` says so.
+        // When the time is over, joints that are still being lowered fall: see `docs/lowering.md`.
         let is_late = run.time_s > MOST_S - 0.02;
         let is_fast = run.most_deg_s.max(run.after_deg_s) > allowed_deg_s;
         is_fast && !is_late || run.time_s > MOST_S || run.on > 0

@@ -87,7 +87,7 @@ impl Articulated {
         self.torque_bias += passed.torque_bias + child.arm_m.cross(passed.force_bias);
     }
 
-    /// Computes the acceleration of a released body from its joint's.
+    /// Computes the angular acceleration of a released body from the linear acceleration of its joint.
     #[inline]
     pub(super) fn follow(&mut self, linear: DVec3) {
         self.linear = linear;
@@ -103,7 +103,7 @@ impl Articulated {
         }
     }
 
-    /// Returns the torque and force needed for an acceleration, with the biases.
+    /// Returns the torque and force needed for an acceleration, including `torque_bias` and `force_bias`.
     #[inline]
     pub(super) fn feel(&self, by: MotionAxis) -> MotionAxis {
         let MotionAxis { angular, linear } = self.push(by);

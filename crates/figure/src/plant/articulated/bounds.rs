@@ -1,7 +1,7 @@
 //! Constraints on a dof over a step: Coulomb friction and the ends of its range.
 //!
-//! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore
-//! stable for any step size, and need no stiffness parameter, which nobody would know:
+//! Both act on the speed `v` at the end of the step, with exactly the effort that is needed. They are therefore stable
+//! for any step size, and need no stiffness parameter, whose value would be a guess:
 //!
 //! - friction holds a dof at `v = 0` if the effort for that is at most the friction, and otherwise brakes with the
 //!   whole friction;
@@ -74,8 +74,9 @@ impl Bounds {
         }
     }
 
-    /// Returns the mode that agrees with the result: `speed` at the end of the step, and the `effort` that holds
-    /// the dof there. `scale` is the magnitude of the efforts of which `effort` is the difference, for rounding.
+    /// Returns the mode that agrees with the result: `speed` at the end of the step, and the `effort` that holds the
+    /// dof there. `effort` is a difference of two efforts of the magnitude `scale`, which determines the tolerance for
+    /// rounding.
     pub(super) fn next(self, mode: Mode, speed: f64, effort: f64, scale: f64) -> Mode {
         let Self { ends: [low, high], friction } = self;
         let slide = |direction: f64| Mode::Slide(if friction > 0.0 { direction } else { 0.0 });

@@ -26,8 +26,8 @@ impl Tree {
         }
         let dofs: usize =
             self.links.iter().filter_map(|link| Some(link.joint.as_ref()?.count)).sum();
-        // First all modes at once, for as long as that may help; then one at a time. It terminates long before the
-        // limit.
+        // In the first ten rounds all contradicting modes are changed at once, later only one in each round. The loop
+        // ends long before the limit.
         for round in 0..10 + 4 * dofs {
             if !self.agree(h, round < 10) {
                 break;

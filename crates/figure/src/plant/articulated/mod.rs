@@ -50,7 +50,7 @@ pub struct Accelerations {
 impl ArticulatedPlant {
     /// Builds the mechanism in the given state. `start` has one state per body.
     ///
-    /// From `start` each joint takes its position and velocity along its dofs. A bolted root has no velocity.
+    /// The position and velocity of each joint along its dofs are computed from `start`. A bolted root has no velocity.
     ///
     /// # Errors
     /// [`PlantError`] if this is not a tree with a state for each body, or a number is physically impossible.

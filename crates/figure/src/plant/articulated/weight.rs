@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::plant::{Mechanism, MovingPose, PlantError, Pose};
 
-/// Minimum share of a joint's inertia that must remain if the joints before it yield: far above rounding, far
-/// below any rig's.
+/// Minimum inertia of a joint while the joints before it move freely, as a share of its inertia while they are held.
+/// The value is far above rounding errors, and far below that of any rig.
 const LEAST: f64 = 1e-9;
 
 /// Refuses a joint that nothing resists in the rig's initial pose. O(n³), once per plant.
@@ -31,7 +31,7 @@ pub(super) fn check(mechanism: &Mechanism, start: &[MovingPose]) -> Result<(), P
     Ok(())
 }
 
-/// The motion along a dof of a joint, as the velocity that it gives, world axes.
+/// The motion along a dof of a joint: the velocity of the body at unit speed of the dof, world axes.
 struct MotionAxis {
     body: usize,
     angular: DVec3,

@@ -10,7 +10,7 @@ use sinew_servo_sim::port::Port;
 
 use super::SimulatedBoard;
 
-/// A longer delay of the machine is removed from the board's time instead of being made up.
+/// Longest delay of the machine that is made up. A longer delay shifts the board's time.
 const CATCH_UP: Duration = Duration::from_millis(50);
 /// Time of a byte on a line of 1 bit/s, ns: start bit, eight bits, stop bit.
 const BYTE: u128 = 10_000_000_000;

@@ -197,7 +197,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
 }
 
 impl SimulatedBoard<'_, RigPlant> {
-    /// Puts a hand on a dof of the rig, or takes it away. Returns whether there is such a dof.
+    /// Makes a hand hold a dof of the rig; `None`: the hand releases it. Returns whether the rig has this dof.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         // Without a line there are no servos.
         let line = self.lines.first_mut();

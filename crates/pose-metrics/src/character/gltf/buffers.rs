@@ -18,10 +18,11 @@ const BYTES_MAX: usize = 1 << 30;
 pub(super) struct Buffers(Vec<Rc<[u8]>>);
 
 impl Buffers {
-    /// Takes the binary chunk, decodes `data:` URIs and reads files in `folder`.
+    /// Collects the bytes of all buffers: from the binary chunk, from `data:` URIs, and from files in `folder`.
     ///
     /// # Errors
-    /// [`Refusal`] for a buffer outside the folder, and for a buffer that cannot be read or is too short.
+    /// [`Refusal`] for a buffer outside the folder, for a buffer that cannot be read or is too short, and if all
+    /// buffers together are too large.
     pub(super) fn read<'a>(
         document: &'a Document,
         mut chunk: Option<Vec<u8>>,

@@ -27,7 +27,8 @@ impl Nodes {
     /// Reads the nodes of a file.
     ///
     /// # Errors
-    /// [`Refusal`] for a node that has two parents or is its own ancestor, and for an invalid rotation.
+    /// [`Refusal`] for too many nodes, for a node that has two parents or is its own ancestor, and for an invalid
+    /// rotation.
     pub(super) fn new(document: &Document) -> Result<Self, Refusal> {
         let count = document.nodes().count();
         if count > NODE_COUNT_MAX {

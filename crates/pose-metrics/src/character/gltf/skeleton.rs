@@ -28,7 +28,7 @@ pub(super) struct Binding {
     pub(super) world: Option<DMat4>,
 }
 
-/// Maximum distance between the positions of a joint in two skins.
+/// Maximum distance between the positions of a joint in two skins, m.
 const SAME_PLACE_M: f64 = 1e-3;
 
 impl Skeleton {

@@ -1,4 +1,4 @@
-//! Searches for the moments with the smallest distances, with few of all distances computed.
+//! Searches for the moments with the smallest distances, and computes only few of all distances.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
@@ -14,10 +14,10 @@ use crate::spatial::{
 /// where the query fits is a candidate. Its distance is the root mean square of its frames' distances, which is a
 /// metric if the measure is one.
 ///
-/// A moment is a place without a better place of its clip nearby ([`Limits::apart`]). The nearest moments are
-/// found exactly, after Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998): places are visited
-/// in the order of a lower bound of their distance, until the bound exceeds the distance of the last requested
-/// moment. Sums are abandoned when they exceed it. The bounds:
+/// A moment is a place that is nearer to the query than all other places of its clip nearby ([`Limits::apart`]). The
+/// nearest moments are found exactly, after Seidl & Kriegel, "Optimal multi-step k-nearest neighbor search" (1998):
+/// places are visited in the order of a lower bound of their distance, until the bound exceeds the distance of the last
+/// requested moment. A sum is abandoned when it exceeds this distance. The bounds:
 ///
 /// - for lines and geodesics, the straight-line distance, [`RigMeasure::position_distance`]: in exact arithmetic
 ///   no line or geodesic is shorter. Because of rounding in f32, the bound is reduced by 1e-5 of itself, and by
@@ -40,7 +40,8 @@ pub struct Search<'a, const N: usize = BODY_COUNT> {
 pub struct Limits {
     /// Number of moments.
     pub count: usize,
-    /// Minimum distance of two moments of a clip, in frames. If two places are nearer, only the better is a moment.
+    /// Minimum number of frames between two moments of a clip. If two places are closer together, only the place that
+    /// is nearer to the query is a moment.
     pub apart: usize,
 }
 
@@ -78,15 +79,15 @@ pub struct SearchStats {
 }
 
 impl SearchStats {
-    /// Returns the share of the distances that was never computed. A distance that serves as a bound is computed
-    /// again in its sum; the share may therefore be zero.
+    /// Returns the share of the distances that was never computed. A distance that serves as a bound is computed again
+    /// for the sum of its place; the share may therefore be zero.
     pub fn spared(&self) -> f64 {
         if self.all == 0 { 0.0 } else { (1.0 - self.computed as f64 / self.all as f64).max(0.0) }
     }
 }
 
-/// Number of places that are examined before the limit is updated: small if each takes long. It does not depend on
-/// the number of threads, since the cost of the search is part of the result.
+/// Number of places that are examined before the limit is updated: small if each place takes long. It does not depend
+/// on the number of threads, since the cost of the search is part of the result.
 const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;
@@ -131,8 +132,8 @@ impl<'a, const N: usize> Search<'a, N> {
         Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
     }
 
-    /// Excludes places of a clip from the moments, such as the source of the query itself. A place near a better
-    /// excluded place is not a moment either.
+    /// Excludes places of a clip from the moments, such as the source of the query itself. A place close to an excluded
+    /// place that is nearer to the query is not a moment either.
     #[must_use]
     pub fn without(mut self, clip: usize, poses: Range<usize>) -> Self {
         self.closed[clip] = poses;
@@ -367,8 +368,8 @@ impl<'a> Computed<'a> {
             .take(self.limits.count)
     }
 
-    /// Returns whether no better place, and no equal earlier place, is near. An unknown sum does not count as
-    /// better: a place that is unknown when the search ends is above the limit.
+    /// Returns whether no place nearby has a smaller sum, and no earlier place nearby has an equal sum. An unknown sum
+    /// does not count as smaller: a place whose sum is unknown when the search ends is above the limit.
     fn is_moment(&self, (clip, pose): FrameTime, sum: f64) -> bool {
         let sums = &self.sums[clip];
         let near = self.limits.apart.saturating_sub(1);

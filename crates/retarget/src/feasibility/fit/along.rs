@@ -15,12 +15,12 @@ use crate::feasibility::efforts::{Block, Efforts};
 use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::Limits;
 
-/// Time before and after an excess that is also sampled, s: twice the time of braking, which is how far a motion is
-/// slowed beside a row.
+/// Time before and after an excess that is also sampled, s: twice the time of braking, for which a motion is also
+/// slowed before and after a row.
 const BESIDE_S: f64 = 0.5;
 /// Longest part of a path that is processed at once, s, which limits the memory for a long clip.
 const LONGEST_S: f64 = 20.0;
-/// Maximum number of rounds of slowing; the next check finds the rest.
+/// Maximum number of rounds of slowing; the next check finds the excesses that remain.
 const ROUNDS: usize = 60;
 
 /// Speed, acceleration and efforts of a dof at a place of the path.

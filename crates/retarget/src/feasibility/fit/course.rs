@@ -44,8 +44,8 @@ impl LimitTrace {
         [pace, -pace * pace * pace * between(&steep)]
     }
 
-    /// Returns the given time of each row of the new motion, whose rows have about the same spacing; `None` if the
-    /// pace is unchanged.
+    /// Returns, for each row of the new motion, its time in the given motion, s. The rows of both motions have about
+    /// the same spacing. `None` if the pace is unchanged.
     pub(super) fn given_s(&self) -> Option<Vec<f64>> {
         if self.is_as_given() {
             return None;

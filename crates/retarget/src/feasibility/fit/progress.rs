@@ -14,7 +14,8 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Returns whether its rows match this motion; the motion may have been resampled to finer rows.
+    /// Returns whether the progress and a motion have the same number of rows; the motion may have been resampled to
+    /// finer rows.
     pub(super) fn is_of(&self, motion: &RigMotion) -> bool {
         self.pace.len() == motion.rows.len()
     }

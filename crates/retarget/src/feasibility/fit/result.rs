@@ -62,7 +62,7 @@ pub struct SmoothedJoint {
 pub struct LoweredJoint {
     /// Name of the joint.
     pub joint: String,
-    /// Smallest remaining share of its distance from home.
+    /// Smallest remaining share of the joint's distance from home.
     pub share: f64,
     /// Time of that share in the given motion, s.
     pub at_s: f64,

@@ -13,8 +13,9 @@ pub(super) const WIDTHS_S: [f64; 10] =
 /// Maximum change of a slide, as a share of its range.
 const MOST_OF_RANGE: f64 = 0.02;
 
-/// Low-passes one joint of the `given` rows into `rows`, with a width of `sigma` rows, if the change is at most
-/// `most` rad, or a small share of a slide's range. Returns the largest change.
+/// Low-passes one joint of the `given` rows into `rows`, with a width of `sigma` rows, if the change is at most `most`
+/// (rad or m), and for a slide at most a small share of its range. Returns the largest change; if the change would be
+/// larger, leaves `rows` unchanged and returns `None`.
 pub(super) fn smooth(
     mechanism: &Mechanism,
     joint: usize,

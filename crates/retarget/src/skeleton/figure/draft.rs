@@ -18,7 +18,7 @@ pub(super) struct Proposed {
     pub note: Note,
 }
 
-/// The landmarks that the figure needs; all are present.
+/// A skeleton that has all landmarks that the figure needs.
 pub(super) struct Draft<'a> {
     body: Body<'a>,
     matched: &'a SkeletonMatch,

@@ -14,11 +14,11 @@ const LARGEST: f64 = 1e6;
 /// accepted numbers are within f32.
 const SMALLEST: f64 = 1e-12;
 
-/// Least limit of a speed or an acceleration, in SI units: with less, a turn of 90 deg takes days.
+/// Least limit of a speed or an acceleration, in SI units: with a lower limit, a turn of 90 deg takes days.
 const SLOWEST: f64 = 1e-5;
 
 /// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
-/// same. Files contain about six digits: a larger error is a mistake, not rounding.
+/// same tolerance. Files contain about six digits: a larger error is a mistake, not rounding.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A part, identified by its table and name.

@@ -106,8 +106,8 @@ fn read_body<'a, 'd>(
     inside(parts.bodies, Some(&name), shift_m, model, notes)
 }
 
-/// Returns the bodies inside another, except those that the user cuts. `shift_m` is the origin of the rig's body in
-/// the frame of the file's body.
+/// Returns the bodies inside another body, except those that the user cuts. `shift_m` is the origin of the rig's
+/// body in the frame of the file's body.
 fn inside<'a, 'd>(
     bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
     parent: Option<&str>,

@@ -84,7 +84,7 @@ impl Family {
 /// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Model {
-    /// Maker's name of the model.
+    /// The maker's name for this model, such as `STS3215`.
     pub name: &'static str,
     /// Model number at address 3; 0 if no source gives it.
     pub number: u16,

@@ -140,7 +140,7 @@ impl FrameSource for Performance<'_> {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         let index = usize::try_from(index).unwrap_or_default();
         let (Some(instant), Some(poses)) = (self.measured.get(index), self.poses.get(index)) else {
-            // An empty list is refused. There is no panic, which would be on the stack of the tick.
+            // The tracker refuses an empty list. A panic here would increase the measured stack of the tick.
             return Frame::Poses(&[]);
         };
         let [positions, speeds] = self.counts;

@@ -10,7 +10,7 @@ pub struct Nearest {
     sequences: usize,
     /// Index of the first pose of each sequence among all poses.
     first: Vec<usize>,
-    /// Distances by pose, then by sequence; infinite for its own sequence.
+    /// Distances by pose, then by sequence; infinite for the pose's own sequence.
     distances: Vec<f32>,
 }
 
@@ -18,8 +18,8 @@ impl Nearest {
     /// Computes the distances between the poses of all sequences; `done` is called with numbers of pairs of poses.
     /// Pairs of sequences are computed in parallel, with the same bits for any number of threads.
     ///
-    /// A line is not sampled if the straight distance through space, a lower bound, shows that it cannot be the
-    /// shortest. This is exact except for rounding of f32, by which a straight line may look too short.
+    /// A line is not sampled if the straight-line distance of the joints, a lower bound of its length, shows that it
+    /// cannot be the shortest. This is exact except for the rounding of f32.
     pub fn new(
         measuring: &RigMeasure<'_>,
         poses: &[Vec<MeasuredPose>],

@@ -30,7 +30,7 @@ pub struct Plan<'a> {
     pub seed: u64,
 }
 
-/// Poses of one sequence of each class in two clusters.
+/// Two clusters of the poses of a pair of sequences.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Clustering {
     /// The smallest bandwidth of the kernel that makes two clusters, in the measure's unit.
@@ -39,7 +39,8 @@ pub struct Clustering {
     pub of: Vec<usize>,
 }
 
-/// Shares of a pair that are in their sequence's cluster, for the better assignment of clusters to sequences.
+/// Shares of a pair's poses that are in the cluster of their sequence, for the better assignment of clusters to
+/// sequences.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
     /// Share of all poses.
@@ -215,7 +216,7 @@ pub(crate) fn rates(of: &[usize], pair: &Pair) -> Rates {
     let [first, second] = pair.lengths();
     let (of_first, of_second) = of.split_at(first);
     let share = |of: &[usize]| of.iter().filter(|own| **own == 0).count() as f64 / of.len() as f64;
-    // If the first class is cluster 0; if it is cluster 1, all shares are reversed.
+    // These shares assume that the first sequence is cluster 0. If it is cluster 1, each share `s` is `1 - s`.
     let (right, other_right) = (share(of_first), 1.0 - share(of_second));
     let [count, other_count] = [first, second].map(|count| count as f64);
     let poses = (right * count + other_right * other_count) / (count + other_count);

@@ -26,7 +26,7 @@ pub struct Plan<'a> {
     pub walks: [&'a Sequence; 2],
     /// Recordings whose first component's share is computed.
     pub broad: &'a [Recordings],
-    /// Joints from which poses are seen: the first one that a skeleton has; if empty, the root.
+    /// Joints relative to which poses are compared: the first one that a skeleton has; if empty, the root.
     pub roots: &'a [String],
     /// Steps in which lines are sampled.
     pub steps: u16,
@@ -56,7 +56,7 @@ pub struct RecordingResult {
     pub kind: String,
     /// Class of the motion.
     pub class: Class,
-    /// Number of its frames.
+    /// Number of the recording's frames.
     pub frames: usize,
     /// Components under every measure, in the order of [`Measure::all`].
     pub components: Vec<Components>,

@@ -18,8 +18,8 @@ const WRITTEN: &str = "a string takes everything";
 /// Shares of the first component by both methods.
 const WAYS: [Figure; 2] = [|one| one.mds, |one| one.isomap];
 
-/// Formats the tables: both walks; all recordings under every measure; angles compared with the line by kind of
-/// recording.
+/// Formats three tables: the components of the two walks; the components of all recordings, for every measure; and, by
+/// kind of recording, the angle metric compared with the geodesic line.
 pub fn tables(plan: &Plan<'_>, study: &Study) -> String {
     let mut text = String::new();
     let walker = |walk: &Sequence| {

@@ -28,7 +28,7 @@ pub const PAPER_LOWEST_RATIO: f64 = 0.94;
 pub struct Plan<'a> {
     /// Recordings from which pairs are drawn.
     pub recordings: &'a Recordings,
-    /// Joint from which poses are seen; if `None`, the skeleton's root.
+    /// Joint relative to which poses are compared; if `None`, the skeleton's root.
     pub root: Option<&'a str>,
     /// Pairs for each condition.
     pub pairs: usize,
@@ -202,7 +202,7 @@ impl Plan<'_> {
 /// number of threads.
 ///
 /// # Errors
-/// [`Error`] if the skeleton does not have the root.
+/// [`Error`] if the skeleton does not have the root, or if the rig or a pose is invalid.
 pub fn run(
     plan: &Plan<'_>,
     conditions: &[Condition],

@@ -12,7 +12,8 @@ use crate::tables::{aligned, table};
 /// Reason why writing cannot fail.
 const WRITTEN: &str = "a string takes everything";
 
-/// Formats the tables: r under every condition; r by length of the line.
+/// Formats three tables: r under every condition; and, for the first condition, r by the largest turn of a joint and r
+/// by the length of the line.
 pub fn tables(plan: &Plan<'_>, outcomes: &[Outcome]) -> String {
     let mut text = String::new();
     let root = plan.root.unwrap_or(&plan.recordings.skeleton.joints[0].name);

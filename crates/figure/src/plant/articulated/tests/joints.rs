@@ -172,16 +172,16 @@ fn a_stop_is_reached_and_not_passed_and_lets_go() {
         assert!(least > -0.4 - 1e-12, "{least}");
     }
     let [angle, speed] = swing(&plant);
-    // It hits the stop, falls back without a rebound and swings below it: by now it reaches at most 0.4 on the
-    // other side.
+    // The pendulum hits the stop, falls back without a rebound and swings below the stop. By now its angle is at most
+    // 0.4 on the other side.
     assert!(least < -0.4 + 1e-12 && angle < 0.4 + 1e-2 && speed.abs() < 3.0, "{least} {angle}");
-    // Pressed against the stop, it rests there.
+    // A pendulum that is pressed against the stop rests there.
     for _ in 0..2000 {
         plant.step(&about_z(-20.0));
     }
     let [angle, speed] = swing(&plant);
     assert!((angle + 0.4).abs() < 1e-12 && speed == 0.0, "{angle} {speed}");
-    // Pulled away, it moves at once.
+    // A pendulum that is pulled away from the stop moves at once.
     plant.step(&about_z(5.0));
     let lifted = (5.0 + 2.0 * 9.81 * 0.3 * 0.4_f64.sin()) / ABOUT_JOINT;
     assert!((swing(&plant)[1] - H * lifted).abs() < 1e-12);
@@ -216,14 +216,14 @@ fn friction_holds_up_to_its_torque_and_brakes_with_it() {
     for _ in 0..1000 {
         plant.step(&about_z(0.999 * friction));
     }
-    // It sticks, without any creep.
+    // The pendulum sticks, without any creep.
     assert!(swing(&plant).iter().all(|x| x.abs() <= 0.0));
     for _ in 0..100 {
         plant.step(&about_z(2.0 * friction));
     }
     let speed = 100.0 * H * friction / ABOUT_JOINT;
     assert!((swing(&plant)[1] - speed).abs() < 1e-9, "what is above it accelerates");
-    // Without a torque it comes to rest as fast as it accelerated, and stays at rest.
+    // Without a torque the pendulum comes to rest as fast as it accelerated, and stays at rest.
     for step in 1..=105 {
         plant.step(&passive(2));
         let left = (speed * (1.0 - f64::from(step) / 100.0)).max(0.0);
@@ -241,7 +241,7 @@ fn viscous_friction_of_any_size_is_stable() {
     for _ in 0..1000 {
         plant.step(&passive(2));
     }
-    // Weight divided by friction: the speed at which it creeps.
+    // The torque of the weight divided by the damping is the speed at which the pendulum creeps.
     let creep = -2.0 * 9.81 * 0.3 * 1.0_f64.sin() / mechanism.bodies[1].damping;
     let [angle, speed] = swing(&plant);
     assert!((speed / creep - 1.0).abs() < 1e-3 && (angle - 1.0).abs() < 1e-3, "{angle} {speed}");
