@@ -37,7 +37,7 @@ export const joints = (head, { send, choose }) => {
     later = setTimeout(release, TAP_MS);
   };
   const within = (dof, x) => Math.min(Math.max(x, head.dofs[dof].range[0]), head.dofs[dof].range[1]);
-  // Where the slider is put while nobody holds it.
+  // Places of the sliders while nobody holds them.
   const shown = head.dofs.map((dof) => dof.home);
 
   const rows = head.dofs.map((dof, index) => {
