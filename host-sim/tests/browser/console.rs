@@ -242,7 +242,7 @@ fn a_page_without_its_console_controls_nothing() {
         |request| request.starts_with(&origin),
         |page| {
             wait_for_state(page, "limp");
-            page.ask("WebSocket = class extends EventTarget {}");
+            page.ask("WebSocket = class extends EventTarget { static OPEN = 1 }");
             console.process.kill().unwrap();
             wait_until(page, "!document.getElementById('lost').hidden");
             let enabled = page.ask(
