@@ -17,7 +17,8 @@ pub(super) struct SetupArgs {
     #[arg(long, value_enum, value_name = "PLANT")]
     plant: Option<PlantKind>,
 
-    /// Source of the figure's masses. Default: `de_leva`, with --subject `hanavan_kwon`.
+    /// Source of the figure's masses. Default: `hanavan_kwon` if --subject is given, otherwise
+    /// `de_leva`.
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 

@@ -47,7 +47,7 @@ pub(super) struct TapArgs {
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
     output: Option<OutputPath>,
 
-    /// Print only; write no file.
+    /// Tap the servo, which moves, and print the results, but write no file.
     #[arg(long)]
     dry_run: bool,
 
