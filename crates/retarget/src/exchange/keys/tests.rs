@@ -99,8 +99,8 @@ fn a_recording_is_taken_row_by_row() {
 
 #[test]
 fn rounded_times_of_a_recording_get_a_rate_of_shows() {
-    let rows: String =
-        (0..31).map(|k| format!("{:.3},{}\n", f64::from(k) / 30.0 * 1.0003, -k)).collect();
+    let row = |k: i32| format!("{:.3},{}\n", f64::from(k) / 30.0 * 1.0003, -k);
+    let rows = (0..31).map(row).collect::<Vec<_>>().concat();
     let keyed = of_face(&format!("time,jaw_deg\n{rows}")).unwrap();
     assert_eq!(keyed.keys, None);
     assert!((keyed.motion.dt_s - 0.01).abs() < 1e-12 && keyed.motion.rows.len() == 102);
@@ -176,7 +176,7 @@ proptest! {
         let easings = ["step", "linear", "in", "out", "both", "cubic"];
         let (mut text, mut row, mut keys) = ("time,jaw_deg,easing\n".to_owned(), 0, Vec::new());
         for (step, deg, easing) in steps {
-            text += &format!("{},{deg},{}\n", f64::from(row) / 100.0, easings[easing]);
+            text.extend([format!("{},{deg},{}\n", f64::from(row) / 100.0, easings[easing])]);
             keys.push((row as usize, deg));
             row += step;
         }
