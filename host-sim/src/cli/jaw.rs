@@ -15,7 +15,8 @@ use super::performance::{ON_STAND, PerformanceArgs};
 /// Make keys of a jaw from a sound: the louder, the wider open.
 ///
 /// The opening is the root mean square of 20 ms, above a gate, with an attack and a release. With --rig the angles are
-/// within the jaw's range, and smoothed as little as its speed and acceleration need; the motion keeps the sound's time.
+/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 80 ms at most, and then made
+/// smaller. The motion keeps the sound's time.
 /// `sinew bake jaw.csv --rig RIG` makes a show of the keys.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
@@ -91,7 +92,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     };
     note(format_args!(
         "{}: {:.2} s, {} Hz, {} channel(s); {}: {:.1} deg closed, {:.1} deg open; open for {:.0} % of the time, fastest {:.0}{limit} deg/s, \
-         smoothed over {:.0} ms",
+         smoothed over {:.0} ms, {:.0} % of the way left",
         of_file(),
         levels.duration_s,
         levels.sample_rate_hz,
@@ -102,6 +103,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
         100.0 * open / opening.len().max(1) as f64,
         motion.fastest.to_degrees(),
         1000.0 * motion.smoothed_s,
+        100.0 * motion.share,
     ));
     note(format_args!("wrote {}", args.output.display()));
     Ok(())

@@ -7,8 +7,9 @@ use sinew_rig::mechanism::JointModel;
 use super::moves::span_s;
 use super::role::Role;
 
-/// Share of a joint's speed and acceleration that one move uses.
-const SHARE: f64 = 0.6;
+/// Shares of a joint's speed and acceleration that one move uses. A show's splines need the rest.
+const SPEED_SHARE: f64 = 0.6;
+const ACCELERATION_SHARE: f64 = 0.4;
 
 /// A joint that takes part in idle life.
 #[derive(Debug, Clone, PartialEq)]
@@ -67,8 +68,8 @@ impl Actor {
             place: mechanism.coordinate_ranges().get(body)?.start,
             middle,
             amplitude,
-            speed: SHARE * link.speed,
-            acceleration: SHARE * link.acceleration,
+            speed: SPEED_SHARE * link.speed,
+            acceleration: ACCELERATION_SHARE * link.acceleration,
         })
     }
 

@@ -22,7 +22,7 @@ pub use role::Role;
 use score::Drift;
 
 /// Rate of the rows, Hz.
-const RATE_HZ: f64 = 50.0;
+const RATE_HZ: f64 = 100.0;
 /// Share of an amplitude that is drift.
 const DRIFT: f64 = 0.25;
 /// Largest correlation of two windows of 10 s.

@@ -20,13 +20,13 @@ pub(super) fn moves(actors: &[Actor], loop_s: f64, seed: u64, attempt: u64) -> V
     };
     let (eyes, heads) =
         (group(&[Role::EyeTurn, Role::EyeNod]), group(&[Role::HeadTurn, Role::HeadNod]));
-    let glances = glances(&mut stream(0), loop_s, together(&eyes, 2.0).max(0.06));
+    let glances = glances(&mut stream(0), loop_s, together(&eyes, 2.0).max(0.08));
     let followed = followed(&glances, loop_s, together(&heads, 2.0).max(0.7));
     let of_eyes = |axis: usize| {
         let event = |glance: &Glance| Event {
             start_s: glance.start_s,
             target: glance.at[axis],
-            least_s: 0.06,
+            least_s: 0.08,
         };
         Moves::new(loop_s, glances.iter().map(event).collect(), |change| together(&eyes, change))
     };
@@ -109,7 +109,7 @@ fn blinks(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut start_s = random.between(0.5, 3.0);
     while start_s + 2.0 * span_s + 0.04 <= loop_s {
-        events.push(Event { start_s, target: 1.0, least_s: 0.08 });
+        events.push(Event { start_s, target: 1.0, least_s: 0.1 });
         events.push(Event { start_s: start_s + span_s + 0.04, target: 0.0, least_s: 0.15 });
         start_s += 2.0 * span_s + 0.04 + random.between(1.5, 6.5);
     }

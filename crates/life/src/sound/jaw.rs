@@ -12,8 +12,10 @@ use super::RATE_HZ;
 const SHARE: f64 = 0.9;
 /// Share of the way to the end of the range that opens a jaw fully.
 const OPEN_SHARE: f64 = 0.8;
-/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 0.25 s.
-const HALF_MAX: usize = 12;
+/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 80 ms.
+const HALF_MAX: usize = 4;
+/// The smallest share of the opening that is still a motion.
+const LEAST: f64 = 0.05;
 
 /// A jaw.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,8 @@ pub struct JawMotion {
     pub smoothed_s: f64,
     /// Largest speed, rad/s.
     pub fastest: f64,
+    /// Share of the opening that is left, so that the jaw keeps its limits; 1: all.
+    pub share: f64,
 }
 
 /// The reason why a jaw cannot follow.
@@ -72,22 +76,13 @@ pub enum JawError {
     },
     /// The joint is too slow.
     #[error(
-        "joint `{joint}` is too slow: smoothed over {width_s:.2} s it would still need {needed_deg:.0} deg/s of {limit_deg:.0} deg/s, \
-         and {needed_deg_s2:.0} deg/s² of {limit_deg_s2:.0} deg/s²; make the way from `--closed-deg` to `--open-deg` smaller"
+        "joint `{joint}` is too slow: of the way from closed to open its speed and acceleration leave {percent:.1} %"
     )]
     TooSlow {
         /// Name of the joint.
         joint: String,
-        /// Widest smoothing that was tried, s.
-        width_s: f64,
-        /// Needed speed, deg/s.
-        needed_deg: f64,
-        /// Permitted speed, deg/s.
-        limit_deg: f64,
-        /// Needed acceleration, deg/s².
-        needed_deg_s2: f64,
-        /// Permitted acceleration, deg/s².
-        limit_deg_s2: f64,
+        /// Share of the way, in percent.
+        percent: f64,
     },
 }
 
@@ -126,8 +121,8 @@ impl Jaw {
         })
     }
 
-    /// Converts an opening from 0 to 1 to angles, and smooths them as little as the jaw's limits need. Time is kept:
-    /// the smoothing is symmetric.
+    /// Converts an opening from 0 to 1 to angles. Where the jaw's speed or acceleration is too small, the motion is
+    /// smoothed over 80 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
     ///
     /// # Errors
     /// [`JawError`] if an angle is not in the range, or the joint is too slow.
@@ -139,30 +134,35 @@ impl Jaw {
                 return Err(JawError::Range { joint, found_deg, from_deg, to_deg });
             }
         }
+        let way = self.open_rad - self.closed_rad;
         let limits = [SHARE * self.speed, SHARE * self.acceleration];
-        let mut needed = [0.0; 2];
-        let width_s = |half: usize| (4 * half) as f64 / RATE_HZ;
-        for half in 0..=HALF_MAX {
+        let mut half = 0;
+        loop {
             let smooth = mean_around(&mean_around(opening, half), half);
-            let way = self.open_rad - self.closed_rad;
-            let angles_rad: Vec<f64> =
-                smooth.iter().map(|share| self.closed_rad + share.clamp(0.0, 1.0) * way).collect();
-            needed = peaks(&angles_rad);
-            if needed.iter().zip(limits).all(|(needed, limit)| *needed <= limit) {
-                let smoothed_s = width_s(half);
-                return Ok(JawMotion { angles_rad, smoothed_s, fastest: needed[0] });
+            let needed = peaks(&smooth).map(|peak| peak * way.abs());
+            let share = needed
+                .iter()
+                .zip(limits)
+                .map(|(needed, limit)| if *needed > limit { limit / needed } else { 1.0 })
+                .fold(1.0, f64::min);
+            if share < 1.0 && half < HALF_MAX {
+                half += 1;
+                continue;
             }
+            if share < LEAST {
+                return Err(JawError::TooSlow {
+                    joint: self.joint.clone(),
+                    percent: 100.0 * share,
+                });
+            }
+            let angle = |open: &f64| self.closed_rad + share * way * open.clamp(0.0, 1.0);
+            return Ok(JawMotion {
+                angles_rad: smooth.iter().map(angle).collect(),
+                smoothed_s: (4 * half) as f64 / RATE_HZ,
+                fastest: share * needed[0],
+                share,
+            });
         }
-        let [needed_deg, needed_deg_s2] = needed.map(f64::to_degrees);
-        let [limit_deg, limit_deg_s2] = limits.map(f64::to_degrees);
-        Err(JawError::TooSlow {
-            joint: self.joint.clone(),
-            width_s: width_s(HALF_MAX),
-            needed_deg,
-            limit_deg,
-            needed_deg_s2,
-            limit_deg_s2,
-        })
     }
 
     /// Returns keys of the motion for `sinew bake`, at half of [`RATE_HZ`].
@@ -194,10 +194,10 @@ fn mean_around(values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the largest speed and acceleration of rows at half of [`RATE_HZ`], as they are written.
-fn peaks(angles_rad: &[f64]) -> [f64; 2] {
+/// Returns the largest first and second derivative of rows at half of [`RATE_HZ`], as they are written.
+fn peaks(values: &[f64]) -> [f64; 2] {
     let rate_hz = 0.5 * RATE_HZ;
-    let rows: Vec<f64> = angles_rad.iter().step_by(2).copied().collect();
+    let rows: Vec<f64> = values.iter().step_by(2).copied().collect();
     let speed = rows.windows(2).map(|w| (w[1] - w[0]).abs() * rate_hz);
     let acceleration =
         rows.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() * rate_hz * rate_hz);
