@@ -54,7 +54,8 @@ impl Actor {
             let far = if most - home > home - least { most } else { least };
             let is_lower = ["lower", "bottom"].iter().any(|word| link.joint_name.contains(word));
             // An upper lid goes down by nine tenths of its way, a lower one comes a little towards it.
-            (home, share * if is_lower { 0.3 } else { 0.9 } * (far - home))
+            let way = if is_lower { 0.3 } else { 0.9 };
+            (home, share * way * (far - home))
         } else {
             let largest = if slides { 0.1 * share * (most - least) } else { largest };
             let amplitude = largest.min(0.35 * (most - least));

@@ -1,4 +1,4 @@
-//! How alike two windows of a loop are.
+//! The likeness of two windows of a loop.
 
 /// Samples per s of the comparison.
 const RATE_HZ: f64 = 5.0;
@@ -39,7 +39,7 @@ pub(super) fn most_alike(loop_s: f64, at: impl Fn(f64) -> Vec<f64>) -> f64 {
         for (later, other) in &windows[index + 1..] {
             let apart = later - start;
             if apart >= WINDOW && count - apart >= WINDOW {
-                let product = one.iter().zip(other).map(|(a, b)| a * b).sum();
+                let product: f64 = one.iter().zip(other).map(|(a, b)| a * b).sum();
                 most = f64::max(most, product);
             }
         }

@@ -80,7 +80,8 @@ impl Role {
                 _ => Self::HeadTilt,
             })
         } else if has(&["chest", "breath", "spine", "trunk", "bust", "abs", "torso"]) {
-            Some(Self::Breath)
+            // Nobody breathes by turning to the side.
+            Some(if turns { Self::Weight } else { Self::Breath })
         } else if has(&["waist", "pelvis", "weight"]) || (has(&["hip"]) && rolls) {
             Some(Self::Weight)
         } else if has(&["shoulder", "arm", "elbow", "wrist", "bend", "turn"]) {
@@ -107,8 +108,8 @@ fn words(name: &str) -> Vec<String> {
         if !letter.is_alphabetic() || (letter.is_uppercase() && was_lower) {
             words.push(String::new());
         }
-        if letter.is_alphabetic() {
-            words.extend(words.pop().map(|word| word + &letter.to_lowercase().to_string()));
+        if let Some(word) = words.last_mut().filter(|_| letter.is_alphabetic()) {
+            word.extend(letter.to_lowercase());
         }
         was_lower = letter.is_lowercase();
     }

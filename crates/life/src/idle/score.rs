@@ -76,6 +76,7 @@ struct Glance {
     at: [f64; 2],
 }
 
+/// Draws looks at random points, most of them short.
 fn glances(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Glance> {
     let mut glances = Vec::new();
     let mut start_s = random.between(0.0, 1.0);
@@ -84,7 +85,6 @@ fn glances(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Glance> {
         let reach = if random.unit() < 0.25 { 0.15 } else { 1.0 };
         let at = [0, 1].map(|_| reach * random.between(-1.0, 1.0));
         glances.push(Glance { start_s, at });
-        // Most looks are short.
         let rest = random.unit();
         start_s += span_s + 0.5 + 3.5 * rest * rest;
     }
@@ -104,6 +104,7 @@ fn followed(glances: &[Glance], loop_s: f64, span_s: f64) -> Vec<Glance> {
     followed
 }
 
+/// Draws blinks, with pauses of 1.5 to 6.5 s.
 fn blinks(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let span_s = span_s.max(0.15);
     let mut events = Vec::new();
@@ -116,6 +117,7 @@ fn blinks(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     events
 }
 
+/// Draws raised brows, with pauses of 3 to 12 s.
 fn raises(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let span_s = span_s.max(0.25);
     let mut events = Vec::new();
@@ -132,7 +134,7 @@ fn raises(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     }
 }
 
-/// Breaths of 3.2 to 6 s: two fifths in, the rest out and a pause. No breath is like the last.
+/// Draws breaths of 3.2 to 6 s: two fifths in, the rest out and a pause. Depths and lengths differ.
 fn breaths(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut start_s = random.between(0.0, 1.0);
@@ -150,7 +152,7 @@ fn breaths(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     }
 }
 
-/// Slow moves, each 1.5 to 3 s long, every 3 to 11 s.
+/// Draws slow moves of 1.5 to 3 s, with pauses of 1 to 8 s.
 fn shifts(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut start_s = random.between(0.0, 3.0);

@@ -35,7 +35,7 @@ fn uneven_keys_become_a_show_that_keeps_their_times() {
     );
 }
 
-/// What `clip export` writes, `bake` reads, in degrees.
+/// `bake` and `export` read the degrees that `clip export` writes.
 #[test]
 fn an_exported_table_is_read_back() {
     let folder = tempfile::tempdir().unwrap();
