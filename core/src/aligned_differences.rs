@@ -9,8 +9,8 @@ use crate::transform::{Transform, Twist};
 /// Computes the result of [`aligned_targets`](crate::trajectory::aligned_targets) for three frames, equal to the last
 /// bit.
 ///
-/// `steps`, by joint: on entry the steps from the first frame to the middle frame, on return those from the middle
-/// frame to the last. They are then ready for the next call, whose frames are these three moved on by one.
+/// `steps` has one item for each joint. On entry it is the step from the first frame to the middle frame. On return it
+/// is the step from the middle frame to the last frame, which the next call needs for the window one frame later.
 pub(crate) fn advance<'s, const N: usize>(
     [_, now, next]: [&[Transform]; 3],
     dt_s: f32,
@@ -27,9 +27,9 @@ pub(crate) fn advance<'s, const N: usize>(
     Ok(())
 }
 
-/// Computes the steps from the first frame to the middle frame, for a window that does not follow from the one
-/// before.
-// Never inlined: only needed at the start and after jumps.
+/// Computes the steps from the first frame to the middle frame, for a window that is not the previous window moved
+/// on by one frame.
+// Never inlined, because it is needed only at the start and after jumps.
 #[inline(never)]
 pub(crate) fn begin<'s>(
     [before, now, _]: [&[Transform]; 3],

@@ -1,4 +1,4 @@
-//! Weights of bodies, for when not all can reach their desired pose or acceleration.
+//! Weights of bodies, for rigs in which not all bodies can reach their desired pose or acceleration.
 
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -77,9 +77,9 @@ impl<const N: usize> BodyWeights<N> {
     /// Validates weights, one per body. O(n).
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if the number of weights is not the number of bodies, a rotation weight is not from 1 cm
-    /// to 100 m (with a weight of 0 the best pose would not be unique), or a position weight is neither 0 nor from
-    /// 1e-6 to 1e4 times the square of the rotation weight.
+    /// [`BodyWeightsError`] if the number of weights is not the number of bodies, a rotation weight is not from 1 cm to
+    /// 100 m (with a weight of 0 the best pose would not be unique), or a position weight is not valid. A valid
+    /// position weight is 0, or at least 1e-6 and at most 1e4 / m² times the square of the rotation weight.
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
         if weights.len() != tree.len() {
             let (expected, found) = (tree.len(), weights.len());
@@ -98,13 +98,14 @@ impl<const N: usize> BodyWeights<N> {
         Ok(Self { weights: fixed::collect(weights.iter().copied()) })
     }
 
-    /// Weighs all positions by 1, and each rotation by the importance of its joint: `ρᵢ = rotation_m wᵢ / w̄`, with
-    /// the mean w̄ of all, clamped to the valid range. O(n).
+    /// Weighs all positions by 1, and each rotation by the importance of its joint: `ρᵢ = rotation_m wᵢ / w̄`,
+    /// where w̄ is the mean importance of all joints. The result is clamped to the valid range. O(n).
     ///
-    /// A figure of other dimensions then bends at joints that carry little, and its trunk keeps the desired pose.
+    /// A figure whose dimensions differ from the performer's then bends at joints that carry little, and its trunk
+    /// keeps the desired pose.
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if the importance is not of as many joints as the tree has, or `rotation_m` is not from 1
+    /// [`BodyWeightsError`] if the number of importances is not the number of joints, or `rotation_m` is not from 1
     /// cm to 100 m.
     ///
     /// ```
@@ -145,8 +146,8 @@ impl<const N: usize> BodyWeights<N> {
         Self::new(tree, &weights)
     }
 
-    /// Weighs all rotations alike, and positions only of bodies that their joints can move: those on free and
-    /// prismatic joints.
+    /// Weighs all rotations by 1, and positions by 1 only for bodies on free and prismatic joints: other joints
+    /// cannot move the origin of their body. Other positions have weight 0.
     ///
     /// On a tree of spherical joints with a free or fixed root, every body can reach its desired orientation.
     pub fn rotations(tree: &Tree<N>) -> Self {

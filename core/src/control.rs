@@ -52,7 +52,7 @@ impl Gains {
         Ok(Self { linear_kp: kp, linear_kd: kd, ..self })
     }
 
-    /// Chooses `kd = 2 √kp`: the fastest return without overshoot, for unit inertia.
+    /// Creates gains with `kd = 2 √kp`: the fastest return without overshoot, for unit inertia.
     ///
     /// # Errors
     /// [`GainsError`] if `kp` is negative or not finite.
@@ -71,10 +71,11 @@ impl Gains {
     /// command.
     ///
     /// Implicit gains act on the state one period ahead, which depends on the commanded acceleration itself. They
-    /// solve `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` for a. For inverse dynamics, or gains per unit of inertia.
+    /// solve `a = kp (e + dt ė - dt² a) + kd (ė - dt a)` for a. Use them with inverse dynamics, or if the gains are
+    /// per unit of inertia.
     ///
     /// Each step is a step of the backward Euler method: the error of a joint decays for all gains and periods. With
-    /// the original gains it grows once `kd dt_s` exceeds about 2. The price is that stiff gains become softer. Gains
+    /// the original gains it grows once `kd dt_s` exceeds about 2. Stiff gains become softer in exchange. Gains
     /// with `kd dt_s` far below 1 hardly change.
     ///
     /// After Tan, Liu & Turk, "Stable Proportional-Derivative Controllers" (2011), who predict with the present
@@ -191,8 +192,8 @@ pub enum ControlLaw {
     /// the acceleration into a torque.
     ///
     /// The angular feed-forward θ̈ is used component by component, unchanged. The linear feed-forward is rotated from
-    /// desired to measured body axes through the parent's frame. A body's whole world error acts on its own joint;
-    /// the parent's error is not subtracted, because accumulation is the point of the method.
+    /// desired to measured body axes through the parent's frame. A world error acts on the body's own joint as a whole:
+    /// as in the paper, the error of the parent is not subtracted.
     #[default]
     InverseDynamics,
 }
@@ -222,7 +223,7 @@ pub struct TorqueLimit {
 }
 
 impl TorqueLimit {
-    /// No bound. Torques that are not finite are still refused.
+    /// No bound. A torque that is not finite still becomes zero.
     pub const NONE: Self = Self { moment_nm: f32::INFINITY, force_n: f32::INFINITY };
 
     /// Creates a limit from a maximum moment, N m, and a maximum force, N.
@@ -267,7 +268,7 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// Limits a torque in place, like `apply`. `slides`: whether the joint may have a force.
+    /// Limits a torque in place, like `apply`. `slides` is whether the joint may have a force.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;
@@ -312,7 +313,7 @@ impl TorqueLimit {
     }
 }
 
-/// Returns `true` if a vector is surely shorter than a bound, or zero. Written so that NaN and overflow give `false`.
+/// Returns `true` if a vector is zero or surely shorter than a bound. Written so that NaN and overflow give `false`.
 /// Compares squares, which avoids a square root.
 #[inline]
 fn within(wanted: Vec3, bound: f32) -> bool {
@@ -332,7 +333,7 @@ impl fmt::Display for LimitError {
 
 impl core::error::Error for LimitError {}
 
-/// A value within its limits, and the limit that changed it.
+/// A value after all limits, and the reason if it differs from the wanted value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -343,7 +344,7 @@ impl core::error::Error for LimitError {}
 pub struct Limited<T> {
     /// The value to use.
     pub value: T,
-    /// The limit that changed the value, or `None` if the value is unchanged.
+    /// The reason why the value was changed, or `None` if it is unchanged.
     pub reason: Option<LimitReason>,
 }
 
@@ -359,7 +360,7 @@ impl<T> AsMut<T> for Limited<T> {
     }
 }
 
-/// A reason that changed a value.
+/// A reason why a value was changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -392,9 +393,9 @@ mod tests {
         assert_eq!(Gains::new(1.0, f32::INFINITY), Err(GainsError::NonFinite("kd")));
     }
 
-    /// Returns the spectral radius of one step of the error `(e, dt ė)` with a constant acceleration. `pushed`: how
-    /// much of the acceleration acts on the position within the step, in units of dt². 1 for semi-implicit Euler, 1/2
-    /// for a real joint.
+    /// Returns the spectral radius of one step of the error `(e, dt ė)` with a constant acceleration. `pushed` is
+    /// the part of the acceleration that acts on the position within the step, in units of dt²: 1 for semi-implicit
+    /// Euler, 1/2 for a real joint.
     fn growth(gains: Gains, dt_s: f32, pushed: f32) -> f32 {
         let (p, v) = (gains.kp() * dt_s * dt_s, gains.kd() * dt_s);
         let trace = 2.0 - pushed * p - v;

@@ -68,9 +68,9 @@ pub struct TorqueController<const N: usize> {
     law: ControlLaw,
     gravity_m_s2: Vec3,
     limits: Vec<TorqueLimit, N>,
-    /// Whether a joint other than the root's slides.
+    /// `true` if a joint other than the root's can slide.
     slides: bool,
-    /// Inertias by joint, or empty.
+    /// Inertias by joint if `with_inertia_scaled_pd` has set them; otherwise empty.
     inertias: Vec<ReflectedInertia, N>,
 }
 
@@ -319,8 +319,8 @@ impl<const N: usize> TorqueController<N> {
     ///
     /// It cannot fail: the types guarantee finite inputs, and a torque that overflows is returned as zero with its
     /// reason. `external` is the wrench on each body from outside (see [`inverse_dynamics`]); empty for none. Targets
-    /// and measurements must belong to this controller's tree: the result omits joints that they do not have.
-    /// Resolved acceleration without [`Workspace::resolving`] gives zero, with [`LimitReason::NoRoom`].
+    /// and measurements must belong to this controller's tree: the result omits joints that targets or measurements
+    /// lack. Resolved acceleration without [`Workspace::resolving`] gives zero, with [`LimitReason::NoRoom`].
     pub fn tick<'w, const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -495,7 +495,7 @@ impl<const N: usize> TorqueController<N> {
     /// Computes the state errors by body that a tick with these arguments acts on, in the axes of the method's
     /// reference frame. O(n).
     ///
-    /// Separate from the tick, which does not store them: only reports need them.
+    /// Only reports need these errors, so a tick does not store them.
     pub fn errors<const R: usize>(
         &self,
         targets: &mut JointTargets<N>,
@@ -527,7 +527,7 @@ impl<const N: usize> TorqueController<N> {
     }
 
     /// Computes the commands of the methods that apply every error to its own joint: eq. (11). `error` returns the
-    /// error in the axes of the method's reference frame, and the rotation from these to measured body axes.
+    /// error in the axes of the method's reference frame, and the rotation from these axes to measured body axes.
     fn direct_commands<const R: usize>(
         &self,
         targets: &JointTargets<N>,
@@ -571,7 +571,7 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Computes the commands of world errors. For bodies whose joints only turn, it uses only results of
+    /// Computes the commands that follow from world errors. For bodies whose joints only turn, it uses only results of
     /// [`kinematics::body_turns`].
     #[inline(never)]
     fn world_commands<const R: usize>(
@@ -615,7 +615,7 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Computes the commands of resolved acceleration: errors become accelerations of bodies, and these become
+    /// Computes the commands of resolved acceleration: errors become accelerations of bodies, which become
     /// accelerations of joints.
     fn resolved_commands<const R: usize>(
         &self,
@@ -638,7 +638,7 @@ impl<const N: usize> TorqueController<N> {
         resolved_acceleration(bodies, measured, world, weights, scratch, &mut w.commands);
         kinematics::joint_accelerations(bodies, world, &mut w.commands);
         for ((body, measured), command) in bodies.iter().zip(measured).zip(&mut w.commands) {
-            // Removes the rounding error across the joint's dofs.
+            // Removes motion outside the joint's dofs, which is only rounding error.
             let in_joint = body.rotation_in_joint(measured.pose.rotation);
             *command = body.joint.project_twist(in_joint, *command)
                 + body.joint.bias_acceleration(in_joint, measured.velocity);
@@ -646,9 +646,9 @@ impl<const N: usize> TorqueController<N> {
     }
 }
 
-/// Returns a joint's command for a correction, along its axes. With inverse dynamics the command is an acceleration,
-/// and includes the target's acceleration and the bias of moving axes. Correction and result are in measured body
-/// axes.
+/// Returns a joint's command for a correction, along the joint's axes. With inverse dynamics the command is an
+/// acceleration, and includes the target's acceleration and the bias of moving axes. Correction and result are in
+/// measured body axes.
 #[expect(
     clippy::inline_always,
     reason = "a few operations per tick, shared by several callers: a call would cost as much"
@@ -687,7 +687,8 @@ fn moving_axis(body: &Body, measured: &JointState) -> Vec3 {
 }
 
 /// Completes the command of a joint that is neither spherical nor revolute, from the angular correction in `command`.
-/// `bodies`, `joints`: desired and measured. Never inlined: it would take registers from the other joint kinds.
+/// `bodies` and `joints` are each a desired and a measured state. Never inlined, because its inlined code would
+/// take registers from the other joint kinds.
 #[inline(never)]
 fn finish_command(
     body: &Body,
@@ -713,8 +714,8 @@ fn finish_command(
 
 /// Replaces the wrenches on bodies by the torques that the joints' drives must deliver, within their limits.
 ///
-/// Never inlined, and in place: inside the tick it would compete for registers, and wrenches would go through the
-/// stack.
+/// Never inlined, because its code would compete for registers inside the tick. It works in place, because
+/// otherwise wrenches would go through the stack.
 #[inline(never)]
 fn limit_wrenches(
     bodies: &[Body],
@@ -782,8 +783,8 @@ impl<const N: usize> Workspace<N> {
 }
 
 impl<const N: usize> Workspace<N, N> {
-    /// Creates a workspace for trees of capacity `N`, for all methods. Resolved acceleration takes 132 bytes per
-    /// body.
+    /// Creates a workspace for trees of capacity `N`, for all methods. Room for resolved acceleration takes 132
+    /// bytes per body.
     pub fn resolving() -> Self {
         Self::with_room()
     }
@@ -815,8 +816,8 @@ impl<const N: usize, const R: usize> Workspace<N, R> {
         &self.torques
     }
 
-    /// Returns the torques of the last tick for changes before they go to the drives, by a common
-    /// [`supply`](crate::supply).
+    /// Returns the torques of the last tick, so that a common [`supply`](crate::supply) can reduce them before they
+    /// go to the drives.
     pub fn torques_mut(&mut self) -> &mut [Limited<Wrench>] {
         &mut self.torques
     }

@@ -19,7 +19,7 @@ pub enum Scheme {
     Forward,
     /// The instant and earlier samples: the only choice for a measurement.
     Backward,
-    /// Both sides alike: accurate to second order, no lead and no lag.
+    /// Samples on both sides of the instant: accurate to second order, without lead or lag.
     Central,
 }
 
@@ -41,10 +41,10 @@ impl Scheme {
     }
 }
 
-/// Returns the derivative of order `order` of evenly spaced samples, in their unit over s^order.
+/// Returns the derivative of order `order` of evenly spaced samples, in the samples' unit per s^order.
 ///
-/// Order 0 returns the sample. A central difference of odd order is the mean of the differences half a step to either
-/// side. O(order).
+/// Order 0 returns the sample. A central difference of odd order is the mean of the differences half a step before
+/// and half a step after the instant. O(order).
 ///
 /// # Errors
 /// [`DifferenceError`] if the number of samples is not [`Scheme::sample_count`], a sample is not finite,
@@ -134,19 +134,20 @@ fn rotations(
         (Some(from), Some(to)) => math::log(step(*from, *to)) / dt_s,
         _ => Vec3::ZERO,
     };
-    // There is one step fewer than orientations, each half an interval later. A central difference of odd order of
-    // the orientations is therefore the mean of two plain differences of the steps; one of even order is a single
-    // difference.
+    // There is one step between every two orientations, half an interval after the first of them. A central
+    // difference of odd order of the orientations is therefore the mean of two plain differences of the steps; one
+    // of even order is a single difference.
     let steps = samples.len().saturating_sub(1);
     finite(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
 }
 
-/// Refuses a result that is not finite: a high order over a short time step overflows.
+/// Refuses a result that is not finite: a high order over a short time step may overflow.
 fn finite(difference: Vec3) -> Result<Vec3, DifferenceError> {
     if difference.is_finite() { Ok(difference) } else { Err(DifferenceError::Overflow) }
 }
 
-/// Returns the plain difference over all `count` items, or the mean of the two differences that leave out one end.
+/// Returns the plain difference over all `count` items. For a central difference of odd order, returns the mean of the
+/// two differences that leave out the first or the last item.
 fn scheme_difference(
     scheme: Scheme,
     order: usize,

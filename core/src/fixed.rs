@@ -16,8 +16,8 @@ pub(crate) fn collect<T, const N: usize>(items: impl IntoIterator<Item = T>) -> 
 
 /// Copies as many items as both slices have.
 ///
-/// Never inlined: inline, compilers forget that the slices do not overlap and call `memmove`, which board images need
-/// for nothing else.
+/// Never inlined: in inlined code, the compiler no longer knows that the slices do not overlap, and calls
+/// `memmove`, which board images need for nothing else.
 #[inline(never)]
 pub(crate) fn copy<T: Copy>(from: &[T], to: &mut [T]) {
     for (slot, item) in to.iter_mut().zip(from) {

@@ -1,7 +1,7 @@
 //! `defmt::Format` for the types that cannot derive it: types that contain glam's vectors, which have no `Format`,
 //! and types of which only a part is useful in a log.
 //!
-//! None of it uses `core::fmt`: the board sends numbers, and the host formats them.
+//! No implementation uses `core::fmt`: the board sends numbers, and the host formats them.
 
 use defmt::{Format, Formatter, write};
 
@@ -115,14 +115,14 @@ impl Format for BodySet {
     }
 }
 
-/// Logs the bodies. The sets follow from them.
+/// Logs the bodies. The tree's sets follow from the bodies.
 impl<const N: usize> Format for Tree<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "Tree {}", self.bodies());
     }
 }
 
-/// Logs the joints with their parents. The sets follow from them.
+/// Logs the joints with their parents. The sets follow from the parents.
 impl<const N: usize> Format for RestPose<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "RestPose {{");
@@ -134,7 +134,7 @@ impl<const N: usize> Format for RestPose<N> {
     }
 }
 
-/// Logs the targets of the joints. Those of the bodies follow from them.
+/// Logs the targets of the joints. The targets of the bodies follow from these.
 impl<const N: usize> Format for JointTargets<N> {
     fn format(&self, f: Formatter<'_>) {
         let (states, accelerations) = (self.states(), self.accelerations());
@@ -251,7 +251,7 @@ impl<const N: usize> Format for UnderGravity<'_, N> {
     }
 }
 
-/// Logs the controller within.
+/// Logs the inner torque controller.
 impl<const N: usize> Format for JointController<N> {
     fn format(&self, f: Formatter<'_>) {
         write!(f, "JointController {{ controller: {} }}", self.controller());

@@ -77,8 +77,8 @@ impl<const N: usize> ForwardDifferences<N> {
         Self { rate_hz: 0.0, joints: [Remembered::NOTHING; N] }
     }
 
-    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s`: time between frames, s.
-    /// O(n).
+    /// Starts with a frame, as if the performance had stood still in it until now. `dt_s` is the time between
+    /// frames, s. O(n).
     ///
     /// # Errors
     /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the
@@ -101,7 +101,7 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Accepts the next frame while there are not yet two earlier frames: it gives no targets. O(n).
+    /// Accepts the next frame while there are not yet two earlier frames, and writes no targets. O(n).
     ///
     /// # Errors
     /// As in [`Self::advance`].
@@ -162,7 +162,7 @@ impl<const N: usize> ForwardDifferences<N> {
             let Some(slot) = bodies.get_mut(index) else { break };
             *slot = of_body;
         }
-        // A separate loop: a single one would need more registers than there are.
+        // A separate loop, because a single loop would need more registers than the processor has.
         for (((body, newest), joint), acceleration) in
             tree.bodies().iter().zip(frame).zip(&mut self.joints).zip(accelerations)
         {
@@ -182,7 +182,7 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Returns the last step of each joint. Another difference method may use them as storage while this one is
+    /// Returns the last step of each joint. Another difference method may use them as storage while this value is
     /// unused. A restart overwrites them.
     pub(crate) fn steps_mut(&mut self) -> impl Iterator<Item = &mut Twist> {
         self.joints.iter_mut().map(|joint| &mut joint.step)

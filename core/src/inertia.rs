@@ -64,7 +64,7 @@ impl RotationalInertia {
     }
 }
 
-/// Mass of a body and its distribution.
+/// Mass of a body, and the distribution of the mass.
 ///
 /// ```
 /// use sinew_core::{Inertia, InertiaError, RotationalInertia, glam::Vec3};

@@ -54,7 +54,7 @@ pub enum JointKind {
     },
     /// 3 dofs: any rotation.
     Spherical,
-    /// 6 dofs: any motion. For a floating root.
+    /// 6 dofs: any motion. Use it for a floating root.
     Free,
 }
 
@@ -85,7 +85,8 @@ impl JointKind {
         }
     }
 
-    /// Returns the columns of the motion subspace S in body axes. `rotation`: the body in the joint frame.
+    /// Returns the columns of the motion subspace S in body axes. `rotation` is the body's rotation in the joint
+    /// frame.
     ///
     /// ```
     /// use sinew_core::{JointKind, glam::{Quat, Vec3}};
@@ -110,7 +111,7 @@ impl JointKind {
         }
     }
 
-    /// Returns S Sᵀ `motion`: the part of a motion that the joint allows, in body axes.
+    /// Returns S Sᵀ times `motion`: the part of a motion that the joint allows, in body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
@@ -131,7 +132,8 @@ impl JointKind {
         }
     }
 
-    /// Returns S Sᵀ `wrench`: the part that the joint's drive must deliver; the bearings carry the rest. Body axes.
+    /// Returns S Sᵀ times `wrench`: the part that the joint's drive must deliver; the bearings carry the rest. Both are
+    /// in body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Wrench, glam::{Quat, Vec3}};
@@ -153,8 +155,8 @@ impl JointKind {
         }
     }
 
-    /// Returns the part of a vector pair that a joint allows. Separate from the trivial cases of the callers, which
-    /// are most joints of a figure.
+    /// Returns the part of a vector pair that a joint allows. The callers handle the trivial kinds themselves,
+    /// because most joints of a figure are of these kinds.
     pub(crate) fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Fixed => (Vec3::ZERO, Vec3::ZERO),
@@ -193,7 +195,7 @@ impl JointKind {
     }
 
     /// Returns angles in rad or displacement in m along the axes of a joint with one or two axes, for the valid pose
-    /// nearest to `in_joint`. Zeros for the other kinds.
+    /// nearest to `in_joint`. Returns zeros for other kinds of joints.
     ///
     /// Angles are in [-π, π].
     pub(crate) fn along(self, in_joint: &Transform) -> [f32; 2] {

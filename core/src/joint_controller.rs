@@ -13,16 +13,16 @@ use crate::joint_targets::JointTargets;
 use crate::state_error::Method;
 use crate::tree::Tree;
 
-/// A controller that holds the joints of a rig at target positions, or leads them along moving ones.
+/// A controller that holds the joints of a rig at target positions, or moves them along moving targets.
 ///
-/// It is a [`TorqueController`] with inverse dynamics and the errors of the joints themselves, which owns targets,
-/// states and workspace. The caller has only slices of numbers, as [`coordinates`](crate::coordinates) has them.
-/// `q` has nq numbers (rad, m, or a unit quaternion), speeds, accelerations and efforts have nv.
+/// It contains a [`TorqueController`] with inverse dynamics and `Method::Local`, and owns targets, states and
+/// workspace. The caller passes only slices of numbers, in the form that [`coordinates`](crate::coordinates)
+/// describes. `q` has nq numbers (rad, m, or a unit quaternion), speeds, accelerations and efforts have nv.
 ///
 /// The torque is `H(q) (q̈ + kp e + kd ė) + C + G`: computed torque (Luh, Walker & Paul, "On-Line Computational Scheme
-/// for Mechanical Manipulators", 1980). Errors of angles are the shorter way round. The
-/// controller takes up to 532 bytes for each body of the capacity `N`. A tick costs what [`TorqueController::tick`]
-/// costs, and the conversion of coordinates.
+/// for Mechanical Manipulators", 1980). The error of an angle is the shorter way around the circle. The controller
+/// takes up to 532 bytes for each body of the capacity `N`. A tick costs as much as [`TorqueController::tick`] plus
+/// the conversion of coordinates.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointController, Tree, glam::Vec3};
@@ -49,13 +49,13 @@ impl<const N: usize> JointController<N> {
     ///
     /// - `kp`: stiffness per unit of inertia of all joints, in 1/s². 200 is firm, 20 is soft. The damping is critical:
     ///   `kd = 2 √kp` in 1/s.
-    /// - `limits`: maximum effort of each joint's drive, one number for each body: N m of a joint that turns, N of a
-    ///   joint that slides, both of a free joint. For a joint of several axes, the limit bounds the length of the
-    ///   vector. The limit of a fixed joint has no effect. Infinity means no limit.
+    /// - `limits`: maximum effort of each joint's drive, one number for each body: in N m for a joint that turns,
+    ///   in N for a joint that slides, in both units for a free joint. For a joint of several axes, the limit
+    ///   bounds the length of the vector. The limit of a fixed joint has no effect. Infinity means no limit.
     ///
     /// # Errors
-    /// [`JointControllerError`] if the tree is empty, the stiffness is negative or not finite, there is not a limit for
-    /// each joint, or one is negative or NaN.
+    /// [`JointControllerError`] if the tree is empty, the stiffness is negative or not finite, the number of limits
+    /// is not the number of joints, or a limit is negative or NaN.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointController, JointControllerError, Tree, glam::Vec3};
@@ -71,7 +71,7 @@ impl<const N: usize> JointController<N> {
         for (joint, &value) in limits.iter().enumerate() {
             let limit = TorqueLimit::new(value, value)
                 .map_err(|_| JointControllerError::Limit { joint, value })?;
-            // A count above the capacity is above that of the tree.
+            // A count above the capacity is also above the tree's number of joints.
             if checked.push(limit).is_err() {
                 let (expected, found) = (tree.len(), limits.len());
                 return Err(ControllerError::Count { expected, found }.into());
@@ -106,7 +106,7 @@ impl<const N: usize> JointController<N> {
     /// Sets gains for each joint. O(n).
     ///
     /// # Errors
-    /// [`JointControllerError::Controller`] if there are not as many as joints.
+    /// [`JointControllerError::Controller`] if the number of gains is not the number of joints.
     pub fn with_joint_gains(self, gains: &[Gains]) -> Result<Self, JointControllerError> {
         Ok(Self { controller: self.controller.with_joint_gains(gains)?, ..self })
     }
@@ -118,7 +118,7 @@ impl<const N: usize> JointController<N> {
     ///
     /// # Errors
     /// [`JointTickError`], and nothing is written, if a slice does not fit the tree, a number is outside -1e6 to 1e6 or
-    /// NaN, or a quaternion is not unit. The caller must then hold the servos safe.
+    /// NaN, or a quaternion is not unit. The caller must then bring the servos into a safe state.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointController, Tree, glam::Vec3};
@@ -201,7 +201,7 @@ impl<const N: usize> JointController<N> {
         self.controller.tree()
     }
 
-    /// Returns the controller within, which has gains, limits and gravity.
+    /// Returns the inner torque controller, which has gains, limits and gravity.
     pub fn controller(&self) -> &TorqueController<N> {
         &self.controller
     }
@@ -216,12 +216,12 @@ pub enum JointControllerError {
     Gains(GainsError),
     /// The limit of a joint is negative or NaN.
     Limit {
-        /// The joint.
+        /// Index of the joint.
         joint: usize,
-        /// Its limit.
+        /// Limit of the joint, N m or N.
         value: f32,
     },
-    /// The tree is empty, the number of limits or gains is not that of the joints, or gravity is not finite.
+    /// The tree is empty, the number of limits or gains is not the number of joints, or gravity is not finite.
     Controller(ControllerError),
 }
 

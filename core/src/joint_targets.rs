@@ -149,7 +149,7 @@ impl<const N: usize> JointTargets<N> {
         (&mut self.states, &mut self.accelerations, &mut self.bodies)
     }
 
-    /// Computes the world states of the bodies of a tree from those of the joints, unless they are valid.
+    /// Computes the world states of the bodies of a tree from those of the joints, unless they are valid already.
     pub(crate) fn complete(&mut self, tree: &Tree<N>) {
         let all = Known::All(tree.shape());
         if self.known != all {
@@ -159,7 +159,7 @@ impl<const N: usize> JointTargets<N> {
     }
 
     /// Completes world states like [`Self::complete`], but for bodies with a parent only rotations and angular
-    /// velocities. O(n), or O(1) if they are valid.
+    /// velocities. O(n), or O(1) if these are valid already.
     pub(crate) fn complete_turns(&mut self, tree: &Tree<N>) {
         let turns = Known::Turns(tree.shape());
         if self.known != Known::All(tree.shape()) && self.known != turns {

@@ -96,7 +96,8 @@
 //! normalises rotations and axes, which may change their last bits. A value that belongs to a tree but is read
 //! without it, such as [`Aims`](state_error::Aims), must fit *some* tree; [`TorqueController::new`] checks whether it
 //! fits the controller's. `serde` does not cover
-//! - scratch, and estimates that are carried from tick to tick: [`Workspace`], [`Observer`](observer::Observer), ...;
+//! - scratch memory, and estimates that are updated from tick to tick: [`Workspace`],
+//!   [`Observer`](observer::Observer), ...;
 //! - types that only a constructor can make: [`ObserverSettings`](observer::ObserverSettings), whose gains depend on
 //!   each other; [`ManifoldProjection`](projection::ManifoldProjection) (write its weights and ranges instead);
 //!   [`TorqueSupply`](supply::TorqueSupply) (write its number and weights);
@@ -140,7 +141,8 @@
 //! - `state_error/`: a file for each method.
 //! - `control`, `controller`: gains, laws and limits; the tick from targets and measurements to torques.
 //! - `chain`: constructors of bodies by the kind of their joint, and of trees that are one chain.
-//! - `coordinates/`, `joint_controller`: states, efforts and dynamics as slices of numbers; a tick of them.
+//! - `coordinates/`, `joint_controller`: states, efforts and dynamics as slices of numbers; a tick that uses such
+//!   slices.
 //! - `supply`, `observer`: the limit of the sum of all torques; filtered sensors, learned disturbances, and a
 //!   prediction over the delay.
 //! - `tracker/`: the whole tick in one call: frames (`frames`) to targets (`desired`), readings to states

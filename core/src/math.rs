@@ -25,7 +25,7 @@ pub fn sqrt(x: f32) -> f32 {
 /// assert_eq!(sinew_core::math::sin_cos(0.0), (0.0, 1.0));
 /// ```
 pub fn sin_cos(angle_rad: f32) -> (f32, f32) {
-    // Above this, the products with the parts of π/2 below are no longer exact.
+    // From 8192 rad on, the products with the parts of π/2 below are no longer exact.
     let angle = if angle_rad.abs() < 8192.0 { angle_rad } else { libm::fmodf(angle_rad, 2.0 * PI) };
     let turns = angle * (2.0 / PI);
     #[expect(
@@ -159,7 +159,7 @@ pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
 }
 
 /// Returns the rotation from one orientation to another in the axes of the rotating body, `from⁻¹ to`. For equal
-/// orientations the pairing of its products gives exactly no rotation.
+/// orientations the products cancel in pairs, and the result is exactly no rotation.
 #[inline]
 pub(crate) fn turn_in_body(from: Quat, to: Quat) -> Quat {
     let (a, b) = (from, to);
@@ -235,8 +235,8 @@ pub(crate) fn is_unit(q: Quat) -> bool {
     (q.dot(q) - 1.0).abs() <= 2.0 * UNIT_TOLERANCE
 }
 
-/// Returns the twist of a rotation about a unit axis, without the swing, as a unit quaternion. The identity, if the
-/// rotation is a half turn about a perpendicular axis.
+/// Returns the twist of a rotation about a unit axis, without the swing, as a unit quaternion. Returns the identity
+/// if the rotation is a half turn about a perpendicular axis.
 #[inline]
 pub(crate) fn twist_about(axis: Vec3, rotation: Quat) -> Quat {
     let Quat { x, y, z, w } = rotation;
@@ -267,8 +267,8 @@ pub fn log(q: Quat) -> Vec3 {
     v * log_scale(v.dot(v), q.w)
 }
 
-/// Returns the factor from the vector part of a unit quaternion to its logarithm. `squared`: squared length of the
-/// vector part.
+/// Returns the factor from the vector part of a unit quaternion to its logarithm. `squared` is the squared length
+/// of the vector part.
 ///
 /// Never inlined, because it is large. Arguments and result are single numbers, which pass in registers; a quaternion
 /// would go through memory.

@@ -15,14 +15,15 @@ use crate::tree::{Body, Tree};
 
 /// Share of a joint's own bandwidth that its observer uses while the target stands still.
 ///
-/// With the full bandwidth, the starter arm swings by 1.8 deg if gears are half as stiff, and have twice the play and
-/// a third of the damping. A share of 0.7 gives 0.9 deg; 0.6 and 0.5 give at most 0.3 deg. A smaller share makes a
-/// pushed joint return more slowly.
+/// With the full bandwidth, the starter arm swings by 1.8 deg if its gears have half the stiffness, twice the play
+/// and a third of the damping of the model. A share of 0.7 gives 0.9 deg; 0.6 and 0.5 give at most 0.3 deg. A
+/// smaller share makes a pushed joint return more slowly.
 const STANDING_SHARE: f32 = 0.6;
 /// Number of steps in which shares of a bandwidth are stored.
 const WHOLE: f32 = 255.0;
 
-/// Gains of the observer: its trust in the measurement against its prediction.
+/// Settings of the observer: the time step, gains that weigh the measurement against the prediction, and limits of the
+/// disturbance.
 ///
 /// ```
 /// use sinew_core::observer::{ObserverError, ObserverSettings};
@@ -98,7 +99,7 @@ impl ObserverSettings {
         Ok(differences.with_pole(math::exponential(-x)))
     }
 
-    /// Sets the gains whose poles are all at β.
+    /// Returns these settings with the gains that place all poles at β.
     fn with_pole(&self, beta: f32) -> Self {
         let (dt_s, rest) = (self.dt_s, 1.0 - beta);
         Self {
@@ -194,7 +195,7 @@ struct Command {
 pub(crate) enum Stance {
     /// The target moves, or the joint is on its way to a constant target, or it has no open zone.
     Moves,
-    /// The target is constant, and the joint has reached it: no fast motion need be followed.
+    /// The target is constant, and the joint has reached it: the observer need not follow fast motion.
     Stands,
     /// The target is constant, and the joint is within its open zone.
     Rests,
@@ -205,9 +206,11 @@ pub(crate) enum Stance {
 enum Learning {
     /// The disturbance is learnt.
     Free,
-    /// The drive is at its maximum along the axis: a disturbance that asks for more is not learnt.
+    /// The drive is at its maximum along the axis: a disturbance that asks for more torque along the axis is not
+    /// learnt.
     UpToPositive,
-    /// The drive is at its maximum against the axis: a disturbance that asks for more is not learnt.
+    /// The drive is at its maximum against the axis: a disturbance that asks for more torque against the axis is
+    /// not learnt.
     UpToNegative,
     /// Nothing is learnt: the torque was limited, or the joint rests.
     Frozen,
@@ -231,8 +234,8 @@ impl Command {
 }
 
 impl<const N: usize, const D: usize> Observer<N, D> {
-    /// Creates an observer of a rig in this state, whose commands act `delay` ticks after the measurement they
-    /// respond to.
+    /// Creates an observer of a rig in the given state. Each command acts `delay` ticks after the measurement that
+    /// the command responds to.
     ///
     /// # Errors
     /// [`ObserverError::Delay`] if the delay is more than `D` - 1.
@@ -306,7 +309,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// Resets the observer to a state like a new one: the disturbances are forgotten.
+    /// Resets the observer to a state, as if it were new: the disturbances are forgotten.
     pub fn reset(&mut self, state: &JointStates<N>) {
         self.disturbances.fill(Twist::ZERO);
         self.restart(state);
@@ -393,8 +396,8 @@ impl<const N: usize, const D: usize> Observer<N, D> {
     }
 
     /// Records the accelerations that were commanded to the joints
-    /// ([`Workspace::commands`](crate::Workspace::commands)), and which of their torques were limited: those joints
-    /// learn no disturbance from the next measurement.
+    /// ([`Workspace::commands`](crate::Workspace::commands)), and which of their torques were limited. A joint
+    /// whose torque was limited learns no disturbance from the measurement that shows the command's effect.
     pub fn record_commands(&mut self, commands: &[Twist], torques: &[Limited<Wrench>]) {
         let first = !self.any_sent;
         self.any_sent = true;
@@ -403,7 +406,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         if !first && !in_flight.is_empty() {
             in_flight.rotate_left(1);
         }
-        // Until the first command arrives, the drives are assumed to hold it.
+        // Before the first command takes effect, the drives are assumed to apply it already.
         let last = in_flight.len().saturating_sub(1);
         let from = if first { 0 } else { last };
         for slot in in_flight.get_mut(from..).unwrap_or_default() {
@@ -449,7 +452,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         let learning = match body.joint {
             JointKind::Revolute { axis } => {
                 let along_nm = axis.dot(wrench.moment_nm);
-                // A wrench of zero along the axis gives no direction in which more would be asked.
+                // A wrench of zero along the axis does not show in which direction more torque would be needed.
                 if along_nm > 0.0 {
                     Learning::UpToPositive
                 } else if along_nm < 0.0 {
@@ -539,7 +542,7 @@ impl ObserverSettings {
     ) -> JointState {
         let Self { dt_s, pose_gain, velocity_gain_per_s, .. } = *self;
         let slides = body.joint.slides();
-        // The motion in this tick, predicted and measured, both in the axes of the body before it.
+        // The motion in this tick, predicted and measured, both in the axes of the body before the tick.
         let to_body = before.pose.rotation.conjugate();
         let velocity = before.velocity + (made.acceleration + *disturbance) * dt_s;
         let expected = velocity * dt_s;
@@ -597,7 +600,7 @@ impl ObserverSettings {
         }
     }
 
-    /// Corrects a revolute joint, like `correct`, in numbers along its axis.
+    /// Corrects a revolute joint, like `correct`, with scalars along its axis.
     // Never inlined, so that joints of other kinds do not pay for its stack.
     #[inline(never)]
     fn correct_hinge(
@@ -625,8 +628,8 @@ impl ObserverSettings {
             };
         }
         *disturbance = Twist::new(axis * unexpected, Vec3::ZERO);
-        // From the joint's angle alone (these are sine and cosine of its half): no measurement would ever correct an
-        // error across the axis.
+        // The new pose is computed from the joint's angle alone, because no measurement would ever correct an error
+        // across the axis. These are the sine and cosine of half the angle.
         let (zero, reversed) = (placement.rotation, math::turned_half(placement.rotation, axis));
         let (sine, cosine) = (reversed.dot(before.pose.rotation), zero.dot(before.pose.rotation));
         let (of_step, along) = math::half_sin_cos(expected + off * pose_gain);
@@ -648,9 +651,9 @@ impl ObserverSettings {
     }
 }
 
-/// Projects the state of a joint with one or two axes onto these axes, after a step that was exact to first order: no
-/// measurement would ever correct an error across the axes. Returns the acceleration with the same components along
-/// the axes after the step. Joints of other kinds are unchanged.
+/// Projects the state of a joint with one or two axes onto these axes, after a step that was exact to first order.
+/// This is necessary because no measurement would ever correct an error across the axes. Returns the acceleration
+/// with the same components along the axes after the step. Joints of other kinds are unchanged.
 fn keep_on_axes(
     joint: JointKind,
     placement: &Transform,

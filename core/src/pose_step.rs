@@ -7,7 +7,7 @@ use crate::transform::{Transform, Twist};
 /// Minimum time step for differences, s.
 const SHORTEST_STEP_S: f32 = 1e-9;
 
-/// Returns the number of steps per second.
+/// Returns the number of steps per second, or an error if the time step is invalid.
 pub(crate) fn rate(dt_s: f32) -> Result<f32, StateInputError> {
     // Written so that NaN fails.
     if dt_s >= SHORTEST_STEP_S && dt_s.is_finite() {

@@ -8,7 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error};
 
 use crate::math::{self, UNIT_TOLERANCE};
 
-/// A number or several.
+/// A value that consists of one or several numbers.
 pub(crate) trait Numbers: fmt::Debug {
     fn are_finite(&self) -> bool;
 }

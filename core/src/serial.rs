@@ -263,7 +263,7 @@ impl<'de> Deserialize<'de> for Gains {
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "TorqueLimit", deny_unknown_fields)]
 struct TorqueLimitFields {
-    // The key must be present: a missing bound is more likely a mistake than no bound.
+    // The key must be present, because a missing key is more likely a mistake than the wish for no bound.
     #[serde(deserialize_with = "Option::deserialize")]
     moment_nm: Option<f32>,
     #[serde(deserialize_with = "Option::deserialize")]

@@ -29,8 +29,8 @@ pub struct JointState {
 /// such positions over the shortest time step (see `pose_step`).
 const FARTHEST_M: f32 = 1e6;
 
-/// Checks that differences of this pose are valid: its rotation is a unit quaternion, its position within
-/// [`FARTHEST_M`].
+/// Checks that differences of this pose are valid: its rotation is a unit quaternion, and its position is at most
+/// [`FARTHEST_M`] from the origin.
 #[expect(
     clippy::inline_always,
     reason = "a few operations per tick, shared by several callers: a call would cost as much"
@@ -102,7 +102,8 @@ impl JointState {
         self
     }
 
-    /// Returns the joint after a displacement, with its new velocity, both given in the axes of the body before.
+    /// Returns the joint after a displacement, with its new velocity. Both are given in the axes of the body before
+    /// the displacement.
     pub(crate) fn moved(&self, way: Twist, velocity: Twist, slides: bool) -> Self {
         let turn = math::exp(way.angular);
         let mut pose = Transform { rotation: self.pose.rotation * turn, ..self.pose };
@@ -110,7 +111,7 @@ impl JointState {
         if slides {
             pose.translation_m += self.pose.rotation * way.linear;
             // A rotation about the axis of the angular velocity does not change the components of that velocity; it
-            // does change these.
+            // does change the components of the linear velocity.
             velocity.linear = turn.conjugate() * velocity.linear;
         } else {
             velocity.linear = self.velocity.linear;

@@ -116,9 +116,9 @@ impl<const N: usize> TorqueSupply<N> {
         self.rule == Rule::LeastSquares
     }
 
-    /// Reduces the torques of a tick to the supply. Moments keep their directions; reduced ones get
-    /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The resulting sum is within the supply up to
-    /// rounding.
+    /// Reduces the torques of a tick to the supply. Moments keep their directions; reduced torques get
+    /// [`LimitReason::Supply`]. If the supply suffices, no bit changes. The resulting sum exceeds the supply at
+    /// most by rounding.
     ///
     /// A torque that is not finite becomes zero, with [`LimitReason::NotFinite`]. Torques beyond the tree's joints
     /// become zero, with [`LimitReason::NoRoom`].
@@ -161,10 +161,10 @@ impl<const N: usize> TorqueSupply<N> {
     /// factor, whatever the weights: `τ = τ_bias + s (τ_wanted - τ_bias)`.
     ///
     /// Wrenches that do not draw from the supply (of a free root, and forces) get the same factor, so every joint
-    /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The function takes the s
-    /// at which the straight line from the sum at s = 0 to the sum at s = 1 reaches the supply. The true sum is never
-    /// above this line: the supply is not exceeded, no search is needed, and a little of the supply stays unused. If
-    /// the bias wrenches alone exceed the supply, all torques are reduced as in [`Self::share`].
+    /// gets the same share of its commanded acceleration. The sum of torques is convex in s. The function uses the
+    /// s at which the straight line from the sum at s = 0 to the sum at s = 1 reaches the supply. The true sum is
+    /// never above this line: the supply is not exceeded, no search is needed, and a little of the supply stays
+    /// unused. If the bias wrenches alone exceed the supply, all torques are reduced as in [`Self::share`].
     ///
     /// Bias wrenches that are missing or not finite count as zero.
     pub fn share_acceleration(&self, torques: &mut [Limited<Wrench>], bias: &[Wrench]) {
@@ -188,8 +188,8 @@ impl<const N: usize> TorqueSupply<N> {
                 }
             }
         }
-        // This handles torques that are not finite, a bias beyond the supply, and a sum above the supply due to
-        // rounding.
+        // This handles torques that are not finite, bias wrenches that exceed the supply, and a sum above the
+        // supply due to rounding.
         self.share(torques);
     }
 
@@ -243,7 +243,8 @@ fn cut(torques: &mut [Limited<Wrench>], wanted: &[f32], yields: &[f32], supply: 
         }
     }
     let left = |wanted: f32, yields: f32| (wanted - share * yields).max(0.0);
-    // The remainders of large torques have lost the digits that a small supply needs.
+    // The remainders of large torques have too few digits for a small supply, so their sum is corrected by a
+    // factor.
     let sum: f32 = joints().map(|(wanted, yields)| left(*wanted, *yields)).sum();
     let rounding = if sum > supply { supply / sum } else { 1.0 };
     for (torque, (wanted, yields)) in torques.iter_mut().zip(joints()) {

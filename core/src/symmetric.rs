@@ -6,7 +6,7 @@ use glam::{Mat3, Vec3};
 
 use crate::inertia::RotationalInertia;
 
-/// Relative rounding error of an inertia, after a few differences.
+/// Relative rounding error of an inertia after a few subtractions.
 pub(crate) const ROUNDING: f32 = 1e-6;
 
 /// A symmetric matrix, by the elements of its upper triangle.
@@ -20,7 +20,7 @@ pub(crate) struct Symmetric {
     pub(crate) zz: f32,
 }
 
-/// The inverse of a positive semidefinite matrix, in the form of its case.
+/// The inverse of a positive semidefinite matrix. Its form depends on whether the matrix is definite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Inverse {
     /// Definite matrix: its factors `L D Lᵀ`, L with a diagonal of ones.
@@ -162,7 +162,7 @@ impl Symmetric {
     }
 
     /// Returns the inverse by its cofactors; zero if the matrix is not definite. If the determinant overflows f32,
-    /// the elements are NaN: a zero inverse would look like a body that nothing moves.
+    /// the elements are NaN: a zero inverse would look like a body that no force can move.
     #[inline]
     pub(crate) fn inverse_if_definite(&self) -> Self {
         let adjugate = self.adjugate();

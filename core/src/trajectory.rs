@@ -173,8 +173,8 @@ pub fn interpolate(from: &Transform, to: &Transform, fraction: f32) -> Transform
 }
 
 /// Returns the pose at a fraction of the way from the second to the third of four evenly spaced frames, on a smooth
-/// path through all of them. Its velocities are continuous; with [`interpolate`] they, and thus the torques, jump at
-/// every frame.
+/// path through all of them. The velocities of this path are continuous; with [`interpolate`], velocities and thus
+/// torques jump at every frame.
 ///
 /// Cubic Hermite interpolation with central differences as velocities (Catmull and Rom 1974). Rotations use the
 /// logarithm from the second frame, `φ̇(1) = J_r⁻¹(φ(1)) ω`, with the inverse right Jacobian to third order in the
@@ -237,9 +237,10 @@ pub fn forward_targets<const N: usize>(
 ///
 /// A rig that is at the previous frame and then at this frame, and gets this acceleration for one period (velocity
 /// first, then position: semi-implicit Euler), reaches the next frame exactly. Forward differences lead by half a
-/// period or more, and the controller's response to that is most of the error of a good model.
+/// period or more, and the controller's response to this lead is most of the error if the model is good.
 ///
-/// For performances whose next frame is known, and for live streams that may have a delay of one frame. O(n).
+/// Use it for performances whose next frame is known, and for live streams that may have a delay of one frame.
+/// O(n).
 ///
 /// # Errors
 /// As in [`forward_targets`].

@@ -30,8 +30,8 @@ pub struct Body {
     /// Mass properties in the body frame.
     pub inertia: Inertia,
     /// Inertia that the rotor of the joint's drive adds to each of its dofs, after the gear: `J n²` for a rotor with
-    /// inertia J and a gear ratio n. In kg m², or in kg for a joint that slides; zero for none. Simulators call it
-    /// armature.
+    /// inertia J and a gear ratio n. In kg m², or in kg for a joint that slides; zero without a rotor. Simulators
+    /// call this value armature.
     ///
     /// The rotor resists acceleration along the joint only; the parent does not feel it. A fixed or a free joint has
     /// no drive and must have zero.
@@ -41,7 +41,7 @@ pub struct Body {
 
 impl Body {
     /// Returns the rotation of the body in the joint frame if the motion subspace depends on it (universal joints
-    /// only), else the identity. `rotation`: the body in its parent's frame.
+    /// only), else the identity. `rotation` is the body's rotation in its parent's frame.
     #[inline]
     pub(crate) fn rotation_in_joint(&self, rotation: Quat) -> Quat {
         if matches!(self.joint, JointKind::Universal { .. }) {
@@ -51,7 +51,7 @@ impl Body {
         }
     }
 
-    /// Never inlined, since most joints do not need it.
+    /// Returns the rotation of the body in the joint frame. Never inlined, since most joints do not need it.
     #[inline(never)]
     fn turn_from_placement(&self, rotation: Quat) -> Quat {
         self.placement.rotation.conjugate() * rotation
@@ -83,8 +83,8 @@ impl Body {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tree<const N: usize> {
     bodies: Vec<Body, N>,
-    /// Bodies that have children. The other sets follow from the parents on demand: stored for each body, the sets
-    /// would be a third of the tree.
+    /// Bodies that have children. The other sets are computed from the parents when they are needed: stored for
+    /// each body, they would take a third of the tree's memory.
     inner: BodySet,
     shape: u32,
 }
@@ -160,8 +160,7 @@ impl<const N: usize> Tree<N> {
         &self.bodies
     }
 
-    /// Returns a hash (FNV-1a) of the parents, the only data of the tree that world states depend on besides joint
-    /// states.
+    /// Returns a hash (FNV-1a) of the parents. World states depend only on joint states and on these parents.
     pub(crate) fn shape(&self) -> u32 {
         self.shape
     }
@@ -229,7 +228,7 @@ impl<const N: usize> Tree<N> {
     }
 }
 
-// Not derived: this way too, a capacity that is too large must not compile.
+// Not derived, so that a capacity that is too large does not compile here either.
 impl<const N: usize> Default for Tree<N> {
     fn default() -> Self {
         Self::new()

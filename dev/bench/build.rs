@@ -10,7 +10,7 @@ use sinew_rig::{board::BoardRig, new};
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
-/// The largest number of servos of an arm, and its bodies.
+/// The largest number of servos of an arm, and the number of its bodies.
 const MOST: usize = 40;
 const BODIES: usize = MOST + 1;
 
@@ -35,7 +35,8 @@ fn main() {
 /// swings by less than the limit of the following-error detector, so that servos that do not move cause no fault.
 fn arm(servos: usize) -> (Vec<u8>, Vec<u8>) {
     let mut rig = new::arm(servos).expect("an arm may have so many joints");
-    // Its servos hold six bodies at home; loads grow with the square of the number. Else the arm would not be armed.
+    // The servos can hold six bodies at home, and the load grows with the square of the number of bodies. The
+    // bodies are therefore made lighter; otherwise the arm could not be armed.
     let lighter = (6.0 / servos as f64).powi(2);
     rig.bodies.iter_mut().for_each(|body| body.mass_kg *= lighter);
     let mechanism = rig.mechanism().expect("a new arm is sound");

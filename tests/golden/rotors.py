@@ -1,9 +1,9 @@
-"""Makes rotors.json: dynamics of random rigs whose drives have rotors, by MuJoCo, compared with Pinocchio.
+"""Writes rotors.json: dynamics of random rigs whose drives have rotors, computed by MuJoCo and checked by Pinocchio.
 
     pip install mujoco==4.0.0 pin==4.1.0 numpy
     python rotors.py > rotors.json
 
-README.md beside this file says what the numbers are.
+README.md beside this file describes the numbers.
 """
 
 import json
@@ -16,7 +16,8 @@ import pinocchio as pin
 GRAVITY = [0.6, -9.2, 1.9]
 KINDS = ["revolute", "prismatic", "universal", "spherical", "fixed"]
 FREEDOMS = {"revolute": 1, "prismatic": 1, "universal": 2, "spherical": 3, "fixed": 0}
-# Two programs in f64, relative to the largest number of the state (accelerations: times the condition of H).
+# Largest difference of the two programs, both in f64, relative to the largest number of the state; for accelerations
+# multiplied by the condition number of H.
 AGREEMENT = 1e-13
 
 
@@ -41,14 +42,14 @@ def axes(kind, rng):
 
 
 def rotor(kind, rng):
-    """None for one drive in five, else up to far more than what a link has itself."""
+    """Returns a rotor inertia: zero for one drive in five, otherwise up to far more than the inertia of a link."""
     if kind == "fixed" or rng.random() < 0.2:
         return 0.0
     return float(f"{10 ** rng.uniform(-4, 0.5):.3e}")
 
 
 def inertia(mass, rng):
-    """About the centre of mass, of any second moments of mass."""
+    """Returns an inertia about the centre of mass, made from random second moments of mass."""
     moments = rng.uniform(0.0, 0.01, size=3) * mass
     turn = matrix(unit(rng.normal(size=4)))
     return turn @ np.diag(moments.sum() - moments) @ turn.T
@@ -74,7 +75,7 @@ def freedoms(bodies):
 
 
 def position(bodies, rng):
-    """Positions as the core orders them: angles, ways, quaternions."""
+    """Returns random positions in the order of the core: angles, displacements, quaternions."""
     q = []
     for body in bodies:
         if body["joint"] == "spherical":
@@ -116,7 +117,7 @@ class Mujoco:
             made.append(it)
         self.model = spec.compile()
         self.data = mujoco.MjData(self.model)
-        # It numbers depth first: where each of our numbers is.
+        # MuJoCo numbers bodies depth first. For each of our numbers: its index in MuJoCo's list.
         self.q, self.v = [], []
         for index, body in enumerate(bodies):
             for number in range(max(len(body["axes"]), body["joint"] == "spherical")):
@@ -157,7 +158,7 @@ class Pinocchio:
     def __init__(self, bodies):
         self.model = pin.Model()
         self.model.gravity.linear = np.array(GRAVITY)
-        # Joint and place in its frame of each body; a fixed one is on the joint of its parent.
+        # For each body: its joint, and its pose in the joint's frame. A fixed body has the joint of its parent.
         places, armature = [], []
         for index, body in enumerate(bodies):
             joint, place = (0, pin.SE3.Identity()) if index == 0 else places[body["parent"]]
@@ -190,7 +191,7 @@ class Pinocchio:
         return pin.aba(self.model, self.data, np.array(q), qd, tau).copy()
 
     def mass_matrix(self, q):
-        """By columns of inverse dynamics: its own asks for depth-first numbers."""
+        """Computes the matrix by columns of inverse dynamics: Pinocchio's own function needs depth-first numbers."""
         still = np.zeros(self.model.nv)
         bias = self.inverse(q, still, still)
         columns = [self.inverse(q, still, unit) - bias for unit in np.eye(self.model.nv)]

@@ -22,9 +22,10 @@ use crate::tree::Body;
 ///
 /// All numbers are finite: a number that is too large for f32 becomes zero.
 ///
-/// A drive uses the parts that its servo supports. With current control: the whole [`Self::effort`]. With position
-/// control: the target, and the feed-forward effort divided by the servo's own stiffness, but no feedback, which
-/// would close a second loop around the servo's. With neither: the target alone.
+/// A drive uses the parts that its servo supports. With current control, it uses the whole [`Self::effort`]. With
+/// position control, it uses the target, and the feed-forward effort divided by the servo's own stiffness; it does
+/// not use the feedback, which would close a second loop around the servo's loop. With neither, it uses only the
+/// target.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -80,8 +81,8 @@ pub fn nearest_turn(angle_rad: f32, to_rad: f32) -> f32 {
 
 impl<const N: usize> TorqueController<N> {
     /// Writes the command for each dof, after a tick with the same targets, measurements, external wrenches and
-    /// workspace. A [`supply`](crate::supply) may have changed the tick's torques in between. O(n), about the cost of
-    /// a tick: only for drives that need more than [`Tree::efforts`](crate::Tree::efforts).
+    /// workspace. A [`supply`](crate::supply) may have changed the tick's torques in between. O(n), about the cost
+    /// of a tick: call it only for drives that need more than [`Tree::efforts`](crate::Tree::efforts).
     ///
     /// Feed-forward is inverse dynamics of the targets' accelerations (including an observer's addition), for every
     /// method.

@@ -15,12 +15,12 @@ use crate::tree::{Body, Tree};
 
 /// Dynamics in the coordinates of the joints.
 ///
-/// Each function reads and writes slices of numbers, as [`coordinates`](crate::coordinates) has them: `q` with nq
-/// numbers (rad, m, or a unit quaternion), `qd`, `qdd` and `tau` with nv (rad/s and m/s, rad/s² and m/s², N m and N).
-/// The stack holds scratch memory and the states that the slices mean: 136 bytes for each body of the capacity
-/// `N` for inverse dynamics and gravity, 424 for forward dynamics, at most 216 for the mass matrix. Trees of 16 bodies
-/// take 2.8, 7.1 and 3.2 kB in all on a Cortex-M4. Gravity is [`GRAVITY_M_S2`]: 9.81 m/s² along -y of the base.
-/// [`Tree::under_gravity`] sets another.
+/// Each function reads and writes slices of numbers, in the form that [`coordinates`](crate::coordinates)
+/// describes: `q` with nq numbers (rad, m, or a unit quaternion), `qd`, `qdd` and `tau` with nv (rad/s and m/s,
+/// rad/s² and m/s², N m and N). The stack contains scratch memory and the joint states: 136 bytes for each body of
+/// the capacity `N` for inverse dynamics and gravity, 424 for forward dynamics, at most 216 for the mass matrix. On a
+/// Cortex-M4, trees of 16 bodies take 2.8 kB, 7.1 kB and 3.2 kB in all, in this order. Gravity is [`GRAVITY_M_S2`]:
+/// 9.81 m/s² along -y of the base. [`Tree::under_gravity`] sets another gravity.
 ///
 /// Results are finite unless a result or an intermediate number is too large for f32.
 impl<const N: usize> Tree<N> {
@@ -59,9 +59,9 @@ impl<const N: usize> Tree<N> {
 
     /// Writes the accelerations `qdd` that the efforts `tau` make in the state `q`, `qd`. O(n).
     ///
-    /// Uses the articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics), also
-    /// for dofs without inertia. The factors of the mass matrix would take a stack of nv² numbers and O(nv³)
-    /// operations.
+    /// Uses the articulated-body algorithm: see [`dynamics::forward_dynamics`](crate::dynamics::forward_dynamics),
+    /// which also explains dofs without inertia. Factors of the mass matrix would instead need nv² numbers on the
+    /// stack and O(nv³) operations.
     ///
     /// # Errors
     /// [`CoordinatesError`], as [`Self::inverse_dynamics`].
@@ -102,7 +102,8 @@ impl<const N: usize> Tree<N> {
     /// Uses the composite-rigid-body algorithm: see [`dynamics::mass_matrix`](crate::dynamics::mass_matrix).
     ///
     /// # Errors
-    /// [`CoordinatesError`], as [`Self::inverse_dynamics`]; a `matrix` that has not nv² items is a wrong count.
+    /// [`CoordinatesError`], as [`Self::inverse_dynamics`]; [`CoordinatesError::Count`] also if `matrix` does not
+    /// have nv² items.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, Tree, glam::Vec3};
@@ -127,13 +128,13 @@ impl<const N: usize> Tree<N> {
 
     /// Returns the dynamics under another gravity, in m/s² and the axes of the base. O(1).
     ///
-    /// Results are not finite if a component of gravity is not.
+    /// Results are not finite if a component of gravity is not finite.
     pub fn under_gravity(&self, gravity_m_s2: Vec3) -> UnderGravity<'_, N> {
         UnderGravity { tree: self, gravity_m_s2 }
     }
 }
 
-/// A tree under a gravity of its own, from [`Tree::under_gravity`].
+/// A tree with its own gravity, from [`Tree::under_gravity`].
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, Tree, glam::Vec3};

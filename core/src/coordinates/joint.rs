@@ -12,9 +12,10 @@ use crate::transform::{Transform, Twist};
 impl JointKind {
     /// Returns the state of a joint from its coordinates, in the form that servos and encoders use.
     ///
-    /// `position`: empty (fixed), angle in rad (revolute), displacement in m (prismatic), two angles in rad
-    /// (universal), a unit quaternion xyzw (spherical), a quaternion then x y z in m (free). `speed`: rad/s or m/s
-    /// along the columns of the motion subspace. `placement`: the joint frame in the parent's frame.
+    /// `position` is empty (fixed), an angle in rad (revolute), a displacement in m (prismatic), two angles in rad
+    /// (universal), a unit quaternion xyzw (spherical), or a quaternion then x y z in m (free). `speed` is in rad/s
+    /// or m/s along the columns of the motion subspace. `placement` is the pose of the joint frame in the parent's
+    /// frame.
     ///
     /// # Errors
     /// [`JointCoordinatesError`] if a count is wrong, a number is not finite, a quaternion is not unit, or the state
@@ -86,7 +87,7 @@ impl JointKind {
         JointState { pose: placement * in_joint, velocity }
     }
 
-    /// Returns S `numbers`: the twist of speeds or accelerations along the axes, in body axes.
+    /// Returns S times `numbers`: the twist of speeds or accelerations along the axes, in body axes.
     pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
         // Revolute and spherical joints, the most frequent kinds, need no columns.
         match (self, numbers) {
@@ -100,7 +101,7 @@ impl JointKind {
             .fold(Twist::ZERO, |sum, (column, number)| sum + *column * *number)
     }
 
-    /// Writes Sᵀ `twist`: its components along the axes. The rest of `out` is unchanged.
+    /// Writes Sᵀ times `twist`: the components of the twist along the axes. The rest of `out` is unchanged.
     pub(super) fn components(self, rotation: Quat, twist: Twist, out: &mut [f32]) {
         match self {
             Self::Revolute { axis } => return copy([0.0 + axis.dot(twist.angular)], out),
@@ -158,7 +159,7 @@ pub enum JointCoordinatesError {
     },
     /// A position or a speed is NaN or infinite.
     NonFinite {
-        /// Index of the value; speeds count on after the positions.
+        /// Index of the value; the indices of speeds follow those of positions.
         index: usize,
     },
     /// The quaternion is not of length 1.

@@ -1,7 +1,8 @@
 //! Joint coordinates: the numbers of servos and encoders, for all joints of a tree.
 //!
 //! The core works with transforms ([`JointState`](crate::JointState)). A rig works with numbers: positions `q`,
-//! speeds `qd`, accelerations `qdd`, and efforts. Each kind is one slice, body after body in regular numbering.
+//! speeds `qd`, accelerations `qdd`, and efforts. Each of these quantities is one slice, body after body in regular
+//! numbering.
 //!
 //! | joint | `q` | `qd`, `qdd` and efforts |
 //! | --- | --- | --- |

@@ -37,8 +37,8 @@ impl<const N: usize> Tree<N> {
     }
 
     /// Converts accelerations of joints in body axes ([`Workspace::commands`](crate::Workspace::commands),
-    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)) to accelerations by dof: `Sᵀ` times each. `joints`:
-    /// their states. O(n).
+    /// [`forward_dynamics`](crate::dynamics::forward_dynamics)) to accelerations by dof: `Sᵀ` times each. `joints`
+    /// are the states of these joints. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -57,7 +57,7 @@ impl<const N: usize> Tree<N> {
     }
 
     /// Converts wrenches on bodies in body axes, such as a tick's torques, to efforts by dof (N m, N): `Sᵀ` times
-    /// each. `joints`: their measured states. The power is unchanged: `effort · qd = wrench · twist`. O(n).
+    /// each. `joints` are the measured joint states. The power is unchanged: `effort · qd = wrench · twist`. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError::Count`], and nothing is written, if a slice does not fit the tree.
@@ -179,7 +179,8 @@ impl<const N: usize> JointStates<N> {
     }
 
     /// Sets all joints from newly measured positions, for encoders that measure no speeds. The speeds become the
-    /// backward differences from the positions `elapsed_s` earlier. An angle takes the shorter way round. O(n).
+    /// backward differences from the positions `elapsed_s` earlier. The difference of two angles is the shorter way
+    /// around the circle. O(n).
     ///
     /// # Errors
     /// [`CoordinatesError`], and nothing changes, in the cases of [`Self::set_coordinates`]; or if the time is not a
@@ -208,7 +209,7 @@ impl<const N: usize> JointStates<N> {
         let bodies = tree.bodies();
         check_count("joints", bodies.len(), self.as_slice().len())?;
         check_positions(bodies, q)?;
-        // Positions are bounded, placements are not.
+        // The checks above limit positions, but not placements.
         bodies
             .iter()
             .try_for_each(|body| check_position(body.placement.translation_m))

@@ -25,7 +25,7 @@ pub struct ArticulatedBody {
     /// velocities.
     acceleration: Twist,
     /// Articulated inertia: the joint must transmit `inertia · acceleration + wrench`. Once the joint has yielded,
-    /// this acceleration is the part that does not include the joint's own.
+    /// this acceleration excludes the joint's own acceleration.
     inertia: ArticulatedInertia,
     wrench: Wrench,
     response: Response,
@@ -63,7 +63,7 @@ struct Ball {
 }
 
 impl Default for ArticulatedBody {
-    /// The contents do not matter.
+    /// Creates an item of a workspace. Its contents do not matter.
     fn default() -> Self {
         Self {
             to_parent: Mat3::IDENTITY,
@@ -94,11 +94,11 @@ impl Default for ArticulatedBody {
 /// If a slice is shorter than the tree, the bodies beyond it are left out, as if they did not exist.
 ///
 /// # Dofs without inertia
-/// A joint's drive may meet no resistance (massless bodies without a rotor, a point mass on a ball joint that turns
-/// about its arm), or less than a millionth of the resistance in other directions, which is within rounding. No
-/// acceleration then follows from the forces. The function holds this dof for the instant, as if it were welded: the
-/// body keeps its speed along the dof, and the drive's force along it has no effect. For rotations of a ball joint
-/// and motions of a free joint, the direction is found for any orientation.
+/// There may be no resistance to a joint's drive (massless bodies without a rotor, a point mass on a ball joint
+/// that turns about its arm), or less than a millionth of the resistance in other directions, which is within
+/// rounding. The forces then determine no acceleration. The function holds this dof for the instant, as if it were
+/// welded: the body keeps its speed along the dof, and the drive's force along it has no effect. For rotations of a
+/// ball joint and motions of a free joint, the direction is found for any orientation.
 ///
 /// Finite numbers give no NaN, as long as no product of them exceeds the range of f32.
 ///
@@ -240,8 +240,8 @@ impl ArticulatedBody {
         self.move_along(&wrench, resistance, self.inertia.linear.trace(), force)
     }
 
-    /// Lets an axis yield to a force. `wrench`, `resistance`: wrench and force per acceleration along the axis.
-    /// `in_all`: sum of the resistance in all directions.
+    /// Lets an axis yield to a force. `wrench` and `resistance` are wrench and force per acceleration along the
+    /// axis. `in_all` is the sum of the resistance in all directions.
     #[inline]
     fn move_along(&mut self, wrench: &Wrench, resistance: f32, in_all: f32, force: f32) -> Along {
         let resists = resistance > f32::MIN_POSITIVE && resistance > ROUNDING * in_all;
@@ -299,7 +299,7 @@ impl ArticulatedBody {
     }
 
     /// Adds the inertia and wrench that a child's joint transmits, at a distance `arm_m` from this body's origin.
-    /// `rotor`: of the child's joint.
+    /// `rotor` is the rotor inertia of the child's joint.
     #[inline]
     fn carry(&mut self, child: &Self, rotor: f32, arm_m: Vec3) {
         let mut wrench = child.wrench;
@@ -334,7 +334,7 @@ impl ArticulatedBody {
                 let step = along.of(carried);
                 Twist { linear: carried.linear + axis * step, ..carried }
             }
-            // The axis that yielded last is solved first: its response depends on no other.
+            // The axis that yielded last is solved first: its response does not depend on the other axis.
             (Response::Axes([one, two]), JointKind::Universal { first, second }) => {
                 one.turned(first, two.turned(second, carried))
             }

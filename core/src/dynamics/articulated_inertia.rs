@@ -22,7 +22,8 @@ impl ArticulatedInertia {
     pub(crate) const ZERO: Self =
         Self { angular: Symmetric::ZERO, coupling: Mat3::ZERO, linear: Symmetric::ZERO };
 
-    /// Returns the inertia of a point mass in a ball, both at the origin: it resists motion alike in every direction.
+    /// Returns an inertia that resists rotation, and translation, equally in every direction: `angular` and
+    /// `linear` times the identity.
     pub(crate) fn round(angular: f32, linear: f32) -> Self {
         Self {
             angular: Symmetric::diagonal(angular),
@@ -50,8 +51,8 @@ impl ArticulatedInertia {
         Wrench { moment_nm: self.coupling * axis, force_n: self.linear * axis }
     }
 
-    /// Removes a dof that yields to forces. `wrench`: the wrench per acceleration along the dof. `per_force`: the
-    /// acceleration along the dof per force along the dof.
+    /// Removes a dof that yields to forces. `wrench` is the wrench per acceleration along the dof. `per_force` is
+    /// the acceleration along the dof per force along the dof.
     #[inline]
     pub(crate) fn give_way(&mut self, wrench: &Wrench, per_force: f32) {
         let Wrench { moment_nm, force_n } = *wrench;
@@ -60,8 +61,8 @@ impl ArticulatedInertia {
         self.linear += Symmetric::from_outer(force_n, force_n * (-0.5 * per_force));
     }
 
-    /// Adds the inertia of a child, whose axes `rotation` turns to this body's axes, at a distance `arm_m` from this
-    /// body's origin.
+    /// Adds the inertia of a child at a distance `arm_m` from this body's origin. `rotation` turns the child's axes
+    /// to this body's axes.
     #[inline]
     pub(crate) fn add(&mut self, child: &Self, rotation: &Mat3, arm_m: Vec3) {
         self.add_at(

@@ -7,7 +7,7 @@ use crate::joint::JointKind;
 use crate::tree::Body;
 
 /// Returns the joint of a body with all its axes in body axes, as if the joint frame coincided with the body frame.
-/// Its functions then take the identity as rotation. `to_parent` turns body axes to the parent's.
+/// Functions of this joint then take the identity as rotation. `to_parent` turns body axes to the parent's.
 #[inline]
 pub(super) fn in_body_axes(body: &Body, to_parent: &Mat3) -> JointKind {
     match body.joint {

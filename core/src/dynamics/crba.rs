@@ -12,7 +12,7 @@ use crate::state::JointState;
 use crate::transform::Wrench;
 use crate::tree::Body;
 
-/// A body held together with all bodies that it carries: scratch of [`mass_matrix`].
+/// A body rigidly connected to all bodies that it carries: scratch memory of [`mass_matrix`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompositeBody {
     parent: Option<usize>,
@@ -31,7 +31,7 @@ pub struct CompositeBody {
 }
 
 impl Default for CompositeBody {
-    /// The contents do not matter.
+    /// Creates an item of scratch memory. Its contents do not matter.
     fn default() -> Self {
         Self {
             parent: None,
@@ -60,7 +60,7 @@ pub fn dof_count(bodies: &[Body]) -> usize {
 }
 
 /// Computes the joint-space mass matrix H of a pose: `½ q̇ᵀ H q̇` is the kinetic energy, and `H q̈` are the forces
-/// along all dofs that accelerate the tree from rest without gravity. The composite-rigid-body algorithm
+/// along all dofs that accelerate the tree from rest without gravity. Uses the composite-rigid-body algorithm
 /// (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 6). O(n · depth), plus O(D²) to clear the matrix.
 ///
 /// - Rows and columns: the dofs of the joints in the order of the bodies, each joint's dofs in the order of the
@@ -76,7 +76,7 @@ pub fn dof_count(bodies: &[Body]) -> usize {
 ///
 /// Rotors of the drives add to the diagonal ([`Body::rotor_inertia`]).
 ///
-/// H is positive definite unless some motion of the joints moves no mass and no rotor. It is then singular.
+/// H is positive definite unless some motion of the joints moves no mass and no rotor. In that case H is singular.
 ///
 /// ```
 /// use sinew_core::dynamics::{CompositeBody, mass_matrix};
@@ -242,8 +242,8 @@ impl Square<'_> {
     }
 
     /// Sets a row up to a body's own columns, and the mirrored column: the forces along the dofs of all bodies that
-    /// carry this body. `wrench`: the wrench that accelerates the subtree along that dof, about the body's origin, in
-    /// its axes.
+    /// carry this body. `wrench` is the wrench that accelerates the subtree along the row's dof, about the body's
+    /// origin, in the body's axes.
     #[inline(never)]
     fn set_row(
         &mut self,
@@ -326,7 +326,8 @@ struct Rows<'a, const K: usize> {
 }
 
 impl<const K: usize> Rows<'_, K> {
-    /// Sets the rows. `moments`, `forces`: of the body along each of its dofs, about its origin, in root axes.
+    /// Sets the rows. `moments` and `forces` accelerate the body along each of its dofs, in root axes. The moments
+    /// are about the body's origin.
     #[inline]
     fn set(
         mut self,

@@ -3,7 +3,7 @@
 //! that minimises `Σ ½ (A - T)ᵀ I (A - T)` over the bodies, where T is a body's desired motion and I its inertia.
 //!
 //! The inertias need not be those of masses: the manifold projection and the resolved acceleration use them as
-//! weights of each body's desired motion. O(n), and no matrix is larger than a joint's.
+//! weights of each body's desired motion. O(n), and no matrix is larger than that of a single joint.
 
 use glam::{Mat3, Quat, Vec3};
 use heapless::Vec;
@@ -17,7 +17,7 @@ use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// The cost of all bodies from a joint outwards, `½ Aᵀ I A - Aᵀ W`, to be minimised. A is the motion of the joint's
-/// body. World axes, about the body's origin.
+/// body. All vectors are in world axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Demand {
     pub(crate) inertia: ArticulatedInertia,
@@ -49,7 +49,7 @@ pub(crate) struct Hinge {
 /// An axis along which a joint can move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
-    /// Twist of the body for a unit along the axis, world axes.
+    /// Twist of the body for a unit along the axis, in world axes.
     pub(crate) motion: Twist,
     /// Whether the joint is at the end of its range and pressed against it. The bodies closer to the root then treat
     /// it as rigid.
@@ -95,7 +95,8 @@ pub(crate) struct AxisResponse {
 }
 
 impl MotionSubspace {
-    /// Returns the subspace of a joint. `relative`: rotation of its body in the parent; `world`: in the world.
+    /// Returns the subspace of a joint. `relative` is the body's rotation in its parent's frame, and `world` its
+    /// rotation in the world.
     pub(crate) fn of(body: &Body, relative: Quat, world: Quat) -> Self {
         match body.joint {
             JointKind::Spherical => Self::Ball,
@@ -117,8 +118,8 @@ impl Demand {
 
     /// Eliminates a joint's dofs: the remainder is the cost that the joint transmits to its parent.
     ///
-    /// An axis without resistance does not move. `damping`: additional resistance of each rotation or axis, relative
-    /// to its own resistance (Marquardt's method). Zero gives the exact minimum.
+    /// An axis without resistance does not move. `damping` is the additional resistance of each rotation or axis,
+    /// relative to its own resistance (Marquardt's method). Zero gives the exact minimum.
     pub(crate) fn eliminate(&mut self, dofs: &MotionSubspace, damping: f32) -> Response {
         match dofs {
             MotionSubspace::Ball => {
@@ -198,7 +199,7 @@ impl Demand {
         HingeResponse { axis, wrench, force, per_force }
     }
 
-    /// Eliminates an axis. `wrench`: its wrench per acceleration. `force`: the force that it asks for.
+    /// Eliminates an axis. `wrench` is its wrench per acceleration, and `force` is the force that it asks for.
     fn give_way(&mut self, wrench: Wrench, force: f32, per_force: f32) {
         let share = force * per_force;
         self.inertia.give_way(&wrench, per_force);
@@ -226,7 +227,7 @@ impl Demand {
     }
 }
 
-/// Returns the step of an axis per force along it.
+/// Returns the step of an axis per force along the axis.
 fn yielding(resistance: f32, damping: f32) -> f32 {
     let resistance = resistance * (1.0 + damping);
     if resistance > f32::MIN_POSITIVE { 1.0 / resistance } else { 0.0 }
@@ -239,7 +240,7 @@ impl From<BallResponse> for Response {
 }
 
 impl BallResponse {
-    /// Returns the rotation of the body when its parent moves its origin by `way`.
+    /// Returns the rotation of the body when the parent moves the body's origin by `way`.
     #[inline]
     pub(crate) fn turn(&self, way: Vec3) -> Vec3 {
         self.turn - self.per_way * way

@@ -21,11 +21,12 @@ use crate::tree::Tree;
     serde(rename_all = "snake_case")
 )]
 pub enum OuterJoints {
-    /// They are held: the joint moves its subtree as one body. This gives the composite-rigid-body inertia, the
-    /// diagonal blocks of the mass matrix.
+    /// The outer joints are held: the joint moves its subtree as one body. This gives the composite-rigid-body
+    /// inertia, the diagonal blocks of the mass matrix.
     Locked,
-    /// They yield: the articulated-body inertia (Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7), never
-    /// larger than with locked joints. It is the resistance before any other drive has reacted.
+    /// The outer joints yield. This gives the articulated-body inertia (Featherstone, *Rigid Body Dynamics
+    /// Algorithms*, 2008, ch. 7), never larger than with locked joints. It is the resistance before any other drive
+    /// has reacted.
     Free,
 }
 
@@ -72,7 +73,8 @@ impl ReflectedInertia {
     }
 }
 
-/// Computes the reflected inertia of every joint in one pose. O(n). Meant for settings: in another pose it differs.
+/// Computes the reflected inertia of every joint in one pose. O(n). Use the result for settings only, because the
+/// inertia differs in other poses.
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, JointStates, RotationalInertia, Transform, Tree};
@@ -150,7 +152,7 @@ fn give_way(inertia: &mut ArticulatedInertia, dofs: &[Twist], rotor: f32) {
     for dof in dofs {
         let wrench = wrench_of(inertia, *dof);
         let resistance = wrench.power_w(*dof) + rotor;
-        // If only rounding is left, the dofs before have already eliminated this direction.
+        // If only rounding is left, earlier dofs have already eliminated this direction.
         if resistance > ROUNDING * wrench_of(&whole, *dof).power_w(*dof) {
             inertia.give_way(&wrench, 1.0 / resistance);
         }

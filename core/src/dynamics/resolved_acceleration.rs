@@ -9,7 +9,7 @@ use crate::state::{BodyState, JointState};
 use crate::transform::Twist;
 use crate::tree::Body;
 
-/// Scratch of [`resolved_acceleration`] for one body.
+/// Scratch memory of [`resolved_acceleration`] for one body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedAccelerationScratch(Demand);
 
@@ -25,8 +25,9 @@ impl ResolvedAccelerationScratch {
 /// of a tree at once. By Gauss's principle, the result equals the accelerations of bodies with those weights as
 /// inertias and the desired accelerations as free fall; the articulated-body algorithm computes them.
 ///
-/// `joints` are the measured states, and `world` those of their bodies. `accelerations`: by body, angular and of the
-/// origin (classical), in world axes. On entry the desired accelerations, on return the resulting ones.
+/// `joints` are the measured states of the joints, and `world` those of the bodies. `accelerations` has the angular
+/// acceleration of each body, and the (classical) acceleration of its origin, in world axes. On entry these are the
+/// desired accelerations, on return the resulting ones.
 /// [`joint_accelerations`](crate::kinematics::joint_accelerations) converts them to joints. If a slice is shorter
 /// than the tree, the bodies beyond it are left out.
 ///
@@ -109,7 +110,7 @@ fn dofs(body: &Body, joint: &JointState, state: &BodyState) -> MotionSubspace {
     MotionSubspace::of(body, joint.pose.rotation, state.pose.rotation)
 }
 
-/// Returns the part of a body's acceleration that depends only on velocities. World axes.
+/// Returns the part of a body's acceleration that depends only on velocities, in world axes.
 fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Twist {
     let moving = velocity_products(parent, state);
     if !matches!(body.joint, JointKind::Universal { .. }) {

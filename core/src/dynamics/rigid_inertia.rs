@@ -6,7 +6,7 @@ use crate::inertia::Inertia;
 use crate::symmetric::Symmetric;
 use crate::transform::Wrench;
 
-/// Inertia of a body, or of bodies that are held together, in the axes of one frame.
+/// Inertia of a body, or of bodies that are rigidly connected, in the axes of one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct RigidInertia {
     pub(crate) mass_kg: f32,
@@ -28,8 +28,8 @@ impl RigidInertia {
         .moved(inertia.center_of_mass_m)
     }
 
-    /// Returns the inertia about another origin, by the parallel axis theorem. `arm_m`: vector from the new origin to
-    /// this one.
+    /// Returns the inertia about another origin, by the parallel axis theorem. `arm_m` is the vector from the new
+    /// origin to this one.
     #[inline]
     pub(crate) fn moved(&self, arm_m: Vec3) -> Self {
         let Self { mass_kg, first_moment_kg_m, rotational_kg_m2 } = *self;

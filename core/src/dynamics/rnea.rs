@@ -8,7 +8,7 @@ use crate::state::JointState;
 use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
-/// Absolute velocity and acceleration of a body in its own axes: scratch of [`inverse_dynamics`].
+/// Absolute velocity and acceleration of a body in its own axes: scratch memory of [`inverse_dynamics`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct BodyMotion {
     angular_velocity: Vec3,
@@ -112,7 +112,7 @@ pub fn inverse_dynamics<W: AsRef<Wrench> + AsMut<Wrench>>(
     for (index, (body, joint)) in bodies.iter().zip(joints).enumerate().rev() {
         let Some(of_joint) = out.get_mut(index).map(W::as_mut) else { continue };
         let wrench = *of_joint;
-        // Only in the joint's own wrench: the parent does not feel the rotor.
+        // Only the joint's own wrench includes the rotor, because the parent does not feel the rotor.
         if body.rotor_inertia > 0.0 {
             add_rotor(of_joint, body, accelerations.get(index));
         }
@@ -140,15 +140,15 @@ fn add_rotor(wrench: &mut Wrench, body: &Body, acceleration: Option<&Twist>) {
     }
 }
 
-/// Adds gravity to the motion of a root, as an upward acceleration of the world. Never inlined: it would take
-/// registers from all bodies.
+/// Adds gravity to the motion of a root, as an upward acceleration of the world. Never inlined, because inlined
+/// code would take registers from the loop over all bodies.
 #[inline(never)]
 fn fall(motion: &mut BodyMotion, joint: &JointState, gravity_m_s2: Vec3) {
     let to_body = Mat3::from_quat(joint.pose.rotation).transpose();
     motion.linear_acceleration += to_body * -gravity_m_s2;
 }
 
-/// Returns the motion of a body from its parent's and its joint's.
+/// Returns the motion of a body from the motions of its parent and its joint.
 #[inline]
 fn outward(
     parent: &BodyMotion,

@@ -9,14 +9,14 @@ use crate::math;
 /// Computes weights in m³ from the surface that a joint moves: `w = base + Σ ∫ |x - joint| dA` over the lateral
 /// surfaces of all bones below the joint. Each bone is a round cylinder from a parent to its child, without caps.
 ///
-/// `radii_m`: radius of the cylinder that ends at each joint, m; the root's is not used. A bone without length or
-/// thickness adds nothing. Each integral is within 2e-7 of its exact value by the quadrature rule, and within 1e-6
-/// with f32 rounding; lengths below 1e-18 m count as zero. O(n · depth), about 1,500 instructions for each bone and
-/// ancestor.
+/// `radii_m`: radius of the cylinder that ends at each joint, m; the radius of the root is not used. A bone without
+/// length or thickness adds nothing. Each integral is within 2e-7 of its exact value by the quadrature rule, and
+/// within 1e-6 with f32 rounding; lengths below 1e-18 m count as zero. O(n · depth), about 1,500 instructions for
+/// each bone and ancestor.
 ///
-/// The article's printed code makes random points, like [`cylinder_samples`](super::cylinder_samples). It uses half
-/// the bone's length for the area of the points, which halves each surface relative to the base. This function uses
-/// the full surface.
+/// The printed code of Holden's article (see the module) makes random points, like
+/// [`cylinder_samples`](super::cylinder_samples). It uses half the bone's length for the area of the points, which
+/// halves each surface relative to the base. This function uses the full surface.
 ///
 /// # Errors
 /// [`ImportanceError`] if the number of radii is not the number of joints, a radius or the base is negative or not
@@ -118,15 +118,15 @@ impl Cylinder {
     }
 }
 
-/// Minimum length, m. Below it, its square has too few digits in f32.
+/// Minimum length, m. The square of a shorter length has too few digits in f32.
 const SHORTEST_M: f32 = 1e-18;
 
 /// Nodes and weights on [0, 1]: the Gauss-Legendre rule of twelve points in u, for x = u³.
 ///
 /// The maximum error over a grid of all geometries is 1.6e-7 of the mean, for points on the axis of a cylinder 30
-/// times as long as thick. The grid has feet from a hundred lengths away to the middle, points on the axis, on the
-/// surface and far from it, and radii from 1e-4 to 100 lengths. The reference is a composite rule of 1,220 points.
-/// Without the cube the error is 1.2e-5.
+/// times as long as thick. In the grid, the foot of the perpendicular is from a hundred lengths away to the middle
+/// of the axis, the points are on the axis, on the surface and far from it, and the radii are from 1e-4 to 100
+/// lengths. The reference is a composite rule of 1,220 points. Without the substitution x = u³ the error is 1.2e-5.
 const RULE: [[f32; 2]; 12] = [
     [7.836_966e-7, 6.015_036e-6],
     [0.000_110_187_255, 0.000_368_680_02],

@@ -1,9 +1,9 @@
 //! Importance of joints: weights from how much of the figure a joint moves, and how far.
 //!
-//! A small rotation of a joint moves all bodies beyond it, and moves distant ones farther. Three functions measure
-//! this on a skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones with a
-//! thickness, [`MeshSurface`] from a skinned mesh. The weights apply to errors of joint rotations, when not all
-//! errors can be small.
+//! A small rotation of a joint moves all bodies beyond it, and it moves distant bodies farther. Three functions
+//! measure this on a skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones
+//! with a thickness, [`MeshSurface`] from a skinned mesh. The weights apply to errors of joint rotations, when not
+//! all errors can be small.
 //!
 //! After D. Holden, "Joint Error Propagation" (2025).
 //!
@@ -106,7 +106,7 @@ pub enum ImportanceError {
         /// Maximum number of weights.
         capacity: usize,
     },
-    /// A weight is negative or not finite. In the second case the skeleton's measures are too large for f32.
+    /// A weight is negative or not finite. It is not finite if the skeleton's measures are too large for f32.
     Weight {
         /// Index of the joint.
         joint: usize,

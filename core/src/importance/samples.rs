@@ -10,7 +10,7 @@ use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
 /// Estimates the weights of [`cylinder_surface`](super::cylinder_surface), in m³, from points on the surfaces, like
-/// the article. Each point represents the same part of its bone's surface.
+/// Holden's article (see the module). Each point represents the same part of its bone's surface.
 ///
 /// `samples`: pairs `(u, v)` in [0, 1), `points` of them for each bone that has a length and a thickness, in the
 /// order of the joints at the ends of the bones. A point is `[r cos 2πv, r sin 2πv, L (u - 1/2)]` from the middle of

@@ -1,4 +1,4 @@
-//! Exact sums of many small terms.
+//! Accurate sums of many small terms.
 
 /// A compensated sum, whose rounding error does not grow with the number of terms (Kahan, 1965).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

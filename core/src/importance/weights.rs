@@ -37,6 +37,8 @@ impl<const N: usize> Weights<N> {
         self.sums.get(joint).map_or(0.0, |sum| sum.value())
     }
 
+    /// Returns the sums as the weights of the joints.
+    ///
     /// # Errors
     /// As in [`Importance::new`].
     pub(super) fn importance(&self) -> Result<Importance<N>, ImportanceError> {

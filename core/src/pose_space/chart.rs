@@ -21,7 +21,7 @@ pub struct JointCoordinates {
 }
 
 impl JointCoordinates {
-    /// The pose of the joint's placement.
+    /// Coordinates of a joint whose body is at the joint's placement.
     pub const ZERO: Self = Self { angular_rad: Vec3::ZERO, linear_m: Vec3::ZERO };
 
     /// Returns `|angular|² + |linear|²`, in rad² and m².
@@ -126,8 +126,9 @@ fn nearer_angle(angle_rad: f32) -> f32 {
     }
 }
 
-/// Returns start and step of the shortest line between two rotations in terms of their vectors. Every rotation has a
-/// second vector, the other way round; it replaces one of the two vectors if that shortens the line.
+/// Returns start and step of the shortest line from a rotation vector of one rotation to a rotation vector of another.
+/// Every rotation except the identity has a second vector, for the turn in the opposite direction. This second vector
+/// replaces one of the two vectors if that shortens the line.
 fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     let direct = to_rad - from_rad;
     let (from_squared, to_squared) = (from_rad.dot(from_rad), to_rad.dot(to_rad));
@@ -166,7 +167,7 @@ pub(super) fn gradient(body: &Body, at: &JointCoordinates, of_motion: &Twist) ->
 fn right_jacobian(vector_rad: Vec3) -> Mat3 {
     let squared = vector_rad.dot(vector_rad);
     let (of_cross, of_square) = if squared < 0.06 {
-        // Series, because the differences below would have no digits left.
+        // A series is used, because the differences below would have no digits left.
         (
             0.5 - squared * (1.0 / 24.0 - squared * (1.0 / 720.0)),
             1.0 / 6.0 - squared * (1.0 / 120.0 - squared * (1.0 / 5040.0)),

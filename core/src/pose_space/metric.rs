@@ -137,8 +137,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         self.gather(at, out);
     }
 
-    /// Replaces forces on all bodies by Jᵀ of them, in place: the generalised force on every joint, in body axes,
-    /// along its dofs. The forces are `linear`, at the joints, in world axes; `angular` is zero.
+    /// Replaces forces `f` on all bodies by `Jᵀ f`, in place: the generalised force on every joint, in body axes, along
+    /// its dofs. The forces are `linear`, at the joints, in world axes; `angular` is zero.
     pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Twist]) {
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = forces.get(index).copied() else { continue };
@@ -206,7 +206,8 @@ impl<const N: usize> PoseSpace<'_, N> {
     }
 }
 
-/// Returns the rotation of a body in its joint frame, or the identity if its motion subspace does not depend on it.
+/// Returns the rotation of a body in its joint frame, or the identity if the joint's motion subspace does not
+/// depend on this rotation.
 fn rotation_in_joint<const N: usize>(body: &Body, place: &Transform, at: &BodyPoses<N>) -> Quat {
     if !matches!(body.joint, JointKind::Universal { .. }) {
         return Quat::IDENTITY;

@@ -68,7 +68,7 @@ pub struct PoseSpace<'t, const N: usize> {
     root: Root,
 }
 
-/// Whether the root's pose counts.
+/// Choice whether the root's pose counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Root {

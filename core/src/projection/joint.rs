@@ -1,4 +1,4 @@
-//! The part of one joint in a projection: its start, its allowed motions, and its step.
+//! One joint in a projection: its start, its allowed motions, and its step.
 
 use glam::Vec3;
 
@@ -35,7 +35,7 @@ impl Joint {
         pressed: 0,
     };
 
-    /// Starts from the new desired pose with the last solution's deviation, as far as the joint can reach it.
+    /// Starts from the new desired pose with the last solution's deviation, as far as the joint and its range allow.
     pub(super) fn start(&mut self, body: &Body, range: &JointRange, desired: &Transform) {
         let start = *desired * self.deviation;
         match body.joint {
@@ -67,19 +67,20 @@ impl Joint {
         }
     }
 
-    /// Returns `true` if the joint allows any rotation, and nothing else.
+    /// Returns `true` if the joint allows any rotation and nothing else: a spherical joint that is not pressed against
+    /// the end of its range.
     pub(super) fn is_free_ball(&self, body: &Body) -> bool {
         matches!(body.joint, JointKind::Spherical) && !self.is_pressed()
     }
 
-    /// Returns the motions that the joint allows, in world axes. `pose`: world pose of its body.
+    /// Returns the motions that the joint allows, in world axes. `pose` is the world pose of its body.
     pub(super) fn dofs(&self, body: &Body, pose: &Transform) -> MotionSubspace {
         let held = |index: u8| self.pressed & (1 << index) != 0;
         match body.joint {
             JointKind::Free => MotionSubspace::Free,
             JointKind::Spherical if held(0) => {
-                // The axis towards the border first, then two axes perpendicular to it: along the border, and about
-                // itself.
+                // The first axis points towards the border of the range. The two other axes are perpendicular to
+                // it, and are not limited.
                 let from_zero = body.placement.rotation.conjugate() * self.pose.rotation;
                 let out = pose.rotation * direction(math::log(from_zero));
                 let helper = if out.x.abs() < 0.7 { Vec3::X } else { Vec3::Y };
@@ -119,8 +120,8 @@ impl Joint {
         self.pressed != 0
     }
 
-    /// Moves the joint by a sweep's response and returns the motion of its body, in world axes. `pose`: world pose of
-    /// the body. `carried`: motion by the parent.
+    /// Moves the joint by a sweep's response and returns the motion of its body, in world axes. `pose` is the world
+    /// pose of the body. `carried` is the body's motion with its parent.
     ///
     /// A step that is not finite (inputs near the limit of f32) is ignored.
     pub(super) fn step(
@@ -191,7 +192,8 @@ impl Joint {
                 self.deviation.rotation =
                     math::unit(desired.rotation.conjugate() * self.pose.rotation);
                 if let JointKind::Prismatic { .. } = kind {
-                    // Only along the axis: the part across it, due to another figure, would only add rounding.
+                    // Only the part along the axis is used: the part across it comes from the dimensions of the
+                    // other figure, and would only add rounding.
                     let wanted = kind.along(&(body.placement.inverse() * *desired));
                     let off = kind.at(self.along).translation_m - kind.at(wanted).translation_m;
                     if off.is_finite() {
@@ -203,7 +205,7 @@ impl Joint {
         }
     }
 
-    /// Rotates the body, and updates its deviation from the desired pose. `turn`: in world axes.
+    /// Rotates the body, and updates its deviation from the desired pose. `turn` is in world axes.
     #[inline]
     fn turn_by(&mut self, desired: &Transform, pose: &Transform, turn: Vec3) {
         let in_body = math::rotate(pose.rotation.conjugate(), turn);
@@ -231,7 +233,7 @@ impl Joint {
         self.pose = if pose.is_finite() { pose } else { body.placement };
     }
 
-    /// Returns a spherical joint to its range. The result is the correction, in body axes, if it was outside.
+    /// Moves a spherical joint back into its range. Returns the correction, in body axes, if the joint was outside.
     fn keep_turn_within(
         &mut self,
         body: &Body,

@@ -29,8 +29,8 @@ use crate::tree::{Body, Tree};
 /// Each call makes a fixed number of Gauss-Newton steps (twenty in a workspace's first call), from the last call's
 /// solution: the deviation of each joint from its desired pose. The deviation changes slowly in a performance, which
 /// makes a single step enough (see [`DEFAULT_SWEEPS`]). A step is stiffened where a body is pulled away, and damped
-/// while a joint is pressed against its end. Each step is solved exactly in O(n) by sweeps of the articulated-body
-/// algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
+/// while a joint is pressed against the end of its range. Each step is solved exactly in O(n) by sweeps of the
+/// articulated-body algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -65,7 +65,8 @@ pub struct ManifoldProjection<const N: usize> {
     sweeps: u8,
 }
 
-/// Default number of sweeps per call. Starting from the frame before, a single sweep is within 1 % of the optimum.
+/// Default number of sweeps per call. If a call starts from the solution of the previous frame, a single sweep is
+/// within 1 % of the optimum.
 pub const DEFAULT_SWEEPS: u8 = 1;
 
 /// Number of sweeps in the first call, which has no solution to start from.
@@ -73,8 +74,8 @@ const FIRST_SWEEPS: u8 = 20;
 
 /// Additional relative resistance of all joints while a joint is pressed against the end of its range.
 ///
-/// When a joint reaches or leaves its end, the other joints have not accounted for it. Without damping, the sweeps
-/// can oscillate forever.
+/// When a joint reaches or leaves the end of its range, the steps of the other joints have not taken this into
+/// account. Without damping, the sweeps can oscillate forever.
 const PRESSED_DAMPING: f32 = 0.3;
 
 impl<const N: usize> ManifoldProjection<N> {
@@ -104,7 +105,7 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { weights, ..self })
     }
 
-    /// Sets a range for each joint: no solution is ever outside its range.
+    /// Sets a range for each joint. No solution is ever outside these ranges.
     ///
     /// # Errors
     /// [`ProjectionError`] if the number of ranges is not the number of joints, or a range does not fit its joint.
@@ -125,8 +126,8 @@ impl<const N: usize> ManifoldProjection<N> {
         Ok(Self { ranges: fixed::collect(ranges.iter().copied()), ..self })
     }
 
-    /// Holds the root at its desired pose, which a rig that walks on its own feet must not change. A root on a fixed
-    /// joint is held in any case.
+    /// Holds the root at its desired pose. For a rig that walks on its own feet, the projection must not change the
+    /// root's pose. A root on a fixed joint is held in any case.
     #[must_use]
     pub fn with_root_held(self) -> Self {
         Self { root_held: true, ..self }
@@ -138,7 +139,7 @@ impl<const N: usize> ManifoldProjection<N> {
         Self { sweeps: sweeps.max(1), ..self }
     }
 
-    /// Computes the nearest pose, as the poses of all joints in their parents' frames. `desired`: in the same form,
+    /// Computes the nearest pose, as the poses of all joints in their parents' frames. `desired` has the same form,
     /// with the performer's dimensions. O(n) for each sweep.
     ///
     /// A root that is fixed or held gets its desired pose; other fixed joints get their placement. Use one workspace
@@ -347,7 +348,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
 }
 
 impl Solved {
-    /// Sets the demand of the body itself. `joint`: its joint to the parent.
+    /// Sets the demand of the body itself. `joint` connects the body to its parent.
     #[inline]
     fn ask(&mut self, parent: Option<&Self>, joint: &Joint, weight: BodyWeight) {
         self.pose = parent.map_or(joint.pose, |parent| parent.pose * joint.pose);

@@ -3,7 +3,7 @@
 use crate::joint::JointKind;
 use crate::math;
 
-/// The range of a joint, from the zero pose of its joint frame.
+/// The range of a joint, relative to the zero pose of its joint frame.
 ///
 /// ```
 /// use sinew_core::projection::{BodyWeight, JointRange, ManifoldProjection, ProjectionError};
@@ -65,7 +65,7 @@ impl JointRange {
         }
     }
 
-    /// Returns the ends of axis `index`.
+    /// Returns the ends of axis `index`; infinite without a limit.
     pub(super) fn ends(self, index: usize) -> [f32; 2] {
         match self {
             Self::Axis(ends) => ends,

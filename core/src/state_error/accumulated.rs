@@ -64,15 +64,16 @@ impl<const N: usize> References<N> {
         Self::of_ancestor(tree, 0)
     }
 
-    /// Refers all bodies beyond `ancestor` to `ancestor`; `ancestor` and all other bodies to the world.
+    /// Makes `ancestor` the reference of all bodies beyond it, and the world the reference of `ancestor` and all
+    /// other bodies.
     pub fn of_ancestor(tree: &Tree<N>, ancestor: usize) -> Self {
         let seen = |joint| tree.is_ancestor(ancestor, joint).then_some(ancestor);
         Self { bodies: fixed::collect((0..tree.len()).map(seen)) }
     }
 
-    /// Refers every body to its ancestor `count` generations up, or to the world if that is beyond the root. With 1
-    /// this is the parent, which gives the local error; with the depth of the tree it gives the world error. A body
-    /// cannot refer to itself: 0 counts as 1. O(n · count).
+    /// Makes the ancestor `count` generations up the reference of every body, or the world if that is beyond the
+    /// root. With 1 this is the parent, which gives the local error; with the depth of the tree it gives the world
+    /// error. A body cannot be its own reference: 0 counts as 1. O(n · count).
     pub fn generations(tree: &Tree<N>, count: usize) -> Self {
         let above = |joint| (0..count.max(1)).try_fold(joint, |body, _| tree.parent(body));
         Self { bodies: fixed::collect((0..tree.len()).map(above)) }
@@ -121,11 +122,11 @@ impl fmt::Display for ReferencesError {
 
 impl core::error::Error for ReferencesError {}
 
-/// Computes the error of each body relative to its reference body, in the axes of the reference: the desired pose
-/// relative to the desired reference against the measured pose relative to the measured reference.
+/// Computes the error of each body relative to its reference body, in the axes of the reference. The desired pose is
+/// taken relative to the desired reference, and the measured pose relative to the measured reference.
 ///
-/// With the parent as reference this is [`local`](super::local()), with the world [`world`](super::world()). In
-/// between it accumulates the errors of the joints between l and i. O(n).
+/// With the parent as reference this is [`local`](super::local()), with the world [`world`](super::world()). With
+/// an ancestor l between them, it accumulates the errors of the joints between l and body i. O(n).
 ///
 /// ```
 /// use sinew_core::{BodyState, Transform, glam::Vec3, state_error::{StateError, accumulated}};

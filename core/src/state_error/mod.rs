@@ -145,10 +145,10 @@ pub enum Method<const N: usize> {
         settings: Compensation,
     },
     /// World Space Error that commands accelerations of bodies instead of joints. A body's world error then does not
-    /// depend on its ancestors' errors, see [`resolved_acceleration`](crate::dynamics::resolved_acceleration). Only
-    /// with inverse dynamics.
+    /// depend on its ancestors' errors, see [`resolved_acceleration`](crate::dynamics::resolved_acceleration). It
+    /// needs inverse dynamics.
     ResolvedAcceleration {
-        /// Weights of the bodies, for when not every body can reach its acceleration.
+        /// Weights of the bodies, used when not every body can reach its acceleration.
         weights: BodyWeights<N>,
     },
 }

@@ -40,7 +40,8 @@ pub(super) struct Desired<const N: usize> {
     latency: i32,
     projection: Option<ManifoldProjection<N>>,
     projected: ProjectionWorkspace<N>,
-    /// Stores frames itself. When velocities are those of bodies, it is used instead of `window`.
+    /// Differences of the bodies' poses. It stores frames itself, and is used instead of `window` if the velocities
+    /// are differences of bodies.
     of_bodies: ForwardDifferences<N>,
     /// Whether the steps in `of_bodies` belong to the next three frames, for aligned differences. The storage is
     /// shared, because bodies' and aligned differences are never used together, and boards lack the RAM for both.
@@ -123,12 +124,12 @@ impl<const N: usize> Desired<N> {
         self.differences == Differences::Forward && self.velocity == DesiredVelocity::Bodies
     }
 
-    /// Returns the frame for the time when the torques of a tick act.
+    /// Returns the number of the frame for the time when the torques of a tick act.
     fn met_by(&self, index: i32) -> i32 {
         index.saturating_add(self.latency)
     }
 
-    /// Returns the latest frame that the differences for a tick need.
+    /// Returns the number of the latest frame that the differences for a tick need.
     fn newest_of(&self, index: i32) -> i32 {
         self.met_by(index).saturating_add(self.differences.frames_ahead())
     }

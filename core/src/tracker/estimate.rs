@@ -1,4 +1,4 @@
-//! The measured side: estimates the state at the time when the torques act from the readings.
+//! The measured side: estimates, from the readings, the state at the time when the torques act.
 
 use crate::control::Limited;
 use crate::joint_states::JointStates;
@@ -11,11 +11,11 @@ use crate::tree::Tree;
 use super::error::{InputError, check_count};
 use super::frames::Measured;
 
-/// The state of the rig: backward differences of readings, or an observer, which starts from them.
+/// The state of the rig: backward differences of readings, or an observer, which starts from these differences.
 #[derive(Debug)]
 pub(super) struct Estimate<const N: usize, const D: usize> {
     dt_s: f32,
-    /// Last accepted reading, with speeds by differences or as measured.
+    /// Last accepted reading, with measured speeds or speeds from differences.
     differenced: JointStates<N>,
     /// Ticks since the last accepted reading; zero before the first.
     age_ticks: u16,
@@ -101,7 +101,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         measured: Measured<'_>,
     ) -> Result<(), InputError> {
         let age_ticks = self.age_ticks;
-        // The age grows before the reading is checked: a refused reading also takes its tick.
+        // The age grows before the reading is checked, because a refused reading also takes a tick.
         self.skip(1);
         match measured {
             Measured::Poses(poses) => {
@@ -180,7 +180,7 @@ impl<const N: usize, const D: usize> Estimate<N, D> {
         }
     }
 
-    /// Records that nothing was commanded in this tick: the observer restarts.
+    /// Records that nothing was commanded in this tick, so that the observer restarts.
     pub(super) fn interrupt(&mut self) {
         self.observing = false;
     }

@@ -78,8 +78,8 @@ pub trait FrameSource {
     /// [`extrapolate_before_start`]. Beyond the end, the last frame is held.
     fn frame(&mut self, index: i32) -> Frame<'_>;
 
-    /// Returns `true` if all frames are [`Frame::Coordinates`]. If the compiler can evaluate it to `true`, a board's
-    /// image contains no code for poses: neither projection nor differences.
+    /// Returns `true` if all frames are [`Frame::Coordinates`]. If the compiler can evaluate this method to `true`,
+    /// a board's image contains no code for poses: neither projection nor differences.
     #[inline]
     fn has_coordinates_alone(&self) -> bool {
         false

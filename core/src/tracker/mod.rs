@@ -46,7 +46,8 @@ pub use settings::{
 };
 pub use timing::{MAX_DELAY_S, Timing};
 
-/// A [`Tracker`] of a rig of up to `N` bodies: latency of up to 7 ticks, all methods but resolved acceleration.
+/// A [`Tracker`] of a rig of up to `N` bodies, for a latency of up to 7 ticks and all methods except resolved
+/// acceleration.
 ///
 /// ```
 /// use sinew_core::tracker::{RigTracker, Settings, Timing};
@@ -216,7 +217,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
-    /// [`TrackerError::Observer`], and nothing is changed. [`Observer`](crate::observer::Observer) names the limits.
+    /// [`TrackerError::Observer`], and nothing is changed.
+    /// [`Observer::set_bandwidths`](crate::observer::Observer::set_bandwidths) names the limits.
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), TrackerError> {
         Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
     }
@@ -265,7 +267,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     ///
     /// # Errors
     /// [`TrackerError`] if the supply is for another number of joints, has weights although the rule is not
-    /// [`Sharing::Importance`], or has no weights although it is.
+    /// [`Sharing::Importance`], or has no weights although the rule is [`Sharing::Importance`].
     pub fn with_supply(self, supply: TorqueSupply<N>) -> Result<Self, TrackerError> {
         let (expected, found) = (self.controller.tree().len(), supply.joint_count());
         if found != expected {
@@ -304,11 +306,11 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Starts like a new tracker at tick `index`: reads the frames before those of the tick, and accepts a reading
     /// from a tick earlier. If the reading has no speeds, the rig counts as at rest.
     ///
-    /// The first tick calls this itself, with its own reading. If the projection must find its first pose, the call
-    /// takes as long as about twenty ticks.
+    /// The first [`Self::step`] calls this function itself, with its own reading. If the projection must find its
+    /// first pose, the call takes as long as about twenty ticks.
     ///
     /// # Errors
-    /// [`StepError`] if a frame or the reading is refused. Call it again.
+    /// [`StepError`] if a frame or the reading is refused. Call the function again.
     pub fn begin<'m>(
         &mut self,
         frames: &mut impl FrameSource,
@@ -328,7 +330,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// the new performance; to avoid a jump, the source must blend.
     ///
     /// # Errors
-    /// [`StepError::Frame`] if a frame is refused. Call it again.
+    /// [`StepError::Frame`] if a frame is refused. Call the function again.
     pub fn begin_frames(
         &mut self,
         frames: &mut impl FrameSource,
@@ -339,7 +341,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
 
     /// Records that `ticks` were missed since the last call of [`Self::begin`] or [`Self::step`]. The next velocities
     /// are then differences over the elapsed time, and an observer, which does not know the commands in between,
-    /// restarts from them. A refused call of [`Self::step`] does not count as missed.
+    /// restarts from these velocities. A refused call of [`Self::step`] does not count as missed.
     pub fn skip(&mut self, ticks: u16) {
         self.estimate.skip(ticks);
     }
@@ -350,7 +352,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// a jump (a missed tick or a refused frame), the targets therefore continue at constant velocities. A tick after
     /// a jump thus takes no longer than others. To use the new frames at once, call [`Self::begin_frames`].
     ///
-    /// A refused tick counts in time: the next tick takes differences over it. For missed ticks, call [`Self::skip`].
+    /// The time of a refused tick counts: the next tick computes differences over it. For missed ticks, call
+    /// [`Self::skip`].
     ///
     /// # Errors
     /// [`StepError`] if a frame or a reading is refused: the number of poses is not the number of joints, a pose is
@@ -389,19 +392,19 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         Ok(Tick { tracker: self })
     }
 
-    /// Records that a dof swings: the next measurement is observed with this share, 0 to 1, of its joint's own
-    /// bandwidth. O(n).
+    /// Records that a dof swings. The measurement that shows the effect of the last tick's command is observed with
+    /// this share, 0 to 1, of the joint's own bandwidth. O(n).
     ///
-    /// The observer is part of the loop that sustains a swing through a soft gear. Less feedback alone would not stop
-    /// it.
+    /// The observer is part of the loop that sustains a swing through a soft gear. Less feedback alone would not
+    /// stop the swing.
     pub fn note_swing(&mut self, dof: usize, share: f32) {
         if let Some(joint) = self.joint_of(dof) {
             self.estimate.observer_mut().note_share(joint, share);
         }
     }
 
-    /// Records that the drive of a dof could not deliver the command of the last tick: from the next measurement, no
-    /// disturbance is learnt that would ask for more. O(n).
+    /// Records that the drive of a dof could not deliver the command of the last tick. From the measurement that
+    /// shows this command's effect, no disturbance is learnt that would ask for more torque. O(n).
     pub fn note_limited(&mut self, dof: usize) {
         let Some(joint) = self.joint_of(dof) else { return };
         let bodies = self.controller.tree().bodies();

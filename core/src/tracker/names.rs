@@ -62,10 +62,10 @@ methods! {
 }
 
 impl MethodName {
-    /// The paper's three methods, in its order.
+    /// The paper's three methods, in the paper's order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
-    /// All methods that need no reference body.
+    /// All methods except [`Self::Accumulated`], which needs the setting of a reference body.
     pub const ALL: [Self; 7] = [
         Self::Local,
         Self::World,
@@ -153,7 +153,7 @@ pub enum AimName {
     AllChildren,
 }
 
-/// The source of desired velocities, with forward differences.
+/// The source of the desired velocities, if forward differences are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -184,8 +184,8 @@ pub enum Sharing {
     /// All torques are reduced by the same factor.
     #[cfg_attr(feature = "serde", serde(rename = "alike"))]
     Uniform,
-    /// The squared reductions are minimal, weighted by the skin motion they cause: the weights of the
-    /// [`TorqueSupply`](crate::supply::TorqueSupply).
+    /// The weighted sum of squared reductions is minimal. The weights are those of the
+    /// [`TorqueSupply`](crate::supply::TorqueSupply), for example the skin motion that a joint causes.
     Importance,
     /// The torques that carry the rig are kept; those that accelerate it are reduced by the same factor.
     Accelerations,

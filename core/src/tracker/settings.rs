@@ -22,7 +22,7 @@ pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 /// Bandwidth of the recommended observer, rad/s; limited to one over the tick.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
-/// Importance of a bone itself in the importance by lengths, m.
+/// Base importance of every joint in the importance by lengths, m.
 const IMPORTANCE_BASE_M: f32 = 0.1;
 const IMPORTANCE_DISCOUNT: f32 = 0.9;
 
@@ -50,7 +50,7 @@ const IMPORTANCE_DISCOUNT: f32 = 0.9;
 pub struct Settings<B: Default = usize> {
     /// Method of measuring the state error.
     pub method: MethodName,
-    /// Reference body of its descendants, for `accumulated`; all other bodies refer to the world.
+    /// Reference body of all its descendants, for `accumulated`. The reference of all other bodies is the world.
     pub reference: B,
     /// Weight β of Linear Compensation: 0 is World Space Error, 1 is the paper's method.
     pub beta: f32,
@@ -60,13 +60,13 @@ pub struct Settings<B: Default = usize> {
     pub aim: AimName,
     /// Manifold projection, for methods with a projection.
     pub projection: ProjectionSettings,
-    /// Weights of resolved acceleration, for when not every body can reach its acceleration.
+    /// Weights of resolved acceleration, used when not every body can reach its acceleration.
     pub resolved: ResolvedSettings,
     /// Estimation of the state from the sensors.
     pub observer: ObserverChoice,
     /// Frames whose differences give desired velocities and accelerations.
     pub differences: Differences,
-    /// Source of the desired velocities, with forward differences.
+    /// Source of the desired velocities, if forward differences are used.
     pub desired_velocity: DesiredVelocity,
     /// Law that turns the error into a torque.
     #[cfg_attr(feature = "serde", serde(with = "super::names::law"))]
@@ -75,7 +75,7 @@ pub struct Settings<B: Default = usize> {
     pub sharing: Sharing,
     /// Factors of the gains of `pd`, joint by joint.
     pub gains: GainsName,
-    /// Stiffness, critically damped: in 1/s², or in N m/rad for `pd` with uniform gains.
+    /// Stiffness, in 1/s², or in N m/rad for `pd` with uniform gains. The damping is critical.
     pub kp: f32,
     /// Whether the gains are those of stable PD, which act on the state one period ahead.
     pub implicit: bool,
@@ -153,7 +153,7 @@ pub struct ObserverChoice {
     pub predict: bool,
 }
 
-/// Weights of resolved acceleration, for when not every body can reach its acceleration.
+/// Weights of resolved acceleration, used when not every body can reach its acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -162,7 +162,8 @@ pub struct ObserverChoice {
     serde(deny_unknown_fields, default)
 )]
 pub struct ResolvedSettings {
-    /// Weight of the acceleration of a body's joint; with 0 only the root's counts.
+    /// Weight of the linear acceleration of a body's origin. With 0, it counts only for bodies on free or prismatic
+    /// joints, such as a free root, and `rotation_m` is not used.
     pub position: f32,
     /// Weight of rotation against position: an error of 1 rad/s² costs as much as this many m/s².
     pub rotation_m: f32,
@@ -185,8 +186,8 @@ impl<B: Default + Clone> Settings<B> {
     /// Replaces the method [`MethodName::Recommended`] by the settings that it represents, for a rig with a period of
     /// `dt_s` seconds. Gains and the projection's weights are kept.
     ///
-    /// A tracker with explicit settings does not check its [`Timing`](super::Timing): for simulations of drives with
-    /// too much delay.
+    /// A tracker with explicit settings does not check its [`Timing`](super::Timing), so that drives with too much
+    /// delay can be simulated.
     #[must_use]
     pub fn effective(self, dt_s: f32) -> Self {
         let recommended = self.method == MethodName::Recommended;
@@ -217,8 +218,8 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// Sets the method, for a comparison of several: [`MethodName::Recommended`] gets its own differences and
-    /// observer, whatever the settings of the others.
+    /// Sets the method, for a comparison of several methods with common settings. [`MethodName::Recommended`] fixes
+    /// differences and observer: other values of these two settings are replaced.
     #[must_use]
     pub fn with_method(self, method: MethodName) -> Self {
         let of_method = Self { method, ..self };

@@ -4,8 +4,8 @@ use crate::pose_step::rate;
 
 use super::error::{SettingError, TrackerError};
 
-/// Maximum delay from a measurement to the end of the actuated tick, s. In simulation, `recommended` is unstable beyond
-/// it on every rig with masses off by 15 % and sensors of 12 bits.
+/// Maximum delay from a measurement to the end of the actuated tick, s. In simulations with masses off by 15 % and
+/// sensors of 12 bits, `recommended` is unstable beyond this delay on every rig.
 pub const MAX_DELAY_S: f32 = 0.010;
 
 /// The period of a tracker, and the latency of its torques.

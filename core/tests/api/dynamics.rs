@@ -119,7 +119,7 @@ fn forward_dynamics_is_the_way_back_from_inverse_dynamics() {
         let (mut tau, mut back) = (vec![0.0; qd.len()], vec![0.0; qd.len()]);
         tree.inverse_dynamics(q, qd, qdd, &mut tau).unwrap();
         tree.forward_dynamics(q, qd, &tau, &mut back).unwrap();
-        // In efforts, as accelerations may be off by the condition of the matrix.
+        // Compared as efforts, because accelerations may be off by the condition number of the matrix.
         let off: Vec<f32> = back.iter().zip(qdd).map(|(a, b)| a - b).collect();
         let off = largest(&product(&mass_matrix(tree, q), &off));
         assert!(off <= 2e-5 * largest(&tau).max(1.0), "off by {off:e} of {}", largest(&tau));

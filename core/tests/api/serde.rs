@@ -235,8 +235,8 @@ fn bad<T: Serialize + DeserializeOwned>(value: &T) {
     assert!(postcard::from_bytes::<T>(bytes).is_err(), "{}", std::any::type_name::<T>());
 }
 
-/// Returns `true` if a number was refused as too large: because it is not finite, or already by the text's reader, if
-/// some crate of the workspace makes it read numbers exactly.
+/// Returns `true` if a number was refused as too large: either because it is not finite, or by the JSON reader
+/// itself. The reader refuses it if a crate of the workspace enables exact reading of numbers.
 fn too_large(message: &str) -> bool {
     message.contains("not finite") || message.contains("number out of range")
 }

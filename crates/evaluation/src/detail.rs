@@ -103,8 +103,8 @@ impl Histogram {
         self.counts.iter().sum()
     }
 
-    /// Returns the distribution function as pairs of a bin's upper bound and the share of values below it, from
-    /// the last empty bin at the bottom to the first bin that reaches the total.
+    /// Returns the distribution function as pairs of a bin's upper bound and the share of values below it. The first
+    /// pair has the lower bound of the first bin that is not empty, with the share 0; the last pair has the share 1.
     pub fn cumulative(&self) -> Vec<(f64, f64)> {
         let n = self.n() as f64;
         let mut below = 0;

@@ -12,8 +12,8 @@ use super::controller::narrow;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Disturbance {
-    /// Half-width of the random mass error: every body of the plant has `1 ± masses` times the mass in the
-    /// controller's model. Below 1.
+    /// Half-width of the random mass error: mass and inertia of every body of the plant are those in the controller's
+    /// model times a random factor from `1 - masses` to `1 + masses`. Below 1.
     pub masses: f64,
     /// Seed of the masses and of the noise.
     pub seed: u64,
@@ -81,7 +81,8 @@ impl Disturbance {
         None
     }
 
-    /// Returns the rig as it was built, with varied masses. All motions of a seed have one rig.
+    /// Returns the rig as it was built, with varied masses. They depend only on the seed, so all motions have the same
+    /// rig.
     pub(super) fn build(&self, mechanism: &Mechanism) -> Mechanism {
         let mut random = Random::new(self.seed, Subject::Masses);
         let mut built = mechanism.clone();

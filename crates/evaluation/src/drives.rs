@@ -29,8 +29,8 @@ impl Drives {
         }
     }
 
-    /// Accepts the desired wrenches of a frame, in body axes. Returns the wrenches that act now on the bodies at
-    /// these poses, and the number of joints that did not receive what was desired.
+    /// Accepts the desired wrenches of a frame, in body axes. Returns the wrenches that act now on the bodies at these
+    /// poses, and the number of joints that did not receive their desired wrench.
     pub(super) fn act(
         &mut self,
         performance: &Performance<'_>,

@@ -90,7 +90,7 @@ pub struct MethodResult {
 }
 
 impl Evaluation {
-    /// Returns a description of the support of a user's rig's base; `None` for the paper's figure.
+    /// Returns how the base of a user's rig is supported, in words; `None` for the paper's figure.
     pub fn base(&self) -> Option<&'static str> {
         let how = if self.driven { "driven from outside" } else { "held by a stand" };
         self.rig.as_ref().map(|_| how)

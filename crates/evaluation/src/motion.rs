@@ -35,10 +35,11 @@ pub trait EvaluatedMotion: Sync {
     /// [`RunError`] if there is no rig for this motion.
     fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError>;
 
-    /// Makes the rig for a setup. If a user's rig is on a stand, its base is not judged.
+    /// Makes the rig for a setup. If a user's rig is on a stand, the error of its base does not count.
     ///
     /// # Errors
-    /// [`RunError`] if there is no rig, its values are not representable in f32, or it has no surface.
+    /// [`RunError`] if there is no rig for this motion, the rig has too many bodies, or a value is not representable in
+    /// f32.
     fn rig(&self, setup: &Setup) -> Result<Rig, RunError> {
         let rig = Rig::new(self.mechanism(setup)?)?;
         Ok(if self.rig_name().is_some() { rig.without_stand() } else { rig })

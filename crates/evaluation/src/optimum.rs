@@ -7,9 +7,9 @@
 //!
 //! `Σ |p_i - p_d,i|² + w² Σ |Log(R_i R_d,iᵀ)|²`
 //!
-//! with the rotation weight w, a length: a point of a body at that distance from its joint counts as much as the
-//! joint. Over all w the nearest poses are a curve from World's rotations to the nearest positions. The minimum is
-//! one of squares: a mean of absolute errors may be slightly below it.
+//! with the rotation weight w, a length: a point of a body at that distance from its joint counts as much as the joint.
+//! Over all w the nearest poses are a curve from World's rotations to the nearest positions. Since squares are
+//! minimised, another pose may have a slightly smaller mean of absolute errors.
 
 use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -44,9 +44,9 @@ pub enum RootConstraint {
 /// The nearest poses for figures of every scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Optimum {
-    /// Interval of the frames for which a pose was computed.
+    /// A pose was computed for every `every`-th frame.
     pub every: usize,
-    /// Number of poses whose search was abandoned. They are counted as they were then.
+    /// Number of poses whose search was abandoned. The last pose of such a search is counted in the errors.
     pub unsolved: usize,
     /// Curves by scale, in the protocol's order, and for each scale by root constraint.
     pub scales: Vec<Vec<Curve>>,
@@ -153,7 +153,7 @@ pub struct Search<'a> {
     held: RootConstraint,
     /// Nearest pose found, in the world.
     pub poses: Vec<Pose>,
-    /// Deviation of that pose from the desired pose, in rad. The next search begins there.
+    /// Deviation of that pose from the desired pose, in rad. The next search begins with this deviation.
     deviation_rad: Vec<DVec3>,
     shift_m: DVec3,
 }
@@ -219,7 +219,7 @@ impl<'a> Search<'a> {
         poses.iter().zip(desired).map(of_body).sum()
     }
 
-    /// Returns the figure with its root at a place and these rotations of its bodies in the world.
+    /// Returns the poses of the figure with its root at `root_m` and these rotations of its bodies in the world.
     fn assembled(&self, root_m: DVec3, rotations: impl Iterator<Item = DQuat>) -> Vec<Pose> {
         let mut poses: Vec<_> =
             rotations.map(|rotation| Pose { rotation, position_m: root_m }).collect();
@@ -464,7 +464,7 @@ mod tests {
         }
     }
 
-    /// Compares with the core's search in f32 by another method. After many sweeps both arrive at one pose.
+    /// Compares with the core's search in f32 by another method. After many sweeps both arrive at the same pose.
     #[test]
     fn the_projection_of_the_core_ends_at_the_optimum() {
         let motion = moving("clip", 40);

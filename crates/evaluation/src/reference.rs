@@ -84,7 +84,7 @@ impl FrameSource for Frames<'_> {
         if let Ok(index) = usize::try_from(index) {
             self.read(index);
         } else {
-            // Before the start the bodies move on as in the first step.
+            // Before the start, the motion is extrapolated from its first step.
             self.read(1);
             let second = self.joints.clone();
             self.read(0);

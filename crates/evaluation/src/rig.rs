@@ -22,7 +22,7 @@ impl Rig {
     /// Makes the rig of a mechanism. The errors of all its bodies count.
     ///
     /// # Errors
-    /// [`RunError`] if its values are not representable in f32, or it has no surface.
+    /// [`RunError`] if there are more than [`CAPACITY`] bodies, or a value is not representable in f32.
     pub fn new(mechanism: Mechanism) -> Result<Self, RunError> {
         let weights = ImportanceWeights::new(&mechanism)?;
         Ok(Self::with_weights(mechanism, weights))
@@ -60,8 +60,8 @@ impl Rig {
         &self.weights
     }
 
-    /// Returns the index of the first body whose error counts. For a figure with a fixed pelvis all bodies count,
-    /// as in earlier versions.
+    /// Returns the index of the first body whose error counts. For the paper's figure all bodies count, even if the
+    /// pelvis is fixed.
     #[inline]
     pub fn first_judged(&self) -> usize {
         self.first_judged

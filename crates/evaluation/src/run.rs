@@ -15,7 +15,8 @@ use super::sensors::Sensors;
 use super::setup::{RigTracker, Setup};
 use super::step::Step;
 
-/// Minimum distance from its goal at which a body counts as lost, in metres, for rigs with short bones.
+/// Lower bound, in metres, of the distance from its goal above which a body counts as lost. It applies to rigs with
+/// short bones.
 const LOST_LEAST_M: f64 = 0.1;
 
 /// A run that is ready to start: a motion, the rig that performs it, its controller, its sensors and drives, and
@@ -148,7 +149,7 @@ fn compute_lost_m(performance: &Performance<'_>) -> f64 {
     (own_m + of_motion_m + slides_m).max(LOST_LEAST_M)
 }
 
-/// Returns the maximum distance of a slide from its zero; 1 m if it has no range, the size of a rig.
+/// Returns the maximum distance of a slide from its zero, m; 1 m, the size of a rig, if the slide has no range.
 fn slide_m(link: &Link) -> Option<f64> {
     matches!(link.joint, JointModel::Prismatic(_)).then(|| {
         let ends = link.ranges.first().map_or([1.0; 2], |range| range.map(f64::abs));

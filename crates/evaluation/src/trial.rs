@@ -12,23 +12,23 @@ use super::setup::Setup;
 /// that no run is lost. Above it, the figure flails.
 pub const TRACKS_BELOW_DEG: f64 = 10.0;
 
-/// The errors of one setup over all clips, or the first clip on which the figure was lost.
+/// The errors of one setup over all clips, or the first clip whose run failed.
 pub type Trial = Result<Errors, Lost>;
 
-/// The loss of a figure in a run.
+/// The failure of a run: the figure was lost, or the run was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{clip}: {kind}")]
 pub struct Lost {
     /// Name of the clip.
     pub clip: String,
-    /// Reason for the loss.
+    /// Reason for the failure.
     pub kind: RunError,
 }
 
 /// Tracks all clips with one setup, in parallel; the result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`Lost`] for the first clip, in their order, on which the figure was lost.
+/// [`Lost`] for the first clip, in their order, whose run failed.
 pub fn run_trial(motions: &[impl EvaluatedMotion], setup: &Setup, seconds: Option<f64>) -> Trial {
     let runs: Vec<Trial> = motions
         .par_iter()

@@ -11,9 +11,9 @@ use crate::message::{ToController, ToHost};
 /// Maximum length of a body, in bytes: direction and message, without the CRC.
 ///
 /// The body has room for 256 bytes of content (64 numbers of a pose, or a page of flash) and 16 bytes of description.
-/// At 115,200 baud this frame takes 24 ms, the longest delay of a frame after it, such as an e-stop or its answer. Up
-/// to this length, CRC-32 detects any four wrong bits at any positions (a test tries all; Koopman's tables confirm it
-/// up to 371 bytes).
+/// At 115,200 baud a frame of this length takes 24 ms. A frame that follows it, such as an e-stop or its answer,
+/// therefore waits for at most 24 ms. Up to this length, CRC-32 detects any four wrong bits at any positions (a
+/// test tries all; Koopman's tables confirm it up to 371 bytes).
 pub const BODY_MAX: usize = 272;
 
 /// Length of the CRC, in bytes.

@@ -1,6 +1,7 @@
 //! The link between a host and a controller: bytes in, bytes out, with no I/O, no clock, no allocation, no panic.
 //!
-//! - [`encode`] and [`Decoder`] convert messages to frames (COBS, CRC-32) and back, with anything between the frames.
+//! - [`encode`] and [`Decoder`] convert messages to frames (COBS, CRC-32) and back; any bytes may be between the
+//!   frames.
 //! - [`message`] defines the messages of both directions. The page `docs/link.md` describes them for programs that do
 //!   not use this crate.
 //! - [`Session`] numbers messages on the controller's side. It executes a command once, and answers every copy of it.
@@ -54,12 +55,13 @@
 //! # Conventions
 //! - SI units and radians; quaternions xyzw, unit. The name of a value in another unit ends in that unit.
 //! - No number in a message is NaN or infinite: such a message is neither written nor read.
-//! - Kinds of messages, states and reasons are numbered in the order of their declaration. New ones are added at the
-//!   end; none is ever removed or moved. Faults are plain numbers: those of `docs/faults.md`.
+//! - Kinds of messages, states and reasons are numbered in the order of their declaration. New items are added at
+//!   the end; no item is ever removed or moved. Faults are plain numbers: those of `docs/faults.md`.
 //! - This crate makes no safety decision. A supervisor does, and it does not trust the link.
 //!
 //! # Files
-//! - `frame`, `decoder`, `finite`: a message as a frame; messages in a stream of anything; finite numbers only.
+//! - `frame`, `decoder`, `finite`: a message as a frame; messages in a stream that may contain garbage; finite
+//!   numbers only.
 //! - `message/`: a file for each subject; `telemetry` cuts a snapshot into frames.
 //! - `window`, `session`, `sender`: received numbers; the controller's side; the host's side.
 //! - `live/`: the sender's clock (`timeline`), a target for each tick (`buffer`), speeds by joint (`coordinate`).

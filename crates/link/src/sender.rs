@@ -8,8 +8,8 @@ use crate::message::{Answer, Command, Numbered, Outcome};
 /// same time again for the controller.
 const RETRY_MS: u32 = 100;
 
-/// Maximum number of transmissions of a command. If 1 frame in 10 is lost each way, all are lost for 1 in 10⁷
-/// commands.
+/// Maximum number of transmissions of a command. If 1 frame in 10 is lost each way, 1 command in 10⁷ gets no answer
+/// to any of its transmissions.
 const TRIES: u8 = 10;
 
 /// Maximum time of a command until its final answer, ms, even while the controller works on it. The longest work is
@@ -48,7 +48,7 @@ pub enum Next {
     GaveUp(Numbered<Command>),
 }
 
-/// An error: the command before is still without an answer.
+/// The error that the previous command has no answer yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SenderBusy;
 

@@ -44,9 +44,9 @@ pub enum Intake {
 }
 
 impl Session {
-    /// Creates a session state without a host. `first`: the number of the first session. It must differ after each
-    /// start of the board (a count of starts, or a random number), so that a host from before the start is not
-    /// accepted.
+    /// Creates a session state without a host. Sessions are numbered from the number after `first`. `first` must
+    /// differ after each start of the board (a count of starts, or a random number), so that a host from before the
+    /// start is not accepted.
     pub const fn new(first: u16) -> Self {
         Self {
             id: first,
@@ -58,8 +58,8 @@ impl Session {
         }
     }
 
-    /// Answers a greeting. A new greeting gets a new session, and ends the previous one. `busy`: another host has the
-    /// rig, and a new host is refused. The refused host does not learn the number of the current session.
+    /// Answers a greeting. A new greeting gets a new session, and ends the previous one. If `busy`, another host
+    /// has the rig, and a new host is refused. The refused host does not learn the number of the current session.
     pub fn hello(&mut self, hello: Hello, about: About, busy: bool) -> Welcome {
         let again = self.nonce == Some(hello.nonce);
         let verdict = match about.protocol.fit(hello.protocol) {

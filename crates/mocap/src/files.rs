@@ -14,7 +14,7 @@ pub enum Error {
     Folder {
         /// Path of the folder.
         folder: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A folder contains no clip.

@@ -1,8 +1,8 @@
 //! The zero-phase low-pass that removes sensor noise from a recording.
 //!
-//! A second-order Butterworth filter is applied forwards and then backwards, so that the delays cancel (D. A.
-//! Winter, Biomechanics and Motor Control of Human Movement, 4th ed., section 3.4.4). The cutoff is that of both
-//! passes together: the gain there is `1/sqrt(2)`.
+//! A second-order Butterworth filter is applied forwards and then backwards, so that the delays cancel (D. A. Winter,
+//! Biomechanics and Motor Control of Human Movement, 4th ed., section 3.4.4). The cutoff applies to both passes
+//! together: the gain there is `1/sqrt(2)`.
 //!
 //! Rotations are filtered as quaternions, component by component, and normalized. If a rotation changes by a few
 //! tenths of a radian within the filter's memory (about 30 ms at 6 Hz), the weighted sum of its quaternions has the

@@ -12,8 +12,8 @@ use crate::Clip;
 /// reach 1500 to 2300 deg/s in kicks and punches, and only jumps are faster. (The fastest known human joint motion,
 /// the inward rotation of a pitcher's shoulder, has about 7000 deg/s; such a recording is reported too.)
 const RATE_MIN_RAD_S: f64 = 2500.0 * (std::f64::consts::PI / 180.0);
-/// Minimum ratio of a flip to the rates around it, within [`AROUND_S`] on both sides; a fast spin does not reach
-/// it.
+/// Minimum ratio of the rate of a flip to the median rate within [`AROUND_S`] on both sides. A fast spin does not reach
+/// it, because the rates around are high, too.
 const SPIKE_MIN: f64 = 2.0;
 const AROUND_S: f64 = 0.1;
 /// Maximum number of evaluated values on each side: all of them up to 1 kHz, so that the cost of a median does not
@@ -88,8 +88,8 @@ fn of_joint(clip: &Clip, joint: usize, name: &str) -> Option<Flip> {
     flip
 }
 
-/// Returns the median of up to `around` values on each side of value `k`. Value `k` itself is left out, so that a
-/// jump does not hide itself in few values. Zero without values.
+/// Returns the median of up to `around` values on each side of value `k`; 0 if there are none. Value `k` itself is left
+/// out: among few values, a jump would raise the median with which it is compared.
 fn median(values: &[f64], k: usize, around: usize) -> f64 {
     let step = around.div_ceil(AROUND_MOST).max(1);
     let after = values[k + 1..].iter().take(around).step_by(step);

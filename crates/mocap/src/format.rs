@@ -41,7 +41,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is a skeleton without its motion.
@@ -63,7 +63,7 @@ pub enum Error {
         /// Path of the file.
         file: PathBuf,
     },
-    /// Neither name nor content is that of a known format.
+    /// Neither the name nor the content of the file shows a known format.
     #[error("{}: expected a motion in {NAMES}, found {}", file.display(), Kind::found(*found))]
     Unknown {
         /// Path of the file.

@@ -3,9 +3,9 @@
 //! Between the samples on both sides of a gap, rotations follow the great arc (slerp) and positions the line; a gap
 //! at an end of the clip is filled with the nearest sample.
 //!
-//! Splines are not used. For gaps cut into CMU's and Bandai's fights, cubics that keep the velocity at both sides
-//! had a quarter less error (root mean square) up to 0.2 s, no less at 0.4 s, and their worst errors were as large.
-//! The velocity at the edge of a gap is the least reliable part of a recording.
+//! Splines are not used. For a comparison, gaps were cut into CMU's and Bandai's fights. Cubics that keep the velocity
+//! at both sides had a quarter less error (root mean square) in gaps of up to 0.2 s, but not in gaps of 0.4 s, and
+//! their largest errors were as large. The velocity at the edge of a gap is the least reliable part of a recording.
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};

@@ -13,7 +13,7 @@ const FILE_BYTES_MAX: u64 = 1 << 30;
 /// Returns the bytes of a file of at most 1 GiB.
 ///
 /// # Errors
-/// Errors of the system; [`io::ErrorKind::InvalidInput`] for pipes and devices, which may never end;
+/// Errors of the operating system; [`io::ErrorKind::InvalidInput`] for pipes and devices, which may never end;
 /// [`io::ErrorKind::FileTooLarge`] for larger files.
 pub fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     let refused = |kind, what: &str| Err(io::Error::new(kind, what));

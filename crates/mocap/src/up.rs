@@ -71,8 +71,8 @@ pub fn to_y(axis: DVec3) -> DQuat {
 }
 
 impl Recording {
-    /// Returns the motion with y up. `up` is the unit axis that points up in its world; `rest_up` is that of the
-    /// pose without rotations, if it differs.
+    /// Returns the motion with y up. `up` is the unit axis that points up in its world; `rest_up` is the unit axis that
+    /// points up in the pose without rotations, which may differ.
     #[must_use]
     pub fn upright(mut self, up: DVec3, rest_up: DVec3) -> Self {
         let (world, rest) = (to_y(up), to_y(rest_up));

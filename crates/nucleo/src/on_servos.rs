@@ -106,8 +106,8 @@ impl<W: LineDevice> BoardOnServos<W> {
         while let Some(next_ns) = self.line.next_ns().filter(|next_ns| *next_ns <= now_ns) {
             self.line.run_until(next_ns);
         }
-        // An answer of a servo is simulated to its end, and passed to the machine with the time of its first byte; so
-        // is the answer of the next servo directly after it.
+        // An answer of a servo is simulated to its end, and passed to the machine with the time of its first byte. If
+        // the next servo answers directly after it, its answer is passed in the same way.
         while let Some(end_ns) = self.line.speaks_until_ns() {
             let mut said = [0; IN_LEN];
             self.line.run_until(end_ns);

@@ -22,19 +22,21 @@ const DOFS: usize = 128;
 const SERVOS: usize = 64;
 /// Rate at which a show is checked against limits, Hz.
 pub const CHECK_HZ: f64 = 250.0;
-/// Rate of the check of a show that must exceed no limit, Hz: between two checks it may exceed one for a few
-/// milliseconds.
+/// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, it could
+/// exceed one for a few milliseconds.
 const FITTED_HZ: f64 = 1000.0;
-/// Lowest rate of the rough check before that, Hz. It checks at least the samples, where accelerations are largest.
+/// Lowest rate of a rough check, which is done before, Hz. It checks at least the samples, where accelerations are
+/// largest.
 const ROUGH_HZ: f64 = 100.0;
 /// Largest number of fits for one show.
 const FITS: usize = 12;
-/// Factor on a show's error each time that it is brought nearer to its motion, and the smallest share of its largest
-/// error. A curve with short spans and quantized steps has accelerations in proportion to its step.
+/// Factor on the error of a show each time that the show is brought nearer to its motion, and the smallest share of the
+/// largest error that remains. A curve with short spans and quantized steps has accelerations in proportion to its
+/// step.
 const NEARER: f64 = 0.25;
 const NEAREST: f64 = 1.0 / 256.0;
-/// Time before and after an excess in which the error is reduced, and time in which the error grows to its old size,
-/// s. An error of 0.25 degrees that appears and disappears in 0.4 s needs 0.1 rad/s².
+/// Time before and after an excess in which the error is reduced, and time beside it in which the error grows to its
+/// old size, s. An error of 0.25 degrees that appears and disappears in 0.4 s needs 0.1 rad/s².
 const AROUND_S: f64 = 0.03;
 const BESIDE_S: f64 = 0.4;
 
@@ -114,10 +116,10 @@ pub struct ShowMarks {
 }
 
 impl ShowMarks {
-    /// Returns the motion of a fit without marks, for [`Baker::bake_within`].
+    /// Returns the motion of a fit, and no marks, for [`Baker::bake_within`].
     ///
     /// # Errors
-    /// None. The type is that of [`Baker::bake_within`].
+    /// Never fails: it returns a `Result` only because [`Baker::bake_within`] expects one.
     pub fn of_none(fit: &Fit) -> Result<(Cow<'_, RigMotion>, Self), BakeError> {
         Ok((Cow::Borrowed(&fit.motion), Self::default()))
     }
@@ -176,9 +178,9 @@ impl Baker<'_> {
         content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
     }
 
-    /// Makes a show of a fitted motion that keeps all limits in spite of rounding. If the show exceeds a limit, it is
-    /// brought nearer to the motion; if that does not help, the motion is fitted again with tighter limits. `given`:
-    /// the motion before the fit; `of_fit`: returns the motion and the marks of a fit.
+    /// Makes a show of a fitted motion. The show keeps all limits in spite of rounding: if it exceeds a limit, it is
+    /// brought nearer to the motion; if it still exceeds the limit, the motion is fitted again with tighter limits.
+    /// `given`: the motion before the fit; `of_fit`: returns the motion and the marks of a fit.
     ///
     /// # Errors
     /// [`BakeError`] if there is no such show.
@@ -332,7 +334,7 @@ fn rounded(limits: &Limits, worst: &Excess) -> BakeError {
 /// Returns a rate in the form of a show: an integer number of samples in an integer number of seconds.
 fn rate(dt_s: f64) -> Result<Rate, BakeError> {
     let hz = dt_s.recip();
-    // 1001: the rates of television.
+    // Rates of television are a whole number of frames in 1001 s.
     for seconds in [1_u32, 1001] {
         let samples = hz * f64::from(seconds);
         if (samples - samples.round()).abs() < 1e-6 * samples && (1.0..1e6).contains(&samples) {

@@ -1,17 +1,15 @@
-//! Performances: clips of any skeleton, put on a rig, within its limits, and stored as shows.
+//! Performances: clips of any skeleton that are retargeted to a rig, kept within its limits, and stored as shows.
 //!
-//! [`PreparedClip`] reads and cleans a clip; [`retarget_clip`] puts it on a rig; [`RigClip`] is evaluated; [`Baker`]
-//! stores it; [`RigPerformance`] does all these steps for a clip.
+//! [`PreparedClip`] reads and cleans a clip; [`retarget_clip`] retargets it to a rig; [`RigClip`] is evaluated;
+//! [`Baker`] stores it; [`RigPerformance`] does all these steps for a clip.
 //!
 //! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
-//! - `clip` reads and cleans a clip, `retargeted_clip` puts it on a rig, `own_motion` reads a motion of the rig's own
-//!   joints;
-//!   `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it.
+//! - `clip` reads and cleans a clip, `retargeted_clip` retargets it to a rig, `own_motion` reads a motion of the rig's
+//!   own joints; `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it.
 //! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
 //!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
-//! - [`teach`] lets a hand lead a rig: `guide_trajectory` is the hand's path, `session` the simulated rig, `result`
-//!   the
-//!   recorded motion.
+//! - [`teach`] makes a motion that a hand leads on a rig: `guide_trajectory` is the hand's path, `session` the
+//!   simulated rig, `result` the recorded motion.
 
 mod bake;
 mod clip;

@@ -1,4 +1,4 @@
-//! Puts a clip on a rig.
+//! Retargets a clip to a rig.
 
 use glam::DVec3;
 use sinew_retarget::feasibility::RigMotion;
@@ -12,7 +12,7 @@ use thiserror::Error;
 
 use super::clip::PreparedClip;
 
-/// A clip on a rig, with its difference from the performer.
+/// A clip that was retargeted to a rig, with its difference from the performer.
 #[derive(Debug, Clone)]
 pub struct RetargetedClip {
     /// The rig's coordinates, frame by frame.
@@ -35,13 +35,13 @@ pub struct RetargetedClip {
     pub limb_targets: Vec<Vec<BakedLimb>>,
 }
 
-/// Error of a clip that cannot be put on a rig.
+/// Error of a clip that cannot be retargeted to a rig.
 #[derive(Debug, Error)]
 pub enum RetargetError {
-    /// The rig has no landmark of a body.
+    /// No arm, leg or head was found in the rig.
     #[error("{0}; curves from single joints, in a mapping, can drive it: see docs/shows.md")]
     Rig(#[from] RigMatchError),
-    /// The mapping does not fit.
+    /// The mapping does not fit the rig or the clip.
     #[error(transparent)]
     Mapping(#[from] MappingError),
     /// No joint would move.
@@ -49,7 +49,7 @@ pub enum RetargetError {
         "the mapping has neither a [[landmark]] nor a [[curve]]: no joint would follow anything"
     )]
     Nothing,
-    /// The clip has no performer.
+    /// No performer was found in the clip.
     #[error("{clip}: {source}")]
     Performer {
         /// Name of the clip.
@@ -82,17 +82,18 @@ impl Roles {
         }
         mapping.check(mechanism, &clip.clip.skeleton)?;
         let joints = mapping.performer_joints(&clip.clip.skeleton)?;
-        // A face follows by curves only.
+        // A rig without landmarks, such as a face, follows by curves only.
         let rig =
             (!mapping.landmarks.is_empty()).then(|| mapping.rig_match(mechanism)).transpose()?;
         Ok(Self { rig, joints, settings: mapping.settings() })
     }
 }
 
-/// Puts a clip on a rig: by names and geometry, or by a mapping. `mirror`: swaps left and right.
+/// Retargets a clip to a rig, by names and geometry, or by a mapping. `mirror`: swaps left and right.
 ///
 /// # Errors
-/// [`RetargetError`] if rig or clip have no landmark of a body, or the mapping does not fit them.
+/// [`RetargetError`] if no arm, leg or head is found in the rig or in the clip, or if the mapping does not fit them or
+/// is empty.
 pub fn retarget_clip(
     mechanism: &Mechanism,
     clip: &PreparedClip,

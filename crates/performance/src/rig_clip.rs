@@ -1,4 +1,4 @@
-//! A clip on a rig, for the evaluation.
+//! A clip that was retargeted to a rig, for the evaluation.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use sinew_rig::Mechanism;
 
 use super::retargeted_clip::RetargetedClip;
 
-/// A clip on a rig, at the control rate.
+/// A clip that was retargeted to a rig, at the control rate.
 #[derive(Debug, Clone)]
 pub struct RigClip {
     name: String,

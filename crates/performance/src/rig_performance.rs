@@ -75,7 +75,7 @@ impl RigPerformance {
         let on_rig = || format!("{name} on {}", rig.description.name);
         let led = |blend_s| -> Result<LoopedMotion, LoopError> {
             let looped = looped(mechanism, &clip.motion, blend_s)?;
-            // A fit would bring all of the motion within the limits.
+            // With a fit, the whole motion is brought within the limits later.
             if !choices.fit {
                 looped.check(mechanism, &limits, &clip.motion)?;
             }
@@ -120,8 +120,8 @@ impl RigPerformance {
             baker.bake_within(&self.limits, &self.clip.motion, fit, |fit| {
                 let course = time_code.map(|code| course(fit, code)).unwrap_or_default();
                 let cues = self.cues(Some(fit), choices.cues).unwrap_or_default();
-                // A fit does not know of loops. It may change one end more than the other by a little; closing the
-                // loop again corrects that.
+                // A fit does not keep a loop closed: it may change one end a little more than the other. The loop is
+                // therefore closed again.
                 let closed = |blend_s| looped(mechanism, &fit.motion, blend_s);
                 let closed = self.loop_blend_s.map(closed).transpose().map_err(BakeError::Loop)?;
                 let motion =
@@ -132,7 +132,7 @@ impl RigPerformance {
         Ok((baked, report))
     }
 
-    /// Returns the rows of cues, whose times are those of the clip, in the motion or in a fit's motion.
+    /// Returns the rows of cues in the motion, or in a fit's motion. The times of the cues are times of the clip.
     fn cues(
         &self,
         fit: Option<&Fit>,

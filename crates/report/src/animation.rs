@@ -81,8 +81,8 @@ fn style(seconds: f64, moments: usize) -> String {
     )
 }
 
-/// Returns the first frame of the loop and the frame after its last: around the best frame, with the end as
-/// similar as possible to the beginning.
+/// Returns the first frame of the loop and the frame after its last. The loop contains the best frame, and its end is
+/// as similar as possible to its beginning.
 fn ends(playback: &Playback, every: usize) -> Option<(usize, usize)> {
     let best = playback.view.frame;
     let [shortest, longest] = [SHORTEST_S, LONGEST_S].map(|s| frames(s, playback.dt_s));

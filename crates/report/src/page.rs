@@ -17,7 +17,7 @@ const SCRIPT: &str = concat!(include_str!("assets/page.js"), include_str!("asset
 /// Maximum number of clips whose errors over time are on the page. With more, the page would be too large to open.
 const CLIPS: usize = 60;
 
-/// Maximum number of a sweep's maps on a page. The next constant is that of its fronts.
+/// Maximum number of a sweep's maps on a page. The next constant is the maximum number of its fronts.
 pub(super) const GRIDS: usize = 24;
 pub(super) const FRONTS: usize = 12;
 

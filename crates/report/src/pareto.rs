@@ -12,8 +12,8 @@ use super::text::Words;
 
 type Group = (&'static str, fn(&Errors) -> &ErrorTotals);
 
-/// Groups of joints whose distances are shown. The angles are always those of all joints: a leaf can turn freely,
-/// but the other joints pay for its position.
+/// Groups of joints whose distances are shown. The angles are always those of all joints: a leaf can turn without
+/// moving another body, but its position depends on the angles of other joints.
 const GROUPS: [Group; 2] =
     [("all joints", |errors| &errors.all), ("leaf joints", |errors| &errors.leaf)];
 

@@ -12,7 +12,8 @@ use super::view::View;
 /// Maximum duration of a playback, in seconds.
 const LONGEST_S: f64 = 30.0;
 
-/// Minimum time between two stored frames, in seconds. The script interpolates between them.
+/// Approximate time between two stored frames, in seconds, if the motion has that many. The script interpolates between
+/// them.
 const FRAME_S: f64 = 0.02;
 
 /// One motion, performed by every rig with every method.
@@ -42,9 +43,9 @@ pub(super) struct Run {
 }
 
 impl Playback {
-    /// Tracks a motion again with every method on its rig of every scale, and stores the visible points.
-    /// `mannequin` is the rig's in the motion's dimensions, `stream` the index of the motion among the evaluated
-    /// ones.
+    /// Tracks a motion again with every method on its rig of every scale, and stores the visible points. `mannequin` is
+    /// the mannequin of the rig in the motion's dimensions; `stream` is the index of the motion among the evaluated
+    /// motions.
     ///
     /// # Errors
     /// [`RunError`] of the runs.

@@ -6,7 +6,7 @@
 //! - [`drive`] and [`servo`] run the same code on a board and on a desktop; [`board`] is the compact form of a rig
 //!   on a board.
 //!
-//! This crate simulates nothing and opens no files: readers take text.
+//! This crate simulates nothing and opens no files: its readers get the text of a file.
 //!
 //! # Files
 //! - `description/`: a rig with names; `check/` refuses what is invalid, `mechanism` numbers bodies and merges fixed

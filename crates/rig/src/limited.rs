@@ -42,7 +42,7 @@ impl fmt::Display for NotFinite {
 
 impl core::error::Error for NotFinite {}
 
-/// Limits a value to `least <= most`; either end may be infinite.
+/// Limits a value to a range, whose minimum must not exceed its maximum; either end may be infinite.
 ///
 /// # Errors
 /// [`NotFinite`] if the value is NaN or infinite.

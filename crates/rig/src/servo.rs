@@ -15,8 +15,8 @@ use sinew_core::math;
 
 use crate::limited::{LimitReason, Limited, NotFinite, hold};
 
-/// Speed below which Coulomb friction is fed forward in proportion to speed, rad/s: a full step would shake a joint
-/// at rest. At this speed an encoder of 4096 steps takes 30 ms per step.
+/// Speed, rad/s, far below which the fed-forward Coulomb friction is proportional to the speed: a step of the full
+/// friction at speed zero would shake a joint at rest. At this speed an encoder of 4096 steps takes 30 ms per step.
 const CREEP_RAD_S: f32 = 0.05;
 
 /// Settings of a servo on a board. Values are at the servo's own shaft unless stated otherwise.
@@ -26,7 +26,7 @@ pub struct ServoSettings {
     pub gear: f32,
     /// Servo's own position when the drive is at zero, rad.
     pub offset_rad: f32,
-    /// Minimum and maximum own position, rad.
+    /// Minimum and maximum of the servo's own position, rad.
     pub range_rad: [f32; 2],
     /// Maximum torque, N m.
     pub torque_nm: f32,
@@ -195,8 +195,8 @@ impl Servo {
     }
 
     /// Returns the torque at the drive's shaft that overcomes the servo's friction at a shaft speed (rad/s), N m:
-    /// Coulomb friction, which grows smoothly from zero speed, and viscous friction. For feed-forward; pass the
-    /// commanded speed, which has no noise.
+    /// Coulomb friction, which grows smoothly from zero speed, and viscous friction. The result is meant for
+    /// feed-forward: pass the commanded speed, which has no noise.
     ///
     /// # Errors
     /// [`NotFinite`] if the speed is NaN or infinite.
@@ -316,7 +316,8 @@ mod tests {
         for step in -99..=100_i8 {
             let speed = 0.02 * f32::from(step);
             let now = friction(speed);
-            // It rises, at most by its slope at rest: (Coulomb / creep + viscous) times the gear squared.
+            // The friction rises with the speed, by at most its slope at rest: (Coulomb / creep + viscous) times
+            // the gear squared.
             assert!(now > before && now - before < 0.02 * 6.25 * (0.013 / 0.05 + 0.004) + 1e-6);
             assert!((now + friction(-speed)).abs() < 1e-7);
             before = now;

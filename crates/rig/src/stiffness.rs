@@ -3,12 +3,12 @@
 use crate::description::ServoModel;
 use crate::review::{FlexibleJoint, with_worst_gear};
 
-/// Delay of a servo's own loop: a tick of 1 ms, and half a tick for which the torque is held, s. It is a guess,
-/// because makers do not state the rate of the loop.
+/// Delay of a servo's own loop, s: a tick of 1 ms, plus half a tick because the torque is held during a tick. It is
+/// a guess, because makers do not state the rate of the loop.
 pub const DELAY_S: f64 = 1.5e-3;
 
-/// Minimum damping of the oscillation after a disturbance, as a share of the critical damping. It then overshoots
-/// by less than half.
+/// Minimum damping of the oscillation after a disturbance, as a share of the critical damping. The oscillation then
+/// overshoots by less than half.
 pub const DAMPING_RATIO: f64 = 0.25;
 
 /// Share of the limit stiffness (at which oscillations through the worst gear grow) that a servo may have, unless
@@ -28,13 +28,13 @@ pub struct Stiffness {
     pub reason: StiffnessReason,
 }
 
-/// Limit of a stiffness.
+/// Reason that limits a stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StiffnessReason {
-    /// Above it, an oscillation may grow through the worst gear that is judged: half the stiffness, twice the play
-    /// and a third of the damping. See [`GEAR_SHARE`].
+    /// At a higher stiffness, an oscillation may grow through the worst gear that is judged: half the stiffness, twice
+    /// the play and a third of the damping. See [`GEAR_SHARE`].
     Gear,
-    /// Above it, the oscillation after a disturbance has less damping than [`DAMPING_RATIO`].
+    /// At a higher stiffness, the oscillation after a disturbance has less damping than [`DAMPING_RATIO`].
     Damping,
     /// The limit by damping is below the factory setting, at which no oscillation grows: the factory setting is
     /// kept.

@@ -31,8 +31,9 @@ pub struct ServoTracking {
 
 impl ServoTracking {
     /// Returns whether oscillations of the joint's loop decay, for the gear in the servo's data and the maximum
-    /// load. The tick is `dt_s`, torques act `latency_ticks` late, the stiffness is `kp_per_s2`, and the winding
-    /// adds a damping of `braking_nm_s`. True for a servo without a bandwidth, because it has no such loop. O(1).
+    /// load. The tick is `dt_s`, torques act `latency_ticks` late, the stiffness is `kp_per_s2`, and the winding adds a
+    /// damping of `braking_nm_s`. The result is true for a servo without a bandwidth, because it has no such loop.
+    /// O(1).
     pub fn decays(
         &self,
         model: &ServoModel,
@@ -81,7 +82,7 @@ pub enum TrackingError {
 }
 
 /// Returns the limits of each servo of a rig, in the rig's order, for a tick of `dt_s` seconds: see
-/// [`Bandwidth::of_loaded_gear`]. Levers are those of the home pose, loads the maximum of 64 poses. O(n).
+/// [`Bandwidth::of_loaded_gear`]. Levers are computed in the home pose; loads are the maximum of 64 poses. O(n).
 ///
 /// # Errors
 /// [`TrackingError`] if the rig does not fit `sinew-core`, or a drive or a servo is invalid.
@@ -123,7 +124,7 @@ pub fn tracking(
             let load = if share > 0.0 { at_shaft / share / (gear * gear) } else { 0.0 };
             let Some(model) = rig.servo_model(&rig.servos[*index].model) else { continue };
             let (stiffness, rotor) = (model.gear_stiffness(), model.rotor_inertia_kg_m2.value);
-            // Hobby servos have no rotor data, therefore the bandwidth is an error and no loop is closed.
+            // Hobby servos have no rotor data: the rule then returns an error, and no loop is closed.
             let bandwidth = Bandwidth::of_loaded_gear(
                 single(stiffness),
                 single(rotor),

@@ -14,7 +14,7 @@ const LONGEST_DELAY_US: u32 = 508;
 /// The result of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compared {
-    /// Nothing was asked for, or the servo has no registers.
+    /// No comparison was requested, or the servo has no registers.
     Nothing,
     /// The comparison is not complete yet.
     Reading,
@@ -27,7 +27,7 @@ pub enum Compared {
 /// A register whose value differs from the required value, in counts of the register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Difference {
-    /// The maker's name of the register.
+    /// The maker's name for this register.
     pub item: &'static str,
     /// Address of the register.
     pub address: u16,

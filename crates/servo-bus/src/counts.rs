@@ -2,8 +2,8 @@
 
 /// Returns the maximum change of a position between two ticks, in counts.
 ///
-/// Contains a factor of two, because one reading may be late in its tick and the next early, and two counts of noise
-/// for each reading.
+/// The result contains a factor of two, because one reading may be late in its tick and the next early, and two
+/// counts of noise for each reading.
 pub(crate) fn step_counts(speed_rad_s: f32, tick_us: u32, rad_per_count: f32) -> u32 {
     let counts = speed_rad_s * (tick_us as f32 * 1e-6) / rad_per_count;
     round(2.0 * counts + 4.0, [0, i32::MAX]).unsigned_abs()

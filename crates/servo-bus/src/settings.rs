@@ -192,7 +192,8 @@ pub fn dynamixel(
     dynamixel_of(table, requirements, false)
 }
 
-/// Like [`dynamixel()`], with the requirements before arming: torque off, and the watchdog set.
+/// Returns the requirements like [`dynamixel()`], plus those that apply before arming: torque is off, and the
+/// watchdog is set.
 pub(crate) fn dynamixel_limp(
     table: dynamixel_servos::table::Table,
     requirements: ServoRequirements,
@@ -230,7 +231,7 @@ pub fn feetech(
     feetech_of(family, requirements, false)
 }
 
-/// Like [`feetech()`], with the requirement before arming: torque off.
+/// Returns the requirements like [`feetech()`], plus the requirement that applies before arming: torque is off.
 pub(crate) fn feetech_limp(
     family: feetech_servos::Family,
     requirements: ServoRequirements,

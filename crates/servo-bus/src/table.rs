@@ -18,7 +18,7 @@ pub struct Item {
     pub address: u16,
     /// Size in bytes: 1, 2 or 4.
     pub size: u8,
-    /// Maker's name of the register.
+    /// The maker's name for this register.
     pub name: &'static str,
     /// Whether a controller can write it.
     pub access: Access,

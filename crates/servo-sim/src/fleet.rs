@@ -79,7 +79,8 @@ impl Plant for Moved {
 pub struct Setup<'r> {
     /// Baud rate of all servos, bits per second.
     pub baud: u32,
-    /// Faults. A fault applies to the servos with its name; if there are none, to those with its id.
+    /// Faults. A fault applies to the servos that have the name in its text; if there are none, to the servos that
+    /// have this id.
     pub faults: Vec<FaultOrder>,
     /// Rig that the servos move together, instead of separate loads. The servos must have the names of the rig's
     /// servos.

@@ -16,7 +16,8 @@ pub struct Shaft {
 pub struct Push {
     /// Mean torque at the speed that the servo predicted for its shaft, N m.
     pub torque_nm: f64,
-    /// Torque that is lost for each rad/s that the shaft is faster, N m s/rad: that of the gear's spring and damping.
+    /// Decrease of the torque for each rad/s by which the shaft is faster than predicted, N m s/rad. The gear's
+    /// spring and damping cause it.
     pub slope_nm_s: f64,
 }
 
@@ -45,8 +46,8 @@ pub trait Plant {
         4
     }
 
-    /// Advances by `dt_s`. `pushes` are those of the servos on their shafts; `shafts` are the shafts after the servos'
-    /// steps.
+    /// Advances by `dt_s`. `pushes` are the pushes of the servos on their shafts; `shafts` are the shafts after the
+    /// servos' steps.
     fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]);
 }
 
@@ -67,7 +68,7 @@ pub struct Arm {
 
 /// Stiffness of a hard stop, N m/rad: stiff, and stable at steps of 0.25 ms for inertias from 1e-4 kg m² on.
 pub(crate) const STOP_NM_RAD: f64 = 200.0;
-/// Stiffness of the stops of slides, N/m: that of turns at a distance of 30 mm from the axis.
+/// Stiffness of the stops of slides, N/m: equal to that of a hinge's stop at 30 mm from the axis.
 pub(crate) const STOP_N_M: f64 = STOP_NM_RAD / (0.03 * 0.03);
 /// Ratio of a stop's damping to its stiffness, s.
 pub(crate) const STOP_DAMPING_S: f64 = 0.002;

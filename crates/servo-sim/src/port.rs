@@ -21,8 +21,8 @@ use crate::line::{Line, LineDevice, next_of, run_all};
 
 /// Interval at which servos are simulated without traffic.
 const IDLE: Duration = Duration::from_millis(5);
-/// Maximum delay of the machine that the simulation makes up for. After a longer delay, such as a laptop's sleep, the
-/// servos' time is not advanced.
+/// Maximum delay of the machine after which the simulation catches up with real time. After a longer delay, such as
+/// a laptop's sleep, the servos' time is not advanced.
 const CATCH_UP: Duration = Duration::from_millis(200);
 
 /// The reason why the port could not be opened.
@@ -49,7 +49,8 @@ pub enum PortError {
 #[derive(Debug)]
 pub struct Port {
     servos: OwnedFd,
-    /// Program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes it.
+    /// The program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes
+    /// it.
     program: OwnedFd,
     link: PathBuf,
 }
@@ -104,7 +105,7 @@ impl Port {
         Ok(tcgetattr(&self.program)?.output_speed())
     }
 
-    /// Reads the bytes that programs have written, without waiting. Returns their number, or 0.
+    /// Reads the bytes that programs have written, without waiting. Returns their number: 0 if there are none.
     ///
     /// # Errors
     /// An error of the operating system.
@@ -187,7 +188,7 @@ pub fn serve<W: LineDevice>(
     Ok(())
 }
 
-/// Waits until a program writes, or for a time.
+/// Waits until a program writes, at most for a time.
 fn wait(ports: &[Port], most: Duration) -> io::Result<()> {
     let timeout = Timespec { tv_sec: 0, tv_nsec: most.subsec_nanos().into() };
     let mut polled: Vec<_> =

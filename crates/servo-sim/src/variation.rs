@@ -16,7 +16,7 @@ pub struct Variation {
     pub play: f64,
     /// Factor on the damping between the two ends of gears.
     pub damping: f64,
-    /// Factor on the dry friction of servos: Coulomb, at rest, and by load.
+    /// Factor on the dry friction of servos: Coulomb friction, additional friction at rest, and friction by load.
     pub friction: f64,
     /// Share of the dry friction at the output shaft, 0 to 1; `None` for the value of each kind.
     pub output_friction: Option<f64>,

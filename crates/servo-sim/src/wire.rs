@@ -7,7 +7,8 @@ use crate::fault::{self, Fault};
 
 /// Bits of a byte on the wire, with start and stop bit.
 const BITS: u64 = 10;
-/// Silence, us, after which a servo no longer waits for a silent servo but answers. Guess: no maker states it.
+/// Silence, us, after which a servo no longer waits for a silent servo but answers. This is a guess, because no maker
+/// states it.
 pub(crate) const SILENCE_US: u32 = 100;
 
 /// A device that listens at its own baud rate.
@@ -29,7 +30,8 @@ pub(crate) fn hear(devices: &mut [impl Listener], baud: u32, bytes: &[u8], speak
     }
 }
 
-/// Returns the device that sends next, and the silence before, us.
+/// Returns the device that sends next, and the silence before its first byte, us; `None` if no device has bytes to
+/// send.
 pub(crate) fn next_speaker(devices: &[impl BusDevice]) -> Option<(usize, u32)> {
     let due = devices.iter().enumerate();
     due.filter_map(|(index, device)| Some((index, device.due_us()?)))

@@ -18,8 +18,9 @@ const TRIES: u32 = 3;
 /// Changes the id of a servo. Refuses if another servo has the new id, or if torque is on.
 ///
 /// # Errors
-/// [`ServiceError::IdTaken`], [`ServiceError::BadId`]; [`ServiceError::Lost`] if the servo then answers with neither
-/// id.
+/// [`ServiceError::BadId`]; [`ServiceError::IdTaken`], or [`ServiceError::Noise`] if several servos have the new id;
+/// [`ServiceError::Register`] if torque is on; [`ServiceError::State`] if the servo keeps its old id;
+/// [`ServiceError::Lost`] if the servo then answers with neither id.
 pub fn set_id<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -73,6 +74,7 @@ fn write_id<E: Exchange>(
 ///
 /// # Errors
 /// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not support the rate: nothing is written then;
+/// [`ServiceError::Register`] if torque is on; [`ServiceError::State`] if the servo keeps its rate;
 /// [`ServiceError::Lost`] if the servo then answers at neither rate.
 pub fn set_baud<E: Exchange>(
     client: &mut Client<E>,

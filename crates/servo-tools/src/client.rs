@@ -148,8 +148,8 @@ impl<E: Exchange> Client<E> {
         self.line.now()
     }
 
-    /// Asks once and waits until `enough` accepts the replies or the time is over. The time is that of the bytes, the
-    /// servo's delay, and `patience`.
+    /// Asks once and waits until `enough` accepts the replies or the time is over. The time is the sum of the time of
+    /// the bytes, the servo's delay, and `patience`.
     pub(crate) fn ask(
         &mut self,
         request: &[u8],

@@ -81,7 +81,8 @@ pub struct Applied {
 /// Writes the registers that differ, EEPROM first because a change of mode resets gains. Reads them back and compares
 /// again. After an error or a signal, all registers are as before.
 ///
-/// EEPROM can be written only with torque off. `release` allows to switch torque off for this; it then stays off.
+/// EEPROM can be written only with torque off. With `release`, this function may switch torque off; torque then stays
+/// off.
 ///
 /// # Errors
 /// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left.

@@ -8,7 +8,7 @@ use sinew_rig::description::ServoModel;
 use sinew_servo_bus::EncodeError;
 use sinew_servo_bus::dynamixel::ErrorCode;
 
-/// The reason why a tool failed. The message says how to correct it, where that is known.
+/// The reason why a tool failed. If a remedy is known, the message contains it.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ServiceError {

@@ -15,7 +15,8 @@ const SPEED_DEG_S: f64 = 15.0;
 /// Maximum plausible speed: a gear with stick-slip is faster than its goal.
 const MOST_DEG_S: f64 = 3.0 * SPEED_DEG_S;
 const ACCELERATION_DEG_S2: f64 = 100.0;
-/// Time of each motion for a servo without speed control, ms. It also marks a servo that was left during its motion.
+/// Time of each motion for a servo without speed control, ms. The value also marks a servo that a killed program left
+/// during its motion.
 pub(crate) const RUNNING_TIME_MS: i32 = 500;
 /// Share of the maximum torque, in addition to the holding torque: enough to lift the load, too little to hurt anybody.
 const SHARE: f64 = 0.3;
@@ -24,8 +25,8 @@ const WAY: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(50);
 /// Maximum distance between goal and position of a servo that rests, deg: a load makes it sag less than this.
 const THERE_DEG: f64 = 10.0;
-/// Change of the position when torque is switched on, deg. A larger change means that the servo counts its turns from a
-/// new zero.
+/// Maximum plausible change of the position when torque is switched on, deg. A larger change means that the servo now
+/// counts its turns from another zero.
 const REBASED_DEG: f64 = 45.0;
 /// Allowed range of measured over commanded motion. With much friction, a servo moves half of the commanded motion.
 const MOVED: [f64; 2] = [0.25, 1.5];

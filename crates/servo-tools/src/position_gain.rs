@@ -15,7 +15,7 @@ const TICK_S: f64 = 0.002;
 /// Value of a servo's position P gain register, and its reason.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct PositionGain {
-    /// Maker's name of the register.
+    /// The maker's name for the register.
     pub register: &'static str,
     /// Value of the register.
     pub raw: i32,

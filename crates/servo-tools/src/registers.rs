@@ -12,7 +12,7 @@ use crate::{Client, Exchange, Registers, ServiceError, Servo, Table};
 /// A register with its present value.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Reading {
-    /// Maker's name of the register.
+    /// The maker's name for the register.
     pub name: &'static str,
     /// Address of the register.
     pub address: u16,

@@ -126,7 +126,7 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     table.insert(key, Item::Value(value));
 }
 
-/// Rounds to 0.01 deg: no servo knows its position better.
+/// Rounds to 0.01 deg: no servo measures its position more precisely.
 fn hundredths(degrees: f64) -> f64 {
     // Adding zero avoids -0.
     (degrees * 100.0).round() / 100.0 + 0.0

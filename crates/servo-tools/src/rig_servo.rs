@@ -65,7 +65,8 @@ impl RigServo {
 /// Returns the servos of a rig with an id on a bus. If the rig has only one bus, `bus` may be `None`.
 ///
 /// # Errors
-/// [`ServiceError::Rig`] if no servo has an id, or if there are several buses and `bus` is `None`.
+/// [`ServiceError::Rig`] if no servo has an id, the bus is unknown, `bus` is `None` although there are several buses,
+/// or the kind or P gain of a servo is invalid.
 pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, ServiceError> {
     let on_bus = || rig.servos.iter().filter(|servo| matches!(servo.address, Address::Id(_)));
     let mut buses: Vec<&str> = on_bus().map(|servo| servo.bus.as_str()).collect();

@@ -40,7 +40,7 @@ pub struct Found {
     pub protocol: Protocol,
     /// Baud rate at which the servo answers, bits per second.
     pub baud: u32,
-    /// Maker's name of the model; `None` if the model number is unknown.
+    /// The maker's name for the model; `None` if the model number is unknown.
     pub model: Option<&'static str>,
     /// Model number that the servo reports.
     pub model_number: u16,
@@ -72,8 +72,9 @@ const FEETECH_ANSWER: Duration = Duration::from_millis(260);
 /// Number of attempts to reach an id that is asked alone.
 const TRIES: u32 = 2;
 
-/// Scans all rates. At each rate, all servos are asked together; unless all answers are clean, each id is then asked
-/// alone.
+/// Scans all rates. At each rate, all servos are asked together. Each id is then asked alone if
+/// [`ScanSettings::thorough`] is set, if damaged bytes arrived from Dynamixels, or if a Feetech answered, because its
+/// common answer does not contain its model.
 ///
 /// # Errors
 /// An error if the line failed. `tell` receives an event for a rate that the line does not support.
@@ -176,7 +177,7 @@ pub(crate) fn answer_together<E: Exchange>(
 }
 
 /// Searches for any servo: returns protocol and rate at which something answers a common ping within the client's
-/// patience. The answer may be that of several servos that disturb each other.
+/// patience. The answer may come from several servos that disturb each other.
 ///
 /// # Errors
 /// An error if the line failed.
@@ -219,7 +220,8 @@ fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
 /// Searches for one servo at all rates of the protocols, or at the rate `baud`, and stays at the rate where it answers.
 ///
 /// # Errors
-/// [`ServiceError::Nowhere`]; [`ServiceError::Noise`] if the answer is not a packet.
+/// [`ServiceError::Nowhere`], or [`ServiceError::Silent`] if only one protocol and one rate are tried;
+/// [`ServiceError::Noise`] if the answer is not a packet; the errors of [`Client::open`].
 pub fn find<E: Exchange>(
     client: &mut Client<E>,
     id: u8,

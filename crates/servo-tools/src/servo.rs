@@ -15,7 +15,7 @@ use crate::{Client, Exchange, ServiceError, Table};
 pub struct Servo {
     /// Id of the servo.
     pub id: u8,
-    /// Registers of its model.
+    /// Registers of the servo's model.
     pub table: Table,
     /// Firmware version, as the maker writes it.
     pub firmware: String,

@@ -21,7 +21,7 @@ impl Bits<'_> {
         (u32::from_be_bytes([a, b, c, d]) << part) | behind
     }
 
-    // Never inlined, because few reads are so near to the end: this keeps the others short.
+    // Never inlined: few reads are so near to the end, and the code of all other reads stays short.
     #[cold]
     fn last_bytes(&self, start: usize) -> [u8; 5] {
         let mut chunk = [0; 5];

@@ -45,8 +45,9 @@ impl<'a, const COORDS: usize> Blend<'a, COORDS> {
     /// at the blend's end; the show continues from there. A ball joint takes the shorter way round. O(nq).
     ///
     /// # Errors
-    /// [`BlendError`] if a slice does not fit the show's joints, a number is not from -1e6 to 1e6, the duration is
-    /// not from 0.001 to 1000 s, or a ball joint would turn too far for a blend.
+    /// [`BlendError`] if the show has more than `COORDS` coordinates, a slice does not fit the show's joints, a number
+    /// is not from -1e6 to 1e6, a quaternion is not of length 1, the duration is not from 0.001 to 1000 s, or a ball
+    /// joint would turn too far for a blend.
     pub fn new(
         show: Show<'a>,
         from: State<'_>,

@@ -93,9 +93,9 @@ pub enum ShowError {
         dof: usize,
         /// Position of the dof in the first pose, rad or m.
         found: f32,
-        /// Least position that the rig has, rad or m.
+        /// Lower end of the rig's range, rad or m.
         least: f32,
-        /// Greatest position that the rig has, rad or m.
+        /// Upper end of the rig's range, rad or m.
         most: f32,
     },
 }

@@ -25,8 +25,8 @@ pub struct ShowFrames<'a, const COORDS: usize> {
 }
 
 impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
-    /// Creates the frames of a show, `dt_s` apart. O(size): all blocks are checked once, so that playing never meets
-    /// a block that was already damaged.
+    /// Creates the frames of a show, `dt_s` apart. O(size): all blocks are checked once, so that playing finds no block
+    /// that was already damaged.
     ///
     /// # Errors
     /// [`ShowError`] if a block is damaged, or the show has more than `COORDS` coordinates.

@@ -6,7 +6,8 @@ use crate::error::ShowError;
 use crate::position::Position;
 use crate::show::Show;
 
-/// A player for a show of up to `COORDS` channels. Playing forwards is cheap; it can also start anywhere.
+/// A player for a show of up to `COORDS` channels. It can start at any position. Playing forwards costs less than a
+/// jump.
 ///
 /// It stores about 100 bytes for each channel.
 #[derive(Debug, Clone)]
@@ -38,12 +39,12 @@ impl<'a, const COORDS: usize> Player<'a, COORDS> {
     /// `qd` and `qdd` of nv, as defined in [`coordinates`](sinew_core::coordinates). Numbers that do not fit are left
     /// out.
     ///
-    /// After its end, a looped show starts its next round; any other show stays at its last pose, with the speed it
-    /// has there. A given position always gives the same bits, whatever was requested before. From tick to tick
+    /// After its end, a looped show starts its next round; any other show stays at its last pose, with the speed that
+    /// it has there. A given position always gives the same bits, independent of earlier requests. From tick to tick
     /// O(channels); a jump to another position costs O(block).
     ///
     /// # Errors
-    /// [`ShowError::Block`] if a block for this position is damaged. Nothing is written then.
+    /// [`ShowError::Block`] or [`ShowError::Broken`] if a block for this position is damaged. Nothing is written then.
     pub fn state_at(
         &mut self,
         position: Position,

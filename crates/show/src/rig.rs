@@ -41,7 +41,7 @@ impl<'a> Show<'a> {
         self.header().rig
     }
 
-    /// Returns the kinds of its joints, in regular numbering.
+    /// Returns the kinds of the rig's joints, in regular numbering.
     pub fn joints(&self) -> impl ExactSizeIterator<Item = Joint> + 'a {
         self.joints.iter().map(|code| Joint::of_code(*code).unwrap_or(Joint::Fixed))
     }

@@ -134,7 +134,8 @@ impl<'a> Show<'a> {
         Ok(())
     }
 
-    /// Checks the CRC of every block. O(size), like reading the show once. A show that passes plays to its end.
+    /// Checks the CRC of every block. O(size), like reading the show once. A show that passes was not damaged after it
+    /// was written.
     ///
     /// # Errors
     /// [`ShowError::Block`] with the first damaged block.
@@ -142,7 +143,7 @@ impl<'a> Show<'a> {
         (0..self.header.block_count()).try_for_each(|block| self.check_block(block))
     }
 
-    /// Checks the CRC of a block. O(its size).
+    /// Checks the CRC of a block. O(size of the block).
     pub(crate) fn check_block(&self, block: u32) -> Result<(), ShowError> {
         let content = self.block(block);
         let (stored, content) = content.split_first_chunk::<CRC_LEN>().unwrap_or((&[0; 4], &[]));
@@ -265,7 +266,7 @@ impl<'a> Show<'a> {
         Cues::new(self.cues)
     }
 
-    /// Returns the cues from one position on, before another. O(all cues).
+    /// Returns the cues from position `from` (included) to position `to` (excluded). O(all cues).
     pub fn cues_between(&self, from: Position, to: Position) -> impl Iterator<Item = Cue<'a>> {
         self.cues().filter(move |cue| {
             let at = Position::from_samples(cue.sample);

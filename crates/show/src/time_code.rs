@@ -31,7 +31,7 @@ pub enum TimeCodeKind {
 }
 
 impl TimeCode {
-    /// Reads the field of a show: `None` if its frames per second are 0, or it is not a valid time.
+    /// Reads the field of a show. Returns `None` if the show has no time code (0 frames per second), or an invalid one.
     pub(crate) fn read(raw: [u8; 6]) -> Option<Self> {
         let [hours, minutes, seconds, frames, frames_per_second, kind] = raw;
         let kind = match kind {

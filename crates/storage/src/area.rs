@@ -42,7 +42,7 @@ impl Area {
     }
 
     /// Returns the maximum duration of a show in this area as a slot, in minutes, from the show's bytes per second.
-    /// `None` if that is not above 0.
+    /// Returns `None` if `bytes_per_second` is not above 0.
     pub fn minutes<F: NorFlash>(&self, bytes_per_second: f32) -> Option<f32> {
         (bytes_per_second > 0.0).then(|| self.holds::<F>() as f32 / bytes_per_second / 60.0)
     }

@@ -1,5 +1,5 @@
-//! Damage in a log: newer settings, or a newer rig, that are no longer intact. The reader of the older ones must know
-//! about it.
+//! Damage in a log: newer settings, or a newer rig, that are no longer intact. A program that reads the older item must
+//! know about it.
 //!
 //! Either a record was sealed and its CRC is wrong, or a head is invalid and followed by more bytes than a power cut
 //! leaves. A compaction drops both, and writes a note instead: a record without payload, whose schema is the item's
@@ -20,7 +20,7 @@ pub(crate) const NOTE_KIND: u8 = 18;
 pub(crate) const NOTES: u32 = 2;
 
 impl Log {
-    /// Returns `true` if there was a newer item of this kind than the newest intact one. O(log).
+    /// Returns `true` if there was a newer item of this kind than the newest intact one. O(length of the log).
     pub(crate) fn is_damaged<F: NorFlash>(
         &self,
         flash: &mut F,

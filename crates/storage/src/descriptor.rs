@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::record::Head;
 
-/// Length of a descriptor before the content, in bytes. A multiple of every usual granule.
+/// Length of a descriptor before the content, in bytes. It is a multiple of every usual granule.
 pub(crate) const DESCRIPTOR_LEN: u32 = 96;
 const NAME_LEN: usize = 60;
 
@@ -112,13 +112,13 @@ impl Approver {
 pub struct Descriptor {
     /// Kind of the item.
     pub kind: Kind,
-    /// Version of the content's meaning.
+    /// Schema version of the content.
     pub schema: u16,
     /// Length of the content, in bytes.
     pub len: u32,
     /// SHA-256 of the content.
     pub hash: Hash,
-    /// Rig that it belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
+    /// CRC of the rig that the item belongs to, from the end of the rig's compact form; 0 for any rig.
     pub rig: u32,
     /// Name of the approver.
     pub approver: Approver,

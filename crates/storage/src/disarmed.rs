@@ -1,6 +1,6 @@
 //! The permission to erase flash.
 
-/// Proof that no drive may move. Every function that erases takes `&Disarmed`.
+/// Proof that no drive may move. Every function that erases flash has a parameter `&Disarmed`.
 ///
 /// There is only one value: [`Store::open`](crate::Store::open) creates it at power-on, when nothing is armed. Other
 /// code can neither create nor copy it. Its owner is the supervisor, which lends it only while the rig is limp. While

@@ -145,7 +145,7 @@ pub enum TableError {
     Sector {
         /// Start address of the area.
         start: u32,
-        /// Length of its sectors, in bytes.
+        /// Length of the area's sectors, in bytes.
         sector_len: u32,
         /// Minimum length, in bytes.
         least: u32,
@@ -155,7 +155,7 @@ pub enum TableError {
     Sectors {
         /// Start address of the area.
         start: u32,
-        /// Number of its sectors.
+        /// Number of the area's sectors.
         found: u32,
         /// Minimum number of sectors.
         least: u32,

@@ -33,16 +33,16 @@ pub enum Condition {
     New,
     /// The log is in order.
     Good,
-    /// A power cut left something, or faults filled the log. The items are intact, but faults cannot be recorded
-    /// until [`Store::tidy`].
+    /// A power cut left an incomplete record, or the log has too little room for new faults. The items are intact, but
+    /// recording a fault may fail until [`Store::tidy`].
     Untidy,
     /// The flash holds data, but not a log. Settings, rig and faults are lost.
     Lost,
 }
 
 impl<F: NorFlash> Store<F> {
-    /// Opens the existing items, and writes nothing. Call it only once, at power-on: it creates the only
-    /// [`Disarmed`]. O(log).
+    /// Opens the existing items, and writes nothing. Call it only once, at power-on: it creates the only [`Disarmed`].
+    /// O(length of the log).
     ///
     /// # Errors
     /// [`Error::Table`] if the table does not fit the flash; [`Error::Flash`].
@@ -79,7 +79,7 @@ impl<F: NorFlash> Store<F> {
         self.log.compact(&mut self.flash, disarmed)
     }
 
-    /// Returns the number of this start, which faults of this start get.
+    /// Returns the number of this start, which is stored with every fault of this start.
     pub fn run(&self) -> u32 {
         self.run
     }
@@ -94,7 +94,7 @@ impl<F: NorFlash> Store<F> {
         self.flash
     }
 
-    /// Returns the settings, if they are there.
+    /// Returns the settings, if they are stored.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -102,7 +102,7 @@ impl<F: NorFlash> Store<F> {
         self.in_log(Kind::Settings)
     }
 
-    /// Returns the rig, if it is there.
+    /// Returns the rig, if it is stored.
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -111,8 +111,9 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Returns `true` if newer settings, or a newer rig, existed than [`Self::settings`] or [`Self::rig`] reads, and
-    /// are damaged. This stays `true` over every power cut until new intact ones are written. A power failure in the
-    /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(log).
+    /// are damaged. This stays `true` over every power cut until a new intact item is written. A power failure in the
+    /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(length of the
+    /// log).
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -192,7 +193,7 @@ impl<F: NorFlash> Store<F> {
         upload.end(&mut self.flash, self.board.capacity)
     }
 
-    /// Uploads an item in one call. It writes nothing if the same item is already there.
+    /// Uploads an item in one call. It writes nothing if the same item is already stored, and no newer item is damaged.
     ///
     /// # Errors
     /// As in [`Self::begin`], [`Self::write`], [`Self::end`].
@@ -237,7 +238,7 @@ impl<F: NorFlash> Store<F> {
         Ok(self.run)
     }
 
-    /// Returns the first fault since they were cleared, and the last ones. O(log).
+    /// Returns the first fault since they were cleared, and the last ones. O(length of the log).
     ///
     /// # Errors
     /// [`Error::Flash`].

@@ -11,8 +11,8 @@ use crate::record::{Record, Seal};
 
 /// An item that was intact when it was read.
 ///
-/// The content stays in place until it is deleted or replaced, and the log is compacted. Read the item again after
-/// that.
+/// The content of a show stays in place until the show is deleted. The content of settings or of a rig stays until the
+/// log erases its sector in a later compaction: read these items again after each compaction.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stored {
     pub(crate) descriptor: Descriptor,
@@ -26,7 +26,7 @@ impl Stored {
     }
 
     /// Returns the content in place, if the flash is memory-mapped. `flash`: the whole flash from its first byte.
-    /// `None` if it is too short.
+    /// Returns `None` if it is too short.
     pub fn content<'a>(&self, flash: &'a [u8]) -> Option<&'a [u8]> {
         let start = usize::try_from(self.at).ok()?;
         flash.get(start..)?.get(..usize::try_from(self.descriptor.len).ok()?)

@@ -99,7 +99,7 @@ mod counted {
         tick_recommended
     }
 
-    // Only instructions: simulated caches and cycles would be those of no real machine.
+    // Only instructions are counted: simulated caches and cycles would be those of no real machine.
     main!(
         config = LibraryBenchmarkConfig::default()
             .tool(Callgrind::default().format([CallgrindMetrics::from(EventKind::Ir)]))

@@ -69,7 +69,8 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
     Ok(tree)
 }
 
-/// Writes the poses of all joints at a time: a smooth motion with turns up to 0.6 rad about pseudo-random placements.
+/// Writes the poses of all joints at a time: a smooth motion, in which each joint turns by up to 1.7 rad from a
+/// pseudo-random orientation.
 pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     let mut numbers = Numbers::new();
     for (body, pose) in bodies.iter().zip(out) {
@@ -83,8 +84,8 @@ pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     }
 }
 
-/// Frames in memory, one list of poses after the other. Frames before the first continue its first step backwards;
-/// after the last frame it is held.
+/// Frames in memory, one list of poses after the other. Frames before the first continue the first step backwards;
+/// after the end, the last frame is held.
 #[derive(Debug)]
 pub struct Frames<'a, const N: usize> {
     frames: &'a [[Transform; N]],

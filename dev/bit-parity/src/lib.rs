@@ -26,8 +26,8 @@ pub const DECODE: u32 = 1;
 /// The first word of a request to [`play`].
 pub const PLAY: u32 = 2;
 
-/// Answers a request. Its first word selects the kind; the modules describe the rest of the request, and the answer.
-/// Rigs have at most `BODIES` bodies and `DOFS` dofs, shows at most `COORDS` coordinates.
+/// Answers a request. The first word of the request selects its kind; the modules describe the rest of the request,
+/// and the answer. Rigs have at most `BODIES` bodies and `DOFS` dofs, shows at most `COORDS` coordinates.
 ///
 /// # Errors
 /// The errors of `read` and `write`, or a description of the fault in the request.

@@ -122,8 +122,8 @@ impl<'a, const BODIES: usize, const COORDS: usize> Replay<'a, BODIES, COORDS> {
         }
     }
 
-    /// Runs a tick with the last [sensed](Self::sense) positions; its frame has the number of the tick. After the
-    /// show's end its last frame is held.
+    /// Runs a tick with the last [sensed](Self::sense) positions; the frame has the same number as the tick. After
+    /// the end of the show, its last frame is held.
     ///
     /// # Errors
     /// [`StepError`] if the show exceeds the bounds of a tracker, as in [`Tracker::step`].

@@ -1,9 +1,11 @@
-//! Compares whether two machines compute the same bits: a run that any machine can make, and all its numbers.
+//! Data for a test whether two machines compute the same bits: a run that any machine can make, and all numbers of
+//! the run.
 //!
 //! A run consists of a rig, a method, the desired poses of the joints in each frame, and their measured poses in each
-//! tick. The machine answers with the intermediate results of its torques. The evaluation records all of it during
-//! its run. The frames are poses instead of a show, since the evaluation's performer has other dimensions than the
-//! rig. Therefore projection and differences are compared, too, which the coordinates of a show do not need.
+//! tick. The machine answers with the intermediate results of its torques. The evaluation records all these data
+//! during its own run. The frames are poses instead of a show, since the evaluation's performer has other dimensions
+//! than the rig. Therefore the projection and the differences, which a show in coordinates does not need, are compared,
+//! too.
 //!
 //! # Format of a run
 //! All numbers are little-endian; `f32` is IEEE 754.
@@ -139,7 +141,7 @@ pub fn perform<const BODIES: usize, const DOFS: usize>(
     Ok(())
 }
 
-/// The frames of a run, read from the buffer. Frames before the first continue its first step backwards.
+/// The frames of a run, read from the buffer. Frames before the first continue the first step backwards.
 struct RecordedFrames<'a, const BODIES: usize> {
     recorded: &'a [[u8; POSE_LEN]],
     bodies: usize,

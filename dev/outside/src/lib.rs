@@ -1,4 +1,4 @@
-//! Somebody else's crate: an arm for a board without a heap, by nothing but what `sinew-core` makes public.
+//! Somebody else's crate: an arm for a board without a heap, made only with the public interface of `sinew-core`.
 
 #![no_std]
 
@@ -6,7 +6,7 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_core::prelude::*;
 use sinew_core::{JointControllerError, JointTickError, TreeError};
 
-/// Joints of the arm.
+/// Number of joints of the arm.
 pub const JOINTS: usize = 6;
 
 /// Returns the arm of the core's first example.
@@ -33,7 +33,7 @@ pub fn controller(
 /// Returns the torques of a tick, in N m, as the loop of a board would.
 ///
 /// # Errors
-/// [`JointTickError`] if a number is invalid. The caller must then hold the servos safe.
+/// [`JointTickError`] if a number is invalid. The caller must then bring the servos to a safe state.
 pub fn tick(
     controller: &mut JointController<JOINTS>,
     target_rad: &[f32; JOINTS],

@@ -4,8 +4,8 @@
 //! form, and a show of its coordinates. `cargo xtask firmware` makes both.
 //!
 //! Run it with `-icount shift=0`: one instruction then takes 1 ns of the machine's time, and its 25 MHz `SysTick`
-//! counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction per tick. It
-//! counts instructions, not cycles: stalls and flash wait states are not emulated.
+//! counts once in 40 instructions. Sums over a whole run are exact to a fraction of an instruction per tick. The
+//! image counts instructions, not cycles: stalls and flash wait states are not emulated.
 //!
 //! A hash of all torques is compared with the host's; `cargo xtask parity` reports the first difference.
 
@@ -21,7 +21,7 @@ static RIG: &[u8] = include_bytes!(env!("SINEW_RIG", "`cargo xtask firmware mps2
 static SHOW: &[u8] =
     include_bytes!(env!("SINEW_SHOW", "`cargo xtask firmware mps2_an386` sets it"));
 
-/// Bodies of the figure: a free root, and ball joints.
+/// Numbers of bodies, dofs and coordinates of the figure, which has a free root and ball joints.
 const BODIES: usize = 18;
 const DOFS: usize = 6 + 3 * (BODIES - 1);
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);

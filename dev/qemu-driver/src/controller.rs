@@ -64,8 +64,8 @@ impl QemuController {
         self.ticks * self.tick_us
     }
 
-    /// Asks for packets of a line. `own`: those of the controller in process. Their bytes are in `out`, where those
-    /// of the image are written.
+    /// Asks for packets of a line. `own` describes the packets of the controller in process, whose bytes are in
+    /// `out`. The packets of the image are written to `out`.
     fn packets(
         &mut self,
         question: &ToNode<'_>,

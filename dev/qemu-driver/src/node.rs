@@ -1,4 +1,4 @@
-//! A node from the view of its host: messages of the lockstep, and the host link in them.
+//! A node as its host sees it: the messages of the lockstep, and the bytes of the host link inside these messages.
 
 use sinew_link::message::{
     Applied, Block, Command, Hello, Item, Outcome, Stream, ToController, ToHost as Said, Version,
@@ -11,7 +11,7 @@ use sinew_qemu_node::message::{End, TakeError, ToHost, ToNode};
 use super::emulator::Emulator;
 use super::error::QemuError;
 
-/// Steps of the background task per message. A step takes 64 bytes of the link.
+/// Steps of the background task per message. A step reads 64 bytes of the link.
 const STEPS: u32 = 8;
 /// Number of attempts after which the node counts as not answering.
 const PATIENCE: usize = 1000;
@@ -90,7 +90,8 @@ impl Node {
     pub(super) fn connect(&mut self) -> Result<Welcome, QemuError> {
         self.nonce += 1;
         (self.welcome, self.line) = (None, Vec::new());
-        // This program receives no telemetry. The older version in the greeting says that it acknowledges none.
+        // This program receives no telemetry. The older version in the greeting tells the node that this program
+        // acknowledges none.
         let protocol = Version { minor: 1, ..Version::CURRENT };
         let hello = Hello { protocol, nonce: self.nonce };
         self.say(&ToController::Hello(hello));
@@ -149,7 +150,7 @@ impl Node {
         Err(QemuError::NoAnswer("a command"))
     }
 
-    /// Uploads an item block by block. `what`: its name in messages.
+    /// Uploads an item block by block. `what` is the item's name in messages.
     pub(super) fn upload(
         &mut self,
         what: &'static str,

@@ -73,7 +73,8 @@ pub fn parts(kind: Kind) -> Parts {
     let baud = if kind == Kind::Position { 1_000_000 } else { 4_000_000 };
     let timing = Timing { baud, return_delay_us: 2, turnaround_us: 5 };
     let (traffic, recommended_v, bounds_v, stall_a, stall_nm) = match kind {
-        // The makers' voltages: 5 V, off below 3.5 and above 7; 7.4 V, 4 to 9; 11.1 V, 6 to 14.
+        // The makers' voltages, each with the range outside of which the servo switches off: 5 V (3.5 to 7 V), 7.4
+        // V (4 to 9 V), 11.1 V (6 to 14 V).
         Kind::Current => (dynamixel::traffic(COUNT, 2, true), 5.0, [3.5, 7.0], 1.47, 0.52),
         Kind::Position => {
             let traffic = feetech::traffic(Family::Sts, COUNT).with_goal(6);
@@ -113,8 +114,8 @@ pub fn parts(kind: Kind) -> Parts {
     };
     let tracker = match kind {
         Kind::Current | Kind::Voltage => TrackerSettings::recommended(),
-        // 10 ms, and a latency as long: too much for the recommended settings, whose feedback a position servo cannot
-        // use.
+        // A tick of 10 ms with a latency of equal length is too long for the recommended settings, whose feedback a
+        // position servo cannot use.
         Kind::Position => {
             TrackerSettings { method: MethodName::Local, ..TrackerSettings::default() }
         }

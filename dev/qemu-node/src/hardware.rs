@@ -1,4 +1,4 @@
-//! Hardware of the node: RAM, and the host at the other end.
+//! Hardware of the node: RAM, and the host at the other end of the message channel.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;
@@ -81,7 +81,8 @@ impl<T> Shared<T> for SingleThreaded<T> {
     }
 }
 
-/// The board from the view of the loop. Its clock advances while the bus is used.
+/// The board as the control loop uses it: clock, emergency stop, outputs and watchdog. The clock advances while the
+/// bus is used.
 pub(crate) struct Pins<'c> {
     pub(crate) now_us: &'c Cell<u64>,
     pub(crate) is_stopped: bool,
@@ -159,7 +160,7 @@ pub(crate) fn put<B: Bytes<Error = Infallible>>(host: &mut End<B>, message: &ToH
     let Ok(()) = host.put(message);
 }
 
-/// The board from the view of host link and storage.
+/// The board as the background task uses it: host link and storage.
 pub(crate) struct HostPort<'t, 'm> {
     pub(crate) now_us: u64,
     /// Bytes from the host that are not read yet.

@@ -4,9 +4,9 @@
 //! host  PowerOn Line.. Servo..     Below      Tick          Plan, PlanMore  Said          Over
 //! node                             Stepped    Exchange      Planned         IsComplete    Ticked
 //! ```
-//! The host begins, and each of its messages from [`ToNode::Tick`] and [`ToNode::Below`] on is answered. A tick of a
-//! node without a rig ends at once. In a node with a rig, lines may run in parallel: the host asks for the packets of
-//! each line at its time.
+//! The host begins. The node answers every message except those of the set-up ([`ToNode::PowerOn`],
+//! [`ToNode::Line`] and [`ToNode::Servo`]) and [`ToNode::Panic`]. A tick of a node without a rig ends at once. In a
+//! node with a rig, lines may run in parallel: the host asks for the packets of each line at its time.
 
 use serde::{Deserialize, Serialize};
 

@@ -81,15 +81,15 @@ const ABOUT_RIGS: About = About {
     ..ABOUT
 };
 
-/// Returns the number of the first session after a number of starts.
+/// Returns the number from which a board counts its sessions, after a number of starts.
 pub fn first_session(starts: u16) -> u16 {
     starts.wrapping_mul(100)
 }
 
 /// Runs a node from its power-on, through all its restarts.
 ///
-/// `causes`: reasons for the start. Without reasons the node is new, and its flash blank. `flash`:
-/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent`: room for all shows that are loaded between two starts.
+/// `causes` are the reasons for the start; without reasons the node is new, and its flash is blank. `flash` has
+/// [`FLASH_LEN`](crate::limits::FLASH_LEN) bytes. `lent` is room for all shows that are loaded between two starts.
 ///
 /// # Panics
 /// If the host sends an invalid message.

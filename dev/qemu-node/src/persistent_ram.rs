@@ -1,7 +1,7 @@
 //! Memory that survives a reset: flash, which is RAM here, and the record of a panic.
 //!
-//! It is in the machine's PSRAM. QEMU loads its image again at a reset, but no part of it into this memory. At
-//! power-on the memory is zero.
+//! This memory is in the machine's PSRAM. At a reset QEMU loads its image again, but the image has no part in this
+//! memory. At power-on the memory is zero.
 
 use core::ptr;
 
@@ -24,7 +24,7 @@ fn place() -> *mut PersistentRam {
 }
 
 impl PersistentRam {
-    /// Returns the only reference to it. May be called once, at the start.
+    /// Returns the only reference to this memory. May be called once, at the start.
     #[expect(unsafe_code, reason = "it has an address, and no name that a linker knows")]
     pub(crate) fn take() -> &'static mut Self {
         // SAFETY: there are 16 MB of RAM, which no image uses; any bytes are valid numbers. Only `main` calls this
@@ -32,7 +32,7 @@ impl PersistentRam {
         unsafe { &mut *place() }
     }
 
-    /// Whether the previous run ended with a panic. Clears the record.
+    /// Returns whether the previous run ended with a panic, and clears the record.
     pub(crate) fn take_panic(&mut self) -> bool {
         core::mem::take(&mut self.panic) == PANIC
     }

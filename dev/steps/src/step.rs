@@ -92,7 +92,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Starts a step. `log`: a file for its output.
+    /// Starts a step. `log` is a file for the step's output.
     ///
     /// # Errors
     /// If the program does not start, or the file cannot be written.

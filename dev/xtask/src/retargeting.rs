@@ -1,4 +1,4 @@
-//! Scores clips on robots with a foreign program, beside the scores of another program.
+//! Retargets clips to robots, scores the results and those of GMR with a foreign program, and compares all scores.
 //! `crates/retarget/tests/gmr/README.md` describes the scores.
 
 use std::ffi::OsString;

@@ -61,7 +61,8 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
         published()?;
     }
 
-    // It has its own compiler and folder, so it is built while images are linked, which uses one core each.
+    // The emulator has its own compiler and folder, so it is built while images are linked, which uses one core
+    // each.
     let emulator = if scope == Scope::All { emulate::begin()? } else { None };
     nextest::build()?;
     if scope == Scope::All {
@@ -69,8 +70,8 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     }
     docs::commands()?;
     firmware::build(EMULATED)?;
-    // Linking an image uses one core, and this step the other. It has the profile of the first image, so it cannot
-    // run beside that.
+    // Linking an image uses one core, and this step the other. It uses the same build profile as the first image,
+    // so both cannot be linked at the same time.
     let audit = Beside::begin(
         "link what boards may call without a panic handler",
         &mut Image::AUDIT.cargo("rustc")?,

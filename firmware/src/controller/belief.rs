@@ -4,16 +4,16 @@
 //! of its gear and steps of its encoder ([`REST_RAD`]), the effect of twice its stall torque on its rotor alone
 //! ([`EFFORT`]), and twice the expected movement, since the load may bounce. A reading outside of the tolerance is a
 //! jump: of an encoder, a horn or bytes. The servo is then assumed at its expected position, and the jump is stored
-//! as an offset, which is subtracted from the next readings. Readings after a jump that fit better without the offset
-//! end it. The tracker therefore moves nothing because of a jump, whatever its size. [`Belief::is_jumped`] reports a
-//! jump that stays.
+//! as an offset, which is subtracted from the next readings. If a later reading fits better without the offset, the
+//! jump has ended. The tracker therefore moves nothing because of a jump, whatever its size. [`Belief::is_jumped`]
+//! reports a jump that stays.
 //!
 //! A jump that is smaller than the servo's possible movement in a tick is not detected, and the rig follows it: 1 deg
 //! for an XL330 at 400 Hz, 1.7 deg for an STS3215 at 100 Hz, at standstill.
 //!
-//! A servo in position mode follows its own encoder: it moves before a board can know of the jump. It gets its goal
-//! with the offset as soon as its own speed shows that the encoder has jumped, and not bytes, which the servo does
-//! not follow; otherwise when the fault is detected.
+//! A servo in position mode follows its own encoder: it moves before a board can know of the jump. Its goal
+//! contains the offset as soon as the servo's own speed shows that the encoder has jumped; otherwise, from the time
+//! at which the fault is detected. (If only the bytes of a reading were wrong, the servo has not moved.)
 
 use sinew_servo_bus::{Command, Feedback};
 
@@ -26,7 +26,8 @@ const REST_RAD: f32 = 0.012;
 const REST: f32 = 1.5;
 /// Torque that accelerates the rotor, as a multiple of the stall torque: the motor's, and as much from outside.
 const EFFORT: f32 = 2.0;
-/// Number of consecutive readings with an offset after which it is a fault: the number of replies that may be missed.
+/// Number of consecutive readings with an offset after which the jump is a fault: as many as replies may be missed
+/// before a servo counts as silent.
 const MOST: u8 = 5;
 /// Number of readings after a jump in which the servo's own speed is not used, since it contains the jump.
 const SETTLING: u8 = 30;
@@ -119,7 +120,7 @@ impl Belief {
         Feedback { position_rad, velocity_rad_s, ..read }
     }
 
-    /// Returns whether the servo has jumped, and stays there.
+    /// Returns whether a jump has lasted so long that it is a fault.
     pub(super) fn is_jumped(&self) -> bool {
         self.jumped >= MOST
     }
@@ -129,7 +130,8 @@ impl Belief {
         self.count.into()
     }
 
-    /// Returns the command for a servo whose encoder may have jumped: its goal is also in its encoder's counts.
+    /// Returns the command for a servo whose encoder may have jumped. A goal is shifted by the offset, because the
+    /// servo follows its encoder.
     pub(super) fn sent(&self, command: Command) -> Command {
         if self.jumped == 0 || !(self.is_own || self.is_jumped()) {
             return command;

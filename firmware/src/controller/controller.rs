@@ -29,29 +29,30 @@ use crate::watchdog::Complete;
 /// Maximum length of a packet that switches the torque of all servos, bytes: fixed part, and part per servo.
 const SWITCH: (u32, u32) = (14, 2);
 
-/// Parts of the way to a show's first pose. The rig must be held at both ends of each part.
+/// Number of parts of the way to a show's first pose. The servos must be able to hold the rig at both ends of each
+/// part.
 const WAY: u8 = 4;
 
-/// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
-/// suddenly.
+/// While a rig is lowered: ratio of a joint's target speed to its maximum speed. It is below 1, because static friction
+/// may release a joint suddenly.
 const PACE: f32 = 0.7;
-/// Ratio of a lowered goal's speed to that target speed, so that a servo that sticks can catch up.
+/// Ratio of a lowered goal's speed to the target speed. It is below 1, so that a servo that sticks can catch up.
 const LED: f32 = 0.7;
 /// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
 const BACK_PER_S: f32 = 3.0;
-/// Minimum of the released part of a weight. Negative, so that up to half more than the weight by the model may be
-/// carried: a rig may be heavier.
+/// Minimum of the released part of a weight. It is negative, because a rig may be heavier than its model.
 const LEAST_LOWERED: f32 = -0.25;
-/// Ratio to the target speed below which a joint rests. The rig is down after all joints have rested for a third of
-/// the fading time.
+/// A joint rests if its speed is below this part of the target speed. The rig is down after all joints have rested
+/// for a third of the fading time.
 const RESTS: f32 = 0.1;
 const RESTED: f32 = 1.33;
 /// Maximum distance of a lowered goal ahead of its servo, rad.
 const LEAD_RAD: f32 = 0.07;
-/// Weight below which a joint's goal is lowered more slowly: a part of its maximum effort, and a maximum in N m or N.
+/// Weight below which a joint's goal is lowered more slowly, as a part of the joint's maximum effort; and the
+/// maximum of this weight, N m or N.
 const SLIGHT: f32 = 0.01;
 const SLIGHT_MOST: f32 = 0.03;
-/// Minimum of that weight, N m or N.
+/// Minimum of the weight of `SLIGHT`, N m or N.
 const LEAST_NM: f32 = 1e-6;
 
 /// Inputs of a tick from outside of the controller.
@@ -104,7 +105,7 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
-    /// By dof, released part of its weight while the rig is lowered.
+    /// Released part of each dof's weight while the rig is lowered.
     lowered: Vec<f32, DOFS>,
     /// Faults of the tick before, or of the board's start, to be reported in the next tick.
     pending: FaultSet,
@@ -146,8 +147,8 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS,
 impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>
     MotionController<'a, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a controller at the board's start; torque is off. `schedule` is that of the bus, whose servos must be
-    /// the rig's, in its order.
+    /// Creates a controller at the board's start; torque is off. `schedule` is the schedule of the bus. The servos
+    /// of the bus must be those of the rig, in the same order.
     ///
     /// # Errors
     /// [`ControllerError`] names the part that does not fit: the rig, the rate, a setting.
@@ -188,7 +189,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
-            // As an array, the whole value would be created on the stack and moved.
+            // An array would be created as a whole on the stack, and then moved.
             lowered: filled(DOFS, 0.0),
             pending: FaultSet::EMPTY,
             was_late: false,
@@ -304,7 +305,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let since_us = inputs.now_us.saturating_sub(self.last.0);
         let late = since_us.checked_div(self.tick_us.into()).unwrap_or(0).saturating_sub(1);
         let late = u32::try_from(late).unwrap_or(u32::MAX);
-        // Readings of this tick are from the tick before, and so is its number of missing ticks.
+        // The readings of this tick were made in the tick before, therefore the number of left-out ticks is that of
+        // the tick before, too.
         let last = core::mem::replace(&mut self.last, (inputs.now_us, late));
         let is_finite = self.read(bus, last.1);
         let mut findings = self.find(inputs, is_finite);
@@ -500,7 +502,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         })
     }
 
-    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them.
+    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them; `None` if
+    /// there is none.
     #[inline(never)]
     fn overload(&mut self) -> Option<Overload> {
         let Self { sources, path, watch, performance, .. } = self;

@@ -63,7 +63,7 @@ pub(super) struct Sources<'a, const DOFS: usize, const COORDS: usize> {
     show: Option<ShowFrames<'a, COORDS>>,
     /// Number of ticks that the show has run.
     ticks: u32,
-    /// Number of ticks, even, in which a show that starts at speed reaches its pace from standstill.
+    /// Number of ticks in which a show that starts at speed reaches its pace from standstill. It is even.
     run_in: u32,
     soft: SoftStart,
     /// Fault of the show that played, until it is reported.
@@ -135,7 +135,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
     }
 
-    /// Returns the fault of the show that plays. It is returned only once.
+    /// Returns the fault of the show that played. It is returned only once.
     pub(super) fn take_fault(&mut self) -> Option<Fault> {
         self.fault.take()
     }
@@ -173,7 +173,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Returns the frame after the run-in, which has taken half of its duration from the show.
+    /// Returns the show's frame at this tick, after the run-in. A run-in of n ticks plays n/2 frames of the show.
     fn index(&self) -> i32 {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }
@@ -286,7 +286,8 @@ pub fn open_show<
     opened
 }
 
-/// Refuses a show whose first pose is beyond a range: the rig would wait for it without end. Ball joints have no ends.
+/// Refuses a show whose first pose is beyond a range: the rig would wait for this pose without end. Ball joints
+/// have no ends.
 fn check_first_pose<
     const BODIES: usize,
     const DOFS: usize,
@@ -299,7 +300,7 @@ fn check_first_pose<
     let Frame::Coordinates { q, .. } = frames.frame(0) else { return Ok(()) };
     let (mut q, mut dofs) = (q.iter(), rig.dofs().iter().enumerate());
     for joint in rig.tree().bodies().iter().map(|body| body.joint) {
-        // A ball joint has a coordinate more than dofs: the pairs end with it.
+        // A ball joint has one coordinate more than dofs: this last coordinate has no pair.
         let own = q.by_ref().take(joint.coordinate_count());
         for (found, (dof, BoardDof { range: [least, most], .. })) in
             own.zip(dofs.by_ref().take(joint.dof_count()))

@@ -24,8 +24,8 @@
 //! drew current. The test starts again whenever torque was on.
 //!
 //! # Registers
-//! A rig is armed only after the registers of every servo were read since torque was on, and since the servo was
-//! silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::requirements`] and
+//! A rig is armed only after the registers of every servo were read, and read again after torque was on or the
+//! servo was silent: mode, return delay, status level, limits, shutdown, gains, as [`ServoSetup::requirements`] and
 //! [`sinew_servo_bus::settings`] define. While torque is off they are read repeatedly, a few bytes per tick; while
 //! torque is on, never. A difference is stored in [`Report::registers`], and arming is refused. Nothing is written:
 //! `sinew servo apply` does that.

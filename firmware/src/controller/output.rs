@@ -55,7 +55,8 @@ impl<const SERVOS: usize> Output<SERVOS> {
             }
             let Some(command) = guarded.command else { continue };
             if switch_on {
-                // Given first, since a Feetech accepts no goal before; buses send it after the goals.
+                // This command is given first, since a Feetech accepts no goal before it. Buses still send it after
+                // the goals.
                 bus.command(index, Command::Torque(true)).map_err(Incomplete::Command)?;
             }
             bus.command(index, belief.sent(command)).map_err(Incomplete::Command)?;

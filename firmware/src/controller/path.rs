@@ -196,7 +196,8 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         from.clone_from(now);
     }
 
-    /// Starts another source: the last one ends where the joints can stop. Ball joints stop at once.
+    /// Starts another source: the previous source ends in the pose in which the joints can stop. Ball joints stop
+    /// at once.
     pub(super) fn depart(&mut self) -> &Pose<DOFS, COORDS> {
         let Self { parts, dofs, now, from, .. } = self;
         from.clone_from(now);
@@ -229,9 +230,9 @@ impl<const DOFS: usize, const COORDS: usize> Path<DOFS, COORDS> {
         }
     }
 
-    /// Advances by a tick towards a goal, which has the weight `weight` against the end of the last source. Returns
-    /// whether the goal is reached. `speed_rad_s` is the maximum speed of a joint; with `None` only the joints' own
-    /// limits apply. O(dofs).
+    /// Advances by a tick towards a goal. The goal has the weight `weight`, and the end of the previous source has
+    /// the rest of the weight. Returns whether the goal is reached. `speed_rad_s` is the maximum speed of a joint;
+    /// with `None` only the joints' own limits apply. O(dofs).
     pub(super) fn step(
         &mut self,
         goal: &Pose<DOFS, COORDS>,
@@ -293,7 +294,8 @@ impl Axis {
         if effort.is_finite() { effort } else { 0.0 }
     }
 
-    /// Returns the maximum speed of the dof: its own, and that of its shafts.
+    /// Returns the maximum speed of the dof: its own, or the speed at which the fastest shaft of its drive turns at
+    /// `speed_rad_s`, if that is lower.
     fn most(&self, speed_rad_s: Option<f32>) -> f32 {
         speed_rad_s.map_or(self.speed, |speed| self.speed.min(speed / self.shaft))
     }

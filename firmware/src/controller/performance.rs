@@ -27,7 +27,7 @@ pub(super) struct NotFinite;
 pub(super) struct Carried<'p> {
     /// Measured pose of the rig.
     pub(super) q: &'p [f32],
-    /// Target position of each dof, by coordinates: dofs that correct no error have their own goal.
+    /// Target positions, by coordinates. Dofs that correct no error have their own goal.
     pub(super) to: &'p [f32],
     /// Speed of each dof, which is to be braked; for dofs that correct no error, the speed of their goal.
     pub(super) qd: &'p [f32],
@@ -39,7 +39,8 @@ pub(super) struct Carried<'p> {
     pub(super) weight: f32,
 }
 
-/// Damping of movements while the rig is carried, 1/s: that of the tracker's gains, which gears can stand.
+/// Damping of movements while the rig is carried, 1/s: equal to that of the tracker's gains, which gears can
+/// withstand.
 const BRAKE_PER_S: f32 = 28.0;
 
 /// Tracker and drives of a rig.
@@ -144,7 +145,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// Returns the weight by the model of a dof that corrects no error, from the last tick in which it was carried.
+    /// Returns the effort by which the model carries a dof, without a correction of errors, N m or N. It is from the
+    /// last tick in which the rig was carried.
     pub(super) fn weight(&self, dof: usize) -> f32 {
         self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
     }
@@ -249,8 +251,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.drive(conditions, share)
     }
 
-    /// Computes the efforts that hold a pose by the rig's model, and those that brake it too, by dof, N m or N. Empty
-    /// `brakes` are not computed. O(dofs).
+    /// Computes, by dof, the efforts that hold a pose by the rig's model, N m or N, and in `brakes` the efforts
+    /// that brake the rig. If `brakes` is empty, the latter are not computed. O(dofs).
     #[inline(never)]
     fn weights(
         &self,
@@ -287,8 +289,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         Ok(())
     }
 
-    /// Returns what servos or supply cannot hold in a pose: the joint with the greatest load of a servo, or else the
-    /// sum of currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out. O(dofs).
+    /// Returns the overload in a pose, if there is one: the joint whose servo has the greatest load, or else the
+    /// sum of the currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out.
+    /// O(dofs).
     #[inline(never)]
     pub(super) fn overload<const COORDS: usize>(
         &self,
@@ -349,8 +352,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     ) -> Result<&[Option<ServoCommand>], NotFinite> {
         let Self { rig, tracker, drives, commands, out, .. } = self;
         // A current is limited to its permitted part below. In position mode the offset is limited, which is the
-        // effort beyond the target; in PWM mode the effort is, since the part of the voltage against the back-EMF
-        // gives no effort.
+        // effort beyond the target; in PWM mode the effort itself is limited, since the part of the voltage against
+        // the back-EMF gives no effort.
         for drive in rig.drives() {
             let class = drive.servos.first().and_then(|servo| class(drives.servos(), *servo));
             if !matches!(class, Some(Class::Position | Class::Voltage)) {
@@ -385,8 +388,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     }
 }
 
-/// Returns whether a servo cannot give more. A hot servo does not count: the observer must learn from heat, or a
-/// joint would sag further with each tick of less current.
+/// Returns whether a servo cannot give more effort. A hot servo does not count: the observer must learn the effect
+/// of heat, or a joint would sag further with each tick of less current.
 fn gives_its_most(servo: &ServoCommand) -> bool {
     matches!(servo.limit, Some(Limit::Torque | Limit::Current | Limit::Voltage | Limit::Stale))
 }

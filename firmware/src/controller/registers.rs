@@ -16,7 +16,7 @@ pub(super) struct Comparison<const SERVOS: usize> {
     /// Index of the servo that the bus compares now or next.
     at: usize,
     is_asked: bool,
-    /// Whether a result may be stored.
+    /// Whether the comparison has begun. Only then a result is stored.
     is_begun: bool,
 }
 

@@ -12,7 +12,7 @@ use crate::supervisor::{Answer, FaultSet, GuardReason, Moving, Registers, Source
 pub struct Report<const DOFS: usize, const SERVOS: usize> {
     /// State of the supervisor.
     pub state: State,
-    /// Source of the pose.
+    /// Source of the commanded pose.
     pub source: Source,
     /// Position in the loaded show.
     pub show: Option<Position>,
@@ -114,7 +114,7 @@ pub struct ServoReport {
     pub guard: Option<GuardReason>,
     /// Permitted part of its effort, 0 to 1.
     pub share: f32,
-    /// Reason why that part is reduced, or soon will be.
+    /// Reason why the permitted part is reduced, or soon will be.
     pub concern: Option<Concern>,
     /// Temperature of the servo, degC.
     pub temperature_c: Option<f32>,

@@ -42,8 +42,8 @@ pub struct ControllerSettings {
     pub rig_crc: u32,
 }
 
-/// Recommended tracking, readings up to 0.1 s, voltage and temperature up to 2 s, 3 deg beyond a range, 500 µs per
-/// tick, a rig without a CRC.
+/// The default settings use recommended tracking. Readings are valid for 0.1 s, voltage and temperature for 2 s. A
+/// servo may be 3 deg beyond its range. The board computes for 500 µs per tick. The rig has no CRC.
 impl Default for ControllerSettings {
     fn default() -> Self {
         Self {

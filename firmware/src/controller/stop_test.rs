@@ -5,7 +5,8 @@ use sinew_servo_bus::Effort;
 
 use crate::drives::Condition;
 
-/// Maximum effort that a servo without torque may report, as a part of its maximum: noise, and a hand that turns it.
+/// Maximum effort that a servo without torque may report, as a part of its maximum. It allows for noise, and for a
+/// hand that turns the servo.
 const IDLE: f32 = 0.05;
 
 /// Counts the ticks with torque off, and checks the readings after them.
@@ -16,7 +17,8 @@ pub(super) struct StopTest {
 }
 
 impl StopTest {
-    /// Records that a tick was sent completely, with torque off for all servos or not.
+    /// Records that the packets of a tick were sent completely. `off` is whether they switched torque off on all
+    /// servos.
     pub(super) fn sent(&mut self, off: bool) {
         if off {
             self.ticks = self.ticks.saturating_add(1);
@@ -37,7 +39,7 @@ impl StopTest {
 }
 
 /// Returns whether a servo was read in a tick after the first torque off, and is idle. A reading of that first tick
-/// was measured before.
+/// was measured before torque was off.
 fn is_off(servo: Condition, stall_a: f32, ticks: u32) -> bool {
     servo.feedback.is_some_and(|read| {
         let share = match read.effort {

@@ -1,4 +1,4 @@
-//! All detectors of a rig.
+//! All fault detectors of a rig.
 
 use heapless::Vec;
 use sinew_core::tracker::STANDS_RAD_S;

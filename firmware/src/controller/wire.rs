@@ -4,7 +4,7 @@ use sinew_servo_bus::{EncodeError, ServoBus};
 
 /// A bus line with servos.
 ///
-/// **Duty**: whatever servos do, every call returns within its time.
+/// **Duty**: whatever servos do, every call returns within the time that its arguments give.
 pub trait Wire {
     /// Empties the input, sends `bytes`, and passes received bytes to `reply` as they arrive, until that returns true
     /// or `wait_us` have passed since the first byte was sent.

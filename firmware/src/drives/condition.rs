@@ -44,7 +44,7 @@ impl Condition {
     }
 }
 
-/// The limits at which a drive reduces its output, and at which it stops it.
+/// The limits at which a drive reduces its output, and at which it gives no output.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CutOff {
@@ -58,7 +58,7 @@ pub struct CutOff {
     pub hot_c: f32,
 }
 
-/// 0.1 s, 55 degC and 65 degC, for servos that switch off at 70 degC.
+/// The default limits are 0.1 s, 55 degC and 65 degC, for servos that switch off at 70 degC.
 impl Default for CutOff {
     fn default() -> Self {
         Self { stale_s: 0.1, warm_c: 55.0, hot_c: 65.0 }

@@ -22,9 +22,9 @@ const RETURN_PER_S: f32 = 7.07;
 pub struct CurrentSettings {
     /// Encoder of the servo.
     pub encoder: Encoder,
-    /// Maximum distance of the shaft from its target, rad at the servo, for which friction on the way back is not fed
-    /// forward: half the play of the gear and a step of the encoder. If the play is not known, use 10: no error is as
-    /// large.
+    /// Maximum distance of the shaft from its target, rad at the servo, for which the friction of the return to the
+    /// target is not fed forward: half the play of the gear and a step of the encoder. If the play is not known,
+    /// use 10: no error is as large.
     pub blind_rad: f32,
     /// Maximum current in either direction, A.
     pub current_a: f32,
@@ -35,10 +35,10 @@ pub struct CurrentSettings {
 /// Current control: the sum of feed-forward effort, feedback effort and friction at the wanted speed
 /// ([`Servo::shaft_friction`]) is converted by the gear and divided by the torque constant.
 ///
-/// The wanted speed is the target's speed plus the speed of the return to the target: 7 /s of the error beyond the
-/// encoder's uncertainty (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot Manipulators",
-/// 1987). Because of it, stiction does not hold a joint away from its target until the observer has learnt the
-/// friction.
+/// The wanted speed is the target's speed plus the speed of the return to the target: 7 rad/s per rad of the error
+/// beyond the encoder's uncertainty (the reference velocity of Slotine and Li, "On the Adaptive Control of Robot
+/// Manipulators", 1987). Because of it, stiction does not hold a joint away from its target until the observer has
+/// learnt the friction.
 ///
 /// Beyond an end of its range the drive gives no torque outwards. Without fresh readings, and if the servo is hot,
 /// the current fades to zero: the tracker closes the loop, and a servo in current mode holds nothing by itself. O(1).
@@ -51,8 +51,8 @@ pub struct CurrentDrive {
 }
 
 impl CurrentDrive {
-    /// Minimum control rate, Hz, at a tick of latency, which a bus takes. It follows from the maximum delay of the
-    /// tracker's recommended setting, see [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
+    /// Minimum control rate, Hz, with the latency of one tick that a bus causes. It follows from the maximum delay
+    /// of the tracker's recommended setting, see [`MAX_DELAY_S`](sinew_core::tracker::MAX_DELAY_S).
     pub const LEAST_HZ: f32 = Class::Current.least_hz();
 
     /// Creates the drive of a servo. `timing` is the tracker's timing. A reading of a tick takes effect in the next

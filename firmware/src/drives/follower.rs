@@ -12,7 +12,7 @@ const NEAR_RAD: f32 = 1e-5;
 /// Number of braking ticks beyond which parts of a tick are below the rounding of f32.
 const MANY_TICKS: f32 = 1e5;
 
-/// Follows a target. The position is equal to the target whenever the limits allow it, and brakes in time for the
+/// Follows a target. Its position is equal to the target whenever the limits allow that, and it brakes in time for the
 /// ends of the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Follower {
@@ -207,7 +207,8 @@ mod tests {
 
         #[test]
         fn a_target_within_its_limits_is_met(phase in 0.0_f32..6.0, dt_s in 0.001_f32..0.02) {
-            // 0.8 rad at 2 rad/s give a maximum speed of 1.6 rad/s and a maximum acceleration of 3.2 rad/s².
+            // A sine of 0.8 rad at 2 rad/s has a maximum speed of 1.6 rad/s and a maximum acceleration of 3.2
+            // rad/s².
             let mut follower = follower(3.0, 10.0, dt_s);
             for tick in 0..1000_u16 {
                 let angle = phase + 2.0 * dt_s * f32::from(tick);

@@ -16,8 +16,8 @@ pub struct TargetSettings {
     pub encoder: Option<Encoder>,
 }
 
-/// Control by the target alone, within range, speed and acceleration. For hobby servos, which report nothing, and for
-/// servos of unknown stiffness. Efforts are not used. O(1).
+/// Control by the target alone, within range, speed and acceleration. It is meant for hobby servos, which report
+/// nothing, and for servos of unknown stiffness. Efforts are not used. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetDrive {
     servo: Servo,

@@ -17,7 +17,8 @@ const LEAST_SUPPLY: f32 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct VoltageSettings {
-    /// Settings as in current mode: encoder, friction on the way back, maximum current in the winding, heat.
+    /// The settings of current mode: encoder, feed-forward of friction, maximum current in the winding, limits by
+    /// heat.
     pub current: CurrentSettings,
     /// Resistance of motor and bridge: supply voltage divided by stall current, ohm.
     pub resistance_ohm: f32,

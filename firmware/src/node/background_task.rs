@@ -77,7 +77,7 @@ pub struct BackgroundTask<
     pub(super) faults: Deque<FaultNews, FAULTS_WAITING>,
     /// The last warning since faults were cleared.
     pub(super) warning: Option<FaultRecord>,
-    /// Set when new data was stored: it takes effect after a restart, and the rig cannot be armed before.
+    /// Set when new data was stored. The data takes effect after a restart, and the rig cannot be armed before it.
     pub(super) kept: Option<Disarmed>,
 }
 
@@ -90,7 +90,8 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Creates a task before any host has connected. `first_session` must differ at each start.
+    /// Creates a task before any host has connected. Sessions are numbered from the number after `first_session`,
+    /// which must differ at each start.
     pub fn new(
         store: Store<F>,
         mut setup: Setup<'a, BODIES, DOFS, SERVOS>,

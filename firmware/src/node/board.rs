@@ -11,8 +11,8 @@ pub trait Safety {
     /// Returns the time since the board's start, µs. It never decreases, and continues while flash is erased.
     fn now_us(&self) -> u64;
 
-    /// Returns whether the loop of the emergency stop is open, or its wire is cut. That loop cuts the servos' power
-    /// by itself; this method only reports it.
+    /// Returns whether the emergency stop's circuit is open, or its wire is cut. That circuit cuts the servos'
+    /// power by itself; this method only reports its state.
     fn is_stopped(&mut self) -> bool;
 
     /// Switches the line that enables the servos' signals (OE), if there is one. It is off from reset on, and while

@@ -19,8 +19,8 @@ impl<
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
     /// Reports faults to the host and stores them, in the order in which they occurred, together with the notes that
-    /// faults were cleared. The first fault in flash after such a note is therefore the first since then, even if
-    /// others are still waiting.
+    /// faults were cleared. The first fault in flash after such a note is therefore the first fault since faults
+    /// were cleared, even if other faults still wait to be stored.
     #[inline(never)]
     pub(super) fn keep_faults(&mut self, mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>) {
         while !self.faults.is_full()

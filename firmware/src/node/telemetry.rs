@@ -15,8 +15,8 @@ pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS
     seq: u16,
     /// Sequence number after the newest frame that the host has acknowledged.
     heard: u16,
-    /// Time of the last new or complete acknowledgement, µs. Only differences are used, also of the next field, the
-    /// time of the host's last message.
+    /// Time of the last new or complete acknowledgement, µs. `spoke_us` is the time of the host's last message.
+    /// Only differences of these times are used.
     heard_us: u32,
     spoke_us: u32,
 }
@@ -41,7 +41,7 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
         let was_silent = now_us.wrapping_sub(self.spoke_us) >= limit_us;
         self.spoke_us = now_us;
         let behind = heard.map_or(self.heard, |number| number.wrapping_add(1));
-        // A number that was not sent since the last accepted one is ignored.
+        // A number that was not sent since the last accepted number is ignored.
         let is_new = self.seq.wrapping_sub(behind) < self.seq.wrapping_sub(self.heard);
         if is_new {
             self.heard = behind;

@@ -8,7 +8,7 @@ use super::{Fault, Feed, Moving, Operator, Overload, RegisterDiffers, State};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Command {
-    /// Switches torque on, at the measured pose. Only from limp, and at rest.
+    /// Switches torque on at the measured pose. Allowed only in the state limp, while the rig is at rest.
     Arm,
     /// Lowers the rig, then switches torque off. Never refused.
     Disarm,
@@ -16,24 +16,25 @@ pub enum Command {
     Play(Feed),
     /// Holds the last commanded pose.
     Hold,
-    /// Moves to the rest pose, lowers the rig, then switches torque off. In maintenance and while arming, lowers it
-    /// at once. Never refused.
+    /// Moves to the rest pose, lowers the rig, then switches torque off. In maintenance and while arming, lowers
+    /// the rig at once. Never refused.
     Stop,
-    /// Lets a user move the rig by hand to find ranges. Only from limp.
+    /// Lets a user move the rig by hand to find ranges. Allowed only in the state limp.
     Calibrate,
-    /// Lets a user show poses by hand, with torque off. Only from limp.
+    /// Lets a user show poses by hand, with torque off. Allowed only in the state limp.
     Teach,
-    /// Lets a user show poses by hand, while the rig carries its own weight. Only from holding, so it was armed.
+    /// Lets a user show poses by hand, while the rig carries its own weight. Allowed only in the state holding, so
+    /// that the rig has been armed.
     Float,
     /// Gives the rig to an operator for maintenance. Nobody else may move or arm it until this operator leaves it.
     Maintain(Operator),
-    /// Reports that the operator holds the enabling button. To be sent repeatedly while it is held.
+    /// Reports that the operator holds the enabling button. It must be sent repeatedly while the button is held.
     Enable(Operator),
     /// Ends the operator's maintenance: the rig holds.
     Leave(Operator),
     /// Clears latched faults. Moves nothing.
     ClearFaults,
-    /// Switches torque off at once; latched. Never refused.
+    /// Switches torque off at once, and latches a fault. Never refused.
     EStop,
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Command, FaultSet, Feed, Moving, Overload, Registers};
 
-/// Input of a tick for a change of mode. Clocks are contained only as conditions on the state before.
+/// Input of a tick for a change of mode. It contains no times: clocks appear only as conditions of the state
+/// before, such as `time_over`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a fact of its own")]

@@ -8,9 +8,9 @@ use super::{Allows, Feed, Mode, Settings, Source, State};
 pub struct Permission {
     /// Whether torque may be on. If not, it is switched off in this tick.
     pub torque: bool,
-    /// Source of the pose.
+    /// Source of the commanded pose.
     pub source: Source,
-    /// Weight of the source against the pose that was commanded when it began: from 0 to 1, with speed and
+    /// Weight of the source against the pose that was commanded when the source began: from 0 to 1, with speed and
     /// acceleration zero at both ends.
     pub weight: f32,
     /// Whether the source's own time advances: a show waits at its first pose until the rig has reached it.

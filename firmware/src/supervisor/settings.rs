@@ -17,7 +17,7 @@ pub const LOWER_MOST: [f32; 2] = [6.0, 2.0];
 pub struct Settings {
     /// Time without a valid message after which the rig holds, s.
     pub link_hold_s: f32,
-    /// Time without a valid message after which the rig is lowered, s. More than `link_hold_s`.
+    /// Time without a valid message after which the rig is lowered, s. It must be more than `link_hold_s`.
     pub link_limp_s: f32,
     /// Time for which the enabling button counts as held after each of its messages, s.
     pub enable_s: f32,
@@ -42,8 +42,10 @@ pub struct Settings {
     pub float_rad_s: f32,
 }
 
-/// Hold after 0.2 s, lowered after 2 s; enabled for 0.2 s; arming 1 s, blends 1 s, 10 s to the rest pose, lowering at
-/// least 3 s; 20, 30, 30 and 10 deg/s; 180 deg/s by hand.
+/// By default, the rig holds after 0.2 s without a message, and is lowered after 2 s. The button counts as held for
+/// 0.2 s. Arming takes 1 s, a blend 1 s, the way to the rest pose at most 10 s, and lowering at least 3 s. The
+/// maximum speeds are 20 deg/s from standstill, 30 deg/s to the rest pose and while lowering, 10 deg/s in
+/// maintenance, and 180 deg/s by hand.
 impl Default for Settings {
     fn default() -> Self {
         Self {

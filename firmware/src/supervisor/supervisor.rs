@@ -22,7 +22,7 @@ pub struct Inputs {
     pub heard: bool,
     /// A command, if one arrived. Only one command is handled in a tick.
     pub command: Option<Command>,
-    /// Faults that detectors found. The supervisor itself detects those of the link.
+    /// Faults that detectors found. The supervisor itself detects faults of the link.
     pub findings: Findings,
     /// Faults that a valid upload has cleared: [`FaultSet::OF_SHOW`]. Valid settings, or a valid rig, take effect
     /// after a restart.

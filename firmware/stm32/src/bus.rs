@@ -61,9 +61,9 @@ pub(crate) struct Exchange<'l> {
     pub(crate) lines: &'l RefCell<Lines>,
     /// Whether torque was on in the tick before.
     pub(crate) was_on: bool,
-    /// Time during which servos are asked for more, from the beginning of the exchange, µs.
+    /// Time, from the beginning of the exchange, in which further packets may be sent to servos, µs.
     pub(crate) asks_us: u32,
-    /// Time at which the asking ends, µs.
+    /// Time at which this time ends, µs.
     pub(crate) until_us: u64,
 }
 
@@ -82,7 +82,7 @@ impl Wire for Exchange<'_> {
                         .serial
                         .talk(bytes, time_us, |said| self.lines.borrow_mut().reply(line, said)),
                     LinePort::I2c(prescale) => {
-                        // These are the first pulses after a pause: the chip may have got its power only now.
+                        // These are the first pulses after a pause: the chip may have been without power until now.
                         if !self.was_on {
                             pulses::start(&mut self.ports.i2c, &prescale);
                         }

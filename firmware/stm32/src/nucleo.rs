@@ -32,7 +32,7 @@ const LIGHT_HZ: u32 = 500;
 pub struct Nucleo<Scl: PeripheralType + 'static, Sda: PeripheralType + 'static> {
     /// The output-enable pin (OE) of a PCA9685.
     pub outputs: Peri<'static, PB5>,
-    /// Input of the emergency stop's loop.
+    /// Input of the emergency stop's circuit.
     pub stop: Peri<'static, PC8>,
     /// UART of the host link, on the ST-Link's serial port.
     pub link: Peri<'static, USART2>,
@@ -81,7 +81,8 @@ where
         let core = cortex_m::Peripherals::take().expect("it is called once");
         // Switches the pulses off first of all. Until this line the pull-up has kept them off.
         let outputs = Output::new(self.outputs, Level::High, Speed::Low);
-        // Closed loop: 3.3 V through the button, high. Open, cut or unplugged: low.
+        // The input is high while the circuit is closed: 3.3 V through the button. It is low if the circuit is
+        // open, cut or unplugged.
         let stop = Input::new(self.stop, Pull::Down);
 
         let mut config = usart::Config::default();

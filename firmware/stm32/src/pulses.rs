@@ -11,7 +11,7 @@ const ADDRESS: u8 = 0x40;
 
 pub(crate) type Bus = I2c<'static, Blocking, Master>;
 
-/// Starts the chip, with all pulses off. Does nothing if it does not answer.
+/// Starts the chip, with all pulses off. Does nothing if the chip does not answer.
 #[inline(never)]
 pub(crate) fn start(i2c: &mut Bus, prescale: &Prescale) {
     for transfer in pca9685::start(prescale) {

@@ -28,8 +28,8 @@ pub struct ServoLine {
 impl ServoLine {
     /// Creates the line from a started half-duplex UART and its registers. May be called only once.
     ///
-    /// Neither reads nor writes with embassy's own `Uart`, which stops reading at a line's first error and discards
-    /// what was received before.
+    /// The line does not use the read and write functions of embassy's own `Uart`, because that stops reading at
+    /// the first error on the line and discards what was received before.
     ///
     /// `direction` is for a bus buffer, if there is one: high while bytes are sent.
     pub fn new(
@@ -113,10 +113,10 @@ impl ServoLine {
     }
 }
 
-/// Clears the flag of the frame before (SR.TC). DMA writes no status register, so the flag would still be set: `send`
-/// would then switch the transmitter off while the last bytes are still in it, and only eight of a ping's ten bytes
-/// would leave. embassy-stm32 0.6.0's half-duplex `write` does not clear it either (embassy#6522 is about the same
-/// hazard).
+/// Clears the flag that the previous transmission is complete (SR.TC). DMA writes no status register, so the flag
+/// would still be set: `send` would then switch the transmitter off while the last bytes are still in it, and only
+/// eight of a ping's ten bytes would leave. embassy-stm32 0.6.0's half-duplex `write` does not clear the flag
+/// either (embassy#6522 is about the same hazard).
 fn forget_sent(uart: Usart) {
     if cfg!(not(feature = "stale-tc")) {
         registers::clear_sent(uart);

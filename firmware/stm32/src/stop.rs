@@ -31,7 +31,7 @@ pub fn torque_off() {
     });
     // Sets the direction of a bus buffer, PA8.
     pac::GPIOA.bsrr().write(|w| w.set_bs(8, true));
-    // A packet that was cut off ends with a silence.
+    // The silence ends a packet that was cut off.
     cortex_m::asm::delay(200_000);
     for bytes in [TORQUE_OFF, TORQUE_OFF].into_iter().flatten() {
         for byte in bytes {

@@ -19,7 +19,7 @@ const LONG: u16 = 2000;
 
 static IS_STARTED: AtomicBool = AtomicBool::new(false);
 static IS_LONG: AtomicBool = AtomicBool::new(false);
-/// Number of feeds since the time-out is long, up to 2.
+/// Number of feeds since the time-out was set to the long value, up to 2.
 static LONG_MEALS: AtomicU8 = AtomicU8::new(0);
 
 /// Starts the watchdog with the long time-out. It cannot be stopped again.

@@ -60,7 +60,7 @@ impl Plant for Watched {
 /// Roughness of a motion.
 #[derive(Debug, Clone, Copy)]
 struct Ripple {
-    /// Largest movement in 10 ms, divided by that of the requested speed.
+    /// Largest movement in 10 ms, divided by the movement at the requested speed.
     largest_step: f64,
     /// Root mean square of the speed's deviation from the requested speed, deg/s.
     speed_deg_s: f64,

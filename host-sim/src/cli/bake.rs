@@ -31,8 +31,9 @@ use super::unit_args::UnitArgs;
 /// Hz and more, without easing, are a recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A built-in clip's name, or a BVH, AMC or humanoid3d text file; or a motion of the rig's own: keys or a recording
-    /// of its joints (CSV, see below), or positions of servos (JSON).
+    /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
+    /// rig itself: a CSV of keys, a CSV recording (from `sinew record` or `sinew clip export`), or a JSON of servo
+    /// positions.
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
 
@@ -64,7 +65,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if a limit would be exceeded, or if a base that travels would have to hurry back.
+    /// acceleration. Fails if a limit would be exceeded, or if a travelling base would have to return faster than it
+    /// ever moves.
     #[arg(long = "loop")]
     is_loop: bool,
 
@@ -173,14 +175,14 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
         1000.0 * written.lengths.largest,
         written.angles.rms.to_degrees(),
         1000.0 * written.lengths.rms,
-        // Half the flash of an STM32F446; all the flash of a usual RP2350 board; a 16 MB SPI flash.
+        // Memory sizes in kB: half the flash of an STM32F446; the flash of a usual RP2350 board; a 16 MB SPI flash.
         minutes(256),
         minutes(4_000),
         minutes(16_000),
     )
 }
 
-/// Returns the first and last time code of a show as a line, or nothing if the show has no time code.
+/// Returns the first and last time code of a show as a line, or an empty text if the show has no time code.
 fn clock(bytes: &[u8]) -> String {
     let Ok(show) = Show::open(bytes) else { return String::new() };
     let (Some(begin), Some(end)) = (show.time_code(), show.time_code_at(show.length())) else {

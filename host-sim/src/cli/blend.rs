@@ -39,8 +39,9 @@ use super::unit_args::UnitArgs;
 ///
 /// A and B are motions (*.bvh, *.amc with its ASF, humanoid3d_*.txt) of the same joints, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face.
-/// FILE@FROM..TO says where the middle may be (in frames from 0, or seconds), FILE@PLACE
-/// where it is. Default: anywhere that leaves enough of both clips, see --alone-s.
+/// FILE@FROM..TO gives the part in which the middle may be (in frames from 0, or seconds),
+/// FILE@PLACE its exact place. Default: any place that leaves enough of both clips, see
+/// --alone-s.
 ///
 /// The file has the skeleton, the unit of length and the rate of A.
 #[derive(Debug, clap::Args)]

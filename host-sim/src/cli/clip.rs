@@ -1,4 +1,4 @@
-//! `sinew clip`: motion capture before it is put on a rig, skeletons of clips, and motions without a performer.
+//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions without a performer.
 
 use std::process::ExitCode;
 

@@ -104,7 +104,7 @@ impl ClipArgs {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
     }
 
-    /// Refuses options that apply to clips only, where a rig tracks motions of its own joints.
+    /// Refuses options that apply only to clips. To be called if a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
         let given = mapping
@@ -162,8 +162,9 @@ impl ClipArgs {
         Ok(make_exercises(&rig.description.name, &rig.mechanism, &settings)?)
     }
 
-    /// Returns the motions of either kind, and lines about changes that were made to the clips. For a rig these are
-    /// the motions of all joints together: motions of one joint at a time take long, and most joints stand still.
+    /// Returns the motions to track, of the figure or of a rig, and lines about changes that were made to the clips. A
+    /// rig without clips gets only motions of all joints together: motions of one joint at a time take long, and most
+    /// joints stand still.
     pub(super) fn takes(&self, rig: Option<&LoadedRig>) -> anyhow::Result<(Motions, Vec<String>)> {
         fn boxed<T: EvaluatedMotion + 'static>(takes: Vec<T>) -> Motions {
             takes.into_iter().map(|take| Box::new(take) as Box<dyn EvaluatedMotion>).collect()

@@ -7,14 +7,16 @@ use sinew_performance::play::{Drive, Options};
 enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
-    /// PWM mode: the duty cycle that drives this current; the winding damps. Dynamixels only.
+    /// The duty cycle (PWM) that drives the current for the tracker's torque. The motor's winding adds damping.
+    /// Dynamixels only.
     Voltage,
-    /// The target position, corrected in advance by the angle by which gravity makes the servo sag.
+    /// The target position, corrected in advance by the angle by which the expected torque, such as gravity's, makes
+    /// the servo sag.
     Position,
 }
 
 /// Options that select how servos are driven.
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct DrivenArgs {
     /// Quantity that servos receive each tick. Default: `current` for servos that have a current mode, else
     /// `position`.

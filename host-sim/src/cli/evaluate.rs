@@ -33,12 +33,12 @@ pub(super) struct Args {
     #[command(flatten)]
     on_rig: PerformanceArgs,
 
-    /// Factors on the figure's dimensions, 0.1 to 10. The clips keep theirs.
+    /// Factors on the figure's dimensions, 0.1 to 10. The clips are not scaled.
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: Vec<f64>,
 
-    /// Methods. `all`: every method but `accumulated`, which needs a reference. Default: the paper's, `local`,
-    /// `world` and `linear_compensation`; with `--rig` all.
+    /// Methods. `all`: every method but `accumulated`, which needs a reference. Default: the paper's methods `local`,
+    /// `world` and `linear_compensation`; with `--rig`: all.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',')]
     methods: Option<Vec<MethodArg>>,
 
@@ -214,8 +214,8 @@ fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Names the motions that a rig did not follow. A rig on a stand cannot fall, so it is never lost: its error is large
-/// instead.
+/// Names the motions that a rig did not follow. A rig on a stand cannot fall, so it is never lost: if it does not
+/// follow, its error is large.
 fn told_flailing(evaluation: &Evaluation) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
     let results = evaluation.figures.iter().flat_map(|figure| &figure.methods);

@@ -10,8 +10,8 @@ use super::{evaluate, figure, latency, robustness, sweep, verify};
 /// Measure how well each method of control tracks clips: the paper's tables, sweeps, robustness, latency.
 ///
 /// Without a sub-command, a simulated figure of every scale tracks every clip with every method. The errors are
-/// measured in the world, against the clip in its own dimensions. Tables 1 to 4 of the paper are printed beside the
-/// paper's own numbers. Standard error names everything that is skipped or filled in a clip.
+/// measured in the world, against the unscaled clip. Tables 1 to 4 of the paper are printed beside the paper's own
+/// numbers. Everything that is skipped or filled in a clip is named on standard error.
 ///
 /// A clip of N frames makes N - 2 steps: forward differences look two frames ahead.
 ///

@@ -14,11 +14,11 @@ use super::output::OutputPath;
 use super::performance::{FOR_OTHERS, PerformanceArgs};
 use super::unit_args::UnitArgs;
 
-/// Put a clip on a rig and write its motion for other programs: CSV, BVH, or JSON.
+/// Retarget a clip to a rig, and write the motion for other programs: CSV, BVH, or JSON.
 ///
 /// CSV: time in s, then the angle of each joint in the column `NAME_deg`, the way of a slide in `NAME_mm`; a driven
-/// base has its pose in a world with z up, in m. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the servos in the format of
-/// the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
+/// base has its pose in a world with z up, in m. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the
+/// servos in the format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file; or keys of the rig's joints (CSV), as `bake`

@@ -22,7 +22,7 @@ use super::unit_args::UnitArgs;
 ///
 /// CLIP is a motion (*.bvh, *.amc with its ASF, humanoid3d_*.txt) or a folder of them, of
 /// any skeleton with at most 256 joints that move: a human, an animal, a face. All poses
-/// are put on the skeleton of the query; joints are matched by their names. A clip with
+/// are moved to the skeleton of the query; joints are matched by their names. A clip with
 /// other joints is refused if it is named, and left out if it is in a folder. Joints that
 /// no clip moves do not count.
 ///
@@ -146,7 +146,7 @@ impl Args {
         })?;
         tell(&library, query.poses.len());
         let rigid = library.rigid(&query, self.measure.root.as_deref());
-        // With a root other than the skeleton's own, there is a body more.
+        // With a root other than the skeleton's own, there is one more body.
         let bodies = rigid.skeleton.joints.len() + usize::from(self.measure.root.is_some());
         ensure_room(&query.file, bodies)?;
         if bodies <= BODY_COUNT {
@@ -156,7 +156,7 @@ impl Args {
         }
     }
 
-    /// Searches the library, with room for `N` bodies.
+    /// Searches the library for the query, on a skeleton of at most `N` bodies.
     fn among<const N: usize>(
         &self,
         measure: Measure,

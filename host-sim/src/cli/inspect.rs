@@ -19,7 +19,8 @@ use super::unit_args::UnitArgs;
 /// If a file cannot be read, the command names it, shows the others, and ends with exit code 1.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The files: BVH, AMC (its ASF beside it), `DeepMimic` text, glTF, VRM, Geno.bin, URDF, MJCF, rig.toml.
+    /// The files: BVH, AMC (its ASF beside it), humanoid3d text, glTF, VRM, Geno.bin (a skinned character), URDF, MJCF,
+    /// rig.toml.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
 

@@ -32,7 +32,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "HZ,..", value_delimiter = ',', default_value = "100,500,1000", value_parser = rate, allow_negative_numbers = true)]
     rates_hz: Vec<f64>,
 
-    /// Factor on the figure's dimensions. The clips keep theirs.
+    /// Factor on the figure's dimensions. The clips are not scaled.
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 

@@ -49,8 +49,8 @@ pub(super) fn methods(args: &[MethodArg]) -> Vec<MethodName> {
     args.iter().flat_map(named).collect()
 }
 
-/// Refuses a setting that a method fixes itself, if it is the only method. With several methods, names the method
-/// that ignores the setting.
+/// If a method fixes a setting itself: refuses the setting if this is the only method; with several methods, prints
+/// that this method ignores the setting.
 pub(super) fn check_fixed(setup: &Setup, methods: &[MethodName]) -> anyhow::Result<()> {
     for method in methods {
         let mut of_method = setup.clone();

@@ -2,8 +2,8 @@
 //!
 //! Options that name an output file have the type [`OutputPath`]; options that name a folder or a link have the type
 //! [`OutputPlace`]. Before a command runs, each output is compared with all other files on the command line, by the
-//! file itself, not by its name. Each output is also opened for writing, so that no result is computed, or led by
-//! hand, for a file that cannot be written.
+//! file itself, not by its name. Each output is also opened for writing, so that no result is computed, and no rig is
+//! led by hand, for a file that cannot be written.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::Deref;
@@ -95,8 +95,8 @@ fn name(arg: &Arg) -> String {
     names.map_or_else(|| id.replace('_', " "), ToString::to_string)
 }
 
-/// Returns the files that a value may name: the value itself, and its parts around a place (`walk.bvh@1.2s`) or in a
-/// list.
+/// Returns the files that a value may name: the value itself, and its parts before and after `@` (`walk.bvh@1.2s`), `=`
+/// or a comma.
 fn parts(value: &OsStr) -> impl Iterator<Item = PathBuf> {
     let text = value.to_str().unwrap_or_default();
     let cut: Vec<PathBuf> = text.split([',', '@', '=']).map(PathBuf::from).collect();

@@ -17,8 +17,8 @@ use sinew_report::{Comparison, Playback, Report, Sweep};
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; with --rig the last motion,
-    /// which is the fastest with all joints.
+    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; with --rig the last one, which
+    /// is the fastest of the rig's own motions with all joints.
     #[arg(long, value_name = "CLIP", requires = "output")]
     playback: Option<String>,
 
@@ -27,10 +27,10 @@ pub(super) struct PageArgs {
     sweep: Option<PathBuf>,
 }
 
-/// Checked inputs of the report. They are made before the evaluation, so that errors appear early.
+/// Checked inputs of the report. The check is done before the evaluation, so that errors appear early.
 #[derive(Debug)]
 pub(super) struct Plan {
-    /// Index of the clip or motion to play among the evaluated ones.
+    /// Index of the clip or motion to play back, among all evaluated ones.
     take: usize,
     sweep: Option<Sweep>,
     /// Notes on changes that were made to the clips or the rig.
@@ -63,15 +63,16 @@ impl PageArgs {
     }
 }
 
-/// Content of a report for one kind of take, besides the errors.
+/// Supplies the parts of a report that depend on the kind of evaluated motion (of the figure or of a rig): all parts
+/// except the tracking errors.
 pub(super) trait Shown: EvaluatedMotion + Sized {
-    /// Returns the look of the take's rig.
+    /// Returns the shape of the rig or figure that performs the motion, to be drawn.
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin>;
 
-    /// Returns the settings besides the plant: name and value.
+    /// Returns all settings except those of the plant: name and value.
     fn settings(&self, setup: &Setup) -> Vec<(&'static str, String)>;
 
-    /// Returns the references that the takes are compared with. `self` is the take that is played back.
+    /// Returns the references that the motions are compared with. `self` is the motion that is played back.
     fn compared(&self, takes: &[Self], protocol: &Protocol) -> anyhow::Result<Compared>;
 }
 

@@ -42,7 +42,7 @@ pub(super) struct PerformanceArgs {
     #[arg(long, value_name = "HZ", value_parser = cutoff, allow_negative_numbers = true, requires = "rig")]
     cutoff_hz: Option<f64>,
 
-    /// How the rig's base is held. Default: as the rig's file says; for `export`, a rig with feet travels.
+    /// How the rig's base is held. Default: as in the rig's file; for `export`, `driven` if the rig has feet.
     #[arg(long, value_enum, requires = "rig")]
     base: Option<BaseArg>,
 
@@ -106,7 +106,7 @@ impl PerformanceArgs {
         Ok(rig)
     }
 
-    /// Puts a clip on a rig.
+    /// Retargets a clip to a rig.
     pub(super) fn perform(
         &self,
         rig: &LoadedRig,

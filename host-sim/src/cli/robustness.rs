@@ -33,7 +33,7 @@ pub(super) struct Args {
     #[command(flatten)]
     clips: ClipArgs,
 
-    /// Factor on the figure's dimensions. The clips keep theirs.
+    /// Factor on the figure's dimensions. The clips are not scaled.
     #[arg(long, value_name = "FACTOR", default_value = "1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: f64,
 
@@ -67,7 +67,7 @@ pub(super) struct Args {
     threads: ThreadArgs,
 }
 
-/// Runs the subcommand. Lost figures are results: they do not make it fail.
+/// Runs the subcommand. A lost figure is a result, not an error.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }

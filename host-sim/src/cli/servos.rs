@@ -22,13 +22,13 @@ use super::rig::read;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes
-/// LINK. Programs open LINK as a serial port, at the rate of --baud: the servos understand no other rate. Programs
-/// may close LINK and open it again. The servos have factory settings except for that rate: torque is off.
+/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes LINK.
+/// Programs open LINK as a serial port, at the rate of --baud: the servos answer at no other rate. Programs may close
+/// LINK and open it again. The servos have factory settings except for that rate: torque is off.
 ///
-/// With --rig the servos move the rig: each servo feels how the others move, and gravity depends on the pose. A hobby
-/// servo, driven by pulses, is left out, and its joints stay at home. If the rig has several buses, each has a link
-/// of its own, LINK.BUS; servos of all buses move the one rig.
+/// With --rig the servos move the rig: the motion of one joint loads the servos of others, and gravity depends on the
+/// pose. A hobby servo, driven by pulses, is left out, and its joints stay at home. If the rig has several buses, each
+/// has its own link, LINK.BUS; the servos of all buses move one rig.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
 pub(super) struct ServosArgs {

@@ -24,7 +24,7 @@ pub(super) struct SetupArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "rig")]
     subject: Option<PathBuf>,
 
-    /// Setup in TOML: all settings of a run. `--format json` prints all keys.
+    /// File with the settings of a run, in TOML. `sinew evaluate --format json` prints all keys.
     #[arg(long, value_name = "FILE")]
     setup: Option<PathBuf>,
 

@@ -70,7 +70,7 @@ pub(super) struct Args {
     threads: ThreadArgs,
 }
 
-/// Runs the subcommand. Lost figures are results: they do not make it fail.
+/// Runs the subcommand. A lost figure is a result, not an error.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }

@@ -10,7 +10,7 @@ use comfy_table::Table;
 use sinew_host_util::command::{self, note, print};
 use sinew_verification::{Kind, Report, Tally, verify_folder};
 
-/// Recompute golden files with the core, and print the core's errors and their limits.
+/// Recompute the numbers in golden files with the core, and print the core's errors and their limits.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArgs {
     /// Folder of golden files (*.json).

@@ -61,7 +61,7 @@ pub(crate) struct Inspected {
     pub up: &'static str,
     /// Reason for this axis.
     pub up_reason: String,
-    /// Height of the body standing upright, else the extent along the up axis, m.
+    /// Height of the body if it stands upright, otherwise the extent along the up axis, m.
     pub height_m: Option<f64>,
     /// Largest extent across the up axis, m.
     pub span_m: Option<f64>,
@@ -75,7 +75,7 @@ pub(crate) struct Inspected {
     pub t_pose: Option<&'static str>,
     /// Number of missing samples.
     pub gaps: usize,
-    /// Joints that turn as a human's cannot, as text.
+    /// Joints that turn in a way that human joints cannot, as text.
     pub flips: Option<String>,
     /// Other notes for the user.
     pub notes: Vec<String>,
@@ -83,7 +83,7 @@ pub(crate) struct Inspected {
     pub tree: Vec<TreeJoint>,
 }
 
-/// A measured skeleton, which every kind of file has.
+/// A measured skeleton: the facts that every kind of file has.
 pub(super) struct Common<'a> {
     pub(super) kind: Kind,
     pub(super) format: &'static str,

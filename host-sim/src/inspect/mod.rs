@@ -58,7 +58,8 @@ impl Entry {
     }
 }
 
-/// Reads a file with the reader for its extension. A file with an unknown extension may be a motion by its content.
+/// Reads a file with the reader for its extension. A file with another extension is read as a motion; its content
+/// decides the format.
 fn inspect(path: &Path, units: UnitOverrides) -> Result<Inspected, String> {
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
     match extension.to_str().unwrap_or_default() {

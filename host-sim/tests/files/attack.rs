@@ -275,7 +275,7 @@ fn a_show_of_version_1_is_refused_with_how_to_make_it_anew() {
     assert!(said.contains("--rig: expected the rig that performs the show"), "{said}");
 }
 
-/// Limits of almost nothing are refused in the rig's file: clips could not be fitted to them.
+/// Limits close to zero are refused where the rig's file is read, because no clip could be fitted to them.
 #[test]
 fn an_acceleration_of_almost_nothing_is_refused_with_its_line() {
     let folder = folder_with(&["acc_panic.toml"]);
@@ -288,7 +288,7 @@ fn an_acceleration_of_almost_nothing_is_refused_with_its_line() {
     }
 }
 
-/// The arm would wait for such a pose without end.
+/// The first pose of the show is outside a joint's range: the arm would wait for that pose without end.
 #[test]
 fn a_show_that_begins_beyond_a_range_is_refused() {
     let folder = folder_with(&["out_of_range.show"]);
@@ -300,7 +300,7 @@ fn a_show_that_begins_beyond_a_range_is_refused() {
     assert!(said.contains("beyond its range of "), "{said}");
 }
 
-/// Fourteen strong servos on light bodies: explicit torques between them diverged to a panic.
+/// The rig has fourteen strong servos on light bodies. Explicit torques between them once diverged and caused a panic.
 #[test]
 fn a_long_chain_of_strong_servos_plays() {
     let folder = folder_with(&["chain14.toml"]);

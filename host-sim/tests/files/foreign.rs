@@ -172,7 +172,7 @@ fn the_page_tells_what_every_file_is() {
     );
 }
 
-/// The clip was read as lying down: its z axis points up.
+/// The clip's z axis points up. Once the figure was read as lying down.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_clip_with_z_up_stands() {
@@ -193,7 +193,7 @@ fn an_asf_in_metres_is_as_tall_as_a_person() {
     assert_eq!(it["metres_per_unit"], 1.0, "{it}");
 }
 
-/// An arm on a desk. By the length of a person's arms it was read as 1.22 m tall.
+/// The file is an arm on a desk. Once it was read as 1.22 m tall, from the length of a person's arms.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_robot_arm_has_no_persons_height() {
@@ -203,7 +203,7 @@ fn a_robot_arm_has_no_persons_height() {
     assert_eq!(it["up"], "z", "{it}");
 }
 
-/// A bone of 50 m was weighted without a message.
+/// Once a bone of 50 m was weighted without a message.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {

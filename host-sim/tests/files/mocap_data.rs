@@ -94,7 +94,7 @@ fn every_file_reads_as_its_index_says() {
     for entry in entries() {
         let (clip, mapping, binding) = read(&entry);
         let name = entry.file.display();
-        // The index counts two trials as cgspeed-mb that have that skeleton with ASF names.
+        // The index lists two trials as cgspeed-mb although their joints have the names of ASF files.
         assert_eq!(mapping.trim_end_matches("_asf"), entry.skeleton, "{name}");
         assert_eq!(clip.frames.len(), entry.frames, "{name}");
         assert_eq!(
@@ -178,7 +178,7 @@ fn walkers_face_their_way_with_the_left_on_the_left() {
             let (toes_m, crown_m) = (toes / way, crown / way);
             assert!((0.05..0.4).contains(&toes_m), "{name}: {toes_m} m");
             assert!((0.2..0.35).contains(&crown_m), "{name}: {crown_m} m");
-            // The lower ankle. It is 4 to 12 cm above the floor, whose height is known to 4 cm.
+            // The height of the lower ankle: 4 to 12 cm above the floor, whose height is known to 4 cm.
             assert!((0.0..0.12).contains(&lowest), "{name}: {lowest} m");
         }
     }

@@ -17,9 +17,9 @@ fn errors(evaluation: &Evaluation, figure: usize, method: MethodName) -> &Errors
     &evaluation.figures[figure].method(method).expect("all methods are evaluated").total
 }
 
-/// Checks the paper's two findings. Each bound is halfway between no effect and the effect on the fighting clips
-/// (World 0.917 / 0.985, leaf 0.883 / 0.979; Linear Compensation 0.852 and 0.781). Another pool of clips or another
-/// body passes; a loss of the effect fails.
+/// Checks the paper's two findings. Each bound is halfway between no effect and the effect on the fighting clips (World
+/// 0.917 / 0.985, leaf 0.883 / 0.979; Linear Compensation 0.852 and 0.781). The test passes with other clips or another
+/// body, and fails if the effect is lost.
 fn assert_the_papers_findings(evaluation: &Evaluation) {
     let (local, world) =
         (errors(evaluation, 0, MethodName::Local), errors(evaluation, 0, MethodName::World));

@@ -93,7 +93,7 @@ fn a_board_is_looked_over_set_up_and_asked() {
     assert_spreads(&kept);
 }
 
-/// Lets the board wait longer for its host: a busy machine may keep the test from the link for 0.2 s.
+/// Makes the board wait longer for its host: on a busy machine the test may send nothing for 0.2 s.
 fn be_patient(port: &str) {
     says(&["board", "settings", "--port", port, "set", "link_hold_s", "1.9"], 0);
 }

@@ -8,7 +8,7 @@ pub fn corpus(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(name)
 }
 
-/// Reads the inputs of a file in `corpus/`: hexadecimal bytes, one input in a line.
+/// Reads the inputs of a file in `corpus/`: hexadecimal bytes, one input per line.
 pub fn inputs(name: &str) -> Vec<Vec<u8>> {
     let path = corpus(name);
     let text = fs::read_to_string(&path).unwrap_or_else(|_| panic!("{}", path.display()));

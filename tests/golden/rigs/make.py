@@ -3,12 +3,12 @@
     pip install pin==4.1.0 mujoco==4.0.0 numpy
     python make.py FOLDER_OF_DATA
 
-Writes NAME.json beside this file for each robot below: random positions, speeds and accelerations of its joints and
-the torques that these need, by name. The base is fixed, gravity is 9.81 m/s^2 along -z of the robot's file, and
-nothing rubs. A URDF goes through Pinocchio, an MJCF through MuJoCo, which adds rotors (`armature`) by itself; of a URDF
-with rotors, Pinocchio does. SI units: rad or m, rad/s or m/s, N m or N.
+For each robot below, writes NAME.json beside this file: random positions, speeds and accelerations of its joints, and
+the torques that this motion needs, in the order of `joints`. The base is fixed, gravity is 9.81 m/s^2 along -z of the
+robot's file, and there is no friction. Pinocchio computes the torques of a URDF, MuJoCo those of an MJCF. Rotors
+(`armature`) come from the MJCF; for a URDF they are the numbers below. Units are SI: rad or m, rad/s or m/s, N m or N.
 
-Inertia that no body can have is replaced as MuJoCo's `balanceinertia` does it, where `repair_inertia` says so: each
+If `repair_inertia` is true, inertia that no body can have is replaced by the rule of MuJoCo's `balanceinertia`: each
 principal moment becomes the mean of the three.
 """
 
@@ -37,7 +37,7 @@ URDFS = [
     ("anymal", "foreign/urdf/anymal_c.urdf", True, 0.0),
     ("talos", "foreign/urdf/talos_reduced.urdf", True, 0.0),
 ]
-# Files of this folder come without a folder.
+# A file without a folder is in the folder of this script.
 MJCFS = [
     ("open_duck_mjcf", "urdf/open-duck-mini/open_duck_mini_v2.mjcf.xml"),
     ("quirks", "quirks.xml"),
@@ -56,14 +56,14 @@ def balance(root):
         xx, yy, zz = value("ixx"), value("iyy"), value("izz")
         xy, xz, yz = value("ixy"), value("ixz"), value("iyz")
         low, mid, high = np.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        # As far off as 1e-5 of the sum may be rounding of the file.
+        # Deviations of up to 1e-5 of the sum may be rounding errors of the file.
         if low < -1e-5 * high or high - low - mid > 1e-5 * (low + mid + high):
             mean = str((xx + yy + zz) / 3)
             inertia.attrib = dict(ixx=mean, iyy=mean, izz=mean, ixy="0", ixz="0", iyz="0")
 
 
 def positions(random, lower, upper):
-    """Within the range, or within half a turn of a joint that has none."""
+    """Returns random positions within the ranges; within half a turn for a joint without a range."""
     lower = np.where(np.abs(lower) < 1e3, lower, -np.pi)
     upper = np.where(np.abs(upper) < 1e3, upper, np.pi)
     return random.uniform(lower, upper)
@@ -91,7 +91,7 @@ def of_urdf(path, repair, rotor, random):
 
 def of_mjcf(path, random):
     root = ET.parse(path).getroot()
-    # Meshes are not at hand and weigh nothing here; the base stands.
+    # Mesh files are missing, and the meshes have no mass here. Without the free joint, the base is fixed.
     for parent in root.iter():
         for child in list(parent):
             is_mesh = child.tag == "geom" and child.get("type") == "mesh"

@@ -1,4 +1,4 @@
-//! Numbers at the ends of f32, and rigs and states that are made with them.
+//! Numbers at the ends of the range of f32, and rigs and states that are made with them.
 //!
 //! The core refuses values that are not numbers, and quaternions that are not rotations; it accepts everything else
 //! here. A *dose* is the percentage of numbers that are extreme: if all were extreme, everything would overflow, and
@@ -15,7 +15,7 @@ use sinew_core::{
     Tree, Twist, Wrench, math,
 };
 
-/// The ends of f32, and the values at which squares, reciprocals and series change.
+/// The ends of the range of f32, and the values at which squares, reciprocals and series change.
 pub const FINITE: [f32; 30] = [
     0.0,
     -0.0,
@@ -155,12 +155,12 @@ pub fn joint() -> impl Strategy<Value = JointKind> + Clone {
     ])
 }
 
-/// An inertia with a mass from zero to the end of f32, and moments that are physically possible.
+/// An inertia with a mass from zero to the largest f32, and moments that are physically possible.
 pub fn inertia(dose: u32) -> impl Strategy<Value = Inertia> + Clone {
     (number(dose), vector(dose), vector(dose), any::<bool>()).prop_map(
         |(mass, center_of_mass_m, second_moments, point)| {
             let mass_kg = mass.abs();
-            // Any three second moments make a body. A body without mass must have none.
+            // A body with mass may have any three second moments; a body without mass must have none.
             let s = if point || mass_kg <= 0.0 { Vec3::ZERO } else { second_moments.abs() };
             let rotational_kg_m2 = RotationalInertia::diagonal(s.y + s.z, s.z + s.x, s.x + s.y);
             let good = Inertia { mass_kg, center_of_mass_m, rotational_kg_m2 };
@@ -179,7 +179,7 @@ pub struct Scene<const N: usize> {
     pub targets: JointTargets<N>,
     /// Actual motion of the joints.
     pub measured: JointStates<N>,
-    /// A wrench on each body, or on fewer; not all are numbers.
+    /// Wrenches on all bodies, or only on the first ones. They may contain NaN or infinity.
     pub external: Vec<Wrench>,
     /// Percentage of numbers that are extreme.
     pub dose: u32,

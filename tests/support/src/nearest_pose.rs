@@ -1,7 +1,7 @@
 //! The pose of a figure that is nearest to a desired pose, by dense least squares in f64.
 //!
-//! All joints' coordinates are one vector, all bodies' weighted residuals another. The derivative is the difference
-//! of whole poses. The core's sweeps, inertias and Jacobians are not used.
+//! All joints' coordinates are one vector, all bodies' weighted residuals another. The derivative is computed from
+//! differences of whole poses. The core's sweeps, inertias and Jacobians are not used.
 
 use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{DMatrix, DVector};
@@ -13,8 +13,8 @@ use crate::reference::{Pose, turn};
 /// Step of the central differences: with residuals of the order of 1, truncation is 1e-10 and rounding 1e-11.
 const STEP: f64 = 1e-5;
 
-/// Distance, rad or m, at which a coordinate counts as being at the end of its range: f32 resolves a turn to 1e-7,
-/// and a product of several turns less.
+/// Largest distance, rad or m, of a coordinate from the end of its range at which it counts as being at this end. f32
+/// resolves a turn to 1e-7, and a product of several turns more coarsely.
 const AT_END: f64 = 2e-6;
 
 /// A figure, the desired poses of its bodies, and their weights.
@@ -69,7 +69,7 @@ pub fn world(tree_parents: impl Iterator<Item = Option<usize>>, joints: &[Pose])
 }
 
 impl Problem {
-    /// Creates a problem. `desired`: by joint in the parent's frame, as for the core.
+    /// Creates a problem. `desired` contains the pose of each joint in its parent's frame, as for the core.
     pub fn new<const N: usize>(
         tree: &Tree<N>,
         weights: &[BodyWeight],
@@ -96,7 +96,8 @@ impl Problem {
         }
     }
 
-    /// Returns the coordinates nearest to the given poses, by joint in the parent's frame, within the ranges.
+    /// Returns the coordinates within the ranges that are nearest to the given poses. A pose is given for each
+    /// joint, in its parent's frame.
     pub fn nearest(&self, poses: &[Transform]) -> Solution {
         let of_joint = |(joint, given): (&Joint, &Transform)| {
             joint.within_range(joint.coordinates(&pose(given)))
@@ -118,14 +119,15 @@ impl Problem {
         self.joints.iter().zip(&solution.0).map(|(joint, at)| joint.pose(at)).collect()
     }
 
-    /// Returns the cost that the projection minimizes, of world poses: `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ² |Log(Rᵢ R_d,iᵀ)|²`,
-    /// m².
+    /// Returns the cost that the projection minimizes, for the world poses of a solution: `Σ wᵢ |pᵢ - p_d,i|² + ρᵢ²
+    /// |Log(Rᵢ R_d,iᵀ)|²`, m².
     pub fn cost(&self, solution: &Solution) -> f64 {
         self.residuals(solution).norm_squared()
     }
 
-    /// Takes one Gauss-Newton step, by QR, from a solution whose bodies have their desired orientations, without
-    /// regard to ranges. The curvature of arms that are pulled outwards is added as rows that resist turns.
+    /// Returns the solution after one Gauss-Newton step, computed by QR without the ranges. In the given solution, the
+    /// bodies must have their desired orientations. The curvature of arms that are pulled outwards is added as rows
+    /// that resist turns.
     ///
     /// Also returns the largest component of the step, rad or m.
     pub fn step(&self, solution: &Solution) -> (Solution, f64) {
@@ -147,8 +149,8 @@ impl Problem {
         (self.moved(solution, &step), largest)
     }
 
-    /// Returns how strongly a turn of each body's parent is resisted by the pull on the body and all beyond it,
-    /// outwards along its arm.
+    /// Returns, for each body, its parent and how strongly the arm between them resists a turn of the parent: the
+    /// outward component of the pull on the body and on all bodies beyond it.
     fn stiffening(&self, solution: &Solution) -> Vec<(usize, f64)> {
         let parents = self.joints.iter().map(|joint| joint.parent);
         let poses = world(parents, &self.joint_poses(solution));
@@ -236,8 +238,8 @@ impl Problem {
         DMatrix::from_columns(&columns)
     }
 
-    /// Returns a damped step by the normal equations. The next step corrects its rounding errors. It is zero exactly
-    /// if the gradient is zero.
+    /// Returns a damped step by the normal equations. The next step corrects its rounding errors. The step is
+    /// exactly zero if the gradient is zero.
     fn damped_step(
         &self,
         solution: &Solution,
@@ -259,7 +261,8 @@ impl Problem {
         normal.cholesky().expect("every turn has a weight").solve(&wanted)
     }
 
-    /// Returns the columns at the end of their range beyond which the cost would fall.
+    /// Returns the columns of the coordinates that are at an end of their range, if the cost would fall beyond this
+    /// end.
     fn pressed(&self, solution: &Solution, gradient: &DVector<f64>) -> Vec<usize> {
         let mut pressed = Vec::new();
         let mut column = 0;
@@ -423,7 +426,7 @@ impl Coordinates {
     }
 }
 
-/// Returns the distance of two poses: the larger of rad and m.
+/// Returns the distance of two poses: the larger of the angle in rad and the distance in m.
 pub fn distance(a: &Pose, b: &Pose) -> f64 {
     let way = (a.position_m - b.position_m).length();
     turn(a.rotation, b.rotation).length().max(way)

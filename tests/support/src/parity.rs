@@ -14,7 +14,7 @@ use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use crate::figure::{COORDINATES, DOFS, FigureShow, rig};
 
-/// A run of the evaluation: a figure of a scale tracks a clip with a method.
+/// A run of the evaluation: a figure of one size tracks one clip with one method.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Name of the clip.
@@ -32,7 +32,7 @@ pub struct Run {
 
 impl Run {
     /// Runs the evaluation and records it: the rig, the joints' poses in the clip and those that the tracker
-    /// received, and every number that it computed in each tick.
+    /// received, and every number that the tracker computed in each tick.
     pub fn record(motion: &FigureMotion, scale: f64, method: MethodName) -> Self {
         let index = MethodName::ALL.iter().position(|one| *one == method);
         let setup = Protocol::default().setup_of(scale, method);

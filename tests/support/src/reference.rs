@@ -17,7 +17,7 @@ const STEP_S: f64 = 1e-3;
 /// Pose of a body in the world.
 #[derive(Debug, Clone, Copy)]
 pub struct Pose {
-    /// Body axes to world axes.
+    /// Rotation from body axes to world axes.
     pub rotation: DQuat,
     /// Position of the origin, m.
     pub position_m: DVec3,
@@ -83,7 +83,7 @@ fn joint_pose(body: &Body, motion: &Coordinates, time_s: f64) -> Pose {
     let along = |k: usize| f64::from(motion.along[k]) + way(k);
     let ways = |first: usize| DVec3::new(way(first), way(first + 1), way(first + 2));
     let about = |axis: DVec3, angle: f64| DQuat::from_scaled_axis(axis.normalize() * angle);
-    // From the start in body axes: there the derivative equals the components of the angular velocity.
+    // The turn from the start is in body axes: its derivative there equals the components of the angular velocity.
     let rotation = motion.rotation.as_dquat().normalize();
     let turned = || rotation * DQuat::from_scaled_axis(ways(0));
     let (rotation, position_m) = match body.joint {

@@ -32,7 +32,7 @@ pub struct Coordinates {
     pub along: [f32; 2],
     /// Speeds, rad/s or m/s; first the angular ones, in body axes.
     pub speed: [f32; 6],
-    /// Derivatives of the speeds. For angular speeds in body axes, those of their components.
+    /// Derivatives of the speeds. For angular speeds in body axes, the derivatives of their components.
     pub acceleration: [f32; 6],
 }
 
@@ -56,8 +56,8 @@ pub enum Joints {
     Figure,
 }
 
-/// Two states of a figure of up to `most` bodies, desired and measured. They differ by up to about `size` rad (and m
-/// for the root, and a tenth of that per second).
+/// Two states of a figure of up to `most` bodies, desired and measured. In each axis, poses differ by up to `size`
+/// rad (for the root also by up to `size` m), and speeds by up to 1 rad/s or m/s.
 pub fn figures(most: usize, size: f32) -> impl Strategy<Value = (Rig, Rig)> {
     (rigs(most, Joints::Figure), vec(unit(), 12 * most)).prop_map(move |(desired, numbers)| {
         let mut measured = desired.clone();
@@ -78,7 +78,7 @@ fn unit() -> impl Strategy<Value = f32> {
     -1.0f32..1.0
 }
 
-/// Rigs of 1 to `most` bodies. Three of four drives have rotors, of much less or much more inertia than a link.
+/// Rigs of 1 to `most` bodies. About three of four drives have rotors, with much less to much more inertia than a link.
 pub fn rigs_with_rotors(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     let rotor =
         prop_oneof![1 => Just(0.0), 3 => (-4.0f32..0.5).prop_map(|power| 10f32.powf(power))];
@@ -93,8 +93,8 @@ pub fn rigs(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     (shape, vec(body, 1..=most)).prop_map(move |(shape, bodies)| build(shape, joints, &bodies))
 }
 
-/// Builds a rig. Each body is given by a pick of its parent, one of six kinds of joint, and 48 numbers below 1 in
-/// size.
+/// Builds a rig. Each body is given by a number that selects its parent, one of six kinds of joint, and 48 numbers
+/// below 1 in size.
 pub fn build(shape: Shape, joints: Joints, bodies: &[(u16, usize, Vec<f32>)]) -> Rig {
     let mut tree = Tree::new();
     let mut motions = Vec::new();
@@ -209,7 +209,7 @@ impl Coordinates {
         body.joint.state(body.placement, &position, speed).expect("coordinates are valid")
     }
 
-    /// Returns the acceleration of the joint in the form of inverse dynamics.
+    /// Returns the acceleration of the joint in the form that inverse dynamics uses.
     pub fn joint_acceleration(&self, body: &Body) -> Twist {
         let state = self.state(body);
         let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
@@ -264,7 +264,7 @@ impl Rig {
         world
     }
 
-    /// Returns the states of a figure that is larger by a factor. The tree is unchanged.
+    /// Returns the states of a figure that is larger by a factor. The tree and the root's pose are unchanged.
     pub fn scaled_states(&self, factor: f32) -> JointStates<CAPACITY> {
         let mut states = self.states();
         for (joint, (state, body)) in
@@ -322,7 +322,7 @@ impl Rig {
         dofs.iter().map(column).collect()
     }
 
-    /// Returns the accelerations of the joints in the form of inverse dynamics.
+    /// Returns the accelerations of the joints in the form that inverse dynamics uses.
     pub fn accelerations(&self) -> Vec<Twist> {
         let bodies = self.tree.bodies().iter();
         bodies.zip(&self.motions).map(|(body, motion)| motion.joint_acceleration(body)).collect()

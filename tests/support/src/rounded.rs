@@ -1,4 +1,4 @@
-//! Rigs and their motions with their rounding, for limits that follow from it.
+//! Rigs and their motions, with the rounding errors of all numbers. Tests derive their limits from these errors.
 
 use sinew_core::glam::Vec3;
 use sinew_core::{Body, JointKind, JointState, Twist};
@@ -88,7 +88,7 @@ fn along(link: &Link, joint: &Joint, amounts: &[f32]) -> Motion {
     })
 }
 
-/// Returns a joint at rest.
+/// Returns a joint at these coordinates, at rest.
 fn placed(body: &Body, motion: &Coordinates, link: &Link) -> Joint {
     let turn = |axis: Vec3, angle: f32| Rotation::exp(Vector::known(axis) * known(angle));
     let [a, b] = motion.along;

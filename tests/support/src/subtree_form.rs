@@ -8,7 +8,7 @@
 use sinew_core::glam::{Mat3, Quat, Vec3};
 use sinew_core::{Transform, Tree, math};
 
-/// State from the last frame.
+/// The algorithm, with its state from the last frame.
 #[derive(Debug, Clone)]
 pub struct SubtreeForm {
     /// Deviation of each body, in its desired axes.

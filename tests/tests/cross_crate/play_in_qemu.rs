@@ -38,7 +38,7 @@ struct Played {
 }
 
 impl Case {
-    /// Fits a clip to a rig, as `sinew play` does. `seconds`: the part of the clip that is played.
+    /// Fits a clip to a rig, as `sinew play` does. `seconds` is the part of the clip that is played.
     fn new(
         rig: Description,
         drive: Drive,
@@ -62,7 +62,8 @@ impl Case {
         Self { rig, mechanism, parts, show: baked.written.bytes }
     }
 
-    /// Plays to the end. `peer`: the controller that drives the servos beside the one in process.
+    /// Plays to the end. `peer` is a controller in QEMU that runs beside the controller in this process, and whose
+    /// packets the servos get.
     fn play(&self, peer: Option<&Rc<RefCell<QemuController>>>) -> Played {
         let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; self.parts.servos.len()];
         let plant = self.parts.plant(&self.rig, &self.mechanism).unwrap();
@@ -139,7 +140,7 @@ fn robots_say_in_qemu_what_they_say_in_process() {
         for joint in rig.joints.iter_mut().filter(|joint| Some(joint.name.as_str()) == turned) {
             joint.axis = joint.axis.map(|axis| axis.map(|x| 0.0 - x));
         }
-        // Through a file, as a user would have it.
+        // The rig is written to a file's text and read again, like a user's rig.
         let mut rig = toml_file::read(&toml_file::write(&rig)).unwrap();
         put_servos(&mut rig, &[servo.parse().unwrap()]).unwrap();
         rig

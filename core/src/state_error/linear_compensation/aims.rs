@@ -70,7 +70,7 @@ impl<const N: usize> Aims<N> {
     /// Aims every body at the child with the heaviest subtree (without masses: with most bodies); among equals, at
     /// the lowest index. O(n · depth).
     ///
-    /// A single child, not the children's mean: the mean of two hips and a spine is close to zero.
+    /// It does not aim at the children's mean, because the mean of two hips and a spine is close to zero.
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, state_error::{Aim, Aims}};

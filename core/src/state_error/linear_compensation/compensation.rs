@@ -41,8 +41,8 @@ pub enum RateTerm {
     /// error. For several children with arms `aₖ`: `β M⁻¹ (Σ aₖ × ė_lin)`, `M = Σ (|aₖ|² 1 - aₖ aₖᵀ)`.
     #[default]
     Corrected,
-    /// `β ė_lin × (z - p_d) / d²`: the sign as printed in the paper, which fits rotations in the opposite sense (the
-    /// same applies to several children). For comparison.
+    /// `β ė_lin × (z - p_d) / d²`: the sign as printed in the paper, which fits rotations in the opposite sense
+    /// (the same applies to several children). Use it only for comparison.
     AsPrinted,
     /// No additional term.
     None,
@@ -63,19 +63,19 @@ pub enum AimStatus {
     Leaf,
     /// A body with a compensating rotation.
     Compensated,
-    /// The child is already in the desired direction, or several children are as near as possible: no rotation, but
-    /// its rate.
+    /// The child is already in the desired direction, or several children are as near as possible. The rotation is
+    /// zero, but its rate is used.
     Parallel,
     /// The measured origin is beyond the goal: the shortest rotation is a half turn about an undefined axis (for
     /// several children: no rotation is the single best). A figure must not jump, so World Space Error is used.
     Antiparallel,
-    /// The measured origin is at the goal, which gives no direction: World Space Error.
+    /// The measured origin is at the goal, which gives no direction: World Space Error is used.
     Coincident,
-    /// The child (or every child) is almost at the body's origin, and the direction would be noise: World Space
-    /// Error.
+    /// The child (or every child) is almost at the body's origin, and the direction would be noise: World Space Error
+    /// is used.
     ZeroAim,
     /// The goal is not finite, or too distant for f32 (the square of the distance overflows; for several children the
-    /// fourth power): World Space Error.
+    /// fourth power): World Space Error is used.
     NotFinite,
 }
 

@@ -10,12 +10,13 @@ use crate::state::BodyState;
 use crate::state_error::StateError;
 
 /// Minimum spread of points, as a share of their squared distances from the body's origin. Narrower points count as
-/// collinear: 0.6 degrees between two children of the same distance. A rotation about their line would be a large
-/// response to a negligible difference.
+/// collinear. For two children at the same distance, this minimum is an angle of 0.6 degrees. A rotation about their
+/// line would be a large response to a negligible difference.
 const NARROWEST: f32 = 1e-4;
 
 /// Maximum number of Newton steps. Figures that are close need two or three; 10,000 random cases of any size needed
-/// at most seven. The steps double the digits, and the best angle about each axis brings them near.
+/// at most seven. The best angle about each axis brings the first steps near the solution; each further step
+/// doubles the correct digits.
 const MOST_STEPS: usize = 12;
 
 /// Shifts of the curvature matrix, in units of the largest possible curvature.
@@ -24,8 +25,8 @@ const LIFTS: [f32; 5] = [0.01, 0.04, 0.16, 0.64, 2.56];
 /// Last step, rad: after a step this small, the next step would be below f32 rounding.
 const LAST_STEP_RAD: f32 = 1e-5;
 
-/// Returns the Linear Compensation Error of a body that aims at several children, in world axes. `goal_arms_m`: the
-/// `z_k - p_d`, from the desired origin to the goals, in world axes.
+/// Returns the Linear Compensation Error of a body that aims at several children, in world axes. `goal_arms_m`
+/// contains the vectors `z_k - p_d` from the desired origin to the goals, in world axes.
 ///
 /// The rotation Φ minimises `Σ |p_m + Φ a_k - z_k|²` (Wahba, "A Least Squares Estimate of Satellite Attitude", 1965),
 /// with the arms `a_k`. For a single child, or if all children are on a line through the origin, the result is that
@@ -59,7 +60,8 @@ pub fn compensate_all(
 pub(super) enum Arms {
     /// No arms, or arms for which no rotation brings the children nearer.
     Without(AimStatus),
-    /// Arms on a line through the origin: only a rotation across the line matters, as for this single arm.
+    /// Arms on a line through the origin. They are equivalent to this single arm, because a rotation about the line
+    /// moves no child.
     Line(Vec3),
     /// Arms in a plane or in space.
     Spread(Spread),
@@ -145,9 +147,9 @@ impl Spread {
         trace(self.second_moment) + math::length(shift) * math::length(self.sum)
     }
 
-    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin.
-    /// The result is the identity if no rotation is better. Errors: several rotations are equally good, or the square
-    /// of the curvature overflows f32.
+    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin. The
+    /// result is the identity if no rotation is better. Returns an error if several rotations are equally good, or the
+    /// square of the curvature overflows f32.
     ///
     /// Φ maximises `tr(Φᵀ B)`, `B = Σ (a + e) aᵀ`. A rotation about a unit axis n through an angle θ increases it by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature
@@ -174,8 +176,9 @@ impl Spread {
                 // At a saddle, several directions lead up, and none is better than the others.
                 return newton.map(|_| turn).ok_or(AimStatus::Antiparallel);
             }
-            // Far from the best rotation, the curvature must be shifted for a direction that leads up: by little more
-            // than necessary, or the steps become short. The last shift suffices for any case.
+            // Far from the best rotation, the curvature must be shifted to get a direction that leads up. The first
+            // shift that suffices is used, because larger shifts make the steps shorter. The last shift suffices in
+            // all cases.
             let lifted = || {
                 LIFTS.iter().find_map(|lift| {
                     let lift = Mat3::from_diagonal(Vec3::splat(lift * scale));

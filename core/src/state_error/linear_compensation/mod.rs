@@ -73,7 +73,7 @@ pub(crate) fn aimed(
         Aim::None => Err(AimStatus::Leaf),
         Aim::Child(child) => arm_to(child).ok_or(AimStatus::Leaf),
         Aim::Point(point) => Ok(math::rotate(of_desired.pose.rotation, point)),
-        // All single goals meet in one call below, because an image then contains the inlined code only once.
+        // All single goals share one call below, so that an image contains the inlined code only once.
         Aim::Children(children) => match Arms::new(children.iter().filter_map(arm_to)) {
             Arms::Without(status) => Err(status),
             Arms::Line(arm) => Ok(arm),

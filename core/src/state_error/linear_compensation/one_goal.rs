@@ -42,7 +42,7 @@ pub fn compensate(
     toward(goal_arm_m.ok_or(AimStatus::Leaf), settings, desired, measured)
 }
 
-/// Returns the error like [`compensate`], or the status that explains why there is no goal.
+/// Returns the error like [`compensate`]. Without a goal, `goal_arm_m` is the status that explains why.
 #[inline]
 pub(super) fn toward(
     goal_arm_m: Result<Vec3, AimStatus>,
@@ -65,7 +65,7 @@ pub(super) fn toward(
 }
 
 /// Returns the rotation that brings the end of `arm` to its goal, or the status that explains why there is none.
-/// `arm`: from the desired origin to the goal. `linear_m`: desired minus measured origin.
+/// `arm` leads from the desired origin to the goal. `linear_m` is the desired minus the measured origin.
 #[inline]
 fn turn_to_goal(arm: Vec3, linear_m: Vec3, beta: f32) -> Result<(Quat, AimStatus), AimStatus> {
     // Lengths stay squared as long as possible: r_d of eq. (7) and r_m of (8) are `arm` and `way` divided by their

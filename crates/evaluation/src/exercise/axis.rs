@@ -85,7 +85,7 @@ impl Axis {
         })
     }
 
-    /// Returns the axis narrowed to two ends. If nothing remains between them, the axis stays at home.
+    /// Returns the axis with its range reduced to the part from `least` to `most`. Home always remains in the range.
     pub(super) fn within(self, least: f64, most: f64) -> Self {
         let (least, most) =
             (self.least.max(least).min(self.home), self.most.min(most).max(self.home));
@@ -94,7 +94,7 @@ impl Axis {
 
     /// Returns the time for a distance at a share of the axis's maximum speed and acceleration, s.
     pub(super) fn duration_s(&self, way: f64, share: f64) -> f64 {
-        // Maximum speed of minimum jerk over a distance of 1 in 1 s.
+        // Maximum speed of a motion of minimum jerk over a distance of 1 in 1 s.
         const SPEED: f64 = 1.875;
         // Maximum acceleration of that motion: 10 / √3.
         const ACCELERATION: f64 = 5.773_502_691_896_258;

@@ -14,8 +14,8 @@ pub(super) struct Follower {
     offset: f64,
 }
 
-/// Narrows the axes until all limits that link two of them hold for any independent motion. Tied axes do not move
-/// independently; [`follow`] sets them.
+/// Narrows the ranges of the axes so that no independent motion of the axes exceeds a limit that links two of them.
+/// Returns the tied axes, which do not move independently; [`follow`] sets their motion.
 pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower> {
     let mut followers: Vec<Follower> = Vec::new();
     for one in &mechanism.linked {
@@ -23,7 +23,7 @@ pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower
         let tied = least.to_bits() == most.to_bits();
         let follows = |body: usize| followers.iter().any(|other| other.body == body);
         // Each joint of the pair may follow the other. The second possibility is used if the first joint already
-        // follows a third.
+        // follows a third joint, or has the factor 0.
         let ends = [
             (one.body, one.factor, one.other, one.other_factor),
             (one.other, one.other_factor, one.body, one.factor),
@@ -92,7 +92,7 @@ fn share_out(axes: &mut [Vec<Axis>], terms: &[(usize, f64)], [least, most]: [f64
         terms.iter().filter_map(|(body, factor)| Some(factor * of(axes, *body)?.home)).sum();
     let parts = terms.len() as f64;
     for (body, factor) in terms {
-        // A tie that always holds: the other axis's factor has cancelled.
+        // This axis has cancelled in the sum, so the limit does not narrow it.
         if factor.abs() < 1e-9 {
             continue;
         }

@@ -1,9 +1,9 @@
 //! Built-in motions of a rig's own joints: each joint in turn, then all together.
 //!
-//! An axis moves from place to place by minimum jerk (Flash and Hogan 1985) and is at rest at each place. Its
+//! An axis moves from position to position by minimum jerk (Flash and Hogan 1985), and rests at each position. Its
 //! motion is smooth up to the acceleration, within its range, and at a stated share of its maximum speed and
-//! acceleration. A ball joint moves along the three components of its rotation vector. Free roots and other free
-//! bodies stay at home.
+//! acceleration. A ball joint moves along the three components of its rotation vector. Free roots and other free bodies
+//! stay at home.
 
 mod axis;
 mod error;

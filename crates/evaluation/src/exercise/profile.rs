@@ -25,7 +25,7 @@ impl Profile {
         self.moves.last().map_or(0.0, |last| last.from_s + last.duration_s)
     }
 
-    /// Appends a move to a place that begins at a time.
+    /// Appends a move that begins at the time `from_s` and ends at the position `to`.
     fn go(&mut self, axis: &Axis, from_s: f64, to: f64, share: f64) {
         let from = self.moves.last().map_or(self.home, |last| last.to);
         self.moves.push(Move { from_s, duration_s: axis.duration_s(to - from, share), to });
@@ -59,7 +59,7 @@ pub(super) fn plan_in_turn(axes: &[Vec<Axis>], share: f64) -> Vec<Vec<Profile>> 
     axes.iter().map(|axes| axes.iter().map(&mut profile).collect()).collect()
 }
 
-/// Plans a motion in which every axis moves from place to place in its range, each with its own timing.
+/// Plans a motion in which every axis moves between random positions in its range, each with its own timing.
 pub(super) fn plan_together(
     axes: &[Vec<Axis>],
     share: f64,

@@ -14,7 +14,7 @@ pub struct ExerciseSettings {
     pub in_turn: bool,
     /// Duration of the motion of all joints together, s.
     pub seconds: f64,
-    /// Seed of the random places in that motion.
+    /// Seed of the random positions in the motion of all joints together.
     pub seed: u64,
 }
 

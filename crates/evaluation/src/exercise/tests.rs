@@ -238,7 +238,7 @@ fn limits_that_join_two_joints_hold_all_the_time() {
     for (one, [least, most]) in mechanism.linked.iter().zip(sums) {
         assert!(least >= one.range[0] - 1e-12 && most <= one.range[1] + 1e-12, "{least} {most}");
     }
-    // The remaining range is used.
+    // The exercise uses the range that remains.
     assert!(sums[2][1] - sums[2][0] > 0.5, "{sums:?}");
 }
 

@@ -13,7 +13,7 @@ struct Document<'a> {
     schema: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     rig: Option<&'a str>,
-    /// Support of a user's rig's base.
+    /// Support of the base of a user's rig, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     base: Option<&'static str>,
     plant: Description,

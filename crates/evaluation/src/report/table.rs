@@ -125,7 +125,7 @@ fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<T
         "max linear",
         "mean weighted",
     ];
-    // All numbers of a column get the width of Local's. A number may have one digit fewer.
+    // All numbers of a column get the width of the number of the method Local. A number may have one digit fewer.
     let bracket_widths = published
         .and_then(|figure| figure.row(kind, MethodName::Local))
         .map_or([0; 4], |row| row.all.map(|value| number(value).len() + 2));
@@ -150,7 +150,8 @@ fn table(evaluation: &Evaluation, figure: &FigureResult, kind: Kind) -> Option<T
                 let ours = number(ours[column]);
                 cells.push(match published {
                     Some(Some(row)) => format!("{ours} ({})", number(row[column])),
-                    // Aligned with the first number of the other rows.
+                    // Spaces replace the paper's missing number, so that our number is aligned with those of the other
+                    // rows.
                     Some(None) => format!("{ours} {:1$}", "", bracket_widths[column]),
                     None => ours,
                 });

@@ -52,7 +52,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// The share of all cells.
+    /// The shard that contains all cells.
     pub const WHOLE: Self = Self { index: 1, count: 1 };
 
     fn has(self, cell: usize) -> bool {

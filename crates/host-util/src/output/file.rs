@@ -5,7 +5,8 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Endings of temporary files: the first is deleted if the file is not finished, the second is kept.
+/// Endings of temporary files. If it is not finished, a file with the first ending is deleted, and a file with the
+/// second ending is kept.
 const DROPPED: &str = "new.part";
 const KEPT: &str = "part";
 

@@ -24,7 +24,7 @@ pub enum FolderError {
     /// An error of the operating system.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Folder or file that is concerned.
+        /// Folder or file with the error.
         path: PathBuf,
         /// Cause of the error.
         source: io::Error,

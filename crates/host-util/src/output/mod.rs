@@ -1,8 +1,8 @@
 //! Writes the files of commands.
 //!
-//! A reader of a file always sees the complete old file or the complete new file: despite a full disk, a kill, or a
-//! second run. Every command therefore writes with these functions. Only the checkpoints of studies have their own
-//! equivalent code.
+//! A reader of a file always sees the complete old file or the complete new file, even if the disk is full, a program
+//! is killed, or two programs write the file. Every command therefore writes with these functions. Only the checkpoints
+//! of studies have their own equivalent code.
 
 mod file;
 mod folder;

@@ -11,7 +11,8 @@ use crate::message::LiveFrame;
 const LONGEST_US: u32 = 2_000_000;
 
 /// A buffer for live frames of a rig with at most `N` coordinates. It stores `FRAMES` frames: those within the delay,
-/// and a few more. Frames of a faster source are thinned out: a frame close to another is dropped.
+/// and a few more. If a source sends more frames than that, a frame whose time is close to that of another frame is
+/// dropped.
 ///
 /// Targets begin at the pose of [`start`](Self::start), and never exceed the limits of speed, whatever arrives.
 /// Between two frames they are interpolated. Nothing is extrapolated: if the next frame is missing, the last frame is
@@ -142,7 +143,7 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
     /// Accepts a frame that arrived now. O(coordinates + `FRAMES`).
     ///
     /// # Errors
-    /// [`LiveRefusal`] if the frame is not used. It is counted.
+    /// [`LiveRefusal`] if the frame is not used. The refused frame is counted.
     pub fn push(&mut self, frame: &LiveFrame, now_us: u64) -> Result<(), LiveRefusal> {
         let result = self.take(frame, now_us);
         let count = match result {
@@ -227,8 +228,9 @@ impl<const N: usize, const FRAMES: usize> LiveBuffer<N, FRAMES> {
         Ok(())
     }
 
-    /// Returns an empty place; or the place of the frame whose neighbours are nearest to each other. The oldest
-    /// frame, which is being played, and the newest are kept. O(`FRAMES`), and O(`FRAMES`²) without an empty place.
+    /// Returns an empty place. If there is none, returns the place of the frame whose neighbours are nearest to
+    /// each other. The oldest frame, which is being played, and the newest are kept. O(`FRAMES`), and O(`FRAMES`²)
+    /// without an empty place.
     fn place(&self) -> usize {
         if let Some(empty) = self.frames.iter().position(Option::is_none) {
             return empty;

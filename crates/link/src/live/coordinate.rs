@@ -43,7 +43,7 @@ impl Coordinate {
         }
     }
 
-    /// Checks the numbers of a joint. `first`: index of its first number in the pose.
+    /// Checks the numbers of a joint. `first` is the index of its first number in the pose.
     pub(super) fn check(self, numbers: &[f32], first: usize) -> Result<(), LiveRefusal> {
         if let Some(place) =
             numbers.iter().position(|number| number.is_nan() || number.abs() > LARGEST)

@@ -12,7 +12,8 @@ pub use coordinate::Coordinate;
 /// Settings for following a live source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LiveSettings {
-    /// Delay of playing a pose after the fastest frame, us: the jitter to be removed, plus the time of a frame.
+    /// Time from the arrival of a frame without jitter to the tick that plays its pose, us: the jitter to be
+    /// removed, plus the time between two frames.
     pub delay_us: u32,
     /// Time without a new frame after which the source is stale, us.
     pub stale_us: u32,
@@ -21,7 +22,7 @@ pub struct LiveSettings {
 }
 
 impl LiveSettings {
-    /// For jitter of up to 100 ms, 60 frames per second with some loss, and a tick of 2 ms.
+    /// Settings for jitter of up to 100 ms, 60 frames per second with some loss, and a tick of 2 ms.
     pub const DEFAULT: Self = Self { delay_us: 150_000, stale_us: 200_000, tick_s: 0.002 };
 }
 
@@ -94,7 +95,7 @@ pub enum LiveRefusal {
     TooLate,
     /// There is already a frame for that time.
     Twice,
-    /// The frame's time is more than 1 s off.
+    /// The frame's time differs by more than 1 s from the expected time.
     Time,
 }
 

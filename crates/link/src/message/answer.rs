@@ -38,7 +38,7 @@ pub enum Applied {
     Telemetry(TelemetrySetting),
     /// The setting has this value, as read back.
     Setting(Value),
-    /// The log of faults contains this.
+    /// The requested record of the log of faults.
     Fault(FaultReport),
     /// This item is stored at the location; `None` if nothing is stored there.
     Stored(Option<Item>),
@@ -130,7 +130,7 @@ pub enum Refusal {
     },
     /// The rig or show is invalid; the number is its decoder's error number.
     Content(u16),
-    /// The flash memory failed to store it. Start an upload again.
+    /// The flash memory failed to store the item. Start the upload again.
     Memory,
     /// This firmware does not support the command.
     Unsupported,
@@ -174,7 +174,7 @@ pub enum Refusal {
     },
     /// Some servo accepts only positions and no effort: the rig cannot float.
     NoEffort,
-    /// A joint needs more torque than its servo gives, to be held in the current pose or on the way to the show.
+    /// To be held in the current pose or on the way to the show, a joint needs more torque than its servo gives.
     Overload {
         /// Index of the dof.
         dof: u16,
@@ -183,7 +183,8 @@ pub enum Refusal {
         /// Maximum torque of the servo, mN m.
         most_mnm: u32,
     },
-    /// All servos together need more current than the supply gives, to be held in such a pose.
+    /// To hold the rig in the current pose or on the way to the show, all servos together need more current than
+    /// the supply gives.
     Supply {
         /// Index of the dof that needs most.
         dof: u16,

@@ -12,24 +12,25 @@ use super::{Block, Item, Location, Operator, Pass, TelemetrySetting, Value};
 /// executed command contains the resulting state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Command {
-    /// Torque off at once; latched. Never refused: it is executed for any session and number, every time it arrives.
+    /// Torque is switched off at once, and a fault is latched. The command is never refused: it is executed for any
+    /// session and number, every time it arrives.
     EStop,
-    /// Torque on, at the measured pose. Only from the state limp.
+    /// Torque is switched on at the measured pose. Allowed only in the state limp.
     Arm,
-    /// The rig is lowered, then limp. The supervisor never refuses it.
+    /// The rig is lowered, and is then limp. The supervisor never refuses this command.
     Disarm,
     /// The rig follows a feed.
     Play(Feed),
     /// The rig holds its last commanded pose.
     Hold,
-    /// The rig moves to its rest pose, is lowered, then limp. In maintenance and while arming it is lowered at once.
-    /// The supervisor never refuses it.
+    /// The rig moves to its rest pose, is lowered, and is then limp. In maintenance and while arming, the rig is
+    /// lowered at once. The supervisor never refuses this command.
     Stop,
-    /// Ranges are found by moving the rig by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Only from
-    /// the state limp.
+    /// Ranges are found by moving the rig by hand, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Allowed
+    /// only in the state limp.
     Calibrate,
-    /// Poses are shown by hand with torque off, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Only from the
-    /// state limp.
+    /// Poses are shown by hand with torque off, until [`Stop`](Self::Stop) or [`Disarm`](Self::Disarm). Allowed
+    /// only in the state limp.
     Teach,
     /// An operator takes the rig for maintenance. Nobody else may move or arm it until the operator leaves it. The
     /// rig moves while fresh [`Stream::HoldToRun`](super::Stream::HoldToRun) and [`Stream::Jog`](super::Stream::Jog)
@@ -65,7 +66,8 @@ pub enum Command {
     },
     /// Reads a record from the log of faults.
     ReadFault {
-        /// Index of the record; 0 is the first fault since faults were cleared, then from the latest back.
+        /// Index of the record. 0 is the first fault since faults were cleared; the others follow from the latest
+        /// to the earliest.
         index: u16,
     },
     /// Asks which item is stored at a location.
@@ -76,8 +78,8 @@ pub enum Command {
     UploadBlock(Block),
     /// Ends the upload: the controller reads it back, compares its SHA-256, and uses it.
     EndUpload,
-    /// Passes bytes on to servos, and listens. Only while torque is off, and nobody moves the rig by hand. Since
-    /// version 1.1.
+    /// Passes bytes on to servos, and receives their reply. Allowed only while torque is off and nobody moves the
+    /// rig by hand. Since version 1.1.
     PassOn(Pass),
     /// Reads more of the servos' reply to the last bytes that were passed on. Since version 1.1.
     ReadPassed {
@@ -87,7 +89,8 @@ pub enum Command {
     /// Reads the controller's measurements of itself, and restarts the counts of cycles. Since version 1.1.
     ReadHealth,
     /// Poses are shown by hand while the rig carries its own weight, until [`Hold`](Self::Hold), [`Stop`](Self::Stop)
-    /// or [`Disarm`](Self::Disarm). Only from the state holding. Also a command to the supervisor. Since version 1.1.
+    /// or [`Disarm`](Self::Disarm). Allowed only in the state holding. This command goes to the supervisor, too.
+    /// Since version 1.1.
     Float,
 }
 

@@ -17,8 +17,8 @@ impl Version {
     /// Version of this crate.
     pub const CURRENT: Self = Self { major: 1, minor: 2 };
 
-    /// Returns the minor version that a controller of this version and a host of version `host` both support, or the
-    /// misfit.
+    /// Returns the minor version that a controller of this version and a host of version `host` both support, or
+    /// the reason why there is none.
     ///
     /// # Errors
     /// [`Misfit::Version`] if the major versions differ.
@@ -72,7 +72,7 @@ pub struct Welcome {
 pub struct About {
     /// Version of the controller's messages.
     pub protocol: Version,
-    /// Version of its firmware.
+    /// Version of the controller's firmware.
     pub firmware: Release,
     /// CRC at the end of the rig's compact form; 0 without a rig.
     pub rig: u32,
@@ -124,7 +124,7 @@ pub enum Misfit {
         /// Version of the host.
         host: Version,
     },
-    /// Another program has the rig.
+    /// Another host uses the rig.
     Busy,
 }
 

@@ -69,7 +69,7 @@ pub struct Item {
     pub length: u32,
     /// SHA-256 of the content.
     pub hash: [u8; 32],
-    /// Rig that it belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
+    /// Rig that the item belongs to: the CRC at the end of the rig's compact form; 0 for any rig.
     pub rig: u32,
     /// Name of the approver: at least one byte, and no control characters, or the item is refused.
     pub approver: Approver,

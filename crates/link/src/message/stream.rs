@@ -16,7 +16,7 @@ pub enum Stream {
     Heartbeat,
     /// The operator who has the rig for maintenance holds the enabling button.
     HoldToRun(Operator),
-    /// An operator moves a single dof: in maintenance, or playing [`Feed::Jog`](super::Feed::Jog).
+    /// An operator moves a single dof, in maintenance or while the rig plays [`Feed::Jog`](super::Feed::Jog).
     Jog {
         /// Index of the dof.
         dof: u8,

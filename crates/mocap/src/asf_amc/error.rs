@@ -12,7 +12,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The skeleton file of the motion was not found.
@@ -115,7 +115,7 @@ pub enum Problem {
         /// Number that was found.
         found: u64,
     },
-    /// The number of a bone's angles differs from that of its dofs.
+    /// A bone has another number of angles than dofs.
     #[error("frame {frame}, bone `{bone}`: expected {expected}, found {found}")]
     Values {
         /// Number of the frame.

@@ -12,7 +12,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The text is not a valid BVH motion.

@@ -355,7 +355,7 @@ impl Hierarchy {
     }
 }
 
-/// Finds the first line whose number of values differs from that of a frame.
+/// Finds the first line that does not have as many values as a frame.
 struct LineLengths {
     channels: usize,
     line: usize,

@@ -64,7 +64,7 @@ impl<'a> Tokens<'a> {
         Token { text: rest[..comment.unwrap_or(rest.len())].trim_end(), at }
     }
 
-    /// Skips characters that are wanted, and returns them.
+    /// Skips characters while `wanted` accepts them, and returns them.
     fn skip_while(&mut self, wanted: impl Fn(char) -> bool) -> &'a str {
         let mut chars = self.text.chars();
         let mut rest = self.text;

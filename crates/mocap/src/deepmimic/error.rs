@@ -10,7 +10,7 @@ pub enum Error {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file is not JSON of this form.
@@ -51,7 +51,7 @@ pub enum Problem {
         /// Length of every row.
         found: usize,
     },
-    /// A row has another length than the others.
+    /// A row does not have the length of a humanoid3d's row.
     #[error("`Frames`, frame {frame}: expected {expected} numbers, found {found}")]
     RowLength {
         /// Index of the row.
@@ -91,7 +91,7 @@ pub enum Problem {
     TooMany {
         /// Number of frames that the motion would have.
         frames: f64,
-        /// Time between them, s.
+        /// Time between these frames, s.
         frame_time_s: f64,
         /// Maximum number of frames.
         limit: usize,

@@ -13,8 +13,8 @@ use crate::test_rig::{
 
 const MS: u64 = 1_000_000;
 
-/// Hangs the core, and checks the time at which the watchdog resets it: `bites_ms`, in counts of 2 ms. 50 ms later the
-/// board must have restarted.
+/// Hangs the core, and checks that the watchdog resets it after `bites_ms`, which it counts in steps of 2 ms. 50 ms
+/// later the board must have restarted.
 fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
     board.other.clear();
     let hung_ns = board.servos.at_ns();

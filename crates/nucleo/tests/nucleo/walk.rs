@@ -22,7 +22,7 @@ const LATE_US: u64 = 10;
 /// The packets of one tick of the chip.
 #[derive(Default)]
 struct Tick {
-    /// Times at which its packets began to leave, ns.
+    /// Times at which the board began to send the tick's packets, ns.
     begins_ns: Vec<u64>,
     exchanges: Vec<Exchange>,
 }
@@ -131,8 +131,8 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
         twin.tick(None, 0, &mut tick.leaves());
     }
     assert!(!twin.has_torque(), "the chip is limp");
-    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts: this share of ticks with 20 goals has one goal that
-    // rounds differently.
+    // At 0.5 rad/s, 330 counts a second, 10 us are 0.003 counts. With 20 goals in a tick, 6 % of the ticks have a goal
+    // that is rounded differently.
     assert!(rounded < lowered.len() * 7 / 100, "{rounded} of {} ticks", lowered.len());
 
     let mut twin = InProcess::new(&rig);
@@ -160,7 +160,7 @@ fn emulated_nucleo_walks_with_the_packets_of_the_controller_in_process() {
 /// Arms the rig as soon as possible, plays, and stops; returns when torque is off.
 fn perform(board: &mut Board<Watched>, rig: &Rig) {
     load(board, rig);
-    // The rate is that of the ticks.
+    // Telemetry is sent in every tick.
     board.telemetry(f32::MAX, TelemetryParts::SUMMARY).unwrap();
     until(board, State::Limp, 5);
     arm_it(board);

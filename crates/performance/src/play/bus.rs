@@ -28,7 +28,7 @@ impl Buses {
         Self { lines, places, compares: None }
     }
 
-    /// Sends the packets of a peer instead of those of the buses.
+    /// Sends a peer's packets instead of the buses' packets.
     pub(super) fn with_peer(mut self, peer: &Rc<RefCell<dyn PeerController>>) -> Self {
         let of_peer = |(line, own)| PeerBus::new(own, Rc::clone(peer), line);
         let lines = self.lines.into_iter().enumerate();

@@ -32,7 +32,7 @@ mod swing_meter;
 mod tally;
 mod wires;
 
-pub use board::{BoardError, Chip, SimulatedBoard};
+pub use board::{BoardEnd, BoardError, Chip, HostEnd, HostSide, SimulatedBoard, pipe};
 pub use director::{Director, Ended};
 pub use error::{PartsError, SimulatedRigError};
 pub use line::Line;

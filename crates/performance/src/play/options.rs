@@ -2,7 +2,8 @@
 
 use super::servo_part::Drive;
 
-/// Options for playing. Default: the best drive of each servo, and the highest rate for which the lines have time.
+/// Options for playing. Default: the default drive of each servo, and the highest usual rate for which the lines have
+/// time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
     /// Drive of the servos.
@@ -11,8 +12,8 @@ pub struct Options {
     pub rate_hz: Option<u32>,
     /// Rate of all bus lines, bit/s.
     pub baud: Option<u32>,
-    /// Whether the loop runs on a board. Then the computing time of the board's processor in a tick counts, and its
-    /// clock must be divisible to the rate of the lines.
+    /// Whether the loop runs on a board. If so, the computing time of the board's processor in a tick counts, and a
+    /// divisor of its clock must give the rate of the lines.
     pub is_of_board: bool,
 }
 

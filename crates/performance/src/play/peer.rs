@@ -17,8 +17,8 @@ pub trait PeerController {
     /// Begins a tick, with the host's command.
     fn begin(&mut self, command: Option<LoopCommand>);
 
-    /// Returns the first packets of a line in a tick. `own`: those of the controller in process. Their bytes are in
-    /// `out`, where the returned ones must be written.
+    /// Returns the first packets of a line in a tick. `own`: the packets of the controller in this process, whose bytes
+    /// are in `out`. The returned packets must be written to `out`.
     fn plan(&mut self, line: usize, own: Request, out: &mut [u8]) -> Request;
 
     /// Returns more packets of a line, `left_us` before the time for packets ends. `own`, `out`: see [`Self::plan`].

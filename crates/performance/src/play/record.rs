@@ -29,7 +29,7 @@ const VERSION: i32 = 1;
 const CREATED_BY: &str = concat!("sinew ", env!("CARGO_PKG_VERSION"));
 /// Number of rows in a part, which are written at once: 5 s at 500 Hz.
 const GROUP: usize = 2_500;
-/// Key of the ends between the parts.
+/// Key of the metadata that marks an end between two parts.
 pub(super) const UNFINISHED: &str = "unfinished";
 /// Another end is written only when the new data is this many times as long as the last end.
 const END_SHARE: usize = 5;

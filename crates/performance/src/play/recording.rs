@@ -90,7 +90,7 @@ pub struct JointRows {
     pub commanded: Vec<f32>,
     /// Measured position.
     pub measured: Vec<f32>,
-    /// Following error: the command of the tick before minus the measured position.
+    /// Following error: the command of the previous tick minus the measured position.
     pub error: Vec<f32>,
     /// Commanded effort.
     pub effort: Vec<f32>,
@@ -260,7 +260,7 @@ impl Recording {
             return Err(missing());
         }
         let mut values = values.into_iter();
-        // Level 0 is null.
+        // Definition level 0 is null.
         Ok(levels.iter().map(|level| (*level > 0).then(|| values.next()).flatten()).collect())
     }
 }

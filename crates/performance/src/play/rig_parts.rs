@@ -162,7 +162,7 @@ impl RigParts {
         self.settings.rig_crc
     }
 
-    /// Also accepts shows for the rig with another CRC: the same rig before servos were put on it.
+    /// Accepts shows with this CRC instead of the rig's own: the CRC of the same rig before servos were added to it.
     pub fn take_shows_of(&mut self, rig_crc: u32) {
         self.settings.rig_crc = rig_crc;
     }

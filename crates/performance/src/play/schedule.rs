@@ -7,8 +7,8 @@ use thiserror::Error;
 
 /// Rates that are tried in turn if servos are driven by current or voltage, Hz.
 const OF_CURRENT: [u32; 5] = [500, 400, 333, 250, 200];
-/// Rates that are tried in turn if all servos are driven by position, Hz: such servos follow at 2 to 4 Hz by
-/// themselves.
+/// Rates that are tried in turn if all servos are driven by position, Hz. The position loop in such a servo has a
+/// bandwidth of 2 to 4 Hz.
 const OF_POSITION: [u32; 4] = [100, 80, 60, 50];
 
 /// Traffic of a line in a tick.

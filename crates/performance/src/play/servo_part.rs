@@ -21,7 +21,8 @@ const CURRENT_SHARE: f64 = 0.8;
 /// Voltage range of a Feetech servo, V: the minimum by its table, and a factor on the recommended voltage for the
 /// maximum (1.2 is a guess).
 const FEETECH_V: (f32, f32) = (4.0, 1.2);
-/// A current drive releases this far above the temperature at which the heat detector finds a fault, °C.
+/// A current drive gives no more current at a temperature that is higher by this amount than the temperature at which
+/// the heat detector finds a fault, °C.
 const HOT_ROOM_C: f32 = 4.0;
 
 /// Quantity by which a servo is driven.
@@ -64,7 +65,7 @@ pub struct ServoPart {
     pub own: RigServo,
     /// Quantity by which the servo is driven.
     pub drive: Drive,
-    /// Index of its line, and place on the line.
+    /// Index of the servo's line, and the servo's place on this line.
     pub place: (usize, usize),
 }
 

@@ -1,4 +1,4 @@
-//! Puts servos on joints that have none, such as those of an imported URDF.
+//! Adds servos to joints that have none, such as those of an imported URDF.
 
 use std::str::FromStr;
 
@@ -48,7 +48,7 @@ impl ServoChoice {
     }
 }
 
-/// Error of servos that cannot be put on joints.
+/// Error of servos that cannot be added to joints.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum PutError {
@@ -79,9 +79,11 @@ pub enum PutError {
     Ids,
 }
 
-/// Puts a servo on each revolute or universal joint that has none. It gets the joint's name, the bus `main`, and the
-/// middle of the joint's range as the middle of its own. The joint keeps its limits where the servo can do more, and
-/// only that part of its friction that exceeds the servo's. Returns the number of new servos.
+/// Adds servos to the joints that have no drive, as far as `wanted` chooses a kind for them: one servo to a revolute
+/// joint, one for each axis to a universal joint. A servo gets the joint's name (`NAME.1` and `NAME.2` for two axes)
+/// and the bus `main`; the middle of its range is the middle of the joint's range. The joint keeps each limit of speed
+/// and effort that the servo could exceed, and only the part of its friction that exceeds the servo's friction. Returns
+/// the number of joints that got servos.
 ///
 /// # Errors
 /// [`PutError`] names the joint and the valid choices.
@@ -139,8 +141,8 @@ pub fn put_servos(rig: &mut Description, wanted: &[ServoChoice]) -> Result<usize
         let joint = &mut rig.joints[index];
         joint.speed_rad_s = joint.speed_rad_s.filter(|v| *v < model.no_load_speed_rad_s.value);
         joint.effort = joint.effort.filter(|effort| *effort < model.stall_torque_nm.value);
-        // The friction of a joint without a servo includes that of its unknown drive: the servo's friction must not
-        // count twice.
+        // The friction of a joint without a servo includes the friction of its unknown drive: the servo's friction must
+        // not count twice.
         joint.friction = (joint.friction - model.friction_nm.value).max(0.0);
         joint.damping = (joint.damping - model.damping_nm_s.value).max(0.0);
         let kind = DriveKind::one_to_one(dofs);
@@ -178,7 +180,7 @@ mod tests {
         assert_eq!(put_servos(&mut rig, &[]), Ok(0));
     }
 
-    /// A joint with its servo has the friction of its file, or that of the servo if it is larger.
+    /// A joint with its servo has the friction in its file, or the servo's friction if that is larger.
     #[test]
     fn friction_is_counted_once() {
         let model = ServoModel::built_in("XM430-W350-T").unwrap();

@@ -214,8 +214,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         })
     }
 
-    /// Returns the limit that acts on a joint now, for tables, recordings and telemetry: that of its effort, of its
-    /// first servo's drive, or of heat and supply; else of the guard.
+    /// Returns the limit that acts on a joint now, for tables, recordings and telemetry: a limit of its effort, of its
+    /// first servo's drive, or of heat and supply. If none of these acts, returns the limit of the guard.
     pub fn limiter(&self, dof: usize) -> Option<String> {
         let report = self.report();
         let servo = self.parts.first_servo[dof].map(|servo| &report.servos[servo]);
@@ -224,7 +224,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         limiter.or_else(guard)
     }
 
-    /// Whether every servo that reports has reported its temperature. Before that, drives give no effort.
+    /// Returns whether every servo that reports its state has reported its temperature. Before that, drives give no
+    /// effort.
     pub fn is_known(&self) -> bool {
         let mut all = self.report().servos.iter().zip(&self.parts.servos);
         all.all(|(told, part)| part.drive == Drive::Pulses || told.temperature_c.is_some())
@@ -275,7 +276,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
 }
 
 impl SimulatedRig<'_, RigPlant> {
-    /// Lets a hand hold a joint's dof, or lead it further; `None` lets go. See [`RigPlant::lead`].
+    /// Makes a hand hold a joint's dof, or lead it further. `None`: the hand releases it. See [`RigPlant::lead`].
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.lines[0].servos.bench_mut().plant.lead(dof, hand)
     }

@@ -17,7 +17,7 @@ use crate::{Baker, ShowMarks};
 /// Returns the end of a performance of an arm at rest on two buses, after `wrong` has set one register of a servo.
 fn ended(wrong: Option<(usize, u16, i32)>) -> Ended {
     let mut rig = arm(3).unwrap();
-    // Two voltages: there is no common supply.
+    // The servos have two voltages, so the rig has no common supply.
     rig.supply = None;
     "STS3215-7.4V".clone_into(&mut rig.servos[1].model);
     "tip".clone_into(&mut rig.servos[1].bus);
@@ -186,7 +186,7 @@ fn a_face_on_a_pca9685_performs_and_gets_no_pulse_when_it_is_limp() {
         // It reached its targets, except for dead band, play and friction; and it is never exactly on target.
         assert!((least + 0.3).abs() < 0.05 && (most - 0.5).abs() < 0.05, "{least} {most}");
         assert!(errors.most_rad > 1e-3 && errors.most_rad < 0.1, "{errors:?}");
-        // There are no answers.
+        // Servos that are driven by pulses do not answer.
         assert!(sim.wires().answered == 0 && sim.wires().sent > 0);
         assert_eq!(director.raised(), FaultSet::EMPTY);
     }
@@ -296,7 +296,7 @@ fn a_rig_whose_joint_would_shake_by_itself_is_refused() {
     };
     let refused = parts(Drive::Current).err().unwrap().to_string();
     assert!(refused.contains(&format!("servo `{}` would shake", rig.servos[0].name)), "{refused}");
-    // The winding damps it.
+    // With the drive `voltage` the winding damps the oscillation.
     assert!(refused.contains("a stiffer gear, less load, or `--drive voltage`"), "{refused}");
     assert!(parts(Drive::Voltage).is_ok());
     assert!(parts(Drive::Position).is_ok());

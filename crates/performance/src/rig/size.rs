@@ -55,7 +55,7 @@ fn extents_m(mechanism: &Mechanism) -> [f64; 2] {
 pub(super) fn other_unit(mechanism: &Mechanism) -> Result<Option<(f64, String)>, String> {
     let [high, across] = extents_m(mechanism);
     let size = high.max(across);
-    // All points coincide: there is no size to measure.
+    // If all points coincide, there is no size to measure.
     if size <= 0.0 || SIZE_M.contains(&size) {
         return Ok(None);
     }

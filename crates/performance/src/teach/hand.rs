@@ -43,7 +43,7 @@ impl ScriptedHand {
         }
     }
 
-    /// Lets go of all dofs that the hand holds.
+    /// Releases all dofs that the hand holds.
     pub fn let_go(&self, mut lead: impl FnMut(usize, Option<Hand>)) {
         self.held.iter().for_each(|(dof, _)| lead(*dof, None));
     }

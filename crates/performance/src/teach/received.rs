@@ -6,8 +6,8 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
-/// Longest allowed time without a pose. In a longer gap the hand's motion is unknown: this is half a period of 6 Hz,
-/// which the low-pass filter keeps.
+/// Longest allowed time without a pose: half a period of 6 Hz, a frequency that the low-pass filter keeps. The hand's
+/// motion in a longer gap is unknown.
 const LONGEST_GAP_S: f64 = 1.0 / 12.0;
 
 /// Error of poses that are not a motion.

@@ -91,7 +91,7 @@ fn smooth(
     let mut most: f64 = 0.0;
     for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
         if link.joint == JointModel::Spherical {
-            // The one of the two quaternions of a rotation that is nearer to that of the row before.
+            // A rotation has two quaternions. The one that is nearer to the previous row's quaternion is used.
             for row in 1..rows.len() {
                 let dot: f64 = range.clone().map(|at| rows[row][at] * rows[row - 1][at]).sum();
                 let sign = if dot < 0.0 { -1.0 } else { 1.0 };

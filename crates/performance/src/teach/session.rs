@@ -158,7 +158,7 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         }
     }
 
-    /// Puts the hand at its position at a time of the path.
+    /// Moves the hand to its position at a time of the path.
     fn hold(&mut self, time_s: f64) {
         self.hand.hold(time_s, |dof, hand| {
             self.sim.lead(dof, hand);

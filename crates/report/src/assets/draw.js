@@ -12,11 +12,12 @@ const drawn = (tag, attributes) => {
 const number = (signed, decimals) => {
   const size = Math.abs(signed);
   const text = signed.toFixed(decimals ?? (size >= 99.95 ? 0 : size >= 9.995 ? 1 : size >= 0.9995 ? 2 : 3));
-  // No zero below zero.
+  // Avoids a negative zero.
   return Number(text) === 0 ? "0" : text.replace("-", "−");
 };
 
-// The whole course in as many points as a screen has: of each stretch its least and its most. What is not known is a gap.
+// Returns the path of a whole trace, with no more points than a screen shows: the minimum and the maximum of each part.
+// Unknown values are gaps.
 const WIDTH = 1000;
 const outline = (course, x, y) => {
   const step = Math.max(Math.ceil(course.length / (WIDTH / 2)), 1);

@@ -1,6 +1,6 @@
 "use strict";
 
-// Choices among charts: a section shows those whose data agree with its selects.
+// Selection of charts: a section shows the charts whose data equal the values of its select elements.
 for (const section of document.querySelectorAll(".choices")) {
   const selects = [...section.querySelectorAll("select[data-choice]")];
   const show = () => {
@@ -9,6 +9,6 @@ for (const section of document.querySelectorAll(".choices")) {
     }
   };
   for (const select of selects) select.addEventListener("change", show);
-  // A browser that comes back to the page keeps the selects as they were.
+  // If the user returns to the page, a browser keeps the values of the select elements.
   show();
 }

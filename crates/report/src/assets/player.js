@@ -1,5 +1,5 @@
 
-// The playback: the same mannequins, camera and light as in the stills.
+// The playback has the same mannequins, camera and light as the still pictures.
 (() => {
   const player = document.getElementById("player");
   if (!player) return;
@@ -17,7 +17,7 @@
   }));
   const last = data.frames - 1;
 
-  // The points of a track at a time in frames, between its two nearest.
+  // Returns the points of a track at a time in frames, interpolated between the two nearest frames.
   const pointsAt = (track, time) => {
     const frame = Math.min(Math.floor(time), Math.max(last - 1, 0));
     const share = time - frame;
@@ -38,7 +38,7 @@
   let playing = false;
   let before = null;
   let asked = false;
-  // What the camera looks at stays, or goes with the first point without its quick moves.
+  // Returns the target of the camera: a fixed point, or the mean position of the first point over about 1.2 s.
   const target = (time) => {
     if (data.target_m) return data.target_m;
     const width = Math.round(0.6 / data.dt_s);
@@ -105,7 +105,7 @@
     context.stroke(path);
   };
 
-  // The trunk is one body of many parts; every other part is one of its own.
+  // The trunk is one group of several parts; every other part is a separate group.
   const all = data.parts.map((_, i) => i);
   const GROUPS = [all.slice(0, data.trunk), ...all.slice(data.trunk).map((i) => [i])].filter((group) => group.length > 0);
 
@@ -175,7 +175,7 @@
       return drawn;
     });
     context.strokeStyle = "#38424d";
-    // From the farthest to the nearest; a part of one figure stays with that of the other.
+    // Draws from the farthest group to the nearest. Corresponding parts of the two figures are in one group.
     const depth = (group) => group.reduce((sum, i) => sum + parts[0][i].depth + parts[1][i].depth, 0) / group.length;
     const groups = GROUPS.map((group) => ({ group, depth: depth(group) })).sort((a, b) => b.depth - a.depth);
     for (const { group } of groups) {
@@ -202,7 +202,7 @@
   const render = (now) => {
     asked = false;
     if (playing) {
-      // The first frame may be dated before the key that asked for it.
+      // The time of the first frame may be earlier than the key press that requested it.
       const passed = Math.max(now - (before ?? now), 0) / 1000;
       before = now;
       time += passed / data.dt_s * Number(element("speed").value);

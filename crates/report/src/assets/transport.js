@@ -1,5 +1,5 @@
-// ---- One time for all that is seen: it plays, stops and is sought ----
-// `draw`: shows a time. Gives what asks for that (`show`), `seek` and `setPlaying`.
+// ---- One time for everything on the page: play, stop and seek ----
+// `draw` draws the page at a time. Returns `show`, which requests a drawing, `seek` and `setPlaying`.
 const transport = (draw) => {
   const [play, scrubber, clock, charts] = ["play", "scrubber", "clock", "charts"].map((id) => document.getElementById(id));
   let time = 0, playing = false, before = null, asked = false;
@@ -42,7 +42,7 @@ const transport = (draw) => {
     seek(END * (event.clientX - left) / width);
   };
   for (const kind of ["pointerdown", "pointermove"]) charts.addEventListener(kind, seekIn);
-  // Wherever no control takes the keys for itself: space plays, arrows go a tenth of a second.
+  // If no control uses these keys: space starts and stops playing, arrows move by a tenth of a second.
   document.addEventListener("keydown", (event) => {
     if (event.altKey || event.ctrlKey || event.metaKey) return;
     if (event.target.closest("input, select, button, canvas, a, .scroll, ol")) return;
@@ -60,7 +60,7 @@ const transport = (draw) => {
   return { show, seek, setPlaying };
 };
 
-// A span of time on the strip below the scrubber.
+// Marks an interval of time on the strip below the scrubber.
 const onStrip = (from, to, className = "") => {
   if (from > END) return;
   const [left, right] = [from, Math.min(to, END)].map((at) => 100 * at / END);
@@ -68,7 +68,7 @@ const onStrip = (from, to, className = "") => {
 };
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-// ---- One joint for the plots and the table: `shown` is told which ----
+// ---- One chosen joint for the plots and the table: `shown` receives its index ----
 const joints = (shown) => {
   const joint = document.getElementById("joint");
   const rows = [...document.querySelectorAll("#joints tbody tr")];

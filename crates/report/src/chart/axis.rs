@@ -70,7 +70,7 @@ impl Axis {
     }
 }
 
-/// Returns 1, 2 or 5 times a power of ten, with four to nine steps in the length.
+/// Returns 1, 2 or 5 times a power of ten, with two to five steps in the length.
 fn round_step(length: f64) -> f64 {
     let rough = length / 5.0;
     let power = libm::pow(10.0, libm::floor(libm::log10(rough)));
@@ -82,8 +82,8 @@ fn decimals(step: f64) -> usize {
     [1.0, 0.1, 0.01, 0.001, 0.0001].iter().position(|unit| step >= unit * 0.999).unwrap_or(5)
 }
 
-/// Returns powers of ten; also 2 and 5 times them for fewer than three decades; equal steps for less than one
-/// decade.
+/// Returns powers of ten. If `high / low` is below 1000, also returns 2 and 5 times each; if it is below 4, returns
+/// equal steps.
 fn logarithmic_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
     if high / low < 4.0 {
         return Axis::exact([low, high], [0.0, 1.0]).ticks();

@@ -17,7 +17,7 @@ const BAR: f64 = 7.5;
 const LETTER: f64 = 6.9;
 const LETTERS: usize = 23;
 
-/// Returns the height of a row in which this number of bars does not touch those of the next row.
+/// Returns the height of a row in which this number of bars does not touch the bars of the next row.
 pub(crate) fn room(bars: usize) -> f64 {
     ROW.max(BAR * bars as f64 + 6.5)
 }

@@ -55,7 +55,7 @@ pub(crate) struct Reference {
     pub(crate) name: &'static str,
     pub(crate) dashed: bool,
     pub(crate) means: Vec<Means>,
-    /// Texts beside some of its points.
+    /// Texts beside some points of the line.
     pub(crate) labels: Vec<(String, Means)>,
 }
 

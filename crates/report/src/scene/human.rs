@@ -5,8 +5,7 @@ use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use super::mannequin::{Mannequin, Part};
 
-/// Bodies whose segment does not end at a joint: head, hands, feet. Their ends are the points after those of the
-/// joints.
+/// Bodies whose segment does not end at a joint: head, hands, feet. Their ends are the points after the joints' points.
 const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
 
 /// Number of parts that make the trunk. They are the first parts.

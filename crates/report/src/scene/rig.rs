@@ -38,7 +38,7 @@ impl Mannequin {
             }
         }
         let size_m = beyond_m.iter().copied().fold(0.0, f64::max);
-        // All points coincide: a ball is drawn.
+        // If all points coincide, a ball is drawn.
         let size_m = if size_m > 0.0 { size_m } else { 1.0 };
         let radius_m =
             |body: usize| size_m * (THINNEST + THICKER * libm::sqrt(beyond_m[body] / size_m));

@@ -8,7 +8,7 @@ use crate::number::single;
 use crate::servo::Servo;
 
 /// Default values of a joint, from the servos of its drive, at the home pose. A joint of several dofs has one value
-/// for all of them: the mean of inertia and frictions, the least of the limits.
+/// of each quantity for all its dofs: the mean inertia and friction, and the smallest limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDefaults {
     /// Inertia that rotors add to each dof, kg m² (kg for a slide).
@@ -94,7 +94,8 @@ impl Actuation {
     }
 }
 
-/// Returns the maximum speed of each dof when it moves alone. Mimic joints cannot, so they move with their servos.
+/// Returns the maximum speed of each dof when it moves alone. Mimic joints cannot move alone: their speeds are
+/// those at which they move with their servos.
 fn speeds(pose: &DrivePose<'_>, of_servos: &[f32]) -> Result<Vec<f32>, DriveInputError> {
     let (dofs, servos) = (pose.joints().len(), of_servos.len());
     if dofs <= servos {

@@ -21,8 +21,8 @@ const VERSION: u16 = 1;
 const CHANNELS: u16 = 256;
 
 impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIES, DOFS, SERVOS> {
-    /// Writes the rig, and returns the number of bytes. [`Self::decode`] reads them on any board whose capacity is
-    /// large enough.
+    /// Writes the rig, and returns the number of bytes. [`Self::decode`] reads these bytes on any board whose
+    /// capacity is large enough.
     ///
     /// # Errors
     /// [`BoardRigError::Length`] if `out` is too short; its content is then useless.
@@ -75,7 +75,7 @@ impl<const BODIES: usize, const DOFS: usize, const SERVOS: usize> BoardRig<BODIE
     /// Reads a rig in place. The value is large, and each move would cost its size in stack.
     ///
     /// # Errors
-    /// Those of [`Self::decode`].
+    /// Returns the errors of [`Self::decode`].
     // Never inlined: the compiler then knows that nothing else uses the slot, and builds the rig there.
     #[inline(never)]
     pub fn decode_in<'s>(

@@ -30,7 +30,7 @@ pub enum BoardRigError {
         /// Version that was found.
         found: u16,
     },
-    /// The number of bytes is not that of the rig.
+    /// The number of bytes differs from the length of the rig.
     Length {
         /// Expected number of bytes.
         expected: usize,
@@ -66,9 +66,9 @@ pub enum BoardRigError {
     },
     /// A part refers to another part that does not exist.
     Index {
-        /// Kind of the part that refers to it: `"drive"`, `"limit"`.
+        /// Kind of the part that refers to the missing part: `"drive"`, `"limit"`.
         what: &'static str,
-        /// Index of the part that refers to it.
+        /// Index of the part that refers to the missing part.
         index: usize,
         /// Kind of the missing part: `"dof"`, `"servo"`.
         part: &'static str,
@@ -91,7 +91,7 @@ pub enum BoardRigError {
         /// Number that was found.
         found: f32,
     },
-    /// A drive does not fit its joints: it moves only some dofs of a joint, or treats a ball joint as one with
+    /// A drive does not fit its joints: it moves only some dofs of a joint, or treats a ball joint as a joint with
     /// axes.
     Joints {
         /// Index of the drive.

@@ -9,7 +9,7 @@ use crate::servo::{Address, SignalLoss};
 pub struct Servo {
     /// Name of the servo; unique among servos.
     pub name: String,
-    /// Name of its kind, see [`ServoModel::built_in`].
+    /// Name of the servo's kind, see [`ServoModel::built_in`].
     pub model: String,
     /// Name of the bus that it is connected to.
     pub bus: String,
@@ -21,7 +21,8 @@ pub struct Servo {
     pub offset_rad: Option<f64>,
     /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
-    /// Permitted range of its own position: one pair. Empty: the range of its kind.
+    /// Permitted range of the servo's own position: one pair. If it is empty, the range is that of the servo's
+    /// kind.
     pub range_rad: Vec<[f64; 2]>,
     /// Maximum commanded torque, N m. Default: that of its kind.
     pub torque_nm: Option<f64>,
@@ -60,7 +61,7 @@ impl Default for Servo {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoModel {
-    /// Name that the maker uses.
+    /// The maker's name for this kind of servo, such as `XL330-M288-T`.
     pub name: String,
     /// Voltage at which the values are valid, V.
     pub voltage_v: SourcedValue,
@@ -70,7 +71,7 @@ pub struct ServoModel {
     pub stall_torque_nm: SourcedValue,
     /// Current at standstill, A.
     pub stall_current_a: SourcedValue,
-    /// Torque that it holds continuously without overheating, N m.
+    /// Torque that the servo holds continuously without overheating, N m.
     pub continuous_torque_nm: SourcedValue,
     /// Speed without load, rad/s.
     pub no_load_speed_rad_s: SourcedValue,
@@ -82,7 +83,7 @@ pub struct ServoModel {
     pub friction_nm: SourcedValue,
     /// Viscous friction, N m s.
     pub damping_nm_s: SourcedValue,
-    /// Smallest step of its position, rad.
+    /// Smallest step of the servo's position, rad.
     pub resolution_rad: SourcedValue,
     /// Play of the gear from end to end, rad.
     pub backlash_rad: SourcedValue,
@@ -92,7 +93,7 @@ pub struct ServoModel {
     pub thermal_resistance_k_w: SourcedValue,
     /// Time constant of the temperature rise, s.
     pub thermal_time_s: SourcedValue,
-    /// Temperature at which it shuts down, °C.
+    /// Temperature at which the servo shuts down, °C.
     pub shutdown_c: SourcedValue,
     /// Stiffness of the gear between rotor and output, N m/rad; see [`Self::gear_stiffness`].
     pub gear_stiffness_nm_rad: Option<SourcedValue>,

@@ -20,12 +20,12 @@ const LEAST_SHARE: f32 = 0.01;
 /// checks this.
 const STEPS: usize = 12;
 
-/// A monotone curve `q(s)` through points, whose derivative is continuous and nowhere near zero. For jaws, lids and
-/// push-rods.
+/// A monotone curve `q(s)` through points, whose derivative is continuous and nowhere near zero. It is used for jaws,
+/// lids and push-rods.
 ///
-/// Cubics between the points, with the slopes of Fritsch and Butland (1984), which keep the curve monotone. At an
-/// end, the slope is that of a parabola through three points, limited to 1/4 to 3 times the slope between the last
-/// two.
+/// The curve consists of cubics between the points, with the slopes of Fritsch and Butland (1984), which keep it
+/// monotone. At an end, the slope is that of a parabola through three points, limited to 1/4 to 3 times the slope
+/// between the last two.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     knots: Vec<Knot, CURVE_CAPACITY>,
@@ -126,7 +126,7 @@ impl Curve {
         )
     }
 
-    /// Finds the pose of a wanted position, in the first piece that reaches it; `share_of` finds the share of the
+    /// Finds the pose of a wanted position, in the first piece that reaches it; `share_of` returns the share of the
     /// piece's width. Beyond the curve, returns its nearest end.
     fn pose(
         &self,
@@ -197,8 +197,8 @@ impl Piece {
         self.to.servo - self.from.servo
     }
 
-    /// Returns the coefficients `a, b, c` of `y = t (a + t (b + t c))`: share of the height at share `t` of the
-    /// width.
+    /// Returns the coefficients `a, b, c` of `y = t (a + t (b + t c))`: `y` is the share of the piece's height at
+    /// the share `t` of its width.
     fn cubic(&self) -> [f32; 3] {
         let secant = (self.to.joint - self.from.joint) / self.width();
         let (from, to) = (self.from.slope / secant, self.to.slope / secant);
@@ -229,8 +229,8 @@ impl Piece {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// Returns the share of the width at which the joint is at `q`, by Newton's method between bounds that
-    /// converge.
+    /// Returns the share of the piece's width, 0 to 1, at which the joint's position is `q`. Uses Newton's method,
+    /// safeguarded by bisection.
     fn inverse(&self, q: f32) -> f32 {
         let [a, b, c] = self.cubic();
         let wanted = (q - self.from.joint) / (self.to.joint - self.from.joint);

@@ -101,8 +101,8 @@ impl Drive {
         }
     }
 
-    /// Returns the drive at joint positions `q`, rad or m. Beyond the ends of a curve or a four-bar it is held at
-    /// the end, and [`DrivePose::reason`] reports this.
+    /// Returns the drive at joint positions `q`, rad or m. Beyond the ends of a curve or a four-bar the drive is
+    /// held at the end, and [`DrivePose::reason`] reports this.
     ///
     /// With fewer servos than dofs (mimic joints), the servos may be unable to reach `q`. The result then minimizes
     /// the sum of squared errors, each divided by the length of the dof's row.
@@ -121,8 +121,8 @@ impl Drive {
         })
     }
 
-    /// Returns the drive at servo shaft positions `s`, rad. Beyond the ends of a curve or a four-bar it is held at
-    /// the end, and [`DrivePose::reason`] reports this.
+    /// Returns the drive at servo shaft positions `s`, rad. Beyond the ends of a curve or a four-bar the drive is
+    /// held at the end, and [`DrivePose::reason`] reports this.
     ///
     /// # Errors
     /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in

@@ -13,8 +13,8 @@ pub type Numbers = Vec<f32, DRIVE_CAPACITY>;
 /// Largest accepted number, equal to that of `sinew-core`'s coordinates.
 pub(super) const LARGEST: f32 = 1e6;
 
-/// Minimum motion of a joint per radian of the servo, rad/rad or m/rad. A servo with less is regarded as not moving
-/// the joint.
+/// Minimum motion of a joint per radian of the servo, rad/rad or m/rad. A servo that causes less motion is regarded
+/// as not moving the joint.
 pub(super) const LEAST_MOTION: f32 = 1e-6;
 
 /// Checks the count of numbers, and that each is finite and at most `LARGEST`.

@@ -1,6 +1,6 @@
 //! Imports robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
 //!
-//! [`Imported::notes`] describes what was changed, filled in, left out or is doubtful. A file that cannot be
+//! [`Imported::notes`] describes what was changed, filled in or left out, and what is doubtful. A file that cannot be
 //! imported is refused with line, column and name.
 
 mod error;

@@ -17,13 +17,13 @@ pub struct Note {
 /// Kind of a note.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum NoteKind {
-    /// Expressed in another way.
+    /// The rig expresses the value in another way.
     Changed,
-    /// Missing in the file, and filled in by a rule.
+    /// The value is missing in the file, and is filled in by a rule.
     Filled,
-    /// Present in the file, but not in the rig.
+    /// The value is in the file, but not in the rig.
     LeftOut,
-    /// Imported unchanged, but may be wrong: check it.
+    /// The value is imported unchanged, but may be wrong: check it.
     Doubtful,
 }
 

@@ -66,7 +66,7 @@ fn leaders_first(ties: &[Tie]) -> Vec<&Tie> {
     order
 }
 
-/// Tolerance for rounding of a sum of products, rad or m. Far below any motion that matters.
+/// Tolerance for rounding of a sum of products, rad or m. It is far below any motion that matters.
 const ROUNDING: f64 = 1e-9;
 
 fn limit(

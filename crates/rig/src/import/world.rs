@@ -28,8 +28,8 @@ const UNITS: [f64; 4] = [0.01, 0.001, 0.0254, 0.1];
 const GRAVITY_TOLERANCE: f64 = 0.002;
 
 impl World {
-    /// Chooses both from the user's options, otherwise from gravity if the file has it; otherwise z and the metre,
-    /// which are the usual choice of robot formats.
+    /// Chooses axis and unit from the user's options, otherwise from gravity if the file has it; otherwise z and
+    /// the metre, which are the usual choice of robot formats.
     pub(super) fn of(options: &Options, gravity: Option<DVec3>) -> Self {
         let against = gravity.and_then(|gravity| {
             let up = -gravity.try_normalize()?;
@@ -87,6 +87,12 @@ impl World {
         for body in &mut description.bodies {
             place(&mut body.center_of_mass_m);
             body.box_m.iter_mut().for_each(|size| place(size));
+            for shape in &mut body.shapes {
+                place(&mut shape.position_m);
+                shape.size_m.iter_mut().for_each(|size| place(size));
+                let lengths = [&mut shape.radius_m, &mut shape.length_m];
+                lengths.into_iter().flatten().for_each(|length| *length *= unit);
+            }
             body.inertia_kg_m2 = body.inertia_kg_m2.map(|inertia| inertia.scaled(unit * unit));
         }
         for joint in &mut description.joints {

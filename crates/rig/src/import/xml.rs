@@ -5,7 +5,8 @@ use roxmltree::{Document, Node};
 
 use super::error::{ImportError, SourcePosition};
 
-/// Larger numbers are regarded as damage: squares and products must stay finite, in f32 too.
+/// Maximum absolute value of a number. Larger numbers are regarded as damage: squares and products must stay
+/// finite, in f32 too.
 const NUMBER_MAX: f64 = 1e6;
 
 /// Parses a text as XML. First refuses texts that would keep an XML parser busy for minutes.

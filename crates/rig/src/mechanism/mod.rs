@@ -8,6 +8,7 @@ mod pose;
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 
+use crate::description::BodyShape;
 use crate::number::single;
 
 pub use inverse_dynamics::{InverseDynamics, LANES};
@@ -75,7 +76,8 @@ pub struct Link {
     pub friction: f64,
     /// Viscous friction of each dof, N m s or N s/m.
     pub damping: f64,
-    /// Minimum and maximum position of each axis, rad or m; empty without limit. For a spherical joint `[0, most]`.
+    /// Minimum and maximum position of each axis, rad or m; empty without limit. A spherical joint has one pair
+    /// `[0, most]`.
     pub ranges: Vec<[f64; 2]>,
     /// Home pose, as coordinates `q` of `sinew-core`.
     pub home: Vec<f64>,
@@ -85,6 +87,9 @@ pub struct Link {
     pub acceleration: f64,
     /// Maximum effort, N m or N; infinite without limit.
     pub effort: f64,
+    /// Solids that are drawn for this body and for the merged bodies, in this body's frame. The compact form of
+    /// boards does not have them.
+    pub shapes: Vec<BodyShape>,
 }
 
 /// A body that is merged into a [`Link`], because a fixed joint holds it there: for example a bracket, or a tool's
@@ -161,6 +166,7 @@ impl Link {
             speed: f64::INFINITY,
             acceleration: f64::INFINITY,
             effort: f64::INFINITY,
+            shapes: Vec::new(),
         }
     }
 

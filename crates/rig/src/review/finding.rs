@@ -4,8 +4,8 @@ use super::results::{DofReview, Finding, LoopReview, Review, Severity, Voltage};
 use crate::description::ServoModel;
 use crate::mechanism::{GRAVITY_M_S2, JointModel, Mechanism};
 
-/// Factor above the torque that lifts the whole rig at its full reach. A larger torque limit is regarded as a
-/// placeholder.
+/// Factor on the torque that lifts the whole rig at its full reach. A torque limit above this product is regarded
+/// as a placeholder.
 const PLACEHOLDER: f64 = 10.0;
 
 /// Smallest plausible mass of a body, kg: 1 mg.
@@ -17,13 +17,14 @@ pub const KG_M2_PER_G_MM2: f64 = 1e-9;
 /// Plausible densities of a rig's parts, kg/m³: from a hollow foam body to osmium.
 const DENSITIES: [f64; 2] = [10.0, 22_590.0];
 
-/// Step at the far end that is visible, mm.
+/// Largest step at the far end of the rig that is regarded as invisible, mm.
 const VISIBLE_MM: f64 = 1.0;
 
-/// Factor of the data's voltage above which a servo is damaged; makers permit up to 1.23.
+/// Supply voltage above which a servo is damaged, as a multiple of the voltage in its data; makers permit up to
+/// 1.23.
 const HIGHEST_VOLTAGE: f64 = 1.25;
 
-/// Factor of the data's voltage below which a servo is noticeably weaker and slower.
+/// Supply voltage below which a servo is noticeably weaker and slower, as a multiple of the voltage in its data.
 const LOWEST_VOLTAGE: f64 = 0.8;
 
 /// Speed that no servo reaches without load, rad/s.
@@ -136,7 +137,8 @@ fn of_dof(dof: &DofReview, lift_nm: f64) -> Vec<(Severity, String)> {
     found
 }
 
-/// Finds a loop through an elastic gear that oscillates, or would with a softer gear of more play.
+/// Returns a finding if the dof's loop through its elastic gear oscillates, or would oscillate if the gear had half
+/// its stiffness and twice its play.
 fn of_loop(dof: &DofReview) -> Option<(Severity, String)> {
     let control = dof.control.as_ref()?;
     let LoopReview { resonance_hz, bandwidth_rad_s, bearable_rad_s, .. } = *control;
@@ -217,8 +219,9 @@ fn of_bodies(mechanism: &Mechanism, add: &mut impl FnMut(Severity, String, Strin
     }
 }
 
-/// Returns whether an inertia that is far too large would be plausible in g mm²: not larger than the rig, and as
-/// dense as a real material if the body is a ball. A placeholder seldom satisfies both.
+/// Returns whether an inertia that is far too large in kg m² would be plausible in g mm²: its radius of gyration is
+/// then not larger than the rig, and a ball with this radius of gyration has the density of a real material. A
+/// placeholder seldom satisfies both conditions.
 fn fits_g_mm2(mass_kg: f64, gyration_m: f64, size_m: f64) -> bool {
     let gyration_m = gyration_m * libm::sqrt(KG_M2_PER_G_MM2);
     // A ball of radius r has a squared radius of gyration of 3/5 r².

@@ -96,7 +96,7 @@ impl Search<'_> {
         for _ in 0..SWEEPS {
             let before = self.effort;
             for body in 0..self.mechanism.bodies.len() {
-                // Other joints do not change the load of this joint.
+                // Only joints that carry this joint, or that this joint carries, change its load.
                 if self.mechanism.supports(body, self.joint)
                     || self.mechanism.supports(self.joint, body)
                 {

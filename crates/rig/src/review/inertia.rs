@@ -12,8 +12,8 @@ use crate::number::single;
 /// Number of evaluated poses: home, and others spread over the ranges.
 const POSES: u32 = 64;
 
-/// Returns the minimum and maximum inertia of each dof, with all joints beyond it held. It is a sample: the true
-/// extremes may be slightly beyond. O(n) per pose.
+/// Returns the minimum and maximum inertia of each dof in the evaluated poses, with all joints beyond the dof held.
+/// The true minimum may be slightly smaller, and the true maximum slightly larger. O(n) per pose.
 pub(crate) fn ranges<const N: usize>(
     mechanism: &Mechanism,
     tree: &Tree<N>,

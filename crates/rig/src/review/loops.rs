@@ -7,11 +7,12 @@ use super::flexible_joint::{ControlLoop, FlexibleJoint};
 use super::results::{DofReview, Loop, LoopReview, SoftGear};
 use crate::number::single;
 
-/// The worst gear that is judged: factors on its stiffness and on its play.
+/// Factors on the stiffness and on the play of a gear. They give the worst gear with which a loop is judged.
 const SOFTER: f64 = 0.5;
 const LOOSER: f64 = 2.0;
 
-/// Amplitude of the windup at which the effect of play is judged, in multiples of the play in the gear's data.
+/// Amplitude of the angle between rotor and output at which the effect of play is judged, in multiples of the play
+/// in the gear's data.
 ///
 /// The smaller an oscillation, the softer the gear is for it. A loop that is stable at this amplitude is stable at
 /// all larger ones, therefore no oscillation grows beyond it. Play then causes an oscillation of the output of at
@@ -26,7 +27,7 @@ const LEAST_LOAD: f64 = 0.01;
 const LEAST_RAD_S: f64 = 1.0;
 const HALVINGS: usize = 16;
 
-/// Reviews the loop of each dof that has one. `inertias` are the minimum and maximum of each dof.
+/// Reviews the loop of each dof that has one. `inertias` contains the minimum and maximum inertia of each dof.
 pub(super) fn review(by_dof: &mut [DofReview], inertias: &[[f64; 2]], control: Loop) {
     let dt_s = 1.0 / control.rate_hz;
     for (dof, inertias) in by_dof.iter_mut().zip(inertias) {
@@ -73,7 +74,7 @@ fn of_joint(joints: [FlexibleJoint; 2], gear: SoftGear, control: ControlLoop) ->
     }
 }
 
-/// Returns the joint with the worst gear that is judged.
+/// Returns the joint with half its gear's stiffness and twice its play, the worst gear with which a loop is judged.
 pub(crate) fn with_worst_gear(joint: FlexibleJoint, play: f64) -> FlexibleJoint {
     let softer = joint.softened(SOFTER);
     if play > 0.0 { softer.with_play(LOOSER * 0.5 * play, AMPLITUDE_PLAYS * play) } else { softer }
@@ -86,7 +87,8 @@ fn joint(gear: SoftGear, load_inertia: f64) -> FlexibleJoint {
     FlexibleJoint { rotor_inertia, load_inertia, stiffness, gear_damping, damping }
 }
 
-/// Returns the bandwidth of a joint's observer by the rule, rad/s.
+/// Returns the bandwidth of a joint's observer by the rule of [`Bandwidth::of_loaded_gear`], rad/s; `None` if the
+/// rule refuses the gear.
 fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
     let FlexibleJoint { rotor_inertia, load_inertia, stiffness, .. } = *heaviest;
     let [stiffness, rotor, load, dt_s] = [stiffness, rotor_inertia, load_inertia, dt_s].map(single);
@@ -94,7 +96,8 @@ fn bandwidth_rad_s(heaviest: &FlexibleJoint, dt_s: f64) -> Option<f64> {
     Some(f64::from(bandwidth.rad_s))
 }
 
-/// Returns the largest bandwidth up to that of the loop at which the loop is stable, rad/s; 0 if there is none.
+/// Returns the largest observer bandwidth that keeps the loop stable and does not exceed the loop's current
+/// bandwidth, rad/s; 0 if there is none.
 fn bearable_rad_s(joints: &[FlexibleJoint], control: ControlLoop) -> f64 {
     let decays = |bandwidth_rad_s: f64| {
         let control = ControlLoop { bandwidth_rad_s, ..control };

@@ -11,7 +11,7 @@ pub struct Loop {
     pub rate_hz: f64,
     /// Delay until a torque acts, in ticks.
     pub latency_ticks: usize,
-    /// Bandwidth of the observer, rad/s; `None` for that of the rule.
+    /// Bandwidth of the observer, rad/s; `None` for the bandwidth of the rule.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bandwidth_rad_s: Option<f64>,
 }
@@ -79,16 +79,16 @@ pub struct DofReview {
     pub inertia: f64,
     /// Inertia of the dof with all joints beyond it free, which a sudden torque acts on first, kg m² or kg.
     pub inertia_free: f64,
-    /// Share of the rotor in the inertia, kg m² or kg.
+    /// Part of the inertia that the rotor adds, kg m² or kg.
     pub rotor_inertia: f64,
     /// Review of the loop through its gear, if there is one.
     #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
     pub control: Option<LoopReview>,
     /// Maximum stable stiffness of a critically damped loop, N m/rad or N/m.
     pub stable_stiffness: f64,
-    /// Upper bound of the distance of any point beyond the joint from it, m.
+    /// Upper bound of the distance from this joint to any joint or centre of mass that it moves, m.
     pub reach_m: f64,
-    /// Motion by one servo step at that distance, mm.
+    /// Motion by one servo step at the distance `reach_m`, mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub resolution_mm: Option<f64>,
 }
@@ -110,9 +110,10 @@ pub struct LoopReview {
     /// bandwidth is stable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearable_rad_s: Option<f64>,
-    /// Whether the minimum load is stable with either gear; a smaller load then helps.
+    /// Whether the loop with the minimum load is stable both with the nominal gear and with the worst gear. If so,
+    /// a smaller load helps.
     pub light_bears: bool,
-    /// Whether all cases are stable in voltage mode, where the winding damps.
+    /// Whether all cases are stable in voltage mode, in which the winding damps oscillations.
     pub voltage_bears: bool,
 }
 
@@ -148,13 +149,13 @@ pub struct Review {
     /// Currents, if the servos are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current: Option<CurrentReview>,
-    /// Supply of each kind of servo; empty if the supply is unknown.
+    /// Comparison of the supply voltage with the data of each kind of servo; empty if the supply is unknown.
     pub voltages: Vec<Voltage>,
     /// Wrong or doubtful values, the worst first.
     pub findings: Vec<Finding>,
 }
 
-/// Supply voltage of the servos of one kind.
+/// Supply voltage of the servos of one kind, beside the voltage at which the kind's values are valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Voltage {
     /// Names of the servos.
@@ -176,7 +177,7 @@ pub struct Servos {
     pub stall_current_a: f64,
     /// Maximum current of the supply, A.
     pub supply_a: Option<f64>,
-    /// Supply of each kind of servo; empty if the supply is unknown.
+    /// Comparison of the supply voltage with the data of each kind of servo; empty if the supply is unknown.
     pub voltages: Vec<Voltage>,
 }
 
@@ -197,7 +198,7 @@ pub enum Severity {
 pub struct Finding {
     /// Severity of the finding.
     pub severity: Severity,
-    /// Part that the finding is about: `joint elbow`.
+    /// Part that the finding is about, for example `joint elbow`.
     pub about: String,
     /// Description of the finding, and of what would help.
     pub text: String,

@@ -64,7 +64,8 @@ impl Servos {
     }
 }
 
-/// Returns the supply of each kind of servo, in the order of the file.
+/// Returns, for each kind of servo in the order of the file, its servos, the supply voltage and the voltage at
+/// which the kind's values are valid.
 fn voltages(rig: &Description) -> Vec<Voltage> {
     let mut voltages: Vec<Voltage> = Vec::new();
     let Some(supply) = rig.supply else { return voltages };
@@ -83,7 +84,7 @@ fn voltages(rig: &Description) -> Vec<Voltage> {
     voltages
 }
 
-/// Returns the effort and speed that the servos of one drive can give each of its dofs alone.
+/// Returns the effort and speed that the servos of one drive can give to one of its dofs at a time, for each dof.
 fn capabilities(
     rig: &Description,
     actuation: &Actuation,
@@ -164,8 +165,9 @@ impl Shaft {
     }
 }
 
-/// Returns the gears of a drive's servos, referred to each dof. Inertias, stiffnesses and dampings are summed with
-/// squared speed ratios, plays with the motion that each servo gives the dof.
+/// Returns the gears of a drive's servos, referred to each dof. Inertias, stiffnesses and dampings are multiplied
+/// by squared speed ratios and added. Plays are multiplied by the motion of the dof per motion of the servo, and
+/// added.
 fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveInputError> {
     let reflected = |of: fn(&SoftGear) -> f64| {
         let each: Vec<f32> = servos.iter().map(|servo| single(of(&servo.gear))).collect();
@@ -197,7 +199,7 @@ fn gears(pose: &DrivePose<'_>, servos: &[Shaft]) -> Result<Vec<SoftGear>, DriveI
     Ok(play.into_iter().enumerate().map(gear).collect())
 }
 
-/// Updates the capability with the worst values at one pose.
+/// Updates each value of the capability that is worse at this pose.
 fn at_pose(
     pose: &DrivePose<'_>,
     dof: usize,

@@ -197,7 +197,8 @@ fn friction_that_no_drive_overcomes_is_found() {
     assert!(found, "{:?}", review.findings);
 }
 
-/// An arm of XL330 servos: in its old form, with 100 rad/s for all joints, and with the rule.
+/// An arm of XL330 servos in its old form, reviewed with the observer bandwidths of the rule and with 100 rad/s for
+/// all joints.
 #[test]
 fn a_loop_that_its_gear_does_not_bear_is_found() {
     // The links of this old file are longer than those of the current arm.
@@ -226,7 +227,7 @@ fn a_loop_that_its_gear_does_not_bear_is_found() {
     let fast = of(Some(100.0), 1, |_| true);
     let joints = ["joint turn1", "joint bend2", "joint bend3"];
     assert_eq!(found(&fast), joints.map(|name| (Severity::Warning, name.to_owned())));
-    // The bandwidth that the finding recommends is stable, and 1 % more is not.
+    // A bandwidth 1 % below the reported limit is stable, and 1 % above it is not.
     let bearable = fast.by_dof[1].control.unwrap().bearable_rad_s.unwrap();
     assert_eq!(found(&of(Some(0.99 * bearable), 1, |_| true)), []);
     assert!(!found(&of(Some(1.01 * bearable), 1, |_| true)).is_empty());

@@ -165,7 +165,8 @@ fn encoded(rig: &Board) -> Vec<u8> {
     bytes
 }
 
-/// Appends the CRC-32 (ISO-HDLC), computed bit by bit, independently of the product's table.
+/// Writes the CRC-32 (ISO-HDLC) of the content into the last four bytes. It is computed bit by bit, independently
+/// of the product's table.
 fn sign(bytes: &mut [u8]) {
     let Some((content, stored)) = bytes.split_last_chunk_mut::<4>() else { return };
     let crc = content.iter().fold(u32::MAX, |crc, byte| {
@@ -259,7 +260,7 @@ fn damaged_bytes_are_refused_wherever_they_are() {
     assert_eq!(Board::decode(&version), Err(BoardRigError::Magic { found: *b"XNWR" }));
 }
 
-/// Asserts properties of every decoded rig, for any bytes.
+/// Asserts properties that every decoded rig must have, whatever its bytes were.
 fn check_invariants(rig: &Board) {
     let finite = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
     assert_eq!(rig.tree().dof_count(), rig.dofs().len());

@@ -141,11 +141,11 @@ proptest! {
             let q = pose.joints()[0];
             prop_assert!(sign * q > before);
             before = sign * q;
-            // Conversion back: joints within a few roundings of positions of up to 8.
+            // After conversion back, the joint's position is equal within a few roundings of positions of up to 8.
             let back = curve.at_joints(&[q]).unwrap();
             prop_assert!((back.joints()[0] - q).abs() < 4e-6, "{} {}", back.joints()[0], q);
             let slope = pose.joint_velocities(&[1.0]).unwrap()[0];
-            // Servo within those roundings divided by the slope.
+            // The servo's position is equal within the same roundings, divided by the slope.
             let tolerance = 4e-6 * (1.0 + 1.0 / slope.abs());
             prop_assert!((back.servos()[0] - s).abs() < tolerance, "{} {}", back.servos()[0], s);
             let torque = pose.servo_torques(&[effort]).unwrap()[0];
@@ -160,7 +160,8 @@ proptest! {
                 let area = (slope_at(a) + 4.0 * slope_at(0.5 * (a + b)) + slope_at(b)) * (b - a) / 6.0;
                 prop_assert!((area - (joint_at(b) - joint_at(a))).abs() < 1e-5, "{} {}", a, b);
             }
-            // No step at a point: curvature is at most 6 * 8 / 0.05, times a rounding of the servo's position.
+            // The slope has no step at a point. It may differ by the curvature, at most 6 * 8 / 0.05, times a
+            // rounding of the servo's position.
             let [left, right] = [from.next_down(), from.next_up()].map(slope_at);
             prop_assert!((left - right).abs() < 2e-3, "{} {}", left, right);
         }
@@ -298,7 +299,7 @@ fn check_four_bar(drive: &Drive, links: &Links, half: f32, effort: f32) {
         assert!((back.servos()[0] - s).abs() < tolerance, "{s}: {:?}", back.servos());
         let torque = pose.servo_torques(&[effort]).unwrap()[0];
         assert_same_power((&[effort], &[slope]), (&[torque], &[1.0]));
-        // Chords of the f64 method, 1e-5 rad to each side.
+        // Slope of the chord by the f64 method, between 1e-5 rad to each side.
         let h = 1e-5;
         if let [Some(before), Some(after)] = [-h, h].map(|h| rocker_angle(links, f64::from(s) + h))
         {
@@ -352,7 +353,7 @@ fn drives_of_the_workshop() {
     let pose = parallel.at_servos(&[0.7]).unwrap();
     assert_near(pose.joints(), &[0.7], 1e-5);
     assert_near(&pose.reflected_to_joints(&[0.002]).unwrap(), &[0.002], 1e-5);
-    // If crank and ground are in line, all four links are, and the linkage may change its side.
+    // If crank and ground are in line, all four links are in line, and the linkage may change its side.
     let too_far = FourBar::new(links, [-1.0, 1.6]).unwrap_err();
     assert!(
         matches!(too_far, DriveError::Transmission { .. } | DriveError::Toggle { .. }),

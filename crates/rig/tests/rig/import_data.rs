@@ -70,12 +70,12 @@ fn files_that_broke_readers_are_refused_at_once() {
         let error = read(file, &Options::default()).expect_err(file);
         println!("{file}: {:?}", start.elapsed());
         assert!(error.expected.contains(expected), "{file}:{error}");
-        // It takes milliseconds; the limit of 10 s is for a busy machine.
+        // A refusal takes milliseconds; the limit of 10 s is for a busy machine.
         assert!(start.elapsed() < Duration::from_secs(10), "{file}: {:?}", start.elapsed());
     }
 }
 
-/// Returns the largest difference of a number between two mechanisms.
+/// Returns the largest difference between the numbers that `of` selects in two mechanisms.
 fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> Vec<f64>) -> f64 {
     let pairs = one.bodies.iter().map(|link| {
         let named = other.bodies.iter().find(|other| other.joint_name == link.joint_name);
@@ -87,7 +87,8 @@ fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> 
 /// A selection of a link's numbers.
 type Numbers<'a> = &'a dyn Fn(&Link) -> Vec<f64>;
 
-/// The Open Duck Mini, which its makers publish in both formats. The files differ only in the points asserted here.
+/// Compares the two files of the Open Duck Mini, whose makers publish both formats. The files differ only in the points
+/// asserted here.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
@@ -113,7 +114,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
         parents
     };
     assert_eq!(parents(&urdf), parents(&mjcf));
-    // The MJCF has six digits of every number, the URDF has all; limits and rotors differ in their data.
+    // The MJCF has six digits of every number, the URDF has all digits. Limits and rotors differ between the files.
     let vector = |numbers: &[f64]| numbers.to_vec();
     let digits: [(&str, f64, Numbers<'_>); 6] = [
         ("position, m", 5e-7, &|link| vector(&link.position_m.to_array())),
@@ -137,7 +138,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
     assert_eq!(of_all(&mjcf, &|link| link.rotor_inertia), [0.012; 16]);
 }
 
-/// The Stewart platform of Reachy Mini without its rods: all remaining joints have a drive.
+/// Without its rods, the Stewart platform of Reachy Mini has only joints with a drive.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_parallel_platform_can_be_cut_off() {

@@ -52,13 +52,14 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
         let value = |of: Value| of(&model).value;
         let (torque, current) = (value(|m| &m.stall_torque_nm), value(|m| &m.stall_current_a));
         let constant = value(|m| &m.torque_constant_nm_a);
-        // Makers measure stall values in the first moment; gears and amplifiers take up to a quarter.
+        // Makers measure stall values in the first moment; gears and amplifiers lose up to a quarter of the torque.
         let ratio = torque / (constant * current);
         assert!(
             (0.75..1.25).contains(&ratio),
             "{name}: stall torque {ratio} of constant times current"
         );
-        // No motor is faster than its constant permits; friction, gears and speed limits take up to 60 %.
+        // No motor is faster than its constant permits; friction, gears and speed limits reduce the speed by up to
+        // 60 %.
         let ratio = value(|m| &m.no_load_speed_rad_s) * constant / value(|m| &m.voltage_v);
         assert!(
             (0.4..1.0).contains(&ratio),
@@ -70,7 +71,8 @@ fn every_value_is_plausible_and_says_where_it_is_from() {
         assert!(lost < torque, "{name}: friction {lost} of {torque} N m");
         let held = value(|m| &m.continuous_torque_nm) / torque;
         assert!((0.1..0.6).contains(&held), "{name}: continuous torque is {held} of stall");
-        // A servo's own controller reaches full torque within 1 rad, but not within one step.
+        // A servo's own controller gives full torque at a position error below 1 rad, but not at an error of one
+        // step.
         let full = torque / value(|m| &m.position_gain_nm_rad);
         assert!(
             (value(|m| &m.resolution_rad)..1.0).contains(&full),

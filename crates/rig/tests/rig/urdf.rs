@@ -249,7 +249,7 @@ fn a_capsule_is_a_cylinder_and_two_half_balls() {
         );
         read(&moved(&inside)).description.bodies[1].inertia_kg_m2.expect("an inertia")
     };
-    // Without length it is a ball; a long capsule is a rod: l² / 12.
+    // A capsule without length is a ball; a long capsule is a rod: l² / 12.
     assert!(close(&[inertia_of(0.0).xx, inertia_of(0.0).zz], &[0.4, 0.4]));
     let rod = inertia_of(1e3).xx / (1e6 / 12.0);
     assert!((rod - 1.0).abs() < 1e-2, "{rod}: the ends add r/l of it");

@@ -158,7 +158,7 @@ impl FastTurn {
     /// Writes this servo's part. The part of the first servo begins with the head.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit in `out`.
+    /// [`EncodeError`] if the part does not fit in `out`.
     pub fn encode(&self, status: &Status<'_>, out: &mut [u8]) -> Result<usize, EncodeError> {
         let mut sink = Sink::new(out);
         let mut crc = self.head.crc;

@@ -208,8 +208,8 @@ impl<'a> Instruction<'a> {
 /// Writes a factory reset. The servo loses its settings, and afterwards may have id 1 and another baud rate.
 ///
 /// # Errors
-/// [`EncodeError`] if it does not fit. A reset of all settings cannot be broadcast: afterwards all servos would have id
-/// 1.
+/// [`EncodeError`] if the packet does not fit, or if it is a broadcast that resets all settings: afterwards all
+/// servos would have id 1.
 pub fn factory_reset(id: u8, scope: ResetScope, out: &mut [u8]) -> Result<usize, EncodeError> {
     if id == BROADCAST && scope == ResetScope::All {
         return Err(EncodeError::Id(id));

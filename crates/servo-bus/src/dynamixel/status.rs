@@ -122,7 +122,7 @@ impl<'a> Status<'a> {
     /// Writes the reply.
     ///
     /// # Errors
-    /// [`EncodeError`] if it does not fit.
+    /// [`EncodeError`] if the reply does not fit in `out`.
     pub fn encode(&self, out: &mut [u8]) -> Result<usize, EncodeError> {
         let mut frame = FrameWriter::new(out, self.id, STATUS);
         frame.push(self.error.byte());

@@ -81,7 +81,7 @@ impl<'m, P: Plant> Branch<'m, P> {
         self.bench.borrow()
     }
 
-    /// Returns the bench of all lines for changes, such as faults and registers.
+    /// Returns the bench of all lines, so that the caller can change it, for example add faults or set registers.
     pub fn bench_mut(&mut self) -> RefMut<'_, Bench<'m, P>> {
         self.bench.borrow_mut()
     }

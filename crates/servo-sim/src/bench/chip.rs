@@ -11,7 +11,7 @@ pub struct Chip {
     device: Device,
     /// Channel of each servo of the line.
     channels: Vec<usize>,
-    /// State of the pin OE; high switches all outputs off.
+    /// Whether the pin OE is low. If it is high, all outputs are off.
     is_oe_low: bool,
 }
 
@@ -22,7 +22,7 @@ impl Chip {
         Self { device: Device::new(OSCILLATOR_HZ), channels, is_oe_low: false }
     }
 
-    /// Starts the chip like a board at each of its starts: all channels off, then the chip's clock.
+    /// Starts the chip as a board does when it starts: all channels off, then the chip's clock.
     pub(super) fn start(&mut self, prescale: Prescale) {
         for transfer in start(&prescale) {
             self.device.write(transfer.bytes());

@@ -101,7 +101,7 @@ impl<'m, P: Plant> Bench<'m, P> {
         &self.servos
     }
 
-    /// Returns the servos for changes, such as faults.
+    /// Returns the servos, so that the caller can change them, for example cause faults.
     pub fn servos_mut(&mut self) -> &mut [Servo<'m>] {
         &mut self.servos
     }

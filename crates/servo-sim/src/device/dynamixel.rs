@@ -141,7 +141,8 @@ impl<'m> Dynamixel<'m> {
         starts
     }
 
-    /// Stops the servo like its bus watchdog: it holds its position, or its motor gets no current or PWM.
+    /// Stops the servo as its bus watchdog does: depending on the operating mode, the servo holds its position, or
+    /// its motor gets no current or no PWM.
     fn stop(&mut self, sensed: &Sensed) {
         let position = self.firmware.position(sensed);
         let memory = self.device.memory_mut();

@@ -24,7 +24,7 @@ pub use limits::MEMORY_LEN;
 
 /// Step of the physics, s.
 pub const STEP_S: f64 = 2.5e-4;
-/// Time constant of the filter of the servo's own speed, s. Guess.
+/// Time constant of the filter with which the servo computes its speed, s. This is a guess.
 const SPEED_FILTER_S: f64 = 0.01;
 
 enum Program<'m> {
@@ -40,7 +40,8 @@ pub struct Servo<'m> {
     motor: Motor,
     heat: Heat,
     sensed: Sensed,
-    /// Measurements of its last ticks, the newest first. The servo reports the last entry, which is the oldest.
+    /// Measurements of the servo's last ticks, the newest first. The servo reports the last entry, which is the
+    /// oldest.
     past: VecDeque<Sensed>,
     delay_ticks: usize,
     power: Power,
@@ -202,12 +203,12 @@ impl<'m> Servo<'m> {
         self.gear.shaft
     }
 
-    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear takes it along.
+    /// Sets position and speed of the shaft, from the plant; the rotor follows as far as the gear moves it.
     pub fn set_shaft(&mut self, shaft: Shaft) {
         self.gear.lead(STEP_S, shaft);
     }
 
-    /// Push on the shaft in the last step.
+    /// Returns the push on the shaft in the last step.
     pub fn push(&self) -> Push {
         self.gear.push()
     }
@@ -217,14 +218,14 @@ impl<'m> Servo<'m> {
         self.gear.flow()
     }
 
-    /// Returns the gear, for faults and for energy.
+    /// Returns the gear, so that the caller can jam it or read its energy.
     pub fn gear_mut(&mut self) -> &mut Gear {
         &mut self.gear
     }
 
     /// Divides each step of the gear into `steps` steps, at least 1. For tests of how a gear oscillates: a step of
-    /// length h damps an oscillation at stiffness K like an additional K h. With one step, which is the default, an
-    /// XM430's damping of 0.225 N m s acts as 0.284.
+    /// length h damps an oscillation at stiffness K like an additional damping of K h. With one step, which is the
+    /// default, an XM430's damping of 0.225 N m s acts as 0.284.
     pub fn refine_gear(&mut self, steps: u32) {
         self.gear_steps = steps.max(1);
     }
@@ -234,7 +235,7 @@ impl<'m> Servo<'m> {
         &self.heat
     }
 
-    /// Returns the temperatures for changes, such as faults or warmer air.
+    /// Returns the temperatures, so that the caller can change them, for example for a fault or warmer air.
     pub fn heat_mut(&mut self) -> &mut Heat {
         &mut self.heat
     }

@@ -30,7 +30,7 @@ pub enum FaultKind {
     Reboot,
     /// Torque goes off without a report, once.
     TorqueLost,
-    /// The encoder reads more by this angle, rad.
+    /// The encoder's reading is too large by this angle, rad.
     EncoderJump(f64),
     /// Torque stays on despite all commands.
     TorqueStuck,

@@ -17,11 +17,12 @@ impl Profile {
         Self { position, ..Self::default() }
     }
 
-    /// Advances by `dt` towards `goal`. Infinite limits mean no limits: the trajectory jumps to its goal. It brakes in
-    /// time, and can start from any state.
+    /// Advances by `dt` towards `goal`. Infinite limits mean no limits: the trajectory jumps to its goal. The
+    /// trajectory brakes in time, and can start from any state.
     pub fn step(&mut self, goal: f64, speed: f64, acceleration: f64, dt: f64) {
         let way = goal - self.position;
-        // Maximum speed from which the trajectory can still stop: v²/2a plus half a step of motion remain.
+        // Maximum speed from which the trajectory can still stop at its goal, after a distance of v²/2a plus half a
+        // step of motion.
         let brakes = if acceleration.is_finite() {
             let step = 0.5 * acceleration * dt;
             libm::sqrt(step * step + 2.0 * acceleration * way.abs()) - step
@@ -62,7 +63,7 @@ mod tests {
             assert!(profile.position <= 100.0 + 1e-6);
             time += dt;
         }
-        // 0.25 s for each ramp, and 100/50 - 0.25 s between their middles; plus a few steps for the end.
+        // 0.25 s for each of the two ramps, and 100/50 - 0.25 s between the ramps; plus a few steps for the end.
         assert!((time - 2.25).abs() < 0.02, "{time}");
     }
 

@@ -18,12 +18,12 @@ pub struct Flow {
 /// Two masses with play between them: the rotor, as seen at the output, and the load on the shaft.
 ///
 /// Dry friction consists of Coulomb friction, its Stribeck rise at rest, and a part proportional to the torques of
-/// motor and shaft (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here). It acts on both ends: a share at
-/// the shaft, by the shaft's speed, the rest at the rotor, by the rotor's speed. Viscous friction acts only on the
-/// rotor.
+/// motor and shaft (Rhoban/bam, models m1 to m4; their Stribeck exponent is 2 here). It acts on both ends: one
+/// share acts on the shaft and depends on the shaft's speed; the rest acts on the rotor and depends on the rotor's
+/// speed. Viscous friction acts only on the rotor.
 ///
-/// A step is implicit Euler in the speeds. Friction at rest is exact at both ends: it holds as long as it can. The step
-/// is therefore stable for any stiffness, and can only remove energy.
+/// A step is implicit Euler in the speeds. Friction at rest is exact at both ends: an end stays at rest as long as
+/// its friction can hold it. The step is therefore stable for any stiffness, and can only remove energy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gear {
     inertia_kg_m2: f64,
@@ -78,8 +78,8 @@ impl Gear {
         Push { torque_nm: self.flow.shaft_nm, slope_nm_s: self.coupling.slope_nm_s }
     }
 
-    /// Sets the shaft to where the plant has it after a step, and the rotor to where the gear then takes it: the linear
-    /// part of [`Self::step`], solved for a shaft of another speed.
+    /// Sets the shaft to its state in the plant after a step, and corrects the rotor and the torque accordingly:
+    /// this is the linear part of [`Self::step`], solved for the real speed of the shaft.
     pub(crate) fn lead(&mut self, dt_s: f64, shaft: Shaft) {
         let faster_rad_s = shaft.velocity_rad_s - self.shaft.velocity_rad_s;
         let rotor_rad_s = self.coupling.rotor_share * faster_rad_s;
@@ -167,9 +167,9 @@ impl Gear {
     /// The step is h. The unknowns are the new speeds r and q of rotor and shaft; r0 and q0 are the old speeds, Jr and
     /// Jl the inertias. The motor's torque is m - s r; b is the viscous damping, u the windup, K the stiffness, c the
     /// link, e the load's torque. Then (Jr/h + s + b + c) r - c q = Jr/h r0 + m - K u - f and (Jl/h + c) q - c r = Jl/h
-    /// q0 + K u + e - g, where K u + c (r - q) is the gear's torque; f and g stop the ends if they can, otherwise
-    /// oppose their motion. The matrix is positive definite, so there is exactly one solution: the shaft turns
-    /// forwards, backwards, or rests.
+    /// q0 + K u + e - g, where K u + c (r - q) is the gear's torque. The frictions f and g stop the ends if they
+    /// can; otherwise they oppose the motion of the ends. The matrix is positive definite, so there is exactly one
+    /// solution: the shaft turns forwards, backwards, or rests.
     fn solve(
         &self,
         dt_s: f64,
@@ -228,9 +228,9 @@ impl Gear {
 /// Response of the gear to a shaft that turns faster than predicted, in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Coupling {
-    /// Speed of the rotor for each rad/s of the shaft.
+    /// Additional speed of the rotor for each additional rad/s of the shaft.
     rotor_share: f64,
-    /// Torque on the shaft that is lost for each rad/s, N m s/rad.
+    /// Decrease of the torque on the shaft for each additional rad/s of the shaft, N m s/rad.
     slope_nm_s: f64,
 }
 
@@ -268,7 +268,8 @@ mod tests {
             for _ in 0..40_000 {
                 gear.step(STEP_S, IDLE, &arm);
                 let now = gear.energy_j(arm.inertia_kg_m2);
-                // A windup that begins within a step is noticed after it: at most half a step's motion too late.
+                // A windup that begins within a step is noticed only after the step: at most half a step's motion
+                // too late.
                 assert!(now <= before + 1e-3, "{share}: {before} J became {now} J");
                 before = now;
             }
@@ -306,7 +307,7 @@ mod tests {
         }
     }
 
-    /// Computes a step like the earlier model, with friction only at the rotor.
+    /// Computes a step with a simpler model, which has friction only at the rotor.
     fn step_with_friction_at_the_rotor(
         gear: &Gear,
         motor: Characteristic,

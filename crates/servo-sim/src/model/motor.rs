@@ -7,19 +7,19 @@ use super::Parameters;
 pub enum Power {
     /// All switches are open: no current flows.
     Open,
-    /// Applies a part of the supply voltage, as long as the current stays within a limit. 0 brakes: the motor is
-    /// shorted.
+    /// Applies a part of the supply voltage, as long as the current stays within a limit. A duty cycle of 0 brakes:
+    /// the motor is shorted.
     Duty {
         /// Part of the supply voltage, -1 to 1.
         duty: f64,
-        /// Maximum current either way, A; infinite for no limit.
+        /// Maximum current in either direction, A; infinite for no limit.
         limit_a: f64,
     },
     /// Drives a current, as far as the allowed part of the supply voltage can.
     Current {
         /// Current, A.
         current_a: f64,
-        /// Maximum part of the supply voltage either way.
+        /// Maximum part of the supply voltage in either direction.
         limit: f64,
     },
 }

@@ -64,7 +64,7 @@ struct Extra {
 /// All parameters of a simulated servo, at its output shaft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// Maker's name of the kind.
+    /// The maker's name for this kind of servo, such as `XL330-M288-T`.
     pub name: String,
     /// Voltage of the maker's figures, V.
     pub voltage_v: f64,
@@ -114,7 +114,7 @@ pub struct Parameters {
     pub winding_time_s: f64,
     /// Temperature of the case at which the servo shuts down, °C.
     pub shutdown_c: f64,
-    /// Age of reported readings beyond the last tick, s.
+    /// Age of reported readings, s, in addition to the time since the last tick.
     pub reading_delay_s: f64,
     /// Supply current without motion, A.
     pub standby_a: f64,
@@ -148,7 +148,7 @@ impl Parameters {
     /// Computes the parameters that follow from the maker's figures:
     /// - resistance: voltage over stall current;
     /// - torque constant: the voltage at no-load speed is back-EMF plus friction;
-    /// - friction per load: the missing torque at stall.
+    /// - friction per load: from the torque that is missing at stall.
     ///
     /// If the firmware limits the speed, the no-load speed does not describe the motor. The torque constant then
     /// follows from the stall torque, with a friction per load from the file.

@@ -21,9 +21,9 @@ pub(super) struct Driven {
     is_ball: bool,
     /// Indices of the servos on the bench.
     pub(super) servos: Vec<usize>,
-    /// Turns of each servo for one turn of its shaft, as the drive sees it.
+    /// Turns of each servo for one turn of the drive's shaft.
     gears: Vec<f64>,
-    /// Own position of each servo, rad, at which its shaft is at zero.
+    /// Own position of each servo, rad, when the drive's shaft is at zero.
     zeros_rad: Vec<f64>,
 }
 
@@ -96,7 +96,7 @@ impl Driven {
         self.drive.at_joints(&joints)
     }
 
-    /// Moves joints to positions that are possible for the servos.
+    /// Moves joints to positions that the servos can reach.
     pub(super) fn settle(&self, q: &mut [f64]) -> Result<(), DriveInputError> {
         if self.dofs.len() > self.servos.len() {
             let shafts = Numbers::from_slice(self.at(q)?.servos()).unwrap_or_default();

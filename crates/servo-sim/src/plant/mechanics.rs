@@ -73,7 +73,7 @@ impl SpatialInertia {
 struct Moving {
     velocity: Spatial,
     acceleration: Spatial,
-    /// Force with which the body and its descendants resist.
+    /// Force that the body and its descendants need for their motion.
     force: Spatial,
     own: SpatialInertia,
     composite: SpatialInertia,
@@ -237,7 +237,7 @@ pub(super) fn advance(mechanics: &Mechanics, q: &mut [f64], qd: &[f64], dt_s: f6
                 let after = (DQuat::from_xyzw(*x, *y, *z, *w) * turn).normalize();
                 [*x, *y, *z, *w] = after.to_array();
             }
-            // A mobile base does not move.
+            // The base does not move in the simulation, even if its joint is free.
             (JointModel::Free | JointModel::Fixed, ..) => {}
             (_, own, speeds) => {
                 let count = link.joint.kind().dof_count();

@@ -1,14 +1,14 @@
 //! A whole rig on the shafts of its servos: servos affect each other, and gravity depends on the pose.
 //!
-//! The speeds of all joints after a step are the solution of one linear system, implicit in frictions, stops and gears:
-//! stable for any of their stiffnesses. The gears belong to the servos. A servo solves its own step before the rig
-//! moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its own torque changes
-//! this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts' accelerations for torques
-//! on all shafts. The prediction decides whether teeth touch and which ends friction holds. Then the rig moves with the
-//! torque of each gear as a line over the speed of its shaft ([`Push`]), and shaft and rotor take the speeds of the
-//! common solution. Torques of predicted shafts alone would be explicit: light bodies on stiff gears would diverge. At
-//! rest the predicted shaft is the real one, so friction holds a joint in place. A force that begins to push moves a
-//! joint for some steps, until the servos react.
+//! The speeds of all joints after a step are the solution of one linear system. It is implicit in frictions, stops
+//! and gears, and therefore stable for any stiffness. The gears belong to the servos. A servo solves its own step
+//! before the rig moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its
+//! own torque changes this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts'
+//! accelerations for torques on all shafts. The prediction decides whether teeth touch and which ends friction holds.
+//! Then the rig moves with the torque of each gear as a linear function of its shaft's speed ([`Push`]), and shaft and
+//! rotor take the speeds of the common solution. Torques that follow from the predicted shafts alone would be explicit:
+//! light bodies on stiff gears would then diverge. At rest the predicted shaft is the real one, so friction holds a
+//! joint in place. A force that begins to push moves a joint for some steps, until the servos react.
 
 mod drives;
 mod hand;
@@ -31,11 +31,12 @@ use hand::{Grip, Holds};
 use mechanics::{Mechanics, advance};
 use symmetric::Symmetric;
 
-/// Speed below which the Coulomb friction of joints is proportional to speed, rad/s or m/s: a joint at rest creeps.
+/// Speed below which the Coulomb friction of joints is proportional to speed, rad/s or m/s. Under a load, a joint
+/// therefore creeps instead of resting.
 const CREEP: f64 = 1e-3;
 /// Minimum inertia of a joint without a servo, kg m² or kg: without inertia a joint could not follow a force.
 const LEAST_INERTIA: f64 = 1e-6;
-/// Squares below this value are treated as zero.
+/// Smallest pivot when a matrix is factored. A smaller pivot is set to this value.
 const LEAST_PIVOT: f64 = 1e-15;
 
 /// A rig that is moved by the servos of one bench.
@@ -56,7 +57,7 @@ pub struct RigPlant {
     /// Indices of each drive's independent motions.
     places: Vec<Range<usize>>,
     speeds: Vec<f64>,
-    /// Inertia of each independent motion in addition to the bodies.
+    /// Inertia of each independent motion in addition to that of the bodies.
     extra: Vec<f64>,
     /// Friction of each dof.
     frictions: Vec<Friction>,
@@ -68,7 +69,7 @@ pub struct RigPlant {
     stops_rad: Vec<[f64; 2]>,
     own: Vec<Shaft>,
     loads: Vec<Arm>,
-    /// Inertias of the ways with frictions and stops; [`Self::coupled`] has the gears, too.
+    /// Inertias of the independent motions, with frictions and stops; [`Self::coupled`] also contains the gears.
     matrix: Symmetric,
     coupled: Symmetric,
 }
@@ -260,7 +261,8 @@ impl RigPlant {
         sum
     }
 
-    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can do this: it cannot guide ball joints.
+    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide
+    /// ball joints.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.hands.retain(|holds| holds.grip.dof != dof);
         let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };
@@ -394,7 +396,7 @@ impl RigPlant {
     }
 }
 
-/// Returns the speeds of the motions for a unit of speed of one dof or shaft.
+/// Returns, for each independent motion, the speed of one dof or shaft per speed of the motion.
 fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     let own = |way: &Vec<(usize, f64)>| {
         way.iter().filter(|(place, _)| *place == at).map(|(_, speed)| speed).sum()

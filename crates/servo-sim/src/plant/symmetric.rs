@@ -1,5 +1,5 @@
-//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). Implemented in this crate because the order of its sums
-//! must be fixed, which gives the same bits on every machine.
+//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). They are implemented in this crate because the order of
+//! its sums must be fixed, which gives the same bits on every machine.
 
 /// A square matrix, of which only the lower triangle is used.
 #[derive(Debug, Clone, Default)]
@@ -13,7 +13,7 @@ impl Symmetric {
         Self { size, numbers: vec![0.0; size * size] }
     }
 
-    /// Takes the numbers of a matrix of the size of this one.
+    /// Copies the numbers of another matrix, which must have the same size.
     pub(super) fn copy_from(&mut self, other: &Self) {
         self.numbers.copy_from_slice(&other.numbers);
     }

@@ -133,7 +133,7 @@ fn a_rig_that_swings_freely_keeps_its_energy() {
     // Returns the maximum error of the total energy, and the maximum kinetic energy.
     let run = |dt_s: f64| {
         let mut plant = RigPlant::new(&description, &mechanism, &[]).unwrap();
-        // Only the bodies count, and the start pose must fall.
+        // Only the bodies have inertia, and the rig must fall from its start pose.
         plant.extra.fill(0.0);
         plant.q.iter_mut().for_each(|q| *q += 0.7);
         let begin_j = plant.energy_j();
@@ -193,7 +193,7 @@ fn run<P: Plant>(
         let mut device = Servo::new(&servo.kind, servo.id().unwrap(), memory).unwrap();
         device.place(servo.home_rad);
         if !on {
-            // A mode without a goal: torque has no effect.
+            // Current mode with a goal of zero: the servo does not drive its shaft.
             device.set(11, 0);
         }
         simulated.push(device);
@@ -238,7 +238,7 @@ fn a_rig_of_one_servo_moves_as_its_arm_does() {
     assert!(farthest < 5e-4, "{farthest}");
 }
 
-/// Gravity at home agrees with inverse dynamics, and a servo that swings moves its neighbours with torque off.
+/// Gravity at home agrees with inverse dynamics, and a servo that swings moves its neighbours, whose torque is off.
 #[test]
 fn what_one_servo_moves_the_others_feel() {
     let description = arm(4).unwrap();
@@ -320,7 +320,7 @@ fn drives_of_all_kinds_hold_what_they_have_to() {
         for _ in 0..400 {
             plant.step(STEP_S, &pushes, &mut shafts);
         }
-        // Balanced up to f32 rounding, which grows as exp(0.1 s · 20 / s).
+        // The torques are balanced up to f32 rounding, whose effect grows as exp(0.1 s · 20 / s).
         for at in 0..moved {
             assert!((plant.q[at] - begin[at]).abs() < 1e-4, "{name}: {:?} {begin:?}", plant.q);
         }
@@ -386,7 +386,7 @@ fn friction_at_shafts_holds_a_rig() {
         bench.run_us(60_000_000);
         let late = moved(&bench.plant);
         println!("{dof}: {soon:e} rad, {late:e} rad");
-        // Some thousandths of the play at first; then only rounding.
+        // At first the joint moves by some thousandths of the play, then only by rounding errors.
         assert!(soon < 5e-5 && late - soon < 1e-9, "{dof}: {soon:e} {late:e}");
         assert!(bench.plant.push(dof, sign * 1.5 * most_nm));
         bench.run_us(1_000_000);
@@ -425,14 +425,15 @@ fn friction_at_shafts_holds_beside_what_swings() {
     assert!(after[0] < 5e-5 && (after[3] - after[0]).abs() < 1e-7, "{after:?}");
 }
 
-/// Strong servos with very light bodies, against each other and the stops, with full and changing PWM.
+/// Strong servos with full and changing PWM move very light bodies against each other and against the stops.
 #[test]
 fn it_is_stable_with_stiff_gears_and_light_bodies() {
     for (joints, model, mass, stiffer) in [
         (6, "XM430-W350-T", 0.05, 1.0),
         (6, "XL330-M288-T", 1.0, 1.0),
         (6, "XM430-W350-T", 5.0, 1.0),
-        // Chains in which the torque of one servo shakes all: with torques of foreseen shafts they diverge.
+        // In these chains the torque of one servo shakes all bodies. With torques for predicted shafts alone, they
+        // diverge.
         (14, "XM430-W350-T", 1.0, 1.0),
         (12, "MX-64", 1.0, 1.0),
         (20, "XL330-M288-T", 0.02, 30.0),

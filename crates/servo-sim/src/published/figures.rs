@@ -46,8 +46,9 @@ impl Law {
         [time, speed]
     }
 
-    /// Returns the sag under a torque, rad: the mean of the rest positions from the two sides. There the motor's torque
-    /// m and the load's T differ by the friction f + l (m + T).
+    /// Returns the sag under a torque, rad: the mean of the two positions in which the servo comes to rest, from
+    /// above and from below. At rest, the motor's torque m and the load's torque T differ by the friction f + l (m
+    /// + T), with f = `friction_nm` and l = `load_friction`.
     pub(super) fn sag_rad(&self, torque_nm: f64) -> f64 {
         let load = self.load_friction;
         let motor_nm =

@@ -28,8 +28,8 @@ pub struct Row {
     pub what: &'static str,
     /// Published value.
     pub published: f64,
-    /// Value of the published servo's law with the numbers of the simulated servo, which may differ from those of the
-    /// source; `None` if the published value is for exactly this servo.
+    /// Value of the published servo's law, computed with the numbers of the simulated servo; they may differ from those
+    /// of the source. `None` if the published value is for exactly this servo.
     pub expected: Option<f64>,
     /// Simulated value.
     pub simulated: f64,
@@ -130,7 +130,7 @@ impl<'m> Trial<'m> {
     }
 
     /// Applies the full supply to the motor, gradually: a rotor at full speed that hits its gear would wind it up
-    /// beyond the motor's torque, and friction would hold this.
+    /// beyond the motor's torque, and friction would hold this windup.
     fn full_power(&mut self) {
         if self.is_feetech {
             // Several turns are allowed, and the goal is seven turns ahead.
@@ -217,7 +217,8 @@ fn rise_s(kind: &Parameters, step_rad: f64) -> Result<[f64; 3], ServoError> {
     Ok([trial.bench.time_s() - begin_s, law_s, within_s])
 }
 
-/// Measures the distance from the goal under a torque, rad, at rest from the two sides: sagging and lifted.
+/// Measures the distances from the goal at which the servo rests under a torque, rad: after it has sagged, and
+/// after it was lifted.
 ///
 /// # Errors
 /// [`ServoError`] if the kind has no registers.
@@ -225,7 +226,7 @@ pub fn sag_rad(kind: &Parameters, torque_nm: f64) -> Result<[f64; 2], ServoError
     sag(kind, torque_nm).map(|(rests, _)| rests)
 }
 
-/// Measures the sag from both sides, and computes their mean by the law.
+/// Measures both distances of [`sag_rad`], and computes their mean by the law.
 fn sag(kind: &Parameters, torque_nm: f64) -> Result<([f64; 2], f64), ServoError> {
     let (mut rests, mut law_rad) = ([0.0; 2], 0.0);
     for (rest, before) in rests.iter_mut().zip([0.0, 2.0]) {

@@ -50,7 +50,7 @@ fn no_energy_comes_from_nothing() {
     println!("{given:.3} J given, {lost:.3} J lost, {missing:.4} J missing, {worst:.5} J at worst");
     // Implicit Euler loses a few per cent of the energy of a motion with starts and stops.
     assert!(missing < 0.05 * given);
-    // Gravity and windup are computed at the beginning of a step: an error of half a step's motion.
+    // Gravity and windup are computed at the beginning of a step, which causes an error of half a step's motion.
     assert!(worst > -0.005 * given, "{worst} J");
 }
 
@@ -74,8 +74,8 @@ fn a_stalled_servo_warms_until_it_shuts_down() {
         "off after {time_s:.0} s: winding {:.0}, case {:.0} degC",
         heat.winding_c, heat.case_c
     );
-    // 7.4 W, and less as copper warms. A case of 24 K/W and 600 s needs 45 K: 600 s ln(1 / (1 - 45 / 175)) = 180 s at
-    // constant power, plus the time of the winding.
+    // The winding heats with 7.4 W, and with less as copper warms. A case of 24 K/W and 600 s must warm by 45 K. At
+    // constant power this takes 600 s ln(1 / (1 - 45 / 175)) = 180 s, plus the time of the winding.
     assert!((120.0..400.0).contains(&time_s), "{time_s} s");
     for _ in 0..4 {
         bench.tick(&mut bus, 500_000).unwrap();
@@ -107,7 +107,7 @@ fn an_overload_shuts_a_dynamixel_down_and_makes_a_feetech_weak() {
         (0..steps).for_each(|_| servo.step(7.4, &wall));
         *current = servo.current_a();
     }
-    // 2 s at full load, then 20 %.
+    // The torque is full for 2 s, then 20 %.
     assert!(currents[0] > 1.8 && (currents[1] - 0.4).abs() < 0.05, "{currents:?}");
     servo.hear(&[0xFF, 0xFF, 1, 4, 2, 65, 1, !(1 + 4 + 2 + 65 + 1)]);
     assert_eq!(servo.get(65), 1 << 5);

@@ -261,7 +261,7 @@ impl Problem<'_> {
                 }
             }
         }
-        // The own numbers have a prior around 0.
+        // The prior of a tap's own values has its centre at 0.
         for (at, own) in own.iter().chain([&delay]).enumerate() {
             sums[at][at] += 1.0;
             sums[at][OWN + SHARED] -= own;

@@ -107,8 +107,8 @@ impl Joint {
         Curves { points }
     }
 
-    /// Returns the time for which the gear pushes after the step, s, at most `until_s`. After it the teeth may part,
-    /// since the motor no longer accelerates.
+    /// Returns the time for which the gear pushes after the step, s, at most `until_s`. Later the teeth may separate,
+    /// because the motor no longer accelerates.
     pub(super) fn contact_s(&self, push: &Push, until_s: f64) -> f64 {
         let curves = self.curves(until_s + push.preload_s);
         let [mut most_nm, mut time_s]: [f64; 2] = [0.0; 2];
@@ -137,9 +137,9 @@ pub(super) struct Point {
     /// Position, rad, for four unit starts: rotor and shaft at 1 rad/s; windup of 1 rad; windup speed of 1 rad/s; a
     /// torque of 1 N m from time 0 on.
     pub(super) free: [f64; 4],
-    /// Speed for the last of these, rad/s.
+    /// Speed for the last of these starts, rad/s.
     pub(super) pushed_rad_s: f64,
-    /// Torque of the gear for the last of these, N m.
+    /// Torque of the gear for the last of these starts, N m.
     gear_nm: f64,
 }
 

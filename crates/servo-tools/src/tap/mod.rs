@@ -1,14 +1,14 @@
 //! Tap tests: measure stiffness and damping of a servo's gear by the oscillation of its joint after a step of torque.
 //!
-//! The servo creeps in its own position mode, with so little torque that friction hardly lets it move; then it
-//! accelerates a little. Its teeth now touch, and all friction has one sign. Then the torque limit jumps up. The goal
-//! is far away, so the motor uses the whole limit: a step of torque. The step winds the gear up, and the shaft
-//! oscillates during its motion. After a few swings the servo brakes, and returns to its start. A model with two
-//! masses, a spring and a damper is fitted to many taps.
+//! The servo moves slowly in its own position mode, with a torque that is hardly larger than friction; then it
+//! accelerates a little. Its teeth now touch, and all friction has one sign. Then the torque limit is raised in one
+//! step. The goal is far away, so the motor uses the whole limit: its torque makes a step, too. The step winds the gear
+//! up, and the shaft oscillates during its motion. After a few swings the servo brakes, and returns to its start. A
+//! model with two masses, a spring and a damper is fitted to many taps.
 //!
-//! The rotor also turns while the shaft oscillates: an oscillation that an encoder can see takes more torque than
+//! The rotor also turns while the shaft oscillates: an oscillation that an encoder can measure needs more torque than
 //! friction can hold. Therefore the inertias of rotor and load must be known. The test cannot measure play: the encoder
-//! is at the shaft, and does not see the rotor cross the play.
+//! is at the shaft, and does not measure that the rotor crosses the play.
 
 mod act;
 mod clock;

@@ -12,7 +12,7 @@ pub(super) enum Direction {
     Up,
     /// Towards smaller positions.
     Down,
-    /// Alternating between both directions.
+    /// Both directions in turn.
     Both,
 }
 

@@ -15,9 +15,10 @@ const MOST_DAMPING_RATIO: f64 = 0.8;
 const MOST_ERROR: f64 = 0.08;
 /// Minimum number of readings in a period of the oscillation.
 const LEAST_READINGS: f64 = 4.0;
-/// Maximum deviation of the readings from the model, counts. An error of a millisecond in the time stays below it.
+/// Maximum deviation of the readings from the model, counts. An error of a millisecond in the times causes a smaller
+/// deviation.
 const MOST_NOISE_COUNTS: f64 = 1.0;
-/// Allowed range of the motor's torque, relative to that of its kind.
+/// Allowed range of the motor's torque, relative to the torque of its kind.
 const TORQUE_RATIOS: [f64; 2] = [0.75, 1.3];
 
 /// The outcome of a tap test.
@@ -36,7 +37,7 @@ pub struct Tapped {
     pub reading_s: f64,
     /// Maximum distance from the start position, rad.
     pub farthest_rad: f64,
-    /// Stall torque of the motor that its kind should have, N m.
+    /// Stall torque that the motor should have according to its kind, N m.
     pub believed_full_nm: f64,
 }
 

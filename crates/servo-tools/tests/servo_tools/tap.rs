@@ -55,7 +55,7 @@ impl Case {
         ServoModel::built_in(self.kind).unwrap()
     }
 
-    /// Creates the servo on a line, with registers set as by a person.
+    /// Creates the servo on a line, with these registers changed, as a person may have set them.
     fn line(&self, registers: &[(u16, i32)]) -> SimLine {
         let (kind, model) = (self.simulated(), self.model());
         let arm = Arm {
@@ -221,7 +221,7 @@ fn what_makes_a_number_wrong_is_refused() {
     // It gives at most a quarter of its supply: PWM Limit.
     let error = case.tap_on(case.line(&[(36, 221)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("its PWM Limit is 25.0 %"), "{error}");
-    // It answers only reads: Status Return Level.
+    // With this Status Return Level the servo answers only reads.
     let error = case.tap_on(case.line(&[(68, 1)]), &case.settings(40)).unwrap_err().to_string();
     assert!(error.contains("it does not answer writes"), "{error}");
     // A current mode has no goal position to hold.

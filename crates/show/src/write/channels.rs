@@ -31,8 +31,8 @@ pub(super) fn groups(
     groups
 }
 
-/// Normalises quaternions and chooses their signs, which brings each next to its predecessor. Returns `true` if the
-/// first quaternion would follow the last with the opposite sign.
+/// Normalises quaternions, and chooses the sign of each so that it is near its predecessor. Returns `true` if the first
+/// quaternion would follow the last with the opposite sign.
 fn unwind(columns: &mut [Vec<f64>]) -> bool {
     let mut last: Option<Vec<f64>> = None;
     let count = columns.first().map_or(0, Vec::len);

@@ -4,7 +4,7 @@ use super::fit::fit;
 use crate::span::Cubic;
 use crate::span_lengths::{RUNGS, span};
 
-/// Samples of a channel. Those of a loop repeat forever, with the opposite sign in every other round if it `flips`.
+/// Samples of a channel. The samples of a loop repeat forever; if it `flips`, every other round has the opposite sign.
 pub(super) struct Samples {
     pub(super) values: Vec<f64>,
     pub(super) is_loop: bool,
@@ -40,7 +40,7 @@ impl Samples {
     }
 }
 
-/// Knots with their control values, from two before the start to two after the end; those of a loop up to its next
+/// Knots with their control values, from two before the start to two after the end; the knots of a loop end at its next
 /// round.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Curve {
@@ -59,7 +59,7 @@ impl Spans {
         Self { wanted: vec![first; samples.values.len()], longest }
     }
 
-    /// Sets the desired lengths to those between these knots.
+    /// Sets the desired lengths to the distances between these knots.
     pub(super) fn begin_with(&mut self, knots: &[i32]) {
         for span in knots.windows(2) {
             let [from, to] =
@@ -68,7 +68,7 @@ impl Spans {
         }
     }
 
-    /// Returns knots from 0 to the end or beyond; those of a loop end exactly at its end.
+    /// Returns knots from 0 to the end or beyond; the knots of a loop end exactly at its end.
     pub(super) fn knots(&self, samples: &Samples) -> Vec<i32> {
         let length = samples.length();
         let index = |sample: i32| (sample.unsigned_abs() as usize).min(self.wanted.len());

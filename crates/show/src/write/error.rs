@@ -82,7 +82,7 @@ pub enum WriteError {
         /// Description of the problem.
         why: &'static str,
     },
-    /// The time map of a slowed show goes back.
+    /// A pair of the time map of a slowed show is not after the previous pair, or is too large.
     #[error("pair {pair} of the course is not after the one before it, or is beyond 2^30 samples")]
     Course {
         /// Index of the pair.

@@ -49,12 +49,12 @@ fn power_sums(count: i32) -> [f64; 7] {
     ]
 }
 
-/// Returns the control values, one for each knot, whose spline is nearest to the samples. `values`: from `knots[2]`
-/// on and before the last knot but two. The first and the last control value have no effect, and repeat their
-/// neighbours.
+/// Returns the control values, one for each knot, whose spline is nearest to the samples. `values`: the samples from
+/// `knots[2]` (included) to the last knot but two (excluded). The first and the last control value have no effect, and
+/// repeat their neighbours.
 ///
-/// Sums of products of weights reduce to sums of powers, which have closed forms, and of powers times values: O(1)
-/// for a sample, and the rest for a span.
+/// Sums of products of weights reduce to sums of powers, which have closed forms, and to sums of powers times values.
+/// The cost is O(1) for each sample, and O(1) for each span.
 pub(super) fn fit(knots: &[i32], values: &[f64]) -> Vec<f64> {
     let unknowns = knots.len() - 2;
     // Rows of the normal equations: the diagonal and three elements after it, for the knots from the second on.

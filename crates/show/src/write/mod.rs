@@ -138,7 +138,8 @@ impl<'a> Writer<'a> {
     /// Writes the show.
     ///
     /// # Errors
-    /// [`WriteError`] with the count that exceeds a show's limits.
+    /// [`WriteError`] with the count that exceeds a show's limits, or with the error that could not be brought within
+    /// its bound.
     pub fn write(&mut self) -> Result<Written, WriteError> {
         let (length, block) = (self.length, self.block);
         let blocks = (length + block - 1) / block;

@@ -21,7 +21,8 @@ pub struct Motion<'a> {
     pub cues: &'a [(u32, &'a str)],
     /// Time code of the first sample.
     pub time_code: Option<TimeCode>,
-    /// Time map of a slowed-down show: pairs of a sample of the show and a sample of the performance, both
-    /// increasing, linear in between. The time code uses this map.
+    /// Time map of a slowed-down show, linear between pairs of a sample of the show and a sample of the performance.
+    /// From pair to pair, samples of the show increase, and samples of the performance do not decrease. The time code
+    /// uses this map.
     pub course: &'a [(u32, u32)],
 }

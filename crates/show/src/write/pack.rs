@@ -1,4 +1,5 @@
-//! Packs curves into bytes: blocks of channels, each from the knot two before its span.
+//! Packs curves into blocks of bytes. In a block, each channel begins two knots before the span in which the block
+//! starts.
 
 use super::curve::Curve;
 use crate::channel::{Code, ESCAPE, RUNG_ESCAPE, RUNG_WIDTH, mapped};

@@ -14,8 +14,8 @@ pub(super) enum Bound {
 /// Number of rounds in which spans grow and shrink. Afterwards they only shrink, so that the search ends.
 const BALANCING: usize = 30;
 const MOST_ROUNDS: usize = 120;
-/// Number of rounds without fewer knots, after which the search stops. A walk and a fight on OP3, Poppy, Open Duck
-/// Mini and H1 give the same result as all rounds; on an SO-100 they do not.
+/// Number of rounds without fewer knots, after which the search stops. For a walk and a fight on OP3, Poppy, Open Duck
+/// Mini and H1, the result is the same as with all rounds; on an SO-100 it is not.
 const PATIENCE: usize = 8;
 
 /// Requirements on the curves of a group.
@@ -50,7 +50,7 @@ struct Candidate {
 pub(super) fn refine(group: &[Samples], aim: &Aim<'_>, before: &[Vec<i32>]) -> Vec<Refined> {
     let (largest, of_curve) = match aim.bound {
         Bound::Number(largest) => (largest, largest),
-        // Half the angle between two quaternions is the distance of their end points.
+        // For a small angle between two rotations, the distance of their unit quaternions is half of this angle.
         Bound::Rotation(largest) => (largest, largest / 2.0),
     };
     let least_share = aim.shares.iter().copied().fold(1.0, f64::min);
@@ -142,7 +142,7 @@ fn balance(wanted: &mut [f64], knots: &[i32], errors: &[f64], is_loop: bool, rou
     }
 }
 
-/// Returns the errors at all samples, as shares of the bound: the part that each curve contributes.
+/// Returns, for each curve, its part of the error at each sample, as a share of the bound.
 fn shares(group: &[Samples], played: &[Vec<f32>], bound: Bound, largest: f64) -> Vec<Vec<f64>> {
     let own = |scale: f64| -> Vec<Vec<f64>> {
         group
@@ -179,7 +179,7 @@ fn shares(group: &[Samples], played: &[Vec<f32>], bound: Bound, largest: f64) ->
     }
 }
 
-/// Returns the angle between two rotations, rad. The first quaternion may have any length.
+/// Returns the angle between two rotations, rad. The quaternions may have any length.
 pub(super) fn angle_between(a: &[f64], b: &[f64]) -> f64 {
     // |a b̄ - 1| is exact for small angles, unlike the cosine.
     let length = |q: &[f64]| libm::sqrt(q.iter().map(|x| x * x).sum());

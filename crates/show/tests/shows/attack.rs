@@ -143,7 +143,7 @@ fn mutate(wholes: &[Vec<u8>; 2], first: u64, step: usize) -> [u32; 2] {
                 _ => next(256) as u8,
             };
         }
-        // One change in eight keeps the CRCs.
+        // In one round of eight the CRCs are not corrected.
         if round % 8 != 0 {
             seal(&mut bytes);
         }
@@ -166,7 +166,7 @@ fn random_changes_are_refused_or_harmless() {
         runs.into_iter().map(|run| run.join().expect("no panic")).collect()
     });
     let [refused, played] = [0, 1].map(|k| counts.iter().map(|count| count[k]).sum::<u32>());
-    // Both must happen, or this test would check nothing.
+    // If either count were small, this test would check almost nothing.
     assert!(refused > 1000 && played > 1000, "{refused} {played}");
 }
 
@@ -246,7 +246,7 @@ fn the_time_code_of_a_slowed_show_follows_its_performance() {
     for course in [&[(0, 0)][..], &[(20, 20), (20, 30)], &[(20, 20), (30, 10)], &[(1 << 31, 0)]] {
         let motion = Motion { course, ..motion };
         assert!(write(&motion, &Settings::default()).is_err(), "{course:?}");
-        // Also as a board reads it.
+        // A board reads the pairs from a file: it must refuse them too.
         let mut bytes = bytes.clone();
         let at = usize::from(u16::from_le_bytes([bytes[40], bytes[41]])) + 56 + 1 + 16;
         let pairs: Vec<u8> = course

@@ -134,7 +134,7 @@ pub(crate) fn any_example(most: usize) -> impl Strategy<Value = Example> {
             if count(&joints) == 0 {
                 joints.push(Joint::Revolute);
             }
-            // Often exactly full.
+            // With an even seed the example has exactly the maximum number of coordinates.
             while seed.is_multiple_of(2) && count(&joints) < most {
                 joints.push(Joint::Revolute);
             }

@@ -53,7 +53,7 @@ fn a_show_is_nearer_where_it_is_asked_to_be_and_the_same_elsewhere() {
     assert!(worst(&after, samples) <= share * settings.angle_rad);
     assert!(worst(&after, 0..SAMPLES) <= settings.angle_rad);
     assert!(nearer.knots > first.knots && nearer.knots < first.knots + 100);
-    // The other joint's curve is not recomputed.
+    // The curve of the other joint stays the same.
     assert!(
         before.iter().zip(&after).all(|(before, after)| before[0].to_bits() == after[0].to_bits())
     );

@@ -31,7 +31,7 @@ fn items_are_read_back_in_place_and_by_block() {
     assert!(item.descriptor().check_schema(1).is_ok());
     let other = item.descriptor().check_schema(2).unwrap_err();
     assert_eq!(other.to_string(), "Show is of schema 1; this firmware reads 2");
-    // Read as memory.
+    // Reads the content from flash that is mapped as memory.
     assert_eq!(item.content(&flash.bytes), Some(&show[..]));
     assert_eq!(item.content(&flash.bytes[..0x4100]), None);
 }
@@ -208,7 +208,7 @@ fn a_rig_that_is_too_large_is_refused_by_number() {
 fn faults_are_recorded_without_an_erase_and_the_first_stays() {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = Store::open(&mut flash, SMALL).unwrap();
-    // Not before there is a log.
+    // Without a log the store does not record a fault.
     assert_eq!(store.record_fault(&fault(1)), Err(Error::Untidy));
     let mut last = 0;
     for run in 1..=5 {

@@ -130,7 +130,7 @@ fn the_end_of_a_show() {
 #[test]
 fn a_fault() {
     cut("a fault is recorded", &used(2), |store, disarmed| match store.record_fault(&fault(77)) {
-        // After a power cut within a record's head.
+        // The power cut was within a record's head.
         Err(sinew_storage::Error::Untidy) => {
             store.tidy(disarmed)?;
             store.record_fault(&fault(77)).map(drop)
@@ -156,8 +156,8 @@ fn faults_that_fill_the_sector() {
     cut("the log is tidied", &flash, |store, disarmed| store.tidy(disarmed));
 }
 
-/// Any order of operations, with power failures in most of them and again right after; compared with a model of the
-/// possible content.
+/// Performs random operations, with a power failure in most of them, and compares the stored content with a model of
+/// the possible content.
 #[test]
 fn long_lives_with_many_cuts() {
     for life in 0..40_u32 {

@@ -110,7 +110,7 @@ proptest! {
         let mut log = b"SNWL\x01\0\0\0\x05\0\0\0".to_vec();
         log.extend(crc(&log).to_le_bytes());
         for (kind, schema, payload, is_sealed, more) in records {
-            // Some records end at another address than their head says.
+            // Some records do not end at the address that their head gives.
             let len = if more == 8 { u32::MAX - 3 } else { payload.len() as u32 + more / 4 };
             let mut head = vec![b'S', b'R', 1, kind];
             head.extend(schema.to_le_bytes().into_iter().chain([0, 0]).chain(len.to_le_bytes()));

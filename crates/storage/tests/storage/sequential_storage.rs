@@ -93,7 +93,7 @@ fn it_loses_items_where_a_cut_erase_leaves_what_the_trait_allows() {
             let before = flash.erases.clone();
             neither += u32::from(fetch(&mut flash, 2).as_ref() != Some(&rig));
             read_erases += u32::from(flash.erases != before);
-            // The next change meets the remains of the power cut.
+            // The next change finds the remains of the power cut.
             store(&mut flash, 1, &content(change, 90));
             twice += u32::from(flash.twice > 0);
             lost += u32::from(fetch(&mut flash, 2).as_ref() != Some(&rig));

@@ -36,8 +36,8 @@ mod image {
         black_box(black_box(1.5f64) * black_box(2.5f64));
     }
 
-    /// Contains a fused multiply-add, which the compiler never generates from Rust code. It may use these registers:
-    /// callers save them.
+    /// Contains a fused multiply-add, which the compiler never generates from Rust code. The function may use these
+    /// registers, because callers save them.
     #[unsafe(naked)]
     pub(crate) extern "C" fn fused() {
         core::arch::naked_asm!("vfma.f32 s0, s1, s2", "bx lr")

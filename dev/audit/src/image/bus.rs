@@ -11,7 +11,7 @@ use sinew_servo_bus::{
 
 use super::{slice, slice_mut};
 
-/// Servos of a rig.
+/// Number of servos of a rig.
 const SERVOS: usize = 20;
 
 /// Returns the requirements of a rig for a servo's registers.
@@ -28,7 +28,7 @@ fn requirements() -> ServoRequirements {
     })
 }
 
-/// Calls everything that a rig may ask of any bus.
+/// Calls every function of a bus that a rig may call.
 fn serve(mut bus: impl ServoBus) {
     let commands = [
         Command::Torque(black_box(true)),
@@ -73,7 +73,7 @@ fn item(item: Option<Item>) {
     black_box(item.bytes(black_box(1), black_box(ByteOrder::Big)));
 }
 
-/// Calls everything that simulated devices do on a line.
+/// Calls every function that simulated devices have on a line.
 fn exchange(devices: &mut [impl BusDevice]) {
     let mut line = Line::new(devices);
     line.exchange(slice(), slice_mut(), |bytes, delay_us| _ = black_box((bytes.len(), delay_us)));

@@ -1,8 +1,8 @@
 //! Image for `cargo xtask audit`: everything that a board's program may call of the libraries, linked but never run.
 //!
 //! Every input is hidden from the compiler, so that no check is removed for a constant value. A reachable panic calls
-//! a function that does not exist, so the image does not link. `cargo xtask audit` reports where, and finds other
-//! forbidden content in the image.
+//! a function that does not exist, so the image does not link. `cargo xtask audit` reports where the panic is, and
+//! finds other forbidden content in the image.
 
 mod bus;
 mod construct;
@@ -26,7 +26,7 @@ use sinew_audit::{slice, slice_mut};
 use sinew_core::control::Gains;
 use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
 
-/// Bodies of the figure on the boards.
+/// Number of bodies of the figure on the boards.
 const N: usize = 18;
 
 /// Calls every part of the audit. `cargo xtask audit` finds the parts by their names.

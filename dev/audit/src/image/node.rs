@@ -104,7 +104,7 @@ pub(crate) fn nodes() {
         settings.with(black_box(1), black_box(1.0)).is_ok(),
         settings.read(slice()).is_ok(),
     ));
-    // For a rig that lives forever: a board moves it into a static.
+    // The rig must live forever: a board moves it into a static.
     let Some(rig) = black_box(None) else { return };
     let Some(mut bus) = black_box(None::<pca9685::Bus>) else { return };
     let Some(ToHost::Welcome(Welcome { about, .. })) = black_box(None) else { return };

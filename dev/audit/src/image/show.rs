@@ -1,4 +1,4 @@
-//! Shows: decoded from arbitrary bytes, used as the tracker's frames, and blended into.
+//! Shows: decoded from arbitrary bytes, used as the tracker's frames, and begun with a blend.
 
 use core::hint::black_box;
 

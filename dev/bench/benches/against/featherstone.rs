@@ -39,7 +39,8 @@ impl Featherstone {
                 ]
                 .into(),
             );
-            // Its transforms convert from the parent's axes to the child's, with the offset in the child's axes.
+            // The crate's transforms convert from the parent's axes to the child's, with the offset in the child's
+            // axes.
             let back = body.placement.rotation.conjugate();
             let columns = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| (back * axis).to_array());
             let placement = SpatialTransform::from_rotation_translation(
@@ -64,7 +65,7 @@ impl Contender for Featherstone {
         let to_body = root.rotation.conjugate();
         let in_body = |v: DVec3| to_body * v;
         let (spin, speed) = (in_body(root.angular_velocity), in_body(root.linear_velocity));
-        // Spatial acceleration: the classical acceleration minus the part of the turning axes.
+        // The spatial acceleration is the classical acceleration minus the part that the turning axes cause.
         let linear = in_body(root.linear_acceleration) - spin.cross(speed);
         let angular = in_body(root.angular_acceleration);
         let mut position = root.translation_m.as_vec3().to_array().to_vec();
@@ -73,7 +74,8 @@ impl Contender for Featherstone {
         let mut accelerations: Vec<f32> = numbers([linear, angular]).collect();
         for turns in &motion.turns {
             if let [turn] = turns.as_slice() {
-                // From the parent's axes to the child's, about the same axis: the opposite sign.
+                // The conversion from the parent's axes to the child's is a turn about the same axis with the
+                // opposite sign.
                 position.push(-single(turn.angle_rad));
                 rates.push(single(turn.velocity_rad_s));
                 accelerations.push(single(turn.acceleration_rad_s2));

@@ -11,8 +11,8 @@
 //!   additional time for the conversion and the checks of our states has a line of its own.
 //!
 //! With `SINEW_PEERS`, which `cargo xtask peers` sets, four kernels are also compared with Pinocchio's and MuJoCo's.
-//! Both have all joints and start from coordinates. Pinocchio is compiled as by its users, for a generic machine of
-//! the target. MuJoCo's kernels are the stages of its pipeline that are needed, without contacts.
+//! Both have all joints and start from coordinates. Pinocchio is compiled as its users compile it, for a generic
+//! machine of the target. MuJoCo's kernels are the stages of its pipeline that are needed, without contacts.
 
 mod dynibo;
 mod featherstone;
@@ -41,14 +41,14 @@ const BODIES: usize = 18;
 const GRAVITY_M_S2: Vec3 = Vec3::new(0.0, 0.0, -9.806_65);
 /// Largest difference of a torque, as a share of the largest torque: rounding of f32 along the deepest branch.
 const TOLERANCE: f64 = 1e-5;
-/// Largest allowed ratio to the faster of the other crates, on the first rig.
+/// Largest allowed ratio of our time to the time of the faster of the other crates, on the first rig.
 const BOUND: f64 = 0.4;
 
 /// An implementation of inverse dynamics with a rig.
 trait Contender {
     fn name(&self) -> &'static str;
 
-    /// Converts a motion to its own form. Not timed.
+    /// Converts a motion to its own form. This is not timed.
     fn set(&mut self, motion: &RigMotion);
 
     /// Computes inverse dynamics of that motion.
@@ -118,8 +118,8 @@ fn compare(tree: &Tree<BODIES>) -> Result<f64, Box<dyn Error>> {
     Ok(others.map(|other| 1.0 / other.to_first).fold(0.0, f64::max))
 }
 
-/// Returns the largest difference between any two: of a joint's torque as a share of the largest torque of the
-/// motion, and of the root's wrench likewise. Infinite if a result is not a number, or has another length.
+/// Returns the largest difference between any two contenders: of a joint's torque as a share of the largest torque
+/// of the motion, and of the root's wrench likewise. Infinite if a result is not a number, or has another length.
 fn disagreement(contenders: &mut [Box<dyn Contender>], motions: &[RigMotion]) -> f64 {
     let mut worst = 0.0_f64;
     for motion in motions {

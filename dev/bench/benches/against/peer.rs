@@ -97,7 +97,7 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // The program would end by itself when its input ends, but that is later.
+        // The program would also end by itself when its input ends, but later.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -1,4 +1,5 @@
-//! Measures the wall time of several functions in one run, fairly even if other programs use the machine.
+//! Measures the wall time of several functions in one run. The comparison is fair even if other programs use the
+//! machine.
 
 use std::convert::Infallible;
 use std::time::Instant;
@@ -15,9 +16,9 @@ pub(crate) fn medians(rounds: usize, runs: &mut [&mut dyn FnMut()]) -> Vec<Media
 /// Returns the medians of functions that measure their own time: `time_ns` runs a batch of the function with an
 /// index, and returns the time of a call.
 ///
-/// The functions take turns with a batch of calls each, and another one begins every round. A slow phase of the
-/// machine that is longer than a round affects all of them; an interruption of one batch does not change the median.
-/// Ratios are medians of the ratios of the rounds.
+/// In each round every function runs a batch of calls, and each round begins with another function. A slow phase of
+/// the machine that is longer than a round affects all of them; an interruption of one batch does not change the
+/// median. Ratios are medians of the ratios of the rounds.
 pub(crate) fn in_turns<E>(
     rounds: usize,
     count: usize,

@@ -32,7 +32,7 @@ pub(crate) struct Kernel {
     pub(crate) run: Box<dyn FnMut()>,
 }
 
-/// Frames of the motion of ticks, which is repeated.
+/// Number of frames of the ticks' motion, which is repeated.
 const FRAMES: usize = 64;
 /// Number of frames by which the rig is late.
 const LAG_FRAMES: usize = 4;
@@ -306,7 +306,8 @@ fn enlarged<const N: usize>(frames: &[[Transform; N]]) -> Vec<[Transform; N]> {
     frames
 }
 
-/// Checks that nothing was refused: a refused call takes no time, and the bench would show too little.
+/// Checks that nothing was refused: a refused call takes almost no time, and the bench would print too short a
+/// time.
 fn done<T, E: std::fmt::Debug>(result: Result<T, E>) {
     black_box(result.expect("the bench's own motion is not refused"));
 }

@@ -1,7 +1,7 @@
 //! Options of the command line.
 
-/// Whether a quick, rough result is enough: with `--quick` after `--`, or when run as a test, without cargo's
-/// `--bench`.
+/// Returns whether a quick, rough result is enough: with `--quick` after `--`, or when run as a test, without
+/// cargo's `--bench`.
 pub(crate) fn quick() -> bool {
     let has = |wanted: &str| std::env::args().any(|argument| argument == wanted);
     has("--quick") || !has("--bench")

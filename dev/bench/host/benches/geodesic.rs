@@ -3,9 +3,9 @@
 //!
 //! The cases are pairs of poses of the built-in clips, far apart in time and in different clips, with curves of ten
 //! steps. All methods start from the same straight line, and take turns on each pair, so that a slow phase of the
-//! machine affects all. Ours use their own coordinates and stop by their own gradient. `argmin`'s L-BFGS uses
-//! rotation vectors, with cost and gradient written here in the simplest O(n) form, without code of ours. Therefore
-//! all are compared by energy: its excess over the lowest energy that any method found for the pair.
+//! machine affects all. Our methods use their own coordinates and stop by their own gradient. `argmin`'s L-BFGS
+//! uses rotation vectors, with cost and gradient written here in the simplest O(n) form, without code of ours.
+//! Therefore all are compared by energy: its excess over the lowest energy that any method found for the pair.
 
 use std::error::Error;
 use std::time::Instant;
@@ -20,7 +20,7 @@ use sinew_figure::builtin;
 use sinew_mocap::Skeleton;
 use sinew_pose_metrics::geodesic::{self, JointPosition, Options, Rig, RigJoint};
 
-/// Steps of a curve, as in the paper.
+/// Number of steps of a curve, as in the paper.
 const STEPS: usize = 10;
 /// Largest number of iterations of every method.
 const ITERATIONS: u64 = 5_000;
@@ -246,8 +246,8 @@ fn ours(pair: &Pair, options: Options) -> Result<Found, Box<dyn Error>> {
     Ok(Found { energy_m2: found.energy_m2, iterations: found.course.len() as u64, time_ms })
 }
 
-/// Minimizes by L-BFGS. Stops when the gradient's norm is below a share of the energy at the start, or nothing
-/// improves.
+/// Minimizes by L-BFGS. Stops when the gradient's norm is below a share of the energy at the start, when the line
+/// search finds no improvement, or after `ITERATIONS`.
 fn l_bfgs(pair: &Pair, tolerance: f64) -> Result<Found, Box<dyn Error>> {
     let start = Instant::now();
     let line = pair.line();

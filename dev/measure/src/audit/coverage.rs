@@ -20,7 +20,7 @@ const SOURCES: [&str; 7] = [
     "crates/storage/src",
 ];
 
-/// A folder in them whose code is for hosts only.
+/// A folder in [`SOURCES`] whose code is for hosts only.
 const OF_HOSTS: &str = "crates/show/src/write/";
 
 /// Folder of the image's sources.

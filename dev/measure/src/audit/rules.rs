@@ -102,7 +102,8 @@ pub(super) fn findings(elf: &Elf) -> Vec<Finding> {
                 circle.iter().map(|at| elf.functions()[*at].name.as_str()).collect();
             findings.push(finding(Rule::Recursion, names.join(" > "), function.address));
         }
-        // A function without callers by name is in the image nevertheless: an interrupt, or called by pointer.
+        // A function without callers by name is in the image nevertheless: it handles an interrupt, or is called by
+        // pointer.
         if let Some((rule, name)) = of_function(function)
             && elf.callers_of(index).is_empty()
         {
@@ -142,7 +143,7 @@ fn of_name(name: &str) -> Option<Rule> {
     }
 }
 
-/// Whether this is a function for f64 in software: by the names of Arm's run-time ABI, chapter 4.1, or those of GCC.
+/// Returns whether a name is that of a function for f64 in software, by Arm's run-time ABI (chapter 4.1) or by GCC.
 fn is_of_doubles(name: &str) -> bool {
     if let Some(of_abi) = name.strip_prefix("__aeabi_") {
         return of_abi.starts_with('d')

@@ -15,7 +15,7 @@ pub(crate) enum Kind {
     Store,
     /// Addition, subtraction, multiplication, and similar operations on floats.
     Float,
-    /// Product and sum in one instruction, rounded once or (`vmla`) twice: costs as much as three.
+    /// Product and sum in one instruction, rounded once or (`vmla`) twice. It takes three cycles.
     FloatProductSum,
     /// Division and square root of floats.
     FloatDivision,

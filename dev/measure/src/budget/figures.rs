@@ -36,7 +36,7 @@ impl fmt::Display for FigureKey {
 pub(crate) struct Figures(Vec<(FigureKey, u64)>);
 
 impl Figures {
-    /// Adds to the number with a key, or inserts it.
+    /// Adds a number to the number with the same key, or inserts it.
     pub(crate) fn add(&mut self, place: FigureKey, number: u64) {
         match self.0.iter_mut().find(|(known, _)| *known == place) {
             Some((_, sum)) => *sum += number,

@@ -20,7 +20,7 @@ const NOTABLE_CHANGE: f64 = 0.02;
 pub(crate) struct Promise {
     /// Key of the figure.
     figure: String,
-    /// Bound of the figure; in units of `times`, if that is given.
+    /// Bound of the figure; if `times` is given, as a multiple of that figure.
     at_most: f64,
     /// Key of the figure of which the bound is a multiple.
     times: Option<String>,

@@ -3,7 +3,8 @@
 use object::write::{Object, StandardSection, Symbol, SymbolSection};
 use object::{Architecture, BinaryFormat, Endianness, SymbolFlags, SymbolKind, SymbolScope};
 
-/// Makes an object. `symbols`: start addresses and names of functions and data; `halves`: the content from address 0.
+/// Makes an object. `symbols` contains start addresses and names of functions and data, `halves` the content from
+/// address 0.
 pub(crate) fn object(symbols: &[(u64, &str)], halves: &[u16]) -> Vec<u8> {
     object_for(Architecture::Arm, symbols, halves)
 }

@@ -19,8 +19,8 @@ use crate::wire::Wire;
 const HSE: Crystal = Crystal(8_000_000);
 const SUPPLY_MV: u32 = 3300;
 const CORE_HZ: NonZeroU64 = NonZeroU64::new(180_000_000).unwrap();
-/// Instructions per second: 8 ns each, 1.44 cycles at 180 MHz. A guess for a Cortex-M4 that runs from flash through
-/// the ART cache. Cycles are not counted.
+/// Instructions per second: 8 ns each, 1.44 cycles at 180 MHz. This is a guess for a Cortex-M4 that runs from flash
+/// through the ART cache. Cycles are not counted.
 const INSTRUCTIONS_PER_S: NonZeroU64 = NonZeroU64::new(125_000_000).unwrap();
 
 /// A serial port with a host: its index in rigless's list.
@@ -47,8 +47,9 @@ impl Port {
 #[derive(Debug)]
 pub struct Nucleo {
     pub mcu: Stm32f427,
-    /// Whether the array is mapped at the address of flash. A session refuses two regions at one address when it is
-    /// created; a run asks again, and the last mapping is the one that the core uses.
+    /// Whether the array is mapped at the address of flash. A new session refuses two regions at one address, so
+    /// this is set after the session is created. Each run reads the regions again, and the core uses the last
+    /// region at an address.
     pub is_array_in_place: bool,
 }
 

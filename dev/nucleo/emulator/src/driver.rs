@@ -256,8 +256,8 @@ fn cause(cause: ResetCause) -> String {
     }
 }
 
-/// Whether the bytes that the firmware sent on the bus have left: all of them, or those for which the transmitter had
-/// time.
+/// Returns whether the bytes that the firmware sent on the bus have left the transmitter: all of them, or those for
+/// which the transmitter had time.
 ///
 /// The transmitter's flag shows it if the firmware has cleared the flag since the last time. Otherwise silence shows
 /// it.

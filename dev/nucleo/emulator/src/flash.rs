@@ -19,7 +19,7 @@ const SER: u64 = 1 << 1;
 const STRT: u64 = 1 << 16;
 const BSY: u64 = 1 << 16;
 
-/// Sizes of the sectors of 16, 64 and 128 kB, bytes.
+/// Size of each sector, bytes.
 const SECTORS: [usize; 8] =
     [16 << 10, 16 << 10, 16 << 10, 16 << 10, 64 << 10, 128 << 10, 128 << 10, 128 << 10];
 

@@ -45,7 +45,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs an image; `kept`: file with the content of flash from before the last power loss.
+/// Runs an image. `kept` is a file with the content of flash from before the last power loss.
 fn emulate(image: &Path, kept: Option<&Path>) -> Result<(), Box<dyn std::error::Error>> {
     let image = Image::read(image, None)?;
     let mut flash = match kept {

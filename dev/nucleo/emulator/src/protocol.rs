@@ -24,7 +24,7 @@ pub enum Command {
 pub struct Line;
 
 impl Line {
-    /// Reads the next command, or returns an error for an invalid line. `None`: the host is done.
+    /// Reads the next command, or returns an error for an invalid line. Returns `None` if the host is done.
     pub fn read(input: &mut impl BufRead) -> Option<Result<Command, String>> {
         let mut line = String::new();
         if input.read_line(&mut line).ok()? == 0 {

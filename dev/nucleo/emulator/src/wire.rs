@@ -21,7 +21,7 @@ pub struct Wire {
     pub is_flag_cleared: bool,
     /// Bytes of the host: start time and remaining bytes of each burst.
     to_say: VecDeque<(u64, VecDeque<u8>)>,
-    /// Time at which it sent the last byte.
+    /// Time at which the host sent its last byte.
     said_ns: u64,
     /// Number of the host's bytes that had no receiver.
     pub unheard: u64,

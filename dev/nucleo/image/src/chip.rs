@@ -80,7 +80,7 @@ async fn main(spawner: Spawner) {
     let Ok(link) = link else { return };
     let (mut link, orders) = link.split();
     let mut room = [0; 64];
-    // It receives continuously: bytes between two reads are stored.
+    // The port receives continuously: bytes between two reads are stored.
     let mut orders = orders.into_ring_buffered(&mut room);
     let bus = Uart::new_half_duplex(
         board.USART1,
@@ -104,7 +104,7 @@ async fn main(spawner: Spawner) {
         ticks.next().await;
         watchdog.pet();
         count = count.wrapping_add(1);
-        // Normally closed: low means pressed, unplugged or cut.
+        // The switch is normally closed: low means pressed, unplugged or cut.
         if stop.is_high() {
             light.set_high();
             #[cfg(not(feature = "stale-tc"))]

@@ -14,7 +14,7 @@ pub struct FollowingSettings {
     pub time_s: f32,
 }
 
-/// 15 deg, for 0.2 s.
+/// The default maximum is 15 deg, for 0.2 s.
 impl Default for FollowingSettings {
     fn default() -> Self {
         Self { most_rad: 15.0 * core::f32::consts::PI / 180.0, time_s: 0.2 }
@@ -41,7 +41,7 @@ impl Following {
         Ok(Self { settings, dt_s, ticks: 0 })
     }
 
-    /// Restarts the time. To be called when the rig is armed.
+    /// Restarts the time. The caller does this when the rig is armed.
     pub fn begin(&mut self) {
         self.ticks = 0;
     }

@@ -13,15 +13,16 @@ pub struct OverrunSettings {
     pub window: u32,
 }
 
-/// 3 in 500 ticks, which is a second at 500 Hz.
+/// The default is 3 late ticks in 500 ticks, which take a second at 500 Hz.
 impl Default for OverrunSettings {
     fn default() -> Self {
         Self { most: 3, window: 500 }
     }
 }
 
-/// Counts late ticks in a bucket: each late tick fills it, and `most` of them leak in a `window`. A fault occurs when
-/// the bucket contains more than `most` late ticks, or when for a long time more arrive than leak. O(1).
+/// Counts late ticks in a leaky bucket: each late tick adds one, and `most` of them leak out in a `window` of ticks. A
+/// fault occurs when the bucket contains more than `most` late ticks, or when for a long time more arrive than leak.
+/// O(1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrun {

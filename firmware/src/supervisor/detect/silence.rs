@@ -10,7 +10,7 @@ pub struct Silence {
     most: u32,
 }
 
-/// Five replies: 10 ms, if a servo is read in each tick of 2 ms.
+/// The default is five replies, which take 10 ms if a servo is read in each tick of 2 ms.
 impl Default for Silence {
     fn default() -> Self {
         Self { most: 5 }

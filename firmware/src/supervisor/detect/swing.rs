@@ -1,24 +1,24 @@
 //! Detector of a joint that swings because its own control loop excites it.
 
-/// Frequency below which a motion does not count as a swing, Hz: three high-passes of one pole each. A show moves at
-/// less than 4 Hz. A following error of 14 deg in a fast show is 0.14 deg rms after the high-passes; of 16 Hz a half
-/// remains.
+/// Frequency below which a motion does not count as a swing, Hz. The filter consists of three high-passes of one pole
+/// each. A show moves at less than 4 Hz. A following error of 14 deg in a fast show is 0.14 deg rms after the
+/// high-passes; half of a swing at 16 Hz remains.
 const CORNER_HZ: f32 = 12.0;
 /// Corner frequency while the target stands still, Hz: the error then contains no show, and a poor gear swings at 7
 /// to 10 Hz.
 const STANDING_CORNER_HZ: f32 = 4.0;
 /// Time constant of the mean squares, and of the reduction of the gain, s.
 const WINDOW_S: f32 = 0.5;
-/// Minimum error of a swing, rms after the high-passes, rad or m: a sine of 0.8 deg peak to peak at 16 Hz. An encoder
-/// of 4,096 steps that wavers by a step has a third of it.
+/// Minimum error of a swing, rms after the high-passes, rad or m: a sine of 0.8 deg peak to peak at 16 Hz. An
+/// encoder of 4,096 steps that wavers by a step causes a third of this error.
 const LEAST_ERROR: f32 = 2.6e-3;
-/// Factor of the error while the target stands still: with the lower corner, 0.9 of 16 Hz remain.
+/// Factor of the error while the target stands still: with the lower corner, 0.9 of a swing at 16 Hz remains.
 const STANDING_SHARE: f32 = 0.6;
 /// Minimum effort of a swing, rms, as a part of the joint's maximum: its servos must cause the swing.
 const LEAST_SHARE: f32 = 0.03;
 /// Maximum of a value, as a multiple of the minimum for a swing, so that a single jerk does not count as a swing.
 const MOST: f32 = 2.0;
-/// Part of the minimum mean square below which the swing has ended, after `CALM_S`.
+/// The swing has ended when the mean square was below this part of its minimum for `CALM_S`.
 const CALM: f32 = 0.25;
 /// Time below `CALM` after which the swing has ended, s.
 const CALM_S: f32 = 5.0;
@@ -29,7 +29,8 @@ const FAINT: f32 = 0.05;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SwingSettings {
     dt_s: f32,
-    /// Weight of a tick in a mean of the high-pass: while the target moves, and while it stands still.
+    /// Weights of a tick in a mean of the high-pass filter: the first is used while the target moves, the second
+    /// while the target stands still.
     corners: [f32; 2],
     /// Weight of a tick in a mean over the window.
     window: f32,

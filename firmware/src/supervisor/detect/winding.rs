@@ -23,15 +23,16 @@ pub struct WindingSettings {
 }
 
 impl WindingSettings {
-    /// Returns the settings for a motor with a stall current: 30 % of it without time limit, 20 s, 600 s, and half of
-    /// the rise each. No maker of hobby servos publishes these values: all four are guesses on the safe side.
+    /// Returns the settings for a motor with a stall current: 30 % of this current without time limit, and time
+    /// constants of 20 s (winding) and 600 s (case), each with half of the temperature rise. No maker of hobby
+    /// servos publishes these values: all four are guesses on the safe side.
     pub fn of_stall(stall_a: f32) -> Self {
         Self { continuous_a: 0.3 * stall_a, winding_s: 20.0, case_s: 600.0, winding_share: 0.5 }
     }
 }
 
 /// A model of two heated masses: the winding against its case, and the case against the air. Heat is 1 at the final
-/// temperature of the continuous current. It starts cold, since the time before the board's start is unknown:
+/// temperature of the continuous current. It starts cold, since the time before the board's start is unknown;
 /// [`Heat`](super::Heat) measures the real temperature. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Winding {
@@ -108,8 +109,8 @@ mod tests {
     #[test]
     fn the_continuous_current_is_borne_and_more_is_not() {
         assert_eq!(lasts_s(0.297, 0.01), None);
-        // 1.1² of it: the winding is warm soon; the case must reach (1 / 1.21 - 0.5) / 0.5 of its final heat, which
-        // takes 600 s times -ln(1 - 0.653).
+        // At 1.1 times the continuous current, the winding is warm soon; the case must reach (1 / 1.21 - 0.5) / 0.5
+        // of its final heat, which takes 600 s times -ln(1 - 0.653).
         assert!((lasts_s(0.33, 0.01).unwrap() - 635.0).abs() < 3.0);
         // Stall: (1 / 0.3)² times (0.5 (1 - e^(-t / 20)) + 0.5 (1 - e^(-t / 600))) is 1 at t = 3.84 s. The tolerance
         // covers the case's steps of a second and the rounding to a tick.

@@ -5,15 +5,15 @@ use core::mem;
 use super::FaultRecord;
 
 /// The first fault since faults were cleared, and the last `K` faults. A repeated fault is counted, so that it does
-/// not displace others. It is not counted together with one from before faults were cleared, which has another cause.
-/// A warning is the first entry until a fault occurs.
+/// not displace others. It is not counted together with a fault from before faults were cleared, because that one
+/// has another cause. A warning is the first entry until a fault occurs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
     /// The last faults, newest first.
     last: [Option<FaultRecord>; K],
-    /// Number of the last faults that occurred since faults were cleared.
+    /// Number of items of `last` that occurred since faults were cleared.
     since: usize,
     /// Number of times that faults were cleared.
     clears: u32,
@@ -64,7 +64,8 @@ impl<const K: usize> FaultLog<K> {
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before that.
+    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before they were
+    /// cleared.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }

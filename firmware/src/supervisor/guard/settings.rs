@@ -29,7 +29,7 @@ pub struct GuardSettings {
     pub gear: f32,
     /// Maximum speed of the servo's goal, rad/s.
     pub speed_rad_s: f32,
-    /// Maximum age of a reading, s. Without a newer one there is no current, no voltage and no first goal.
+    /// Maximum age of a reading, s. Without a newer reading there is no current, no voltage and no first goal.
     pub stale_s: f32,
     /// Kind of the servo's commands, with their limits.
     pub limits: GuardLimits,
@@ -84,9 +84,11 @@ impl VoltageLimits {
         told_v.unwrap_or(self.supply_v).max(LEAST_SUPPLY * self.supply_v)
     }
 
-    /// Returns the part of the supply with which the servo coasts, and the minimum and maximum permitted part.
-    /// `effort` is the permitted part of its current; while shorted, a motor may brake with its full current.
-    /// `is_blind` is whether its drive may have faded out and shorted the motor, whatever the current.
+    /// Returns parts of the supply voltage: the part at which no current flows, so that the servo coasts, and the
+    /// minimum and maximum permitted part. `effort` is the permitted part of the maximum current for driving. For
+    /// braking, down to a shorted winding, the maximum current is always permitted. `is_blind` is whether the drive may
+    /// have faded its voltage to zero for want of readings, which shorts the motor: the current of such braking is not
+    /// limited.
     pub(super) fn parts(
         &self,
         velocity_rad_s: f32,
@@ -180,7 +182,7 @@ impl GuardSettings {
             ("stale_s", self.stale_s, [1e-3, 10.0]),
         ];
         let current = |most_a| ("most_a", most_a, [0.0, 1e3]);
-        // The last item may appear several times.
+        // The lists have equal length: the last item of a list may be repeated.
         let of_limits = match &self.limits {
             GuardLimits::Goal(goal) => [
                 ("acceleration_rad_s2", goal.acceleration_rad_s2, [0.0, f32::INFINITY]),
@@ -203,8 +205,8 @@ impl GuardSettings {
     }
 }
 
-/// A reason for which the guard changed or refused a command. Drives keep all of these limits: a reason is a mistake
-/// in a drive or its caller.
+/// A reason for which the guard changed or refused a command. Drives obey all of these limits themselves, so a
+/// reason shows a mistake in a drive or its caller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardReason {

@@ -68,8 +68,8 @@ pub(crate) fn measure(tried: &mut impl Tried, fault: Fault, state: State) -> Cel
             break;
         }
         // A rig that is lowered is still carried on the way down: after half a second part of the torque is still
-        // there. The minimum share of effort is 0.3, and of a weight that stands 2.5 s of 3 s leave a sixth.
-        // Servos that have stopped by themselves carry nothing.
+        // there. The minimum share of effort is 0.3, and a sixth of the weight of a joint at rest is carried even
+        // after 2.5 s of 3 s. Servos that have stopped by themselves carry nothing.
         if reaction == Reaction::Lower
             && tick == tried.ticks_of(0.5)
             && fault != Fault::ServoStopped

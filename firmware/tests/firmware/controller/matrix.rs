@@ -73,7 +73,7 @@ pub(super) fn stand_in(state: State, fault: Fault) -> TestRig {
                     // First the arm moves away from home.
                     test_rig.tick(Some(Command::Play(Feed::Show)));
                     test_rig.run(8.0);
-                    // The way home takes less than the link's time-out, so the link is cut before.
+                    // The rig moves home in less time than the link's time-out, so the link is cut before the stop.
                     test_rig.heard = fault != Fault::LinkLost;
                     test_rig.run(1.0);
                     test_rig.tick(Some(Command::Stop));
@@ -104,7 +104,8 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
         Fault::HotWinding => Planted { current_a: Some(147.0), ..Planted::default() },
         Fault::SupplyLow => Planted { volts: Some(3.0), ..Planted::default() },
         Fault::SupplyHigh => Planted { volts: Some(8.0), ..Planted::default() },
-        // An encoder that runs away by 30 deg, and stops there. While floating it runs farther, faster than any hand.
+        // The encoder's reading runs away by 30 deg and stops there. In the state floating it runs farther, faster
+        // than a hand moves the joint.
         Fault::FollowingError => {
             let is_rad = test_rig.bus.feedback(0).unwrap().position_rad;
             let far_rad = if is_led { 2.0 } else { 0.52 };
@@ -126,7 +127,7 @@ fn plant(test_rig: &mut TestRig, fault: Fault, on: bool) {
     match fault {
         Fault::LinkLate | Fault::LinkLost => test_rig.heard = !on,
         Fault::ServoSilent => {
-            // A servo that keeps a rig off stays silent until this fault is ended.
+            // In the state off, servo 5 is silent too, until this fault is ended.
             if !on {
                 test_rig.bench.faults.clear();
             }

@@ -23,11 +23,11 @@ const TICKS: u32 = 250;
 /// Number of last ticks over which positions are averaged: within the play of its gear, a shaft without load moves to
 /// and fro.
 const MEAN_TICKS: u32 = 50;
-/// Maximum difference between the means of a shaft at rest: the play of an STS3215, the largest.
+/// Maximum difference between the means of a shaft at rest: the play of an STS3215, which has the largest.
 const REST_RAD: f64 = 0.0175;
 const MOST_SERVOS: usize = 8;
 
-/// Ratio of the rig as built to its model.
+/// Ratios of properties of the rig as built to those of its model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AsBuilt {
     pub(crate) masses: f64,
@@ -107,8 +107,8 @@ pub(crate) struct Rest {
     pub(crate) band_rad: f64,
 }
 
-/// Moves to a pose, holds it, and returns each joint at rest. `offset`: whether the drives compensate gravity with the
-/// rig's model.
+/// Moves to a pose, holds it, and returns each joint at rest. `offset` is whether the drives compensate gravity
+/// with the rig's model.
 pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: bool) -> Vec<Rest> {
     let is_feetech = figure.model.starts_with("STS");
     let kind = built.kind(&figure.model);

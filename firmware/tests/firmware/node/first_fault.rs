@@ -1,5 +1,5 @@
-//! After an operator clears faults, the next fault is the first in flash, with its time, whatever it is and even if
-//! others are waiting. A warning does not count as the first fault.
+//! After an operator clears faults, flash keeps the next fault as the first, with its time. This holds for every
+//! fault, even while earlier records still wait to be written. A warning does not count as the first fault.
 
 use sinew_firmware::supervisor::{FaultRecord, State};
 use sinew_link::message::{

@@ -10,8 +10,8 @@ use super::world::World;
 
 const LIVE: Trouble = Trouble { lost: 100, twice: 20, flipped: 20, jitter_us: 100_000 };
 
-/// 200 frames per second once led to `FeedSilent`: the buffer of 24 frames contained none that was due. Now any rate
-/// is played.
+/// A stream of any rate must be played. The buffer delays frames by 150 ms and has room for 24: at 200 frames per
+/// second, the latest 24 are not due yet. A buffer that kept only these would cause `FeedSilent`.
 #[test]
 fn a_stream_of_any_rate_is_played() {
     let kind = Kind::Current;

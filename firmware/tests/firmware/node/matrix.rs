@@ -1,8 +1,8 @@
-//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
-//! page `docs/fault-matrix.md`.
+//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. This is the second table of
+//! the page `docs/fault-matrix.md`.
 //!
-//! These tests create a fault where an image can meet it: in the bytes of its bus and its host link, at its pins, by
-//! its clock. The first table plants it between bus and controller.
+//! These tests create a fault where an image can detect it: in the bytes of its bus and its host link, at its pins,
+//! by its clock. The tests of the first table create it between bus and controller.
 
 use std::collections::HashMap;
 use std::thread;
@@ -211,8 +211,8 @@ fn bring(world: &mut World, state: State, fault: Fault) {
                     world.ask(Command::Play(Feed::Show));
                     world.run(4.0);
                     if matches!(fault, Fault::LinkLost | Fault::HostDeaf) {
-                        // The way home takes less than the time-out, so the link is cut before, and heat stops the
-                        // rig.
+                        // The rig moves home in less time than the link's time-out, so the link is cut before the
+                        // stop. Then heat stops the rig.
                         plant(world, fault);
                         world.run(1.1);
                         world.told.lie.celsius = Some(66);
@@ -330,7 +330,7 @@ fn cell(world: &mut World, fault: Fault, state: State) -> String {
 
 /// Checks that a command clears a fault as soon as filters have settled.
 fn is_cleared(world: &mut World, fault: Fault) {
-    // It goes to its rest pose and down before.
+    // The rig first goes to its rest pose and is lowered.
     for _ in 0..120 {
         if world.state().is_some_and(|state| !state.is_on()) {
             world.ask(Command::ClearFaults);
@@ -343,7 +343,8 @@ fn is_cleared(world: &mut World, fault: Fault) {
     panic!("{fault} is not cleared: {:?}", world.state());
 }
 
-/// Measures all cells of these faults and states, in a new world with such a board for each fault.
+/// Measures all cells of these faults and states. For each fault it makes a new world, with a new board from
+/// `emulated`.
 fn cells(
     emulated: fn() -> Option<Emulated>,
     is_wanted: impl Fn(Fault, State) -> bool + Sync,
@@ -400,7 +401,7 @@ fn the_second_table_is_what_happens_in_process() {
     is_the_page(|| None);
 }
 
-/// Returns a state for each fault that can be shown: the one that the faults before use least.
+/// Returns a state for each fault that can be shown: the state that was chosen least often for the earlier faults.
 fn share() -> Vec<(Fault, State)> {
     let mut times = [0; State::COUNT];
     let mut share = Vec::new();

@@ -1,5 +1,4 @@
-//! Power fails at every step of flash, under a whole node: afterwards the old or the new data is there, never
-//! neither.
+//! Power fails at every step of flash, under a whole node. Afterwards either the old or the new data is in flash.
 
 use sinew_link::message::{
     Applied, Command, FaultReport, Kind as ItemKind, Location, Outcome, Value,

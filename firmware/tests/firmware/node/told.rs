@@ -27,7 +27,7 @@ pub(crate) struct Told {
     asked: Option<u16>,
     /// Number of answers of servo 0 since it has a false position.
     answers: usize,
-    /// Position of an encoder that runs away, and its way in the last answer, steps.
+    /// Position that a runaway encoder reports, and its change since the previous answer, steps.
     runs: Option<[i32; 2]>,
     /// Checksum of the answer of all servos in one packet, as far as it has arrived.
     fast: Option<Crc>,

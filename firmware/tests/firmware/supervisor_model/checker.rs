@@ -1,4 +1,4 @@
-//! The search and the rules. It knows only the table of faults of the supervisor's internals.
+//! The search and the rules. They use nothing of the supervisor's internals except the table of faults.
 
 use std::collections::{HashSet, VecDeque};
 use std::fmt;
@@ -37,11 +37,11 @@ impl fmt::Display for Violation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 struct Watched {
     mode: Mode,
-    /// An arm command was applied since torque was off.
+    /// Whether an arm command was applied since torque was off.
     was_armed: bool,
-    /// A stop, a disarm command or a fault has begun to end the rig's motion.
+    /// Whether a stop, a disarm command or a fault has begun to end the rig's motion.
     is_ending: bool,
-    /// A serious fault occurred, and since then neither a clear command nor an upload.
+    /// Whether a fault that stops the rig occurred, with neither a clear command nor an upload since then.
     is_blamed: bool,
 }
 

@@ -23,7 +23,8 @@ pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> 
     Ok(())
 }
 
-/// Asks the board to arm its rig, and returns whether it did. With `waits`, a refusal that may pass returns `false`.
+/// Asks the board to arm its rig, and returns whether it did. With `waits`, returns `false` if the board refuses for a
+/// reason that may pass by itself; every other refusal is an error.
 pub(in crate::cli) fn arm<L: Line>(board: &mut Board<L>, waits: bool) -> anyhow::Result<bool> {
     match board.ask(Command::Arm) {
         Err(ClientError::Refused(

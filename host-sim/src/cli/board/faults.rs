@@ -17,7 +17,7 @@ pub(super) struct FaultsArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// Clear the latched faults. Nothing moves. The board refuses it while the cause of a fault is present.
+    /// Clear the latched faults. Nothing moves. The board refuses to clear them while the cause of a fault is present.
     #[arg(long)]
     clear: bool,
 }

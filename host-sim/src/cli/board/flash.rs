@@ -96,7 +96,8 @@ fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     }
 }
 
-/// Checks that the board does not hold a rig. A board that does not answer holds none: it has no such firmware.
+/// Checks that the board does not hold a rig with torque. A board that does not answer has no firmware that could hold
+/// one.
 fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
     let mut board = match port.open() {
         Ok(board) => board,

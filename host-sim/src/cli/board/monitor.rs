@@ -39,7 +39,7 @@ pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
         "the board has no rig, so it has nothing to report: `sinew board upload rig` uploads one"
     );
     board.telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
-    // Discards counts from before this command.
+    // Discards the counts of the time before this command.
     let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
     let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
     while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {

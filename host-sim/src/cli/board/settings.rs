@@ -84,7 +84,7 @@ fn in_words(error: ClientError) -> anyhow::Error {
     anyhow!("the controller refused: {name} is {found}; it must be a number from {least} to {most}")
 }
 
-/// Returns the key of a setting's name.
+/// Returns the key of the setting with this name.
 fn number(name: &str) -> anyhow::Result<u16> {
     let known = (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key);
     known.with_context(|| format!("`{name}`: expected one of {}", SETTING_NAMES.join(", ")))

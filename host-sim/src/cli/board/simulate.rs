@@ -31,8 +31,8 @@ const BAUD: u32 = 1_000_000;
 /// Simulate a board on a serial port of this machine: the program of boards, with simulated servos.
 ///
 /// It creates the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All
-/// commands of `sinew board`, and `--target` of `play` and `record`, accept the link as their port. The rig is in its
-/// flash already.
+/// commands of `sinew board`, and `--target` of `play` and `record`, accept the link as their port. The flash of the
+/// board already contains the rig.
 #[derive(Debug, Args)]
 pub(super) struct SimulateArgs {
     /// Rig whose servos are on the board: rig.toml, URDF or MJCF.
@@ -112,7 +112,7 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
             begun_us = Some(now_us);
         }
         was_led = is_led;
-        // Before its path the hand holds the first pose, after it the last.
+        // Before the path begins, the hand holds the first pose; after the path's end, the last pose.
         let way_us = now_us - begun_us.unwrap_or(now_us);
         hand.hold(1e-6 * way_us as f64, |dof, hand| {
             board.lead(dof, hand);

@@ -29,7 +29,7 @@ pub(super) struct UploadArgs {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Upload a rig, with the servos on each bus line of the board. The board restarts with it.
+    /// Upload a rig, and the list of servos on each bus line of the board. The board then restarts with this rig.
     Rig {
         /// A rig.toml, a URDF or an MJCF file.
         #[arg(value_name = "FILE")]

@@ -5,7 +5,7 @@ mod live;
 mod notes;
 mod nucleo;
 mod real_time;
-mod show;
+pub(super) mod show;
 mod sim;
 
 use std::path::{Path, PathBuf};
@@ -32,10 +32,10 @@ const ROUNDS: u32 = 2;
 
 /// Play a show on a rig: on simulated servos, or on a board.
 ///
-/// The controller is the one that boards run. The simulated rig hangs on a stand. Power is switched on; the rig is
-/// armed where it is, moves to the show's first pose at 20 deg/s at most, plays, moves to its rest pose, and torque
-/// is off again. At the end a table shows how well each joint followed. Every run of the same command sends the same
-/// bytes to the servos.
+/// The controller is the one that boards run. The simulated rig hangs on a stand. After power-on the rig is armed where
+/// it is, moves to the show's first pose at 20 deg/s at most, and plays. Then it moves to its rest pose and is lowered,
+/// and torque is switched off. At the end a table shows how well each joint followed. Every run of the same command
+/// sends the same bytes to the servos.
 ///
 /// On a terminal it plays in real time and shows the joints with the largest errors. Ctrl-C stops the rig safely: it
 /// moves to its rest pose, then torque is off. A second Ctrl-C ends at once.
@@ -52,8 +52,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Put a servo of this kind on each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... With a
-    /// name, on the joints of that name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
+    /// Add a servo of this kind to each joint that has none: xl330, xl430, xm430, mx-28, mx-64, sts3215, ... With a
+    /// name, only to joints of that name: `l_knee=xm430`, `l_*=xm430`. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
@@ -65,8 +65,8 @@ pub(super) struct Args {
     /// serial port of a controller board, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
     ///
     /// A board must have this rig; the command uploads the show if the board lacks it. Ctrl-C stops the rig: it goes to
-    /// its rest pose, is lowered, and torque is off. `cargo xtask emulate` builds the emulator and the image of
-    /// `nucleo`; `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` name others.
+    /// its rest pose and is lowered, and torque is switched off. `cargo xtask emulate` builds the emulator and the
+    /// image of `nucleo`. The environment variables `SINEW_EMULATOR` and `SINEW_NUCLEO_IMAGE` select other files.
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
@@ -193,7 +193,7 @@ impl Args {
         Ok(())
     }
 
-    /// Returns how the simulated plant differs, if it does.
+    /// Returns the changes of the simulated plant as a text; `None` if there are none.
     fn varied(&self) -> Option<String> {
         let changes: Vec<String> = self.plant.iter().map(ToString::to_string).collect();
         (!changes.is_empty()).then(|| changes.join(", "))

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use sinew_host_util::command::note;
 
-/// A tick that ends later than this is counted as late: an eye sees a frame of 25 Hz that is missing.
+/// A tick that ends later than this counts as late. It is the duration of a frame at 25 Hz: a person can see that such
+/// a frame is missing.
 const LATE: Duration = Duration::from_millis(40);
 
 /// Keeps a simulation in step with the clock, and counts ticks that came late.

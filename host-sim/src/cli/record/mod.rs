@@ -72,7 +72,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.csv")]
     guide: Option<PathBuf>,
 
-    /// Put a servo of this kind on each joint that has none, as `sinew play` does. May be repeated.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
@@ -93,7 +93,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     release_test_s: Option<f64>,
 
-    /// Factor on the masses and inertias of the simulated bodies. The controller uses those of the rig's file.
+    /// Factor on the masses and inertias of the simulated bodies. The controller uses the values in the rig's file.
     /// Default: 1.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     mass_scale: Option<f64>,
@@ -135,7 +135,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
 }
 
 impl Args {
-    /// Writes the motion of a person as it was measured, beside the first output file: nobody can repeat it exactly.
+    /// Writes the motion of a person as it was measured, beside the first output file, because nobody can repeat it
+    /// exactly.
     fn keep(&self, rig: &LoadedRig, measured: &RigMotion) {
         let Some(path) = self.output.first() else { return };
         let kept = path.with_extension("led.csv");

@@ -16,7 +16,7 @@ use crate::cli::unit_args::UnitArgs;
 
 /// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
 ///
-/// Exit code 1 if the rig cannot do its work.
+/// Exit code 1 if a fault is found, such as a servo that is too weak for the rig's weight.
 #[derive(Debug, clap::Args)]
 pub(super) struct CheckArgs {
     /// The rig: rig.toml, URDF or MJCF.
@@ -41,7 +41,7 @@ pub(super) struct LoopArgs {
     #[arg(long, value_name = "HZ", default_value_t = 500.0, value_parser = rate_hz)]
     rate_hz: f64,
 
-    /// Delay of torques, in ticks.
+    /// Delay from a measurement to the torque that is computed from it, in ticks.
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
     latency_ticks: usize,
 

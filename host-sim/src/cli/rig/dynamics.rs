@@ -10,7 +10,7 @@ use sinew_performance::rig::{dof_names, inverse_dynamics};
 use super::files::read_as;
 use crate::cli::unit_args::UnitArgs;
 
-/// Compute the efforts that given motions take: CSV from standard input, CSV to standard output.
+/// Compute the efforts that given motions need: CSV from standard input, CSV to standard output.
 ///
 /// Columns in: q.NAME, qd.NAME, qdd.NAME in any order (in rad or m, per s, per s²; the base
 /// is at rest). Ball joints have q.NAME.x, .y, .z, .w and qd.NAME.0, .1, .2. Columns out:

@@ -29,7 +29,7 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     open_loops: bool,
 
-    /// Replace impossible inertia by that of a ball, and missing inertia by that of a point.
+    /// Replace impossible inertia by the inertia of a ball. A body without inertia becomes a point mass.
     #[arg(long)]
     repair_inertia: bool,
 

@@ -18,10 +18,10 @@ use super::rig::find_rate;
 
 /// Find the range of each joint by hand, and write it into the rig file.
 ///
-/// Drive by drive: torque is switched off, you move the joint from stop to stop, and Enter stores the ends. Then you
-/// put the joint at its home, and Enter stores the servo's offset. Torque stays off, also if Ctrl-C or an error ends
-/// the command. Only `range_deg` and `offset_deg` of the servos are changed; everything else in the file stays as you
-/// wrote it.
+/// For one drive after the other: torque is switched off, you move the joint from stop to stop, and Enter stores the
+/// ends. Then you put the joint at its home, and Enter stores the servo's offset. Torque stays off, also if Ctrl-C or
+/// an error ends the command. Only `range_deg` and `offset_deg` of the servos are changed; everything else in the file
+/// stays as you wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
     /// The rig.toml to read and to change.
@@ -48,7 +48,7 @@ fn margin(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Calibrates drive by drive. Each result is written before the next drive begins.
+/// Calibrates one drive after the other. Each result is written before the next drive begins.
 pub(super) fn run(line: &LineArgs, args: &CalibrateArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     let mut text = sinew_mocap::read::text(&args.rig).with_context(name)?;

@@ -38,7 +38,7 @@ pub(super) struct LineArgs {
     #[arg(long, value_name = "N", global = true, default_value_t = 0, requires = "board")]
     line: u8,
 
-    /// Protocol of the servos. Default: that of the rig's servos; without a rig both are tried.
+    /// Protocol of the servos. Default: the protocol of the rig's servos; without a rig, both protocols are tried.
     #[arg(long, value_enum, global = true)]
     protocol: Option<ProtocolArg>,
 
@@ -46,8 +46,8 @@ pub(super) struct LineArgs {
     #[arg(long, value_name = "BAUD", global = true, value_parser = rate)]
     baud: Option<u32>,
 
-    /// Longest time to wait for an answer, in ms. Adapters with an FTDI chip keep bytes for up to 16 ms. Default: 34;
-    /// through a board 5.
+    /// Longest time to wait for an answer, in ms. Adapters with an FTDI chip hold received bytes back for up to 16 ms.
+    /// Default: 34; through a board 5.
     #[arg(long, value_name = "MS", global = true, value_parser = wait_ms)]
     timeout_ms: Option<u64>,
 

@@ -95,10 +95,10 @@ fn json(found: &[Found]) -> anyhow::Result<String> {
     Ok(serde_json::to_string_pretty(&object)? + "\n")
 }
 
-/// Ask whether a servo answers at an id, and print its model.
+/// Check whether a servo answers at an id, and print its model.
 #[derive(Debug, clap::Args)]
 pub(super) struct PingArgs {
-    /// Id to ask.
+    /// Id of the servo.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     id: u8,
 }

@@ -25,13 +25,14 @@ use crate::cli::rig::read;
 /// Measure stiffness and damping of a servo's gear by a tap test, and write them into the rig file.
 ///
 /// The servo repeats this cycle: it moves slowly, its torque steps up, it brakes and moves back. Meanwhile its joint
-/// rings. The size of the motion and the torque are printed before. Put the rig in its home pose, and fix all other
-/// joints of the servo's limb: the parts on the servo must be stiff. Their inertia is that of the rig file.
+/// rings. The size of the motion and the torque are printed before the servo moves. Put the rig in its home pose, and
+/// fix all other joints of the servo's limb: the parts on the servo must be stiff. Their inertia is computed from the
+/// rig file.
 ///
-/// It asks before it moves. At Ctrl-C and at each error the servo brakes, and all its registers are restored; torque
-/// is off again if it was off before. `gear_stiffness_nm_rad` and `gear_damping_nm_s` of its kind are written: they
-/// hold for all servos of this kind. If the taps do not determine the values, nothing is written: exit code 2. Play
-/// is not measured.
+/// The command asks before the servo moves. At Ctrl-C and at each error the servo brakes, and all its registers are
+/// restored; torque is off again if it was off before. `gear_stiffness_nm_rad` and `gear_damping_nm_s` are written for
+/// the servo's kind, so they apply to all servos of this kind. If the taps do not determine the values, nothing is
+/// written, and the exit code is 2. The play of the gear is not measured.
 #[derive(Debug, clap::Args)]
 pub(super) struct TapArgs {
     /// Name of the servo in the rig.
@@ -63,12 +64,12 @@ pub(super) struct TapArgs {
     #[arg(long, value_name = "N", default_value_t = 150, value_parser = clap::value_parser!(u32).range(20..=1000))]
     taps: u32,
 
-    /// Size of the torque step of a tap, in % of the servo's torque at standstill.
+    /// Torque step of a tap, in % of the servo's stall torque.
     #[arg(long, value_name = "%", default_value_t = 50, value_parser = clap::value_parser!(u8).range(5..=60))]
     strength: u8,
 
-    /// Inertia of the parts on the servo, in kg m², with any weight that is fixed to it for the test. Default: that
-    /// of the rig at its home pose.
+    /// Inertia of the parts on the servo, in kg m², with any weight that is fixed to it for the test. Default: computed
+    /// from the rig at its home pose.
     #[arg(long, value_name = "KG_M2", value_parser = inertia)]
     inertia_kg_m2: Option<f64>,
 

@@ -152,7 +152,7 @@ fn a_quadruped_is_searched_and_blended() {
             ["clip", "find", "dog.bvh", "--like", "dog.bvh@33", "--check", "--metric", metric];
         let (found, told) = json(folder.path(), &arguments);
         assert!(told.contains("checked: the same moments"), "{told}");
-        // A stride earlier or later.
+        // The found frame is a stride earlier or later.
         let frame = found["moments"][0]["frame"].as_u64().expect("a frame");
         assert!([13, 53, 73].contains(&frame), "{metric}: {found}");
         assert!(found["moments"][0]["distance"].as_f64().unwrap() < 1e-3, "{found}");

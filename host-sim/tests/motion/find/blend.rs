@@ -49,11 +49,11 @@ fn a_blend_is_a_file_that_is_read_again() {
     assert!(!picture.contains("NaN") && !picture.contains("inf") && !picture.contains("var("));
 }
 
-/// A blend that would leave almost nothing of a clip is refused, with options that would work; they do.
+/// A blend that would leave almost nothing of a clip is refused, with a proposal of options. The proposed options work.
 #[test]
 fn a_blend_leaves_enough_of_both_clips() {
     let folder = tempfile::tempdir().expect("a folder");
-    // A period of 1.05 s: among equal places the earliest is used.
+    // The clip has a period of 1.05 s: among equally near places the earliest is used.
     bvh::write(&folder.path().join("a.bvh"), &creature(12, 0), 0.01).expect("a clip");
     let blend = |leave: &[&'static str]| {
         let all =

@@ -98,7 +98,8 @@ impl Pair {
         Difference::between(&self.desired.bodies[body], &self.measured.bodies[body])
     }
 
-    /// Returns the error of a body by Linear Compensation. `None` for a half turn, within the precision of f32.
+    /// Returns the error of a body by Linear Compensation. Returns `None` if f32 cannot distinguish the turn from a
+    /// half turn, and the core did not report one.
     fn turned(&self, body: usize, aim: Aim, status: AimStatus) -> Option<Turned> {
         let of = |difference| Some(Turned { difference, left_out_rad: 0.0 });
         let Aim::Child(child) = aim else { return of(self.world(body)) };
@@ -110,7 +111,8 @@ impl Pair {
         if unclear && arm.exact().dot(way) < 0.0 {
             return if status == AimStatus::Antiparallel { of(self.world(body)) } else { None };
         }
-        // If f32 cannot distinguish two directions, the core leaves out the turn, which is as small.
+        // If f32 cannot distinguish two directions, the core leaves out the turn between them, which is then very
+        // small.
         let largest = SMALLEST_SINE + turned.sine.limit();
         let left_out_rad = if turned.sine.exact() < largest { largest } else { 0.0 };
         Some(Turned { difference: turned.difference, left_out_rad })
@@ -145,7 +147,8 @@ fn errors(
     vectors(table, [names[3], "m/s"], speeds, rounded.iter().map(|error| error.linear_rate));
 }
 
-/// Compares the wrenches of a controller's tick with those of the same errors with their rounding.
+/// Compares the wrenches of a controller's tick with wrenches that are computed from the same errors, with their
+/// rounding.
 fn tick(
     table: &mut Table,
     pair: &Pair,

@@ -12,7 +12,7 @@ use super::dynamics::{GRAVITY_M_S2, Sides};
 /// Number of rigs in which each error is planted.
 const RIGS: u64 = 60;
 
-/// Whether a wrench of a wrong rig, or of a wrong motion, exceeds the limit of the right one.
+/// Returns whether a wrench of a wrong rig, or of a wrong motion, exceeds the limit for the right rig and motion.
 fn found(right: &Sides, wrong: &Rig, states: &[JointState], accelerations: &[Twist]) -> bool {
     let got = wrong.wrenches(states, accelerations, GRAVITY_M_S2, &[]);
     let rounded = right.rounded_wrenches(&motions(&right.rig.accelerations()));
@@ -43,13 +43,13 @@ fn a_right_rig_is_within_its_limits() {
 }
 
 /// In 99 of 100 rigs a force has a limit of 2e-5 of the largest force or less (the table of `cargo xtask limits`). An
-/// error of five times that is found in every rig.
+/// error that is five times as large is found in every rig.
 #[test]
 fn a_mass_off_by_a_ten_thousandth_is_found() {
     assert_eq!(found_in(|body| body.inertia.mass_kg *= 1.000_1), 60);
 }
 
-/// A ten-thousandth of 0.2 m, its largest distance from the origin.
+/// 20 um are a ten-thousandth of 0.2 m, the largest distance of a centre of mass from its body's origin.
 #[test]
 fn a_centre_of_mass_off_by_20_um_is_found() {
     assert_eq!(found_in(|body| body.inertia.center_of_mass_m += Vec3::splat(2e-5)), 60);

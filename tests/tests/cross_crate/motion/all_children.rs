@@ -12,7 +12,7 @@ use sinew_core::{BodySet, BodyState, Transform, Twist, kinematics, math};
 use sinew_test_support::property;
 use sinew_test_support::rig::{CAPACITY, figures};
 
-/// Bodies of a figure that is larger than the paper's 18.
+/// Maximum number of bodies of a figure: more than the paper's 18.
 const MOST: usize = 24;
 
 /// About ten roundings of 1.2e-7 in f32.
@@ -35,12 +35,14 @@ impl Wahba {
         self.arms.iter().map(|arm| (turn * *arm - (*arm + self.shift)).length_squared()).sum()
     }
 
-    /// Returns the largest cost that a turn can make, m².
+    /// Returns the scale of the cost, m²: the largest possible value of `Σ b · R a`, the only part of the cost that
+    /// depends on the turn `R`.
     fn scale(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length() * (*arm + self.shift).length()).sum()
     }
 
-    /// Returns the sum of the arms' lengths, m: the largest effect of a shift of all goals.
+    /// Returns the sum of the arms' lengths, m. If all goals are shifted, `Σ b · R a` changes by at most the length
+    /// of the shift times this sum.
     fn levers(&self) -> f64 {
         self.arms.iter().map(|arm| arm.length()).sum()
     }
@@ -74,8 +76,8 @@ impl Wahba {
         DQuat::from_vec4(longest.expect("four columns").normalize())
     }
 
-    /// Returns the smallest curvature of the cost at a turn, relative to its scale: how well the best turn is
-    /// defined.
+    /// Returns approximately the smallest curvature of the cost at a turn, relative to its scale: how well the best
+    /// turn is defined.
     fn definite(&self, turn: DQuat) -> f64 {
         let c = self.profile() * DMat3::from_quat(turn.inverse());
         let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
@@ -106,7 +108,7 @@ fn turn_of(error: &StateError, desired: &BodyState, measured: &BodyState) -> DQu
     turned * desired.pose.rotation.as_dquat().inverse()
 }
 
-/// Returns the rotation vector of the shorter turn.
+/// Returns the rotation vector of the shorter of the two turns that a quaternion describes.
 fn rotation_vector(turn: DQuat) -> DVec3 {
     (if turn.w < 0.0 { -turn } else { turn }).to_scaled_axis()
 }
@@ -119,7 +121,8 @@ fn all(arms: &[Vec3], desired: &BodyState, measured: &BodyState) -> (StateError,
     compensate_all(arms.iter().copied(), Compensation::default(), desired, measured)
 }
 
-/// Returns the turn for arms whose body is shifted by `shift`. Neither body is turned.
+/// Returns the turn for arms whose body is shifted by `shift`. The desired and the measured body have the same
+/// orientation.
 fn turn(arms: &[Vec3], shift: Vec3) -> (Vec3, AimStatus) {
     let (error, status) = all(arms, &state(Quat::IDENTITY, shift), &BodyState::WORLD);
     (error.angular_rad, status)
@@ -306,11 +309,11 @@ fn evenly_placed_children_need_no_turn() {
 
 #[test]
 fn what_has_no_one_best_turn_is_not_turned() {
-    // The body is far beyond its goals: a half turn, about X or -X.
+    // The body is far beyond its goals: the best turn is a half turn, about X or -X.
     let even = [Vec3::new(0.1, -0.3, 0.0), Vec3::new(-0.1, -0.3, 0.0)];
     let shift = Vec3::Y * 2.0;
     assert_eq!(turn(&even, shift), (Vec3::ZERO, AimStatus::Antiparallel));
-    // A little to the side the turn is well defined, and almost as long, as with one child.
+    // If the shift is a little to the side, the turn is well defined and almost as large, as with one child.
     let (error, status) = turn(&even, shift + Vec3::Z * 0.01);
     assert_eq!(status, AimStatus::Compensated);
     assert!(error.x.abs() > 3.0, "{error}");

@@ -117,7 +117,8 @@ proptest! {
                 let got = limited.tick(&mut targets, &measured, &[], &mut workspace);
                 prop_assert!(finite(got), "{got:?}");
                 for (got, wanted) in got.iter().zip(&wanted) {
-                    // In units of the largest component: the square of a subnormal number would be zero.
+                    // If the square of a subnormal number is zero, the length is zero, which is within the limit
+                    // too.
                     let (moment, force) = (got.value.moment_nm.length(), got.value.force_n.length());
                     prop_assert!(moment <= 5.0 * (1.0 + 1e-6) && force <= 50.0 * (1.0 + 1e-6));
                     let kept = got.value == wanted.value;
@@ -234,7 +235,7 @@ proptest! {
             TorqueController::new(rig.tree.clone(), gains(), method).expect("a good controller")
         });
         let controllers: Vec<_> = controllers.collect();
-        // At rest, so that there is an error.
+        // The measured rig is at rest, so that there is an error.
         let measured = JointStates::rest(&rig.tree);
         let mut workspace = Workspace::resolving();
         for before in &controllers {

@@ -59,7 +59,7 @@ proptest! {
         let targets = targets(&rig);
         prop_assert_eq!(targets.states(), expected.as_slice());
         for (got, expected) in targets.accelerations().iter().zip(rig.accelerations()) {
-            // The sums have another order.
+            // The sums are added in another order.
             prop_assert!((got.angular - expected.angular).length() < 1e-4);
             prop_assert!((got.linear - expected.linear).length() < 1e-4);
         }
@@ -115,7 +115,7 @@ proptest! {
         let (velocity, acceleration) = (targets.states()[0].velocity, targets.accelerations()[0]);
         let got = [velocity.angular, velocity.linear, acceleration.angular, acceleration.linear];
         for (got, expected) in got.iter().zip(expected) {
-            // Terms of h² at up to 5 rad/s and 35 rad/s², and rounding of f32.
+            // Tolerance: terms of h² at up to 5 rad/s and 35 rad/s², and rounding of f32.
             let off = (got.as_dvec3() - expected).length();
             prop_assert!(off < 1e-3, "{:?}: {got} {expected}", rig.tree.bodies()[0].joint);
         }
@@ -133,7 +133,7 @@ proptest! {
             let dofs = tree.dofs(body);
             let by_effort: f32 = dofs.clone().map(|k| efforts[k] * qd[k]).sum();
             let by_wrench = wrench.power_w(state.velocity);
-            // Up to six products of 20 and 3, rounded a few times.
+            // Tolerance: up to six products of 20 and 3, rounded a few times.
             prop_assert!((by_effort - by_wrench).abs() < 2e-4, "{by_effort} {by_wrench}");
             for k in dofs {
                 prop_assert!((back[k] - efforts[k]).abs() < 2e-5);

@@ -52,7 +52,7 @@ fn gains() -> Gains {
     Gains::critically_damped(200.0).expect("a good gain")
 }
 
-/// Checks that a bad input is refused with the expected error, and that its message contains these words.
+/// Checks that a bad input is refused with the expected error, and that the error's message contains these words.
 #[track_caller]
 fn refused<T, E: Error + PartialEq>(result: Result<T, E>, expected: &E, words: &[&str]) {
     let Err(error) = result else { panic!("taken, expected {expected:?}") };

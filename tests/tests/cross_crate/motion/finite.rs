@@ -482,7 +482,8 @@ proptest! {
     }
 }
 
-/// Returns lists of poses as frames, one after the other. Frames before the first continue its first step backwards.
+/// A source whose frames are lists of poses, one after the other. Frames before the first continue its first step
+/// backwards.
 struct AsPoses<'a> {
     frames: &'a [&'a [Transform]],
     before: Vec<Transform>,
@@ -619,7 +620,7 @@ fn coordinates(tree: &Tree<N>) -> impl Strategy<Value = Coordinates> + use<> {
     })
 }
 
-/// Returns sets of coordinates as frames, one after the other.
+/// A source whose frames are sets of coordinates, one after the other.
 struct InCoordinates<'a>(&'a [Coordinates]);
 
 impl FrameSource for InCoordinates<'_> {
@@ -707,7 +708,7 @@ proptest! {
     }
 }
 
-/// Whether a matrix has no principal moment below zero or above the sum of the other two.
+/// Returns whether no principal moment of a matrix is below zero or above the sum of the other two.
 fn possible(m: &sinew_core::glam::Mat3) -> bool {
     let m = m.as_dmat3();
     let size = m.to_cols_array().into_iter().fold(0.0f64, |a, b| a.max(b.abs()));
@@ -751,7 +752,7 @@ fn star(joint: JointKind, offsets: &[Vec3], length_m: f32) -> Tree<N> {
     tree
 }
 
-/// Tries one number at a time, from the table: which settings accept it, and the error for the others.
+/// Tries each number of the table: which settings accept it, and with which errors the others refuse it.
 #[test]
 fn settings_take_the_numbers_that_they_should() {
     let tree = chain(JointKind::Spherical, 0.1);
@@ -810,7 +811,7 @@ fn settings_take_the_numbers_that_they_should() {
 #[test]
 fn what_overflows_is_said_to() {
     let huge = Gains::new(1e37, 0.0).expect("a finite gain");
-    // 1 + dt² kp overflows, kd does not. Earlier the gains silently became zero.
+    // 1 + dt² kp overflows, kd does not. Without the check the gains would silently become zero.
     assert_eq!(huge.implicit(10.0), Err(GainsError::NonFinite("kp")));
 
     let plate = RotationalInertia::diagonal(3e38, 1e38, 0.0);
@@ -1019,8 +1020,8 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     }
 }
 
-/// Resolved acceleration divides by a value with the sixth power of the rig's length. If it overflows, the result
-/// must not look as if no motion were needed.
+/// Resolved acceleration divides by a value that grows with the sixth power of the rig's length. If it overflows, the
+/// result must not look as if no motion were needed.
 #[test]
 fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     let mut refused = 0;

@@ -15,10 +15,10 @@ use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// Largest error of f32, in wrenches, relative to the largest of the rig or of the cost of its accelerations: that of
-/// inverse dynamics (see `dynamics.rs`). Forward dynamics adds no more: its factors are those of a rig whose inertia
-/// is off by a few roundings. The accelerations themselves may be off by that times the condition of the mass matrix,
-/// which has no bound: 1e8 in chains of 128 bodies.
+/// Largest error of f32 in wrenches, relative to the largest wrench of the rig or to the cost of its accelerations.
+/// It equals that of inverse dynamics (see `dynamics.rs`): forward dynamics adds no error, because its factors are
+/// those of a rig whose inertia is off by a few roundings. The accelerations themselves may be off by this error
+/// times the condition number of the mass matrix, which has no bound: it is 1e8 in chains of 128 bodies.
 const RELATIVE: f32 = 5e-6;
 
 fn forward(
@@ -63,7 +63,8 @@ fn largest(wrenches: &[Wrench]) -> f32 {
     })
 }
 
-/// Returns the largest sum over the efforts of single accelerations, without regard to sign.
+/// Returns the cost of accelerations. For each dof it is the sum of the absolute efforts that the single
+/// accelerations need; the result is the largest of these sums.
 ///
 /// In a rig without torques the efforts are large and cancel each other, so that the wrenches do not show the size of
 /// the rounding.
@@ -147,7 +148,7 @@ proptest! {
         let meant = rig.accelerations();
         let needed = inverse(bodies, states.as_slice(), &meant, GRAVITY, &[]);
         let got = forward(bodies, states.as_slice(), &needed, GRAVITY, &[]);
-        // Up to 20 rad/s², by the rounding of the torques and a condition of up to a thousand.
+        // Tolerance for up to 20 rad/s²: the rounding of the torques, times a condition number of up to a thousand.
         for (got, meant) in got.iter().zip(&meant) {
             let error = *got - *meant;
             prop_assert!(error.angular.abs().max_element() < 20.0 * 1e3 * 2e-7, "{error:?}");

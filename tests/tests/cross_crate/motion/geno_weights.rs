@@ -152,7 +152,7 @@ fn weights_of_geno_beside_the_published_ones() {
     let [lengths, mesh, _, mesh_article, cylinders, cylinders_article] = &comparisons;
     assert!(lengths.difference() < 1e-5, "{}", lengths.difference());
     assert!(mesh.worst().1 < 0.03 && mesh.rank_correlation() > 0.999, "{:?}", mesh.worst());
-    // The precision of eight printed decimals for weights near 0.0006.
+    // Tolerance: the precision of eight printed decimals, for weights near 0.0006.
     assert!(mesh_article.worst().1 < 1e-4, "{:?}", mesh_article.worst());
     assert!(cylinders.rank_correlation() > 0.99, "{}", cylinders.rank_correlation());
     // A thousand random points leave an error of about 1 %.

@@ -26,12 +26,12 @@ fn matrix_of(bodies: &[Body], joints: &[JointState]) -> DMatrix<f32> {
     DMatrix::from_row_slice(size, size, &out)
 }
 
-/// Returns numbers along the dofs of all joints, from a vector of each.
+/// Returns a number for each dof of all joints, computed from the joint and the dof's column.
 fn along_dofs(rig: &Rig, of_joint: impl Fn(usize, &Twist) -> f32) -> Vec<f64> {
     dofs(rig).iter().map(|(joint, column)| f64::from(of_joint(*joint, column))).collect()
 }
 
-/// Returns all dofs: their joint, and their column of its motion subspace.
+/// Returns, for each dof, its joint and its column of the joint's motion subspace.
 fn dofs(rig: &Rig) -> Vec<(usize, Twist)> {
     let states = rig.states();
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();

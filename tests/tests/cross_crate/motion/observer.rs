@@ -1,4 +1,4 @@
-//! The observer: its filter, its learning, its prediction, and behaviour that is forbidden.
+//! The observer: its filter, its learning, its prediction, and behaviour that it must never show.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -142,7 +142,7 @@ fn what_no_command_explains_is_learnt_and_taken_off() {
         observer.observe(&tree, &plant.poses()).unwrap();
     }
     for (learnt, true_one) in observer.disturbances().iter().zip(&disturbance) {
-        // After 30 time constants: rounding of the poses, times (1 - β)³ / dt², summed.
+        // Tolerance after 30 time constants: rounding of the poses, times (1 - β)³ / dt², summed.
         assert!(math::length(learnt.angular - true_one.angular) < 0.05, "{learnt:?}");
     }
     // Lost ticks do not delete what was learnt.
@@ -197,8 +197,8 @@ fn a_universal_joint_under_load_is_followed() {
     }
 }
 
-/// Subtracted from the targets, a linear disturbance is converted through the axes of the desired pose to the same
-/// world vector.
+/// When a linear disturbance is subtracted from the targets, it is converted to the axes of the desired pose, so
+/// that it remains the same vector in the world.
 #[test]
 fn a_linear_disturbance_is_taken_off_in_the_axes_of_the_target() {
     let tree = rig(&[JointKind::Free]);
@@ -273,7 +273,7 @@ fn a_blocked_joint_is_pushed_no_more_than_the_bound_says() {
         observer.observe(&tree, &stuck).unwrap();
         assert!(math::length(observer.disturbances()[0].linear) <= 4.0 * (1.0 + 1e-6));
     }
-    // When it is free and at rest, the disturbance decays.
+    // When the joint is free and at rest, the disturbance decays.
     for _ in 0..500 {
         observer.record_commands(&[Twist::ZERO], &[]);
         observer.observe(&tree, &stuck).unwrap();
@@ -340,7 +340,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
 proptest! {
     #![proptest_config(property(200))]
 
-    /// Without a filter the velocity is the difference of two frames, as before.
+    /// Without a filter the velocity is the difference of two frames.
     #[test]
     fn without_a_filter_states_are_backward_differences(
         steps in vec((vector(0.05), vector(0.05), vector(0.02)), 2..20),
@@ -388,7 +388,7 @@ proptest! {
     }
 }
 
-/// Two slides fall alike; the joint with the higher bandwidth learns it sooner.
+/// Two slides fall alike; the joint with the higher bandwidth learns the acceleration sooner.
 #[test]
 fn each_joint_has_its_own_bandwidth() {
     let tree = rig(&[JointKind::Prismatic { axis: Vec3::X }; 2]);
@@ -406,8 +406,8 @@ fn each_joint_has_its_own_bandwidth() {
             observer.observe(&tree, &poses).unwrap();
         }
     }
-    // 0.05 s are 6 time constants of one joint, and 2 of the other. With three equal poles 1 - e^-x (1 + x + x²/2) is
-    // learnt, plus the part of one tick, since the estimate is that of the tick's end.
+    // 0.05 s are 6 time constants of one joint, and 2 of the other. With three equal poles the share 1 - e^-x (1 +
+    // x + x²/2) is learnt, plus the part of one tick, because the estimate is that of the tick's end.
     let learnt = |observer: &Observer<3, 1>, joint: usize| observer.disturbances()[joint].linear.x;
     assert!((learnt(&observer, 1) - 2.0 * 0.938).abs() < 0.05, "{}", learnt(&observer, 1));
     assert!(learnt(&observer, 0) < 1.0, "{}", learnt(&observer, 0));

@@ -51,7 +51,7 @@ fn all_are_within_their_limits() {
 
 #[test]
 fn a_wrong_number_is_over_its_limit() {
-    // A torque, a rotation error, a velocity and a command, each off by about a thousandth.
+    // In each file one number is changed, by another digit.
     for (file, quantity, right, wrong) in [
         ("rnea_05.json", "tau", "\"tau\":[[", "\"tau\":[[1"),
         ("solids.json", "volume", "\"volume\":", "\"volume\":1"),

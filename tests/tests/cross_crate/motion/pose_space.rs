@@ -19,7 +19,8 @@ struct Case {
     with_root: bool,
 }
 
-/// Rigs of all sizes. The second pose has the coordinates of the next joint of the same kind.
+/// Rigs of 1 to `most` bodies, each with two poses: in the second, each joint has the coordinates that the next joint
+/// has in the first.
 fn cases(most: usize) -> impl Strategy<Value = Case> {
     (rigs(most, Joints::Mixed), vec(0.1f32..2.0, most), any::<bool>()).prop_map(
         |(rig, mut weights, with_root)| {
@@ -212,7 +213,7 @@ proptest! {
         let numeric = (moved(1.0) - moved(-1.0)) / f64::from(2.0 * step);
         let exact = dot(&gradient, &motions);
         let energy = f64::from(space.curve_energy(&[before.clone(), here, after.clone()]));
-        // Rounding of energies in f32; and third derivatives.
+        // Tolerance: rounding of energies in f32, and third derivatives.
         let size = energy + f64::from(size_m(&before)).powi(2);
         let tolerance = size * case.rig.tree.len() as f64 * (3e-7 / f64::from(step) + 1e-3);
         prop_assert!((numeric - exact).abs() < tolerance, "{numeric} {exact} {tolerance}");

@@ -17,7 +17,7 @@ fn at_rest(rig: &Rig) -> JointStates<CAPACITY> {
     states
 }
 
-/// Returns all dofs: their joint, and their column of its motion subspace.
+/// Returns, for each dof, its joint and its column of the joint's motion subspace.
 fn dofs(rig: &Rig, states: &JointStates<CAPACITY>) -> Vec<(usize, Twist)> {
     let joints = rig.tree.bodies().iter().zip(states.as_slice()).enumerate();
     joints
@@ -79,7 +79,7 @@ proptest! {
             let block = |m: &DMatrix<f64>| m.select_rows(&own).select_columns(&own);
             let inverse = outwards.clone().try_inverse().expect("it is well conditioned");
             let expected_free = block(&inverse).try_inverse().expect("so is its block");
-            // A thousand times the rounding, by the condition.
+            // The tolerance is a thousand times the rounding, because of the condition number.
             for (expected, reflected, tolerance) in
                 [(block(&outwards), &locked[joint], 1e-5), (expected_free, &free[joint], 3e-3)]
             {

@@ -21,9 +21,9 @@ use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// Largest error of f32 compared with the golden numbers, relative to the largest value of the state: two roundings
-/// of 6e-8, the rest of about ten after cancellation, for each joint of a chain of up to sixteen. The largest error
-/// so far is 9e-7; the documented limit is 2e-5.
+/// Largest error of f32 compared with the golden numbers, relative to the largest value of the state: in a chain of up
+/// to sixteen joints each joint has about ten roundings of 6e-8, of which two remain after cancellation. The largest
+/// error so far is 9e-7; the documented limit is 2e-5.
 const GOLDEN: f64 = 2e-6;
 
 /// Largest error of a tick and forward dynamics together, relative to the largest value of the rig: twice that of
@@ -177,7 +177,7 @@ fn matrix<const N: usize>(tree: &Tree<N>, joints: &[JointState]) -> DMatrix<f64>
     DMatrix::from_row_slice(size, size, &out).cast()
 }
 
-/// Returns the symmetric matrix with a lower triangle, given by rows.
+/// Returns the symmetric matrix whose lower triangle is given by rows.
 fn whole(lower: &[f64], size: usize) -> DMatrix<f64> {
     assert_eq!(lower.len(), size * (size + 1) / 2);
     DMatrix::from_fn(size, size, |row, column| {
@@ -253,7 +253,7 @@ fn dynamics_in_coordinates_give_the_golden_numbers() {
         let mut made = vec![0.0; dofs];
         in_gravity.forward_dynamics(&q, &qd, &given, &mut made).expect("efforts of the tree");
         let expected = DVector::from_column_slice(&state.acc);
-        // In efforts, as above.
+        // Compared in efforts, as above.
         let off = (&mass_matrix * (wide(&made) - &expected)).amax();
         let cost = (mass_matrix.abs() * expected.abs()).amax();
         assert!(off <= GOLDEN * cost, "{at}: accelerations are off by {off:e} of {cost:e}");
@@ -280,7 +280,7 @@ fn with_and_without(rig: &Rig) -> [Vec<Wrench>; 2] {
 proptest! {
     #![proptest_config(property(200))]
 
-    /// For every kind of joint, with axes that move (a universal joint's) or not.
+    /// This holds for every kind of joint, whether its axes move (universal joints) or not.
     #[test]
     fn a_rotor_takes_its_inertia_times_the_acceleration_of_each_dof(
         rig in rigs_with_rotors(CAPACITY, Joints::Mixed)
@@ -291,7 +291,7 @@ proptest! {
             wrenches.each_ref().map(|list| efforts(&rig.tree, states.as_slice(), list));
         let [_, _, qdd] = rig.coordinates();
         for (joint, body) in rig.tree.bodies().iter().enumerate() {
-            // The part of the bearings is rounded with it.
+            // The part of the wrench that the bearings carry is rounded together with the drive's part.
             let allowed = ALONG * (largest(&wrenches[0][joint]) + largest(&wrenches[1][joint]));
             for dof in rig.tree.dofs(joint) {
                 let expected = f64::from(body.rotor_inertia) * f64::from(qdd[dof]);
@@ -336,7 +336,8 @@ proptest! {
         }
     }
 
-    /// Therefore every joint is a unit mass to the observer, whatever its rotor.
+    /// The joints get the accelerations that a tick commands. The observer can therefore treat every joint as a
+    /// unit mass, whatever its rotor.
     #[test]
     fn a_tick_makes_the_accelerations_that_it_commands(rig in rigs_with_rotors(12, Joints::Mixed)) {
         let (bodies, measured) = (rig.tree.bodies(), rig.states());

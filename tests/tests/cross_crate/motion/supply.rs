@@ -101,7 +101,7 @@ proptest! {
     fn what_carries_is_left_and_the_rest_is_cut_alike((joints, share) in cases(), carrying in 0.0_f32..1.5) {
         let (moments, others): (Vec<Vec3>, Vec<f32>) = joints.into_iter().unzip();
         let wanted = torques(&moments);
-        // As large as the wanted moments, with another direction.
+        // The carried moments are proportional to the wanted moments in size, and have another direction.
         let carried: Vec<Wrench> = moments
             .iter()
             .zip(&others)
@@ -221,8 +221,8 @@ proptest! {
 }
 
 /// Returns the lengths of the moments that minimize the weighted sum of squared losses, by the Karush-Kuhn-Tucker
-/// conditions: at a price per N m, each joint gives up the torque that it values less. Without a weight, joints are
-/// cut in proportion to their wanted torque.
+/// conditions: at a price per N m, each joint gives up the torque whose value, by its weight, is below the price.
+/// Without a weight, joints are cut in proportion to their wanted torque.
 fn optimum(wanted: &[Torque], supply_nm: f64, weight: impl Fn(usize) -> Option<f64>) -> Vec<f64> {
     let at = |price: f64| -> Vec<f64> {
         let lengths = wanted.iter().map(|torque| moment(torque).length()).enumerate();

@@ -135,8 +135,8 @@ fn differences_of_poses_come_near_to_exact_derivatives() {
             states.map(|(state, rate)| (state.velocity.angular, rate.angular)).collect::<Vec<_>>()
         };
         for (exact, differenced) in of(&exact).iter().zip(of(&differenced)) {
-            // The velocity at the end of a step of constant acceleration: third derivatives of 0.3 * 5³ over 2 ms,
-            // and for accelerations a rounding of 1e-7 over the square of that.
+            // The velocity is that at the end of a step of constant acceleration. Tolerance: third derivatives of
+            // 0.3 * 5³ over 2 ms, and for accelerations a rounding of 1e-7 divided by the square of 2 ms.
             assert!((exact.0 - differenced.0).length() < 0.04 * 2.0, "{exact:?} {differenced:?}");
             assert!((exact.1 - differenced.1).length() < 0.2, "{exact:?} {differenced:?}");
         }
@@ -328,7 +328,7 @@ fn run(tracker: &mut Tracker<JOINTS, 8>, ticks: core::ops::Range<i32>) -> Vec<[f
     let mut frames = AsPoses::default();
     let of_tick = |tick| {
         let mut efforts = [0.0; JOINTS];
-        // A rig that lags a little: there are errors, and disturbances for the observer.
+        // The rig lags a little: there are errors, and disturbances for the observer.
         let measured = poses(tick - 2);
         tracker.step(&mut frames, tick, &measured).unwrap().efforts(&mut efforts).unwrap();
         efforts

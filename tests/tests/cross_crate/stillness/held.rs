@@ -8,7 +8,7 @@ use super::limits::{Limits, ON_ROTOR, SPLIT};
 use super::measure::Poses;
 use super::run::Rig;
 
-/// Checks an arm on plants that differ from its file: each within its limits.
+/// Checks that an arm stays within the limits of each plant. The plants differ from the arm's file.
 fn holds(rig: &Rig, plants: &[(String, Variation, Limits)]) {
     let poses = Poses::of_arm();
     let runs: Vec<_> = plants

@@ -18,7 +18,7 @@ const STEPS: u32 = 30;
 /// Windup of the gear by a load, rad, so that its teeth touch. The load is applied at once; this push starts the
 /// oscillation.
 const WINDUP_RAD: f64 = 1e-3;
-/// Initial distance from its target of a joint without a load, rad.
+/// Initial distance of a joint without a load from its target, rad.
 const AWAY_RAD: f64 = 2e-4;
 /// A smaller oscillation is noise of f32, rad.
 const NOISE_RAD: f64 = 2e-6;
@@ -50,7 +50,8 @@ fn cases() -> Vec<Case> {
         .map(|case| {
             let (rate_hz, latency_ticks) = timings[case % timings.len()];
             Case {
-                // The cycles of kinds and timings, with lengths four and eight, would coincide.
+                // Without the second term, the cycles of kinds and timings, with lengths four and eight, would
+                // coincide.
                 kind: kinds[(case + case / timings.len()) % kinds.len()],
                 load: loads[case % loads.len()],
                 left: left[case % left.len()],
@@ -114,8 +115,8 @@ impl Case {
         (0.3 * joint.resonance_rad_s() * both.sqrt()).min(150.0)
     }
 
-    /// Whether an oscillation grows, with the tracker and the simulated gear. Teeth without a load separate in each
-    /// swing and then have no damping: no linear model contains that.
+    /// Returns whether an oscillation grows, with the tracker and the simulated gear. Teeth without a load separate
+    /// in each swing and then have no damping: no linear model contains that.
     #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
     fn swings(&self, bandwidth_rad_s: f64, torque_share: f64, is_loaded: bool) -> bool {
         let joint = self.joint();
@@ -183,8 +184,8 @@ impl Case {
     }
 }
 
-/// Returns the smallest number at which an oscillation grows: searched from `from` in steps of a fifth, then to a
-/// percent; `None` if there is none up to `to`.
+/// Returns the smallest number from `from` to `to` at which an oscillation grows, or `None` if there is none. The
+/// search first goes in steps of a fifth, then refines the result to a percent.
 fn onset([from, to]: [f64; 2], grows: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut low, mut high) = (from, from);
     while !grows(high) {
@@ -263,7 +264,7 @@ fn a_joint_begins_to_swing_where_its_poles_say() {
                 assert!(apart < CLOSE, "{case:?}: {computed:.2} computed, {loaded:.2} simulated");
             }
             if let (Some(computed), Some(not_loaded)) = (computed, not_loaded) {
-                // Less damping: never later, and at most a third earlier.
+                // Without a load there is less damping: the onset is never later, and at most a third earlier.
                 let share = not_loaded / computed;
                 assert!((0.67..1.05).contains(&share), "{case:?}: {computed:.2}, {not_loaded:.2}");
             }

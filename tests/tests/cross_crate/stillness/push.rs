@@ -11,7 +11,7 @@ use super::run::Rig;
 const FIRST_S: f64 = 3.0;
 const EVERY_S: f64 = 2.0;
 const PUSH_S: f64 = 0.2;
-/// Time after the push until the joint is at rest, s.
+/// Time from the end of a push until the joint must be at rest, s.
 const SETTLED_S: f64 = 0.5;
 /// Allowed offset beyond half the play and a step of the encoder, rad.
 const OFFSET_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
@@ -31,7 +31,7 @@ fn a_pushed_arm_stands_again_without_ringing() {
                 let most_nm = rig.model(dof).continuous_torque_nm.value;
                 *pushed_nm = 0.5 * (most_nm - asked_nm.abs());
                 assert!(*pushed_nm > 0.0);
-                // In the direction of the load that the joint already carries.
+                // The push acts in the direction of the load that the joint already carries.
                 sim.push(dof, -pushed_nm.abs() * asked_nm.signum());
             } else if since_s >= PUSH_S {
                 sim.push(dof, 0.0);
@@ -48,7 +48,7 @@ fn a_pushed_arm_stands_again_without_ringing() {
         let away = off([begin_s(dof), end_s]).into_iter().map(f64::abs).fold(0.0, f64::max);
         let allowed = run.blind_rad[dof] + OFFSET_RAD;
         let after = off([end_s + SETTLED_S, end_s + EVERY_S - PUSH_S]);
-        // It stands as still as a held pose: by its mean offset, and by its peak-to-peak motion.
+        // The joint must stand as still as in a held pose: by its mean offset, and by its peak-to-peak motion.
         let left = (after.iter().sum::<f64>() / after.len() as f64).abs();
         let swing_deg =
             peak_to_peak(run.window(dof, [end_s + SETTLED_S, end_s + EVERY_S - PUSH_S]))

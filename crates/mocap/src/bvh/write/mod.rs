@@ -1,8 +1,8 @@
 //! Writes motions as BVH files, for animation programs.
 //!
-//! The files satisfy the assumptions of common readers: parents precede children, depth first; the root's channels
-//! are its position, then Z, Y, X rotation, and those of all other joints are Z, Y, X; every joint without children
-//! has an `End Site`; each frame is one line.
+//! The files satisfy the assumptions of common readers: parents precede children, depth first; the root's channels are
+//! its position, then its rotations Z, Y, X; all other joints have the rotations Z, Y, X, and before them a position if
+//! it differs from the joint's offset; every joint without children has an `End Site`; each frame is one line.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -29,7 +29,7 @@ pub enum WriteError {
     Io {
         /// Path of the file.
         file: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A name that a reader would not return unchanged.
@@ -242,7 +242,7 @@ impl<'a> Writer<'a> {
         writeln!(text, "{indent}}}").expect(TAKES_ALL);
     }
 
-    /// Writes the line of a frame. `angles` contains those of each joint in the previous frame, and is updated.
+    /// Writes the line of a frame. `angles` contains the angles of each joint in the previous frame, and is updated.
     fn frame(&self, text: &mut String, frame: &[JointSample], angles: &mut [DVec3]) {
         for (place, &index) in self.order.iter().enumerate() {
             let blank = if place == 0 { "" } else { " " };

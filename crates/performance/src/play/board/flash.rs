@@ -125,7 +125,7 @@ impl ReadNorFlash for Chip {
 }
 
 impl NorFlash for Chip {
-    // Sizes of the F446's flash.
+    // The word of the F446's flash; its sectors are larger.
     const WRITE_SIZE: usize = 4;
     const ERASE_SIZE: usize = 1024;
 

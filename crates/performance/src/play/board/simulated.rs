@@ -9,6 +9,7 @@ use sinew_firmware::node::{Next, RIG_SCHEMA};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
+use sinew_servo_sim::fault::Fault;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
@@ -174,6 +175,16 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
     }
 
+    /// Sets the faults of the servos, which have the rig's numbers; times are since power-on.
+    pub fn set_faults(&mut self, faults: impl IntoIterator<Item = Fault>) {
+        let place = |fault: Fault| Fault { servo: self.parts.place_on_bench(fault.servo), ..fault };
+        let faults = faults.into_iter().map(place).collect();
+        // Without a line there are no servos.
+        if let Some(line) = self.lines.first_mut() {
+            line.servos.bench_mut().faults = faults;
+        }
+    }
+
     /// Returns the number of restarts.
     pub fn starts(&self) -> u32 {
         self.starts
@@ -186,7 +197,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
 }
 
 impl SimulatedBoard<'_, RigPlant> {
-    /// Puts a hand on a dof of the rig, or takes it away. Returns whether there is such a dof.
+    /// Makes a hand hold a dof of the rig; `None`: the hand releases it. Returns whether the rig has this dof.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         // Without a line there are no servos.
         let line = self.lines.first_mut();

@@ -239,8 +239,8 @@ fn versions_that_do_not_fit_are_both_named() {
     });
 }
 
-/// Only the wire from the board is cut. The host sends `Stop` and then nothing. Before this rule it continued to
-/// drive, and kept the rig armed.
+/// Only the wire from the board is cut. The host sends `Stop` and then nothing. A host that continued to send would
+/// keep the rig armed.
 #[test]
 fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
     on_desk(false, |mut desk| {
@@ -276,8 +276,8 @@ fn a_host_that_hears_nothing_stops_the_rig_and_is_silent() {
     });
 }
 
-/// A host older than the acknowledgement hears nothing and continues: its heartbeats keep the rig armed, as before. A
-/// host that announces acknowledgements, but sends none, is stopped by the board.
+/// A host that is older than the acknowledgement continues although it receives nothing: its heartbeats keep the rig
+/// armed. If a host announces acknowledgements but sends none, the board ends its session.
 #[test]
 fn a_board_ends_the_session_of_a_host_that_acknowledges_nothing() {
     for (minor, ends) in [(1, false), (2, true)] {

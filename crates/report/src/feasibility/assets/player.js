@@ -6,7 +6,7 @@
   }));
   let chosen = 0, plots = [];
 
-  // A mark that is shorter than a blink is not seen.
+  // Time for which a mark is also shown before and after its excess, s: otherwise nobody would see a short one.
   const BLINK = 0.06;
   const isAt = (time) => ({ from_s: from, to_s: to }) => from - BLINK <= time && time <= to + BLINK;
   const sharesAt = (time) => RIG.dofs.map(({ effort, continuous }, index) => {
@@ -22,7 +22,7 @@
     rows.forEach((row, index) => row.classList.toggle("now", marks.has(index)));
     for (const { button, excess } of items) button.classList.toggle("now", isAt(time)(excess));
   });
-  const { draw, approach } = stageOn(document.getElementById("stage"), everywhere(), show);
+  const { draw, approach } = stageOn(RIG, document.getElementById("stage"), everywhere(), show);
   approach();
 
   const { rows, choose } = joints((index) => {
@@ -39,12 +39,12 @@
   }
   for (const { from_s: from, to_s: to } of SHOW.excesses) onStrip(from, to);
 
-  // First the joint of the first excess, or the one with the most load.
+  // Initially chosen: the joint of the first excess, or the joint with the largest load.
   const loads = RIG.dofs.map(({ effort, continuous }, index) =>
     COURSES.effort[index].reduce((most, x) => Math.max(most, Math.abs(x)), 0) / (effort ?? continuous ?? Infinity));
   const first = SHOW.excesses.reduce((a, b) => a && a.from_s <= b.from_s ? a : b, null);
   if (RIG.dofs.length > 0) choose(first?.joint ?? loads.indexOf(Math.max(...loads)));
   show();
-  // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
+  // Playing starts at once, unless the user prefers reduced motion.
   if (!still.matches) setPlaying(true);
 })();

@@ -1,5 +1,5 @@
 
-// ---- Plots of one joint over time: an SVG each, stretched to its box; words are HTML over it ----
+// ---- Plots of one joint over time: each is an SVG that is stretched to its box, with texts as HTML over it ----
 const KINDS = [
   { kind: "position", title: "Position", unit: ["°", " mm"], factor: [180 / Math.PI, 1000] },
   { kind: "speed", title: "Speed", unit: [" rad/s", " m/s"], factor: [1, 1] },
@@ -9,13 +9,13 @@ const KINDS = [
 // Positions have one decimal, as in the tables.
 const worded = (kind) => kind === "position" ? (x) => number(x, 1) : (x) => number(x);
 
-// Its limits: upper and lower, and what it holds for long. A limit is null where there is none.
+// Returns the limits of a dof in a plot, lower and upper; empty if it has none. A missing limit is null in the data.
 const limitsOf = (dof, kind) => {
   if (kind === "position") return dof.position.filter((x) => x !== null);
   return dof[kind] === null ? [] : [-dof[kind], dof[kind]];
 };
 
-// A plot, and `now`, which says the value at a time.
+// Returns a plot as `figure`, and `now`, which shows the value at a time.
 const plot = ({ kind, title, unit, factor }, joint) => {
   const dof = RIG.dofs[joint];
   const [words, scale] = [unit, factor].map((of) => of[dof.slides ? 1 : 0]);
@@ -26,7 +26,7 @@ const plot = ({ kind, title, unit, factor }, joint) => {
   let least = Infinity, most = -Infinity;
   for (const x of course) [least, most] = [Math.min(least, x), Math.max(most, x)];
   const peak = Math.max(Math.abs(least), Math.abs(most));
-  // A limit far away would make the course a flat line: it is only told.
+  // A limit that is far away would make the trace a flat line: it is only written in the caption.
   const near = limits.filter((limit) => Math.abs(limit) <= Math.max(3 * peak, 1e-9));
   let [low, high] = [Math.min(least, 0, ...near), Math.max(most, 0, ...near)];
   if (high - low < 1e-9) [low, high] = [low - 1, high + 1];
@@ -50,7 +50,7 @@ const plot = ({ kind, title, unit, factor }, joint) => {
   for (const sign of long === null ? [] : [-1, 1]) level(sign * long, "long");
   svg.append(drawn("path", { class: "course", d: outline(course, x, y) }));
 
-  // Words beside the lines, where they do not lie upon each other.
+  // Texts beside the lines, if they do not overlap.
   const ticks = element("div", { className: "ticks", ariaHidden: "true" });
   const taken = [];
   for (const value of [...near, 0, most, least]) {

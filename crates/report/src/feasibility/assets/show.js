@@ -1,7 +1,7 @@
-// ---- The rig's pose at a time of the show ----
+// ---- Pose of the rig at a time of the show ----
 const COORDINATES = SHOW.coordinates.map(unpack);
 
-// Positions of a joint: of a ball joint its turn as a whole.
+// Positions of each dof; for a ball joint, the angle of its whole rotation.
 COURSES.position = RIG.dofs.map(({ body, axis }) => {
   const first = FIRST[body];
   if (RIG.bodies[body].kind !== "spherical") return COORDINATES[first + axis];
@@ -9,7 +9,7 @@ COURSES.position = RIG.dofs.map(({ body, axis }) => {
   return x.map((_, sample) => 2 * Math.atan2(Math.hypot(x[sample], y[sample], z[sample]), Math.abs(w[sample])));
 });
 
-// Puts the rig where it is at a time.
+// Sets the rig to its pose at a time.
 const takePose = (time) => {
   const place = placeOf(time);
   RIG.bodies.forEach((body, index) => {
@@ -19,7 +19,7 @@ const takePose = (time) => {
       courses.forEach((course, axis) => { values[OF_BODY[index][axis]] = between(course, place); });
       return;
     }
-    // A quaternion and its opposite are one rotation: the way between two is the short one.
+    // A quaternion and its negative are the same rotation: the shorter way is used.
     const [from, to] = [0, 1].map((share) => courses.map((course) => between(course, [place[0], share])));
     const sign = from.slice(0, 4).reduce((sum, x, i) => sum + x * to[i], 0) < 0 ? -1 : 1;
     const mixed = from.map((x, i) => x * (1 - place[1]) + to[i] * place[1] * (i < 4 ? sign : 1));

@@ -1,6 +1,6 @@
 
 // ---- The player: one time and one joint for the rig, the plots and the tables ----
-// Puts the rig where it was, or where it was sent. Numbers of a ball joint are its rotation vector.
+// Sets the rig to its measured or commanded pose. The numbers of a ball joint are its rotation vector.
 RIG.bodies.forEach((body, index) => { if (body.kind === "spherical") given[index] = [0, 0, 0, 1]; });
 const takePose = (time, kind = "measured") => {
   const place = placeOf(time);
@@ -11,10 +11,10 @@ const takePose = (time, kind = "measured") => {
 };
 
 (() => {
-  // An error of so much is the colour's end, rad and m.
+  // Error at the end of the colour scale, rad and m.
   const MOST = [10 * Math.PI / 180, 0.01];
   const sharesAt = (time) => RIG.dofs.map(({ slides }, index) => {
-    // A joint that shakes is not well, however near to its target.
+    // A joint that swings has the colour of a large error, even if it is near its target.
     if (codeAt(SWINGS[index], time) > 0) return 1;
     const error = between(COURSES.error[index], placeOf(time));
     return Number.isNaN(error) ? null : Math.abs(error) / MOST[slides ? 1 : 0];
@@ -30,7 +30,7 @@ const takePose = (time, kind = "measured") => {
     const last = events.filter((button) => Number(button.dataset.at) <= time + 1e-9).at(-1) ?? events[0];
     for (const button of events) button.classList.toggle("now", button === last);
   });
-  const { draw, approach } = stageOn(document.getElementById("stage"), everywhere(), show);
+  const { draw, approach } = stageOn(RIG, document.getElementById("stage"), everywhere(), show);
   approach();
 
   const { choose } = joints((index) => {
@@ -45,12 +45,12 @@ const takePose = (time, kind = "measured") => {
   for (const { name, from_s: from, to_s: to } of SHOW.states) if (name === "playing") onStrip(from, to, "playing");
   for (const time of SHOW.faults) onStrip(time, time, "fault");
 
-  // First the joint with the largest error, from where the show begins on.
+  // Initially chosen: the joint with the largest error, at the start of the show.
   const most = COURSES.error.map((course) => course.reduce((most, x) => Math.max(most, Math.abs(x) || 0), 0));
   if (RIG.dofs.length > 0) choose(most.indexOf(Math.max(...most)));
   const begin = SHOW.states.find(({ name }) => name === "playing");
   if (begin) seek(begin.from_s);
   show();
-  // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
+  // Playing starts at once, unless the user prefers reduced motion.
   if (!still.matches) setPlaying(true);
 })();

@@ -1,5 +1,5 @@
 
-// ---- Plots of one joint over time: an SVG each, stretched to its box; words are HTML over it ----
+// ---- Plots of one joint over time: each is an SVG that is stretched to its box, with texts as HTML over it ----
 const KINDS = [
   { title: "Position", lines: ["commanded", "measured"], unit: ["°", " mm"], factor: [180 / Math.PI, 1000], decimals: 1 },
   { title: "Error", lines: ["error"], unit: ["°", " mm"], factor: [180 / Math.PI, 1000] },
@@ -7,11 +7,11 @@ const KINDS = [
   { title: "Current", lines: ["current"], unit: [" A", " A"], factor: [1, 1] },
 ];
 
-// By joint and sample: what limits it, from 1 on, or 0.
+// By joint and sample: number of the limiter, counted from 1; 0 for none.
 const unpacked = (codes) =>
   codes === "" ? new Uint8Array(SHOW.count) : Uint8Array.from(atob(codes), (c) => c.charCodeAt(0));
 const LIMITED = SHOW.limited.map(unpacked);
-// Likewise: 1 where it swings.
+// By joint and sample: 1 if the joint swings.
 const SWINGS = SHOW.swings.map(unpacked);
 const codeAt = (codes, time) => {
   const [sample, share] = placeOf(time);
@@ -22,7 +22,7 @@ const limiterAt = (joint, time) => {
   return code === 0 ? null : SHOW.limiters[code - 1] ?? "a limit";
 };
 
-// Stretches in which something limits a joint, as samples.
+// Returns the intervals in which a joint is limited, in samples.
 const limitedSpans = (joint) => {
   const spans = [];
   LIMITED[joint].forEach((code, sample) => {
@@ -34,7 +34,7 @@ const limitedSpans = (joint) => {
   return spans;
 };
 
-// A plot, and `now`, which says the values at a time.
+// Returns a plot as `figure`, and `now`, which shows the values at a time.
 const plot = ({ title, lines, unit, factor, decimals, isLimited }, joint) => {
   const dof = RIG.dofs[joint];
   const [words, scale] = [unit, factor].map((of) => of[dof.slides ? 1 : 0]);
@@ -69,7 +69,7 @@ const plot = ({ title, lines, unit, factor, decimals, isLimited }, joint) => {
     svg.append(drawn("line", { class: "fault", x1: at, x2: at, y1: 0, y2: 100 }));
   }
 
-  // Words beside the lines, where they do not lie upon each other.
+  // Texts beside the lines, if they do not overlap.
   const ticks = element("div", { className: "ticks", ariaHidden: "true" });
   const taken = [];
   for (const value of [0, most, least]) {

@@ -1,4 +1,4 @@
-// What gravity asks of the joints.
+// Torques of gravity on the joints.
 const moves = (joint, body) => {
   for (let at = body; at !== null; at = RIG.bodies[at].parent) if (at === joint) return true;
   return false;
@@ -6,7 +6,7 @@ const moves = (joint, body) => {
 const MOVED = RIG.dofs.map((dof) =>
   RIG.bodies.map((_, body) => body).filter((body) => moves(dof.body, body)));
 
-// The effort with which each dof holds the pose: N m, or N of a slide.
+// Returns the effort with which each dof holds the pose, in N m, or in N for a slide.
 const GRAVITY = [0, -9.81, 0];
 const loads = (poses) => RIG.dofs.map((dof, index) => {
   const axis = axisOf(dof, poses);

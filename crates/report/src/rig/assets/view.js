@@ -5,7 +5,7 @@
 
   const share = (load, dof) => dof.capacity > 0 ? Math.abs(load) / dof.capacity : 0;
   const number = (signed) => {
-    // No zero below zero.
+    // Avoids a negative zero.
     const x = Math.abs(signed) < 0.0005 ? 0 : signed;
     return Math.abs(x) >= 100 ? x.toFixed(0) : Math.abs(x) >= 1 ? x.toFixed(2) : x.toFixed(3);
   };
@@ -27,7 +27,7 @@
     slider.addEventListener("input", () => { stop(); values[index] = Number(slider.value); chosen = index; show(); });
     slider.addEventListener("focus", () => { chosen = index; show(); });
     slider.addEventListener("keydown", (event) => {
-      // Steps of a fiftieth of the range: "any" would leave them to the browser.
+      // Steps of a fiftieth of the range: with "any", the browser would choose the step.
       const way = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 }[event.key];
       if (!way) return;
       event.preventDefault();
@@ -54,7 +54,7 @@
     return { slider, value, swatch, text };
   });
 
-  // Joint coordinates as the rig has them: a ball joint's quaternion is not shown by its sliders, and stays at home.
+  // Sets the sliders to coordinates of the rig. Sliders cannot show the quaternion of a ball joint: it stays at home.
   const take = (q) => {
     RIG.bodies.forEach((body, index) => {
       if (COUNT[body.kind] <= 2) OF_BODY[index].forEach((slider, axis) => { values[slider] = q[FIRST[index] + axis]; });
@@ -84,9 +84,9 @@
     });
   };
 
-  const { draw } = stageOn(document.getElementById("stage"), pointsOf(solve()), show);
+  const { draw } = stageOn(RIG, document.getElementById("stage"), pointsOf(solve()), show);
 
-  // ---- Motion: every joint in turn through its range, then all together ----
+  // ---- Motion: each joint in turn through its range, then all joints together ----
   let since = null;
   const SECONDS = 1.6;
   const stop = () => { since = null; play.setAttribute("aria-pressed", "false"); };
@@ -125,6 +125,6 @@
   });
 
   show();
-  // A rig that moves says more than one that stands; who asked for no motion starts it by hand.
+  // The motion starts at once, unless the user prefers reduced motion.
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) start();
 })();

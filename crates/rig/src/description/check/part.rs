@@ -14,11 +14,11 @@ const LARGEST: f64 = 1e6;
 /// accepted numbers are within f32.
 const SMALLEST: f64 = 1e-12;
 
-/// Least limit of a speed or an acceleration, in SI units: with less, a turn of 90 deg takes days.
+/// Least limit of a speed or an acceleration, in SI units: with a lower limit, a turn of 90 deg takes days.
 const SLOWEST: f64 = 1e-5;
 
 /// Tolerance of the length 1 of an axis or a quaternion, and of the cosine of a right angle; `sinew-core` has the
-/// same. Files contain about six digits: a larger error is a mistake, not rounding.
+/// same tolerance. Files contain about six digits: a larger error is a mistake, not rounding.
 pub(super) const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// A part, identified by its table and name.
@@ -133,8 +133,16 @@ impl<'a> Part<'a> {
         key: &'static str,
         vector: &[f64],
     ) -> Result<(), DescriptionError> {
-        let at = [Step::Key(key)];
-        self.numbers(&at, vector, Sign::Any)?;
+        self.unit_length_at(&[Step::Key(key)], vector)
+    }
+
+    /// Refuses a vector at a place in the part whose length is not 1.
+    pub(super) fn unit_length_at(
+        self,
+        at: &[Step],
+        vector: &[f64],
+    ) -> Result<(), DescriptionError> {
+        self.numbers(at, vector, Sign::Any)?;
         let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         if (length - 1.0).abs() <= UNIT_TOLERANCE {
             return Ok(());
@@ -150,7 +158,7 @@ impl<'a> Part<'a> {
             number::list_text(vector),
             number::text(number::rounded(length))
         );
-        Err(self.refuse(&at, expected, found))
+        Err(self.refuse(at, expected, found))
     }
 }
 

@@ -21,8 +21,9 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
 /// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
 
-/// Fastest ring of a rotor on its gear, rad/s (190 Hz): 0.3 rad in a step of the simulated servos, 0.25 ms. The step
-/// does not resolve faster rings: when teeth meet, light bodies are thrown.
+/// Fastest vibration of a rotor on its gear, rad/s (190 Hz): its phase changes by 0.3 rad in a step of the
+/// simulated servos, 0.25 ms. The step does not resolve faster vibrations: light bodies would be thrown when teeth
+/// meet.
 const FASTEST_RING_RAD_S: f64 = 1200.0;
 
 /// Name of the servo at each address of each bus.
@@ -122,7 +123,7 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
     check_ring(part, model)
 }
 
-/// Refuses a gear whose rotor rings faster against a held shaft than simulations resolve.
+/// Refuses a gear whose rotor vibrates faster against a held shaft than simulations resolve.
 fn check_ring(part: Part<'_>, model: &ServoModel) -> Result<(), DescriptionError> {
     let rotor_kg_m2 = model.rotor_inertia_kg_m2.value;
     let stiffness_nm_rad = model.gear_stiffness();

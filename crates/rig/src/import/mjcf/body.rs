@@ -12,8 +12,9 @@ use super::model::Model;
 use super::names::Names;
 use super::parts::Parts;
 use super::pose::Pose;
+use super::shapes;
 use crate::description::mass::Mass;
-use crate::description::{Description, Joint, JointType};
+use crate::description::{Body, Description, Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::imported;
 use crate::import::note::NoteKind;
@@ -98,12 +99,15 @@ fn read_body<'a, 'd>(
         }
         Some(parent) => hang(&name, joints, parent, pose, names, description, notes),
     };
-    description.bodies.push(mass.seen_from(DQuat::IDENTITY, -shift_m).body(&name));
+    description.bodies.push(Body {
+        shapes: shapes::of_body(&parts, shift_m, model),
+        ..mass.seen_from(DQuat::IDENTITY, -shift_m).body(&name)
+    });
     inside(parts.bodies, Some(&name), shift_m, model, notes)
 }
 
-/// Returns the bodies inside another, except those that the user cuts. `shift_m` is the origin of the rig's body in
-/// the frame of the file's body.
+/// Returns the bodies inside another body, except those that the user cuts. `shift_m` is the origin of the rig's
+/// body in the frame of the file's body.
 fn inside<'a, 'd>(
     bodies: Vec<(Node<'a, 'd>, Pose, usize)>,
     parent: Option<&str>,

@@ -138,7 +138,8 @@ impl<'a, 'd> Element<'a, 'd> {
         xml::vector(self.at(name), name)
     }
 
-    /// Returns a range if it limits: as the flag `limited` states, otherwise because the range is present.
+    /// Returns a range if it is a limit: if the flag `limited` is true or, without a decisive flag, if the range is
+    /// present and `auto_limits` is true.
     pub(super) fn range(
         &self,
         name: &str,

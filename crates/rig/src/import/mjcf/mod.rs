@@ -11,6 +11,7 @@ mod model;
 mod names;
 mod parts;
 mod pose;
+mod shapes;
 
 use std::collections::BTreeMap;
 
@@ -38,7 +39,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     }
     refuse_parts(root)?;
     let mut notes = Notes::default();
-    // Sections may be repeated: later values override.
+    // Sections may be repeated: a later value overrides an earlier one.
     let compilers: Vec<Node<'_, '_>> = xml::children(root, "compiler").rev().collect();
     let model = Model {
         defaults: Defaults::read(root)?,

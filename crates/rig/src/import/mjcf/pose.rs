@@ -35,7 +35,7 @@ pub(super) struct Angles {
     sequence: [(DVec3, bool); 3],
 }
 
-/// Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
+/// Maximum angle, rad. Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 impl Angles {

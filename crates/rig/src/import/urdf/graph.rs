@@ -97,7 +97,7 @@ fn cut<'a, 'd>(
     Ok((kept, cut))
 }
 
-/// Returns the joint that moves each link; fails if a link has two.
+/// Returns the joint that moves each link; fails if two joints move a link.
 fn movers(joints: &[UrdfJoint<'_, '_>]) -> Result<BTreeMap<usize, usize>, ImportError> {
     let mut movers = BTreeMap::new();
     for (place, joint) in joints.iter().enumerate() {
@@ -131,8 +131,8 @@ fn circle(
     movers: &BTreeMap<usize, usize>,
 ) -> String {
     let inwards = |link: &usize| movers.get(link).map(|place| joints[*place].parent);
-    // Each link is visited once. A walk that returns to its own links is on a loop; a walk that reaches those of
-    // another is not.
+    // Each link is visited once. A walk that returns to its own links is on a loop; a walk that reaches the links
+    // of another walk is not.
     let mut walks: Vec<Option<usize>> = vec![None; links.len()];
     let on_loop = (0..links.len()).find_map(|walk| {
         let mut link = Some(walk);

@@ -33,7 +33,7 @@ pub(super) struct Mimic<'a, 'd> {
     pub(super) offset: f64,
 }
 
-/// Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
+/// Maximum angle, rad. Larger angles are regarded as damage: f64 keeps few digits within a turn for them.
 const ANGLE_MAX_RAD: f64 = 1e6;
 
 impl Mimic<'_, '_> {

@@ -5,6 +5,7 @@ mod joint;
 mod limits;
 mod link;
 mod loops;
+mod shapes;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -225,7 +225,8 @@ impl Matrices {
         a * v.x + b * v.y + c * v.z
     }
 
-    /// Rotates by the inverse: the transposed matrix, which equals that of the conjugate bit by bit.
+    /// Rotates by the inverse, which is the transposed matrix. It is bit by bit equal to the matrix of the
+    /// conjugate quaternion.
     #[inline]
     pub(super) fn turn_back(&self, v: Vectors) -> Vectors {
         let [a, b, c] = self.0;

@@ -62,11 +62,11 @@ impl InverseDynamics {
     }
 
     /// Computes [`Self::efforts`] of several instants, with equal bits. Each slice contains the values of the first
-    /// coordinate at all instants, then those of the next coordinate. O(n), and faster than one instant after the
-    /// other.
+    /// coordinate at all instants, then those of the next coordinate. O(n), and faster than computing one instant
+    /// after the other.
     ///
     /// # Errors
-    /// Those of [`Self::efforts`], for the first instant that has an error.
+    /// Returns the error of [`Self::efforts`] for the first instant that has an error.
     pub fn efforts_side_by_side(
         &mut self,
         q: &[[f32; LANES]],

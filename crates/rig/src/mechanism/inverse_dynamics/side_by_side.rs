@@ -1,6 +1,6 @@
-//! The core's inverse dynamics of several instants side by side. Applies the same operations in the same order to
-//! each instant, so that the bits are equal, in a third of the time. A fit of a motion spends most of its time
-//! here.
+//! The core's inverse dynamics of several instants side by side. Each instant gets the operations of the core in the
+//! core's order, so that the results are equal bit by bit. This takes a third of the time. A fit of a motion spends
+//! most of its time here.
 
 use std::array::from_fn;
 use std::ops::Range;
@@ -20,7 +20,7 @@ struct Moving {
     rotation: Matrices,
     /// Position of the joint in its parent's frame.
     arm: Vectors,
-    /// Angular part of the joint's acceleration, as its rotor needs it.
+    /// Angular part of the joint's acceleration, from which the moment on the rotor is computed.
     turning: Vectors,
     sliding: Vectors,
     /// Motion of the body, in its axes: see `sinew_core::dynamics::BodyMotion`.
@@ -80,8 +80,8 @@ impl SideBySide {
         }
     }
 
-    /// Returns whether the core certainly accepts these positions, speeds and accelerations. May be false for some
-    /// that it accepts.
+    /// Returns whether the core certainly accepts these positions, speeds and accelerations. The result may be
+    /// false for some values that the core accepts.
     pub(super) fn takes(&self, bodies: &[Body], motion: [&[[f32; LANES]]; 3]) -> bool {
         let [q, _, _] = motion;
         let is_unit = |(body, [of_q, of_qd]): (&Body, &[Range<usize>; 2])| {

@@ -51,8 +51,8 @@ impl Controller {
         }
     }
 
-    /// Processes a reading. `sent` contains the accelerations requested in previous ticks, the latest first,
-    /// `latency_ticks + 1` of them. Returns the estimate and the requested acceleration.
+    /// Processes a reading. `sent` contains the `latency_ticks + 1` latest requested accelerations, the latest
+    /// first. Returns the estimate and the requested acceleration.
     fn tick(
         &self,
         [angle, speed, disturbance]: [f64; 3],
@@ -80,16 +80,16 @@ impl Controller {
 /// A loop of a joint, opened where the torque acts. The input is the acting torque and the output is the requested
 /// torque, both as accelerations of the whole inertia.
 ///
-/// Its state: four numbers of the joint, three of the estimate, then requested and acting accelerations, the latest
-/// first. Units are based on ticks, so that all numbers have similar size.
+/// Its state contains four numbers of the joint, three of the estimate, then the requested and the acting
+/// accelerations, the latest first. Units are based on ticks, so that all numbers have similar size.
 #[derive(Debug, Clone)]
 pub(super) struct OpenLoop {
     /// Matrix from the state to the next state.
     state: Matrix,
     /// Row from the state to the requested acceleration.
     asked: Vec<f64>,
-    /// Effect of the input on the next state. A reading precedes the torque that answers it, therefore the input
-    /// has no direct effect on the output.
+    /// Effect of the input on the next state. A reading precedes the torque that is computed from it, therefore the
+    /// input has no direct effect on the output.
     acting: Vec<f64>,
 }
 
@@ -158,8 +158,8 @@ impl OpenLoop {
         })
     }
 
-    /// Returns the return ratio at an angle per tick. If it is -1 at some angle, the closed loop oscillates
-    /// forever.
+    /// Returns the return ratio of the loop at a frequency, as an angle per tick. If the ratio is -1 at some
+    /// frequency, the closed loop oscillates forever.
     pub(super) fn response(&self, angle_rad: f64) -> Complex {
         let z = Complex::turn(angle_rad);
         let rows = self.state.rows().zip(&self.acting).enumerate().map(|(place, (row, acting))| {

@@ -21,13 +21,13 @@ const HALVINGS: usize = 24;
 pub struct Margins {
     /// Phase margin in either direction, deg.
     pub phase_deg: f64,
-    /// Largest stable factor on the torque; `None` if any is stable.
+    /// Largest stable factor on the torque; `None` if no larger factor is unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain: Option<f64>,
-    /// Smallest stable factor on the torque; `None` if any is stable.
+    /// Smallest stable factor on the torque; `None` if no smaller factor is unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gain_down: Option<f64>,
-    /// Largest stable additional delay, s; `None` if any is stable.
+    /// Largest stable additional delay, s; `None` if no delay is unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub delay_s: Option<f64>,
 }
@@ -35,7 +35,7 @@ pub struct Margins {
 /// Whether a loop is stable, with its margins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stability {
-    /// Growth rate of the slowest mode, 1/s; negative if it decays.
+    /// Growth rate of the mode that grows fastest or decays slowest, 1/s; negative if all modes decay.
     pub growth_per_s: f64,
     /// Margins; `None` if the loop is unstable.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,8 +123,8 @@ impl ControlLoop {
         margins
     }
 
-    /// Refines the delay margin that follows from the phase margin: that is for a sine, but torques are held for a
-    /// tick.
+    /// Refines the delay margin that follows from the phase margin. The phase margin assumes sines, but torques are
+    /// held constant for a tick.
     fn delay_s(&self, joint: &FlexibleJoint, by_phase_s: f64) -> f64 {
         let late = |late_s: f64| {
             let late = Self { late_s: self.late_s + late_s, ..*self };

@@ -1,7 +1,7 @@
 //! Small square matrices: product, exponential, spectral radius.
 
-/// Number of squarings. After them, the norm of the power is that of the largest eigenvalue: the remaining factor,
-/// a condition number, enters only by its 2^30th root.
+/// Number of squarings. After them, the norm of the power is almost the power of the largest eigenvalue: the norm
+/// also contains a condition number, but of this factor only the 2^30th root enters the result.
 const SQUARINGS: i32 = 30;
 
 /// Number of terms of the exponential's series, for a norm of at most 1/2: the next term is below 1e-19.

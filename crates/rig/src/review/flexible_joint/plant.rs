@@ -27,13 +27,13 @@ impl FlexibleJoint {
         Self { stiffness: self.stiffness * share, ..self }
     }
 
-    /// Returns the joint with play in its gear, for an oscillation whose windup has this amplitude. `half_play` is
-    /// the play in each direction.
+    /// Returns the joint with play in its gear, for an oscillation. `amplitude` is the amplitude of the angle
+    /// between rotor and load, and `half_play` the play in each direction.
     ///
     /// Uses the describing function: for a sine, the fundamental of a spring with play is that of a spring without
     /// play whose stiffness is multiplied by `N = 1 - 2/π (asin r + r √(1 - r²))`, with `r = half_play /
-    /// amplitude`. It is zero if the oscillation stays within the play. The damper acts only while the teeth touch,
-    /// therefore it is multiplied by the same factor.
+    /// amplitude`. The stiffness is zero if the oscillation stays within the play. The damper acts only while the
+    /// teeth touch, therefore it is multiplied by the same factor.
     #[must_use]
     pub fn with_play(self, half_play: f64, amplitude: f64) -> Self {
         let r = (half_play / amplitude).clamp(0.0, 1.0);
@@ -52,8 +52,8 @@ impl FlexibleJoint {
         self.rotor_inertia + self.load_inertia
     }
 
-    /// Returns the step of the state `[load, load speed, rotor, rotor speed]` over a time in which the torque on
-    /// the rotor is held. Exact: uses the exponential of the equations of motion.
+    /// Returns the step of the state `[load, load speed, rotor, rotor speed]` over a time in which the torque on the
+    /// rotor is held. The step is exact: it uses the exponential of the equations of motion.
     pub(super) fn step(&self, time_s: f64) -> Step {
         let Self { rotor_inertia, load_inertia, stiffness, gear_damping, damping } = *self;
         let load = [stiffness, gear_damping].map(|x| x / load_inertia);

@@ -26,8 +26,8 @@ fn control(bandwidth_rad_s: f64) -> ControlLoop {
     }
 }
 
-/// Simulates the loop: commands in a queue, the joint in small steps of fourth order. Returns the growth rate of a
-/// disturbance, 1/s, from the largest angles of two time spans.
+/// Simulates the loop: commands wait in a queue, and the joint is integrated in small steps of fourth order.
+/// Returns the growth rate of a disturbance, 1/s, from the largest angles of two time spans.
 fn simulated_growth_per_s(joint: &FlexibleJoint, control: &ControlLoop) -> f64 {
     let dt_s = control.dt_s;
     let span = 400;
@@ -134,8 +134,8 @@ proptest! {
         }
     }
 
-    /// At the limit of each margin a pole is on the unit circle: 1 % inside, the loop is stable; 1 % outside, it
-    /// grows.
+    /// At the limit of each margin a pole is on the unit circle: 1 % inside the margin, the loop is stable; 1 %
+    /// outside, an oscillation grows.
     #[test]
     fn a_margin_that_is_used_up_leaves_a_swing(
         load in 0.5..20.0_f64,
@@ -173,9 +173,8 @@ proptest! {
     }
 }
 
-/// A load that is heavy for the rotor, with a third of the damping in its data: an observer of 100 rad/s is
-/// unstable, the bandwidth of the rule is stable. Without play and at full stiffness, the margin is a factor of
-/// two.
+/// A load of 20 times the rotor's inertia: the loop is unstable with an observer bandwidth of 100 rad/s, and stable
+/// with the bandwidth of the rule. Without play and at full stiffness, the gain margin is a factor of two.
 #[test]
 fn less_bandwidth_calms_a_soft_gear() {
     let joint = FlexibleJoint { load_inertia: 20.0 * small().rotor_inertia, ..small() };

@@ -1,7 +1,7 @@
 //! Valid random rigs, with numbers as people write them.
 
 use crate::description::{
-    Address, Base, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
+    Address, Base, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
     LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
 };
 
@@ -113,7 +113,8 @@ fn body(r: &mut Random, index: usize) -> Body {
                 let [xx, yy, zz] = [1.0, 1.1, 1.2].map(|moment| moment * scale);
                 let [xy, xz, yz] = [0.0, 0.01, -0.02]
                     .map(|product| if r.below(2) == 0 { 0.0 } else { product * scale });
-                // Through text, because a product of two decimals may differ in the last bit.
+                // The number is converted to text and back, because a product of two decimals may differ in the
+                // last bit.
                 let read = |x: f64| format!("{x:.6e}").parse::<f64>().unwrap();
                 body.inertia_kg_m2 = Some(InertiaMatrix {
                     xx: read(xx),
@@ -127,7 +128,20 @@ fn body(r: &mut Random, index: usize) -> Body {
             _ => {}
         }
     }
+    body.shapes = (0..r.below(3)).map(|_| shape(r)).collect();
     body
+}
+
+fn shape(r: &mut Random) -> BodyShape {
+    let (radius_m, length_m) = (r.positive(), r.positive());
+    let shape = match r.below(4) {
+        0 => BodyShape::cuboid([radius_m, length_m, r.positive()]),
+        1 => BodyShape::sphere(radius_m),
+        2 => BodyShape::cylinder(radius_m, length_m),
+        _ => BodyShape::capsule(radius_m, length_m),
+    };
+    let color_rgb = r.perhaps(|_| [1.0, 0.5, 0.0]);
+    BodyShape { color_rgb, ..shape.at(r.numbers(), r.rotation()) }
 }
 
 fn joint(r: &mut Random, index: usize, parent: &str, child: &str) -> Joint {
@@ -201,7 +215,8 @@ fn limits(r: &mut Random, joints: &[Joint]) -> Vec<LinkedLimit> {
                 other_factor: r.one_of(&[1.0, -1.0, 0.25]),
                 ..LinkedLimit::default()
             };
-            // Wider than any home pose of `joint`: 400 deg or 1000 m, with factors of up to 2 and 1.
+            // The range contains every possible home pose of the two joints: 400 deg or 1000 m, with factors of up
+            // to 2 and 1.
             let (least, most) = (-3000.0, r.perhaps(|_| 3000.5));
             if kind == JointType::Revolute {
                 limit.least_rad = Some(f64::to_radians(least));
@@ -239,7 +254,7 @@ fn drives(r: &mut Random, joints: &[Joint]) -> (Vec<Drive>, Vec<Servo>) {
         let first = servos.len();
         servos.extend((first..first + columns).map(|index| servo(r, index)));
         if matches!(kind, DriveKind::FourBar { .. }) {
-            // Within the valid range of the linkage.
+            // The servo's range is within the valid range of the linkage.
             let shaft = &mut servos[first];
             (shaft.gear, shaft.offset_rad, shaft.range_rad) =
                 (1.0, None, vec![[-57_f64, 57.0].map(f64::to_radians)]);
@@ -318,7 +333,7 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     for fine in [&mut model.resolution_rad, &mut model.backlash_rad] {
         fine.value = fine.value.min(0.1);
     }
-    // A gear's stiffness, given or by rule, goes with its rotor.
+    // The rotor must be heavy enough for the gear's stiffness, which is given or follows from a rule.
     let rotor = &mut model.rotor_inertia_kg_m2.value;
     *rotor = rotor.max((model.stall_torque_nm.value / 0.0175 / 1e3).ceil() / 1e3);
     let stiffest = (1e6 * *rotor).round();

@@ -173,7 +173,7 @@ impl<'m> Memory<'m> {
         item.value(bytes, ByteOrder::Little)
     }
 
-    /// Returns the address at which a byte is stored. For indirect data, that is another address.
+    /// Returns the address at which a byte is stored. For indirect data, this is another address than `address`.
     fn place(&self, address: u16) -> u16 {
         for run in self.table.indirect().into_iter().flatten() {
             let index = address.checked_sub(run.data).filter(|index| *index < run.count);

@@ -190,7 +190,7 @@ impl<const N: usize> Servo<'_, N> {
         StatusError::new(code, self.memory.get(address::HARDWARE_ERROR) != 0)
     }
 
-    /// Prepares an answer. If it does not fit, the servo stays silent.
+    /// Prepares an answer. If the answer does not fit, the servo stays silent.
     pub(super) fn encode(
         &mut self,
         delay_us: u32,

@@ -5,7 +5,7 @@ use crate::table::is_kind_of;
 /// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// Maker's name of the model.
+    /// The maker's name for this model, such as `XL330-M288`.
     pub name: &'static str,
     /// Model number, at address 0.
     pub number: u16,

@@ -146,7 +146,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.request_of(len, servos, servos.saturating_mul(reply_len))
     }
 
-    /// Like [`Self::request`], for replies of `reply_len` bytes in total.
+    /// Returns the request like [`Self::request`], for replies of `reply_len` bytes in total.
     fn request_of(&self, len: usize, servos: usize, reply_len: usize) -> Request {
         let count = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
         let timing = self.schedule.timing();

@@ -6,7 +6,8 @@ use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
 pub(super) const STS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::TAU / 4096.0 };
-/// Position of one SCS count: 300 degrees over 1024 counts, from memory of the SCS0009 data sheet. Measure it.
+/// Position of one SCS count: 300 degrees over 1024 counts. This value is remembered from the SCS0009 data sheet
+/// and not checked: measure it.
 pub(super) const SCS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::PI * (300.0 / 180.0) / 1024.0 };
 /// Speed of one STS count: 50 counts of position per second. Phase (18) bit 2 makes the unit a fiftieth of this.

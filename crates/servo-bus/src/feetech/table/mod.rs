@@ -53,7 +53,7 @@ impl Family {
         }
     }
 
-    /// Returns the register at an address. For use at build time; without the values that differ by model.
+    /// Returns the register at an address. It is for use at build time, and leaves out the values that differ by model.
     #[expect(
         clippy::indexing_slicing,
         clippy::arithmetic_side_effects,
@@ -84,7 +84,7 @@ impl Family {
 /// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Model {
-    /// Maker's name of the model.
+    /// The maker's name for this model, such as `STS3215`.
     pub name: &'static str,
     /// Model number at address 3; 0 if no source gives it.
     pub number: u16,

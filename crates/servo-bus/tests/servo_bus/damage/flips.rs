@@ -14,9 +14,9 @@ const MOST: usize = 8;
 /// Number of ways to flip a given number of bits (outer index) that change the sum by a given amount (inner index).
 type Ways = Vec<[f64; 256]>;
 
-/// Returns a probability for one to eight flips of random bits of a reply, each number equally likely: that the sum
-/// stays right and the bytes before the status stay unchanged. Each case is weighted by how often its position would be
-/// believed.
+/// Returns the probability that the sum stays right and the bytes before the status stay unchanged, if one to eight
+/// random bits of a reply are flipped (each number is equally likely). Each case is weighted by how often its
+/// position would be believed.
 pub(crate) fn believed(reply: &[u8], weight: impl Fn([u8; 2]) -> f64) -> f64 {
     let bits = reply.len() * 8;
     let positions = ways_of_position([reply[POSITION.start], reply[POSITION.start + 1]], weight);

@@ -89,7 +89,8 @@ pub(crate) struct Count {
     pub(crate) passed_positions: usize,
     /// Replies with the contents of another servo and a right check.
     pub(crate) passed_foreign: usize,
-    /// Wrong replies that the master believed; likewise the next two fields.
+    /// Wrong replies that the master believed. The next two fields count those with a wrong position, and those
+    /// with the contents of another servo.
     pub(crate) wrong: usize,
     pub(crate) wrong_positions: usize,
     pub(crate) foreign: usize,

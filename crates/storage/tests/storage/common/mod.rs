@@ -35,7 +35,7 @@ pub(crate) fn content(number: u32, len: usize) -> Vec<u8> {
     (0..len)
         .map(|_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            // Includes long runs of FF, which look unwritten.
+            // Some bytes are FF, like bytes that were never written.
             if state >> 28 == 0 { 0xFF } else { (state >> 24) as u8 }
         })
         .collect()
@@ -120,7 +120,7 @@ pub(crate) fn upload(
     }
 }
 
-/// Prints lines, which must be in `docs/storage.md` unchanged.
+/// Prints lines, and checks that `docs/storage.md` contains them unchanged.
 pub(crate) fn is_on_page(lines: &[String]) {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/storage.md");
     let page = std::fs::read_to_string(path).unwrap();

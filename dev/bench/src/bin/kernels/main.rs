@@ -102,7 +102,8 @@ fn measure<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Measures the mass matrix and forward dynamics: for simulators rather than rigs, but part of the core.
+/// Measures the mass matrix and forward dynamics. They are used by simulators rather than rigs, but are part of the
+/// core.
 fn forward<const N: usize>(matrix: &mut [f32]) -> Result<(), &'static str> {
     let tree = figure::<N>(N, Root::Floating).map_err(|_| "the rig cannot be")?;
     let mut joints = [JointState::default(); N];

@@ -1,5 +1,5 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs with servos, as their owners run them, and ticks of the
-//! same rigs with ball joints. Separate from the image `kernels`, so that inlining there does not change.
+//! same rigs with ball joints. It is separate from the image `kernels`, so that inlining there does not change.
 
 #![no_std]
 #![no_main]
@@ -140,7 +140,7 @@ impl FrameSource for Performance<'_> {
     fn frame(&mut self, index: i32) -> Frame<'_> {
         let index = usize::try_from(index).unwrap_or_default();
         let (Some(instant), Some(poses)) = (self.measured.get(index), self.poses.get(index)) else {
-            // An empty list is refused. There is no panic, which would be on the stack of the tick.
+            // The tracker refuses an empty list. A panic here would increase the measured stack of the tick.
             return Frame::Poses(&[]);
         };
         let [positions, speeds] = self.counts;

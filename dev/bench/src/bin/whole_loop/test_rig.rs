@@ -1,4 +1,5 @@
-//! An arm with its controller, until it plays; afterwards its servos repeat their earlier answers.
+//! An arm with its controller. It runs with simulated servos until it plays; after that, the earlier answers of the
+//! servos are repeated.
 
 use core::array;
 use core::f32::consts::{PI, TAU};
@@ -152,7 +153,7 @@ impl<'a, const BODIES: usize, const N: usize> TestRig<'a, BODIES, N> {
         Err("it does not play")
     }
 
-    /// Whether each servo has reported its health.
+    /// Returns whether each servo has reported its health.
     fn has_all(&self) -> bool {
         self.controller.report().servos.iter().all(|servo| servo.temperature_c.is_some())
     }

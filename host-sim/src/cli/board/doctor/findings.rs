@@ -30,7 +30,7 @@ impl Findings {
         }
     }
 
-    /// Adds a line with the verdict ok if `is_well`, else with another verdict.
+    /// Adds a line with the verdict ok if `is_well`, otherwise with the verdict `other`.
     pub(super) fn expect(
         &mut self,
         is_well: bool,

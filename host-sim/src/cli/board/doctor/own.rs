@@ -19,7 +19,7 @@ const LISTEN: Duration = Duration::from_secs(2);
 const JITTER: f64 = 0.05;
 /// Smallest free stack that is good, bytes.
 const STACK: u32 = 1024;
-/// Largest good difference of the supply from the rig's voltage, as a share.
+/// Largest good difference of the supply from the rig's voltage, as a share of that voltage.
 const SUPPLY: f32 = 0.1;
 
 /// Checks the board. Returns whether packets may be passed on to its servos.
@@ -182,7 +182,7 @@ fn health(
     parts: Option<&RigParts>,
     findings: &mut Findings,
 ) -> anyhow::Result<()> {
-    // Discards counts from before this check.
+    // Discards the counts of the time before this check.
     cycles::read(board)?;
     board.run(LISTEN)?;
     let Some(health) = cycles::read(board)? else { return Ok(()) };

@@ -8,7 +8,7 @@ use sinew_link::{Decoder, Message};
 
 use super::{common, decoders};
 
-/// Returns the kinds of messages in bytes.
+/// Returns the kinds of the messages in a stream of bytes.
 fn kinds<M: Message + std::fmt::Debug>(bytes: &[u8], name: fn(&M) -> String) -> BTreeSet<String> {
     let (mut decoder, mut kinds) = (Decoder::<M>::new(), BTreeSet::new());
     decoder.feed(bytes, |message| _ = kinds.insert(name(&message)));

@@ -1,5 +1,5 @@
-//! Every reader of files with its corpus, and with damaged copies of it: it must read the file or refuse it with a
-//! message. The targets also accept inputs of bolero.
+//! Runs every reader of files with its corpus, and with damaged copies of the corpus. A reader must read a file or
+//! refuse it with a message. The targets also accept inputs that bolero generates.
 
 mod targets;
 
@@ -28,7 +28,8 @@ fn corpus(name: &str) -> Vec<(String, Vec<u8>)> {
     files.iter().map(read).collect()
 }
 
-/// Returns bytes that are changed, cut or doubled, or with a number replaced by an odd one.
+/// Returns a damaged copy of the bytes: parts are changed, cut off, removed or doubled, or a number is replaced by
+/// an odd one.
 fn damaged(bytes: &[u8], seed: u64) -> Vec<u8> {
     const ODD: [&[u8]; 8] = [
         b"nan",
