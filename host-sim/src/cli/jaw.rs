@@ -45,7 +45,7 @@ pub(super) struct Args {
     attack_ms: f64,
 
     /// Time constant of closing, in ms, from 1 to 1000.
-    #[arg(long, value_name = "MS", default_value_t = 60.0, value_parser = milliseconds, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MS", default_value_t = 40.0, value_parser = milliseconds, allow_negative_numbers = true)]
     release_ms: f64,
 
     /// Level below which the jaw is closed, in dB relative to the loudest 20 ms, from -80 to -1.

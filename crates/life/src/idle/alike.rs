@@ -12,25 +12,31 @@ const WINDOWS_MAX: usize = 1200;
 pub(super) fn most_alike(loop_s: f64, at: impl Fn(f64) -> Vec<f64>) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
     let count = (loop_s * RATE_HZ).floor() as usize;
-    let mut rows: Vec<Vec<f64>> = (0..count).map(|row| at(row as f64 / RATE_HZ)).collect();
+    let rows: Vec<Vec<f64>> = (0..count).map(|row| at(row as f64 / RATE_HZ)).collect();
     let width = rows.first().map_or(0, Vec::len);
-    for column in 0..width {
-        let values = || rows.iter().map(|row| row[column]);
-        let mean = values().sum::<f64>() / count as f64;
-        let square = values().map(|x| (x - mean) * (x - mean)).sum::<f64>() / count as f64;
+    let column = |column: usize| {
+        let mut column: Vec<f64> = rows.iter().map(|row| row[column]).collect();
+        centre(&mut column);
+        let square = column.iter().map(|x| x * x).sum::<f64>() / count as f64;
         let scale = if square > 0.0 { square.sqrt().recip() } else { 0.0 };
-        rows.iter_mut().for_each(|row| row[column] = (row[column] - mean) * scale);
-    }
+        for x in &mut column {
+            *x *= scale;
+        }
+        column
+    };
+    let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
     let step = count.div_ceil(WINDOWS_MAX).max(1);
     let window = |start: usize| {
         let mut window = Vec::with_capacity(width * WINDOW);
-        for column in 0..width {
-            let values = || (0..WINDOW).map(|k| rows[(start + k) % count][column]);
-            let mean = values().sum::<f64>() / WINDOW as f64;
-            window.extend(values().map(|x| x - mean));
+        for column in &columns {
+            let mut part: Vec<f64> = (0..WINDOW).map(|k| column[(start + k) % count]).collect();
+            centre(&mut part);
+            window.extend(part);
         }
         let length = window.iter().map(|x| x * x).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-        window.iter_mut().for_each(|x| *x /= length);
+        for x in &mut window {
+            *x /= length;
+        }
         (start, window)
     };
     let windows: Vec<(usize, Vec<f64>)> = (0..count).step_by(step).map(window).collect();
@@ -45,4 +51,12 @@ pub(super) fn most_alike(loop_s: f64, at: impl Fn(f64) -> Vec<f64>) -> f64 {
         }
     }
     most
+}
+
+/// Takes the mean out of values.
+fn centre(values: &mut [f64]) {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    for x in values {
+        *x -= mean;
+    }
 }

@@ -5,7 +5,7 @@ use super::RATE_HZ;
 /// Number of intervals whose mean square is a level: 20 ms.
 const WINDOW: usize = 4;
 /// Share of the loud intervals that do not open the mouth fully.
-const FULL_SHARE: f64 = 0.9;
+const FULL_SHARE: f64 = 0.95;
 
 /// Settings of an envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +22,12 @@ pub struct EnvelopeSettings {
 
 impl Default for EnvelopeSettings {
     fn default() -> Self {
-        Self { attack_s: 0.015, release_s: 0.06, gate_db: -35.0, lead_s: 0.0 }
+        Self { attack_s: 0.015, release_s: 0.04, gate_db: -35.0, lead_s: 0.0 }
     }
 }
 
 /// Returns the opening of a mouth at [`RATE_HZ`], from 0 (closed) to 1: the root mean square of 20 ms, above the gate,
-/// linear up to the level that a tenth of the loud intervals exceed. After the sound the mouth closes: the last value
+/// linear up to the level that a twentieth of the loud intervals exceeds. After the sound the mouth closes: the last value
 /// is 0.
 pub fn envelope(squares: &[f64], settings: EnvelopeSettings) -> Vec<f64> {
     let level = |at: usize| {

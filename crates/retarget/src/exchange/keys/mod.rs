@@ -284,8 +284,8 @@ fn even_step_s(times_s: &[f64]) -> Option<f64> {
     let step_s = (times_s[times_s.len() - 1] - times_s[0]) / steps;
     let is_even = times_s.iter().enumerate().all(|(row, found_s)| {
         let expected_s = times_s[0] + row as f64 * step_s;
-        // The tolerance of 1 % of a step allows for rounded times.
-        (found_s - expected_s).abs() <= 0.01 * step_s + 1e-6
+        // The tolerance of 1 % of a step, and of 0.5 ms for steps of 25 ms and more, allows for rounded times.
+        (found_s - expected_s).abs() <= 0.01 * step_s + f64::min(5e-4, 0.02 * step_s) + 1e-6
     });
     (is_even && step_s <= RECORDED_STEP_S + 1e-9).then_some(step_s)
 }

@@ -152,6 +152,8 @@ fn a_ball_joint_needs_its_four_columns() {
     let joint = &mut rig.joints[1];
     joint.kind = sinew_rig::description::JointType::Spherical;
     joint.range_rad.clear();
+    joint.axis = None;
+    joint.home_rad = None;
     let name = joint.name.clone();
     rig.drives.clear();
     rig.servos.clear();
