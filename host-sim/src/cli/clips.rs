@@ -109,8 +109,11 @@ impl ClipArgs {
     /// Refuses options that apply only to clips. To be called if a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
-        let given =
-            mapping.or(on_rig.of_clips()).or(self.units.given()).or(on_rig.fit.then_some("--fit"));
+        let given = mapping
+            .or(on_rig.of_clips())
+            .or(on_rig.of_own())
+            .or(self.units.given())
+            .or(on_rig.fit.then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }

@@ -16,9 +16,9 @@ use super::unit_args::UnitArgs;
 
 /// Retarget a clip to a rig, and write the motion for other programs: CSV, BVH, or JSON.
 ///
-/// CSV: time in s, then the position of each joint in rad or m, in columns with the joints' names; a driven base has
-/// its pose in a world with z up. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the servos in the
-/// format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
+/// CSV: time in s, then the angle of each joint in the column `NAME_deg`, the way of a slide in `NAME_mm`; a driven
+/// base has its pose in a world with z up, in m. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the
+/// servos in the format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: the name of a built-in clip, or a BVH, AMC (its ASF beside it) or humanoid3d text file. Or a CSV or

@@ -69,7 +69,8 @@ impl Args {
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");
         let clip_only = clip_only.or(self.seconds.map(|_| "--seconds"));
-        if let Some(option) = clip_only.or(self.on_rig.of_clips()).or(self.units.given()) {
+        let clip_only = clip_only.or(self.on_rig.of_clips()).or(self.on_rig.of_own());
+        if let Some(option) = clip_only.or(self.units.given()) {
             bail!("{option}: is of clips, and {} is a show", path.display());
         }
         let show = Show::open(&bytes)?;

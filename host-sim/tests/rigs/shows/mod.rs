@@ -4,6 +4,7 @@ mod emulated;
 mod face;
 mod humanoid;
 mod independent;
+mod keys;
 mod loops;
 #[cfg(unix)]
 mod play;
