@@ -15,7 +15,7 @@ mod simulate;
 mod text;
 mod upload;
 
-pub(super) use arm::{READY, arm, check_rig};
+pub(super) use arm::{READY, arm, check_rig, end_by_hand};
 #[cfg(unix)]
 pub(super) use moves::await_limp;
 pub(super) use port::{PortBoard, SilenceArg, open};

@@ -9,6 +9,7 @@ use sinew_firmware::node::{Next, RIG_SCHEMA};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
+use sinew_servo_sim::device::Servo;
 use sinew_servo_sim::fault::Fault;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
@@ -193,6 +194,15 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     /// Returns the length of a tick.
     pub(super) fn tick_time(&self) -> Duration {
         Duration::from_micros(self.parts.tick_us().into())
+    }
+}
+
+impl<P: Plant> SimulatedBoard<'_, P> {
+    /// Calls `look` with all servos; not at all without a line.
+    pub fn look_at_servos(&self, look: impl FnOnce(&[Servo<'_>])) {
+        if let Some(line) = self.lines.first() {
+            look(line.servos.bench().servos());
+        }
     }
 }
 
