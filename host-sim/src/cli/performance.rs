@@ -11,6 +11,7 @@ use sinew_performance::{
     ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
     read_mapping, retarget_clip,
 };
+use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::description::Base;
 
 use super::rig::read;
@@ -106,6 +107,7 @@ impl PerformanceArgs {
                 kind.name()
             );
             let (motion, start_s) = kind.read(rig, path)?;
+            tell_jumps(&ClipFile::new(path).name, rig, &motion);
             let clip = RetargetedClip::own(motion);
             return RigPerformance::new(rig, &ClipFile::new(path).name, start_s, clip, choices);
         }
@@ -131,10 +133,26 @@ impl PerformanceArgs {
                 None => format!("{name} on {}", rig.description.name),
             })?;
         tell(name, rig, &retargeted);
+        tell_jumps(name, rig, &retargeted.motion);
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
         drop(clip);
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+}
+
+/// Prints the first jump of more than half a turn, and the number of all.
+fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
+    let jumps = motion.jumps(&rig.mechanism);
+    if let Some(first) = jumps.first() {
+        let after_s = first.row as f64 * motion.dt_s;
+        note(format_args!(
+            "note: {name}: {} time(s) an angle jumps by more than half a turn between frames; first `{}`, by {:.0} deg \
+             before {after_s:.3} s: angles must count turns, not wrap",
+            jumps.len(),
+            first.joint,
+            first.change_rad.to_degrees(),
+        ));
     }
 }
 

@@ -3,6 +3,7 @@
 mod attack;
 #[path = "../common/mod.rs"]
 mod common;
+mod field;
 mod foreign;
 mod kills;
 mod mocap_data;
