@@ -10,7 +10,7 @@ use sinew_retarget::feasibility::{
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;
 use sinew_rig::{Description, Mechanism};
-use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
+use sinew_show::write::{Motion, Settings, ShowTie, WriteError, Writer, Written};
 use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
 use thiserror::Error;
 
@@ -173,7 +173,19 @@ impl Baker<'_> {
     /// [`BakeError`] if the motion exceeds the bounds of the format.
     pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
-        content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
+        content.baked(&mut self.writer(&content)?)
+    }
+
+    /// Creates the writer of a content, whose followers have the curves of their leaders.
+    fn writer<'c>(&self, content: &'c Content<'_>) -> Result<Writer<'c>, BakeError> {
+        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
+        writer.tie(self.mechanism.ties().each().map(|tie| ShowTie {
+            joint: tie.body,
+            leader: tie.leader,
+            factor: tie.factor,
+            offset: tie.offset,
+        }));
+        Ok(writer)
     }
 
     /// Makes a show of a fitted motion that keeps all limits in spite of rounding. If the show exceeds a limit, it is
@@ -223,7 +235,7 @@ impl Baker<'_> {
         marks: &ShowMarks,
     ) -> Result<(Baked, Report), BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
-        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
+        let mut writer = self.writer(&content)?;
         loop {
             let baked = content.baked(&mut writer)?;
             let played = ShowPlayback::new(&baked.written.bytes)?;

@@ -7,12 +7,14 @@ use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
 use sinew_performance::rig::{LoadedRig, has_feet};
+use sinew_performance::text;
 use sinew_performance::{
     ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
     read_mapping, retarget_clip,
 };
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::description::Base;
+use sinew_rig::mechanism::JointModel;
 
 use super::rig::read;
 use super::unit_args::UnitArgs;
@@ -106,7 +108,8 @@ impl PerformanceArgs {
                 path.display(),
                 kind.name()
             );
-            let (motion, start_s) = kind.read(rig, path)?;
+            let (mut motion, start_s) = kind.read(rig, path)?;
+            tell_followers(&ClipFile::new(path).name, rig, &mut motion);
             tell_jumps(&ClipFile::new(path).name, rig, &motion);
             let clip = RetargetedClip::own(motion);
             return RigPerformance::new(rig, &ClipFile::new(path).name, start_s, clip, choices);
@@ -138,6 +141,21 @@ impl PerformanceArgs {
         // A long clip is large, and is not needed any more.
         drop(clip);
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+}
+
+/// Moves followers to where their leaders put them, and prints which ones the file has elsewhere.
+fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
+    let mechanism = &rig.mechanism;
+    let ties = mechanism.ties();
+    for (body, most) in motion.follow(&ties) {
+        let link = &mechanism.bodies[body];
+        let leader = &mechanism.bodies[ties.leader_of(body)].joint_name;
+        let change = text::change(matches!(link.joint, JointModel::Prismatic(_)), most);
+        note(format_args!(
+            "note: {name}: `{}` follows `{leader}`: moved there from its own positions, by {change} at most",
+            link.joint_name
+        ));
     }
 }
 

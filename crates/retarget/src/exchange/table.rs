@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use glam::DQuat;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{JointModel, Link};
+use sinew_rig::mechanism::{JointModel, Link, Ties};
 
 use crate::feasibility::{MotionError, RigMotion};
 
@@ -121,7 +121,8 @@ pub enum TableError {
 }
 
 /// Reads a table in the format of [`csv()`]. Returns the motion, and the time of its first row, s. `time` is the
-/// first column; the others may have any order. A joint without a column stays at home.
+/// first column; the others may have any order. A joint without a column stays at home; one that follows another joint
+/// follows it, and one that others follow is where a follower with a column puts it.
 ///
 /// # Errors
 /// [`TableError`] names line and column.
@@ -146,6 +147,7 @@ pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), Table
         }
         places.push(place);
     }
+    let ties = mechanism.ties();
     let (mut times, mut lines, mut rows) = (Vec::new(), Vec::new(), Vec::new());
     for record in reader.records() {
         let record = record?;
@@ -166,6 +168,7 @@ pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), Table
         for (place, number) in places.iter().zip(&numbers[1..]) {
             q[*place] = *number;
         }
+        fill_tied(&ties, &places, &mut q);
         times.push(numbers[0]);
         lines.push(line);
         rows.push(q);
@@ -185,6 +188,24 @@ pub fn read(mechanism: &Mechanism, text: &str) -> Result<(RigMotion, f64), Table
     let motion = RigMotion { dt_s: step, rows };
     motion.check(mechanism)?;
     Ok((motion, start_s))
+}
+
+/// Sets the coordinates of tied joints without a column, by those with a column (`given`).
+fn fill_tied(ties: &Ties, given: &[usize], q: &mut [f64]) {
+    for tie in ties.each() {
+        let [own, leader] = tie.places();
+        let other_gives = ties
+            .each()
+            .find(|other| other.leader == tie.leader && given.contains(&other.places()[0]));
+        if !given.contains(&leader)
+            && let Some(other) = other_gives
+        {
+            q[leader] = other.leader_position(q[other.places()[0]]);
+        }
+        if !given.contains(&own) {
+            q[own] = tie.factor * q[leader] + tie.offset;
+        }
+    }
 }
 
 /// Appends a number with nine decimals, and without a negative zero.

@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hasher as _};
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::JointModel;
+use sinew_rig::mechanism::{JointModel, Ties};
 use thiserror::Error;
 
 /// Tolerance of a quaternion's squared length against 1.
@@ -85,6 +85,23 @@ impl RigMotion {
     /// Returns the time of the last row, s; the first row is at 0.
     pub fn duration_s(&self) -> f64 {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s
+    }
+
+    /// Moves the followers of all rows to where their leaders put them. Returns the largest change of each follower that
+    /// changed, rad or m, by its body.
+    pub fn follow(&mut self, ties: &Ties) -> Vec<(usize, f64)> {
+        /// Rounding of tables with six digits.
+        const ROUNDING: f64 = 1e-5;
+        let mut changes: Vec<(usize, f64)> = ties.each().map(|tie| (tie.body, 0.0)).collect();
+        for row in &mut self.rows {
+            let before: Vec<f64> = ties.each().map(|tie| row[tie.places()[0]]).collect();
+            ties.follow(row);
+            for ((tie, before), (_, most)) in ties.each().zip(before).zip(&mut changes) {
+                *most = f64::max(*most, (row[tie.places()[0]] - before).abs());
+            }
+        }
+        changes.retain(|(_, most)| *most > ROUNDING);
+        changes
     }
 
     /// Returns the changes of angles by more than half a turn, in order of time. A file that wraps angles into one turn

@@ -53,6 +53,7 @@ impl Mapping {
         skeleton: &Skeleton,
     ) -> Result<Curves, MappingError> {
         let ranges = mechanism.coordinate_ranges();
+        let ties = mechanism.ties();
         let on_rig = |(k, curve): (usize, &super::Curve)| {
             let body = joint(mechanism, &format!("curve[{k}].rig"), &curve.rig)?;
             let link = &mechanism.bodies[body];
@@ -70,13 +71,20 @@ impl Mapping {
                 let found = format!("`{}`, which does not", curve.rig);
                 return Err(MappingError::value(format!("curve[{k}].rig"), expected, found));
             }
+            // A curve on a joint that follows another one drives its leader.
+            let tie = ties.of(body);
+            let leader = tie.map_or(body, |tie| tie.leader);
+            let link = &mechanism.bodies[leader];
+            let point = |&[angle, position]: &[f64; 2]| {
+                [angle, tie.map_or(position, |tie| tie.leader_position(position))]
+            };
             let own = link.speed;
             let default = if curve.slides { f64::INFINITY } else { self.performance.speed_rad_s };
             Ok(RigCurve {
                 joint: clip_joint(skeleton, &format!("curve[{k}].clip"), &curve.clip)?,
                 axis: DVec3::from_array(curve.axis).normalize(),
-                points: curve.points.clone(),
-                coordinate: ranges[body].start,
+                points: curve.points.iter().map(point).collect(),
+                coordinate: ranges[leader].start,
                 range: link.ranges.first().copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
                 speed: if own.is_finite() { own } else { default },
             })
