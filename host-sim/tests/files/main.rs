@@ -8,3 +8,4 @@ mod foreign;
 mod kills;
 mod mocap_data;
 mod outputs;
+mod ties;

@@ -37,7 +37,7 @@ pub(super) fn tie(ties: &[Tie], description: &mut Description, notes: &mut Notes
     let mut kept = vec![true; tied.len()];
     for ((tie, joint, of), kept) in tied.iter().zip(&mut kept).rev() {
         match cut(tie, joints, *joint, *of) {
-            Ok(Some(range)) => {
+            Ok(Cut::Leader(range)) => {
                 let text = "ranges of joints that others follow: cut to what these can";
                 notes.add_of(
                     NoteKind::Changed,
@@ -45,7 +45,12 @@ pub(super) fn tie(ties: &[Tie], description: &mut Description, notes: &mut Notes
                     format!("{} {range} by {}", tie.of, tie.joint),
                 );
             }
-            Ok(None) => {}
+            Ok(Cut::Turned) => {
+                let text = "the range of a follower permits one pose of its leader: taken as that of the leader, times the \
+                            factor";
+                notes.add_of(NoteKind::Doubtful, text, &tie.joint);
+            }
+            Ok(Cut::Nothing) => {}
             Err(why) => {
                 notes.add_of(NoteKind::LeftOut, why, tie.to_string());
                 *kept = false;
@@ -114,23 +119,33 @@ fn check(tie: &Tie, joint: &Joint, of: &Joint) -> Result<(), &'static str> {
     Ok(())
 }
 
+/// Change of ranges by a tie.
+enum Cut {
+    Nothing,
+    /// The leader's range is smaller: the new one as text.
+    Leader(String),
+    /// The follower has the range of its leader.
+    Turned,
+}
+
 fn range(joint: &Joint) -> Option<[f64; 2]> {
     joint.range_m.or_else(|| joint.range_rad.first().copied())
 }
 
-/// Cuts the range of the leader to what the follower can. Returns the new range as text, if it is smaller; fails if
-/// nothing would remain.
-fn cut(
-    tie: &Tie,
-    joints: &mut [Joint],
-    joint: usize,
-    of: usize,
-) -> Result<Option<String>, &'static str> {
-    let Some(own) = range(&joints[joint]) else { return Ok(None) };
+/// Cuts the range of the leader to what the follower can; fails if nothing would remain.
+fn cut(tie: &Tie, joints: &mut [Joint], joint: usize, of: usize) -> Result<Cut, &'static str> {
+    let Some(own) = range(&joints[joint]) else { return Ok(Cut::Nothing) };
     let [a, b] = own.map(|end| (end - tie.offset) / tie.multiplier);
     let leader = &mut joints[of];
     let before = range(leader).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let [mut least, mut most] = [before[0].max(a.min(b)), before[1].min(a.max(b))];
+    // Only one pose is common, though both can move: writers forget the sign of the factor in the follower's range.
+    let can_move = |[least, most]: [f64; 2]| most > least + ROUNDING;
+    if (most - least).abs() <= ROUNDING && can_move(own) && can_move(before) {
+        let [a, b] = before.map(|end| tie.multiplier * end + tie.offset);
+        set_range(&mut joints[joint], [a.min(b), a.max(b)]);
+        return Ok(Cut::Turned);
+    }
     if least > most + ROUNDING {
         return Err(
             "its range and that of the other one have nothing in common: the rig leaves it untied",
@@ -142,18 +157,27 @@ fn cut(
     [least, most] = [least, most].map(|end| if end.abs() < ROUNDING { 0.0 } else { end });
     let is_less = least > before[0] + ROUNDING || most < before[1] - ROUNDING;
     if !is_less {
-        return Ok(None);
+        return Ok(Cut::Nothing);
     }
     let shown = if leader.kind == JointType::Prismatic {
-        leader.range_m = Some([least, most]);
-        leader.home_m = leader.home_m.map(|home| home.max(least).min(most));
         format!("to {least:.4} .. {most:.4} m")
     } else {
-        leader.range_rad = vec![[least, most]];
-        leader.home_rad = leader.home_rad.map(|home| home.max(least).min(most));
         format!("to {:.2} .. {:.2} deg", least.to_degrees(), most.to_degrees())
     };
-    Ok(Some(shown))
+    set_range(leader, [least, most]);
+    Ok(Cut::Leader(shown))
+}
+
+/// Sets the range of a joint of one dof, and its home within that.
+fn set_range(joint: &mut Joint, [least, most]: [f64; 2]) {
+    if joint.kind == JointType::Prismatic {
+        joint.range_m = Some([least, most]);
+    } else {
+        joint.range_rad = vec![[least, most]];
+    }
+    for home in [&mut joint.home_m, &mut joint.home_rad] {
+        *home = home.map(|home| home.max(least).min(most));
+    }
 }
 
 /// Returns the limit of a tie, and moves the follower's home to its place.
