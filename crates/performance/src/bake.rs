@@ -5,7 +5,7 @@ use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
     CheckError, Curve, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError,
-    Performance, Report, RigMotion, check, rate_at_rows, refit,
+    MotionError, Performance, Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;
@@ -49,6 +49,9 @@ pub enum BakeError {
     /// The written show does not play.
     #[error("the show does not play: {0}")]
     Show(#[from] ShowError),
+    /// The motion is invalid for the rig.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// The format cannot express the rate.
     #[error("rate: expected a whole number of samples a second, or one over 1.001, found {0}")]
     Rate(f64),
@@ -199,7 +202,7 @@ impl Baker<'_> {
         if factor == 1 {
             return Ok(None);
         }
-        let curve = Curve::new(self.mechanism, motion).map_err(CheckError::from)?;
+        let curve = Curve::new(self.mechanism, motion)?;
         let finer = curve.resampled(f64::from(factor) / motion.dt_s);
         let cue = |(row, name): &(u32, String)| (row * factor, name.clone());
         let pair = |(row, given): &(u32, u32)| (row * factor, given * factor);

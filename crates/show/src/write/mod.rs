@@ -78,8 +78,9 @@ pub struct ShowTie {
     pub offset: f64,
 }
 
-/// Share of the error bound that a leader's curve may use, so that the follower's rounding keeps the bound too.
-const OF_LEADER: f64 = 0.9;
+/// Share of the error bound that a leader may use, so that a follower, with its offset in whole steps, keeps the bound
+/// too. A step is half of the bound.
+const OF_LEADER: f64 = 0.8;
 
 /// The written curves of a joint.
 struct JointCurves {
