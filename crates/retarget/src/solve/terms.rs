@@ -39,6 +39,9 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
+    /// The dof that the solver changes: `dof`, or the one that `dof` follows with this factor.
+    leader: usize,
+    factor: f64,
     /// Whether the dof moves the point where a direction begins, and the point where it ends.
     from: bool,
     to: bool,
@@ -71,19 +74,18 @@ impl Term {
         };
         let movers = dofs
             .into_iter()
-            .map(|dof| Mover {
-                dof,
-                from: from.contains(&dof),
-                to: to.contains(&dof),
-                slides: model.slides[dof],
+            .map(|dof| {
+                let (leader, factor) = model.leader(dof);
+                let (from, to) = (from.contains(&dof), to.contains(&dof));
+                Mover { dof, leader, factor, from, to, slides: model.slides[dof] }
             })
-            .filter(|mover| !(model.is_tied(mover.dof) || mover.slides && is_kept(mover)))
+            .filter(|mover| !(mover.slides && is_kept(mover)))
             .collect();
         Self { kind, movers }
     }
 
     pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.movers.iter().map(|mover| mover.dof)
+        self.movers.iter().map(|mover| mover.leader)
     }
 
     /// Returns the squared error times its weight.
@@ -138,14 +140,14 @@ impl Term {
                             (true, false) => -axis.cross(from_m - anchor),
                         }
                     };
-                    normal.column(mover.dof, (moved - u * u.dot(moved)) / length);
+                    normal.column(mover.leader, mover.factor * (moved - u * u.dot(moved)) / length);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
             Kind::Orientation { body, upright } => {
                 let error = turn_between(target.rotation, state.rotations[*body] * *upright);
                 for mover in &self.movers {
-                    normal.column(mover.dof, state.axes[mover.dof]);
+                    normal.column(mover.leader, mover.factor * state.axes[mover.dof]);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
@@ -154,7 +156,8 @@ impl Term {
                     return;
                 };
                 for mover in &self.movers {
-                    normal.column(mover.dof, DVec3::X * u.dot(state.axes[mover.dof]));
+                    let along = mover.factor * u.dot(state.axes[mover.dof]);
+                    normal.column(mover.leader, DVec3::X * along);
                 }
                 normal.add(DVec3::X * angle, DVec3::X * target.weight);
             }
@@ -167,7 +170,7 @@ impl Term {
                     } else {
                         axis.cross(point_m - state.anchors_m[mover.dof])
                     };
-                    normal.column(mover.dof, moved);
+                    normal.column(mover.leader, mover.factor * moved);
                 }
                 normal.add(point_m - target.vector, by_axis(*parts) * target.weight);
             }
