@@ -108,7 +108,22 @@ impl Clients {
         self.talk("rustypot, STS", &servos, "rustypot_bus.py", &["sts"], None)?;
         let (lerobot, sdk) = (package(&self.venv, LEROBOT), Some(FEETECH_SDKS[0]));
         self.talk("lerobot, STS", &servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
+        self.calibrate(&lerobot)?;
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
+    }
+
+    /// Calibrates a simulated SO-101 with `LeRobot`, and takes its file through a rig file and back.
+    fn calibrate(&self, lerobot: &str) -> Result<()> {
+        let link = self.venv.folder.join("port").display().to_string();
+        let sinew = self.programs.join("sinew");
+        let mut server = Command::new(&sinew);
+        server.args(["servo", "simulate", "--pty", &link]);
+        server.args(["--kind", "sts3215", "--ids", "1,2,3,4,5,6"]);
+        let _server = Server::start("sinew servo simulate", server, &link)?;
+        let mut client = self.python("lerobot_calibration.py");
+        client.arg(&link).arg(&sinew).arg(lerobot);
+        client.env("PYTHONPATH", package(&self.venv, FEETECH_SDKS[0]));
+        step::run("lerobot, calibration", &mut client)
     }
 
     /// Runs a program with new simulated servos of a kind, and more options of `sinew servo simulate`. New servos are

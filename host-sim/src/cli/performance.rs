@@ -217,6 +217,13 @@ fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
 /// Prints how near the rig is to the performer.
 fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let rig = &rig.description.name;
+    if let Some([mean, most]) = taken.hand_error {
+        note(format_args!(
+            "{name} on {rig}: the hand's path is followed, {:.1} % of the arm's length off in the mean, {:.1} % at most",
+            100.0 * mean,
+            100.0 * most
+        ));
+    }
     if taken.limbs > 0 {
         note(format_args!(
             "{name} on {rig}: {} limbs followed, mean error {:.1} deg, largest {:.1} deg{}",

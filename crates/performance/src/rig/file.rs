@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use sinew_mocap::{Kind, read};
 use sinew_retarget::rig::RigMatch;
 use sinew_retarget::{Landmark, Side};
-use sinew_rig::description::{Base, DescriptionError};
+use sinew_rig::description::{Base, DescriptionError, Doubt};
 use sinew_rig::import::{self, Imported, Options, World};
 use sinew_rig::{Description, Mechanism, toml_file};
 use thiserror::Error;
 
-use super::size;
+use super::{doubts, size};
 
 /// A rig, as its description and as a mechanism.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub struct LoadedRig {
     pub world: Option<World>,
     /// Notes of an import: the size of the rig, and everything that was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,
+    /// Doubtful values of a rig.toml: other units, places far away, addresses that a servo cannot have.
+    pub doubts: Vec<Doubt>,
 }
 
 impl LoadedRig {
@@ -71,7 +73,8 @@ pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     }
     let description = toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
     let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
-    Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new() })
+    let doubts = doubts::doubts(&description);
+    Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts })
 }
 
 /// Reads a part of an MJCF from the folder of the file or below.
@@ -113,7 +116,7 @@ fn imported(text: &str, options: &Options, folder: &Path) -> Result<LoadedRig, S
         .chain(size::lies(&mechanism, imported.world.up))
         .collect();
     let Imported { description, world, .. } = imported;
-    Ok(LoadedRig { description, mechanism, world: Some(world), notes })
+    Ok(LoadedRig { description, mechanism, world: Some(world), notes, doubts: Vec::new() })
 }
 
 /// Returns the name of the first element of XML text; empty if there is none.

@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use sinew_rig::description::Description;
+use sinew_rig::servo::Address;
 use thiserror::Error;
 
-use super::servos::{ServoTrack, ServoTrackError, number_of};
+use super::servos::{ServoTrack, ServoTrackError, check_pulses, number_of};
 
 /// Maximum number of frames of a file: 4.6 hours at 240 Hz.
 const FRAMES_MAX: usize = 4_000_000;
@@ -130,6 +131,9 @@ pub fn read(text: &str, rig: &Description) -> Result<(Vec<ServoTrack>, f64), Ble
                     .collect::<Vec<_>>()
                     .join(", "),
             })?;
+            if matches!(servo.address, Address::Channel(_)) {
+                check_pulses(&servo.name, &positions)?;
+            }
             Ok(ServoTrack {
                 servo: servo.name.clone(),
                 address: servo.address,

@@ -11,6 +11,8 @@ use crate::rig::RigPoint;
 pub(super) enum Kind {
     /// Direction from one point to another.
     Direction { from: RigPoint, to: RigPoint },
+    /// Way from one point to another, m.
+    Way { from: RigPoint, to: RigPoint },
     /// Orientation of a body; `upright` is forward, left, up in its frame.
     Orientation { body: usize, upright: DQuat },
     /// Rotation of a body about a limb, measured by the axis of the hinge on that body.
@@ -22,7 +24,7 @@ pub(super) enum Kind {
 /// Target of a term in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
-    /// Target of a direction, a twist, or a position.
+    /// Target of a direction, a way, a twist, or a position.
     pub(super) vector: DVec3,
     /// Target of an orientation.
     pub(super) rotation: DQuat,
@@ -48,6 +50,22 @@ struct Mover {
     slides: bool,
 }
 
+impl Mover {
+    /// Returns the motion of the way between two points by a unit of the dof.
+    fn moved(&self, state: &State, [from_m, to_m]: [DVec3; 2]) -> DVec3 {
+        let (axis, anchor) = (state.axes[self.dof], state.anchors_m[self.dof]);
+        if self.slides {
+            return if self.to { axis } else { -axis };
+        }
+        // If both points rotate together, only the vector between them matters.
+        match (self.from, self.to) {
+            (true, true) => axis.cross(to_m - from_m),
+            (false, _) => axis.cross(to_m - anchor),
+            (true, false) => -axis.cross(from_m - anchor),
+        }
+    }
+}
+
 /// A property with the dofs that affect it.
 #[derive(Debug, Clone)]
 pub(super) struct Term {
@@ -58,7 +76,7 @@ pub(super) struct Term {
 impl Term {
     pub(super) fn new(model: &Model, kind: Kind) -> Self {
         let (from, to) = match &kind {
-            Kind::Direction { from, to } => (Some(from.body), to.body),
+            Kind::Direction { from, to } | Kind::Way { from, to } => (Some(from.body), to.body),
             Kind::Orientation { body, .. } | Kind::Twist { body, .. } => (None, *body),
             Kind::Position { point, .. } => (None, point.body),
         };
@@ -68,7 +86,7 @@ impl Term {
         dofs.dedup();
         // Dofs that slide and have no effect on the term are left out.
         let is_kept = |mover: &Mover| match kind {
-            Kind::Direction { .. } => mover.from && mover.to,
+            Kind::Direction { .. } | Kind::Way { .. } => mover.from && mover.to,
             Kind::Orientation { .. } | Kind::Twist { .. } => true,
             Kind::Position { .. } => false,
         };
@@ -97,6 +115,9 @@ impl Term {
             Kind::Direction { from, to } => {
                 let way = (state.point_m(to) - state.point_m(from)).normalize_or_zero();
                 (way - target.vector).length_squared()
+            }
+            Kind::Way { from, to } => {
+                (state.point_m(to) - state.point_m(from) - target.vector).length_squared()
             }
             Kind::Orientation { body, upright } => {
                 turn_between(target.rotation, state.rotations[*body] * *upright).length_squared()
@@ -129,19 +150,17 @@ impl Term {
                 let u = way / length;
                 let error = u - target.vector;
                 for mover in &self.movers {
-                    let (axis, anchor) = (state.axes[mover.dof], state.anchors_m[mover.dof]);
-                    let moved = if mover.slides {
-                        if mover.to { axis } else { -axis }
-                    } else {
-                        // If both points rotate together, only the vector between them matters.
-                        match (mover.from, mover.to) {
-                            (true, true) => axis.cross(way),
-                            (false, _) => axis.cross(to_m - anchor),
-                            (true, false) => -axis.cross(from_m - anchor),
-                        }
-                    };
+                    let moved = mover.moved(state, [from_m, to_m]);
                     normal.column(mover.leader, mover.factor * (moved - u * u.dot(moved)) / length);
                 }
+                normal.add(error, DVec3::splat(target.weight));
+            }
+            Kind::Way { from, to } => {
+                let ends_m = [state.point_m(from), state.point_m(to)];
+                for mover in &self.movers {
+                    normal.column(mover.leader, mover.factor * mover.moved(state, ends_m));
+                }
+                let error = ends_m[1] - ends_m[0] - target.vector;
                 normal.add(error, DVec3::splat(target.weight));
             }
             Kind::Orientation { body, upright } => {

@@ -288,7 +288,7 @@ impl Args {
             "{name}: {:.2} s, {} bytes\n{}",
             baked.duration_s,
             baked.written.bytes.len(),
-            feasibility(mechanism, &performance.limits, &report, rounding)
+            feasibility(mechanism, &performance.limits, &report, rounding, None)
         );
         if let Some(done) = performance.fit_summary() {
             text.extend([format!("\nFitted: {done}")]);
