@@ -479,7 +479,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         })
     }
 
-    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them.
+    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them; `None` if
+    /// there is none.
     #[inline(never)]
     fn overload(&mut self) -> Option<Overload> {
         let Self { sources, path, watch, performance, .. } = self;

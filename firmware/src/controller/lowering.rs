@@ -12,14 +12,15 @@ use super::report::filled;
 use super::watch::Watch;
 use crate::supervisor::Settings;
 
-/// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
+/// Ratio of a joint's target speed to its maximum speed. It is below 1, because static friction may release a joint
 /// suddenly.
 const PACE: f32 = 0.7;
 /// Ratio of a lowered goal's speed to the target speed. It is below 1, so that a servo that sticks can catch up.
 const LED: f32 = 0.7;
 /// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
 const BACK_PER_S: f32 = 3.0;
-/// Minimum of the released part of a weight. It is negative, because a rig may be heavier than its model.
+/// Minimum of the released part of a weight. It is negative, so that a joint that was too fast keeps its whole weight
+/// for a moment.
 const LEAST_LOWERED: f32 = -0.25;
 /// A joint rests if its speed is below this part of the target speed. The rig is down after all joints have rested
 /// for a third of the fading time.

@@ -6,6 +6,7 @@
 
 mod body;
 mod check;
+mod doubt;
 mod drive;
 mod error;
 mod joint;
@@ -13,16 +14,19 @@ pub(crate) mod mass;
 mod mechanism;
 mod mount;
 mod servo;
+mod shape;
 mod unit;
 
 pub use body::{Body, InertiaMatrix};
 pub(crate) use check::is_possible;
+pub use doubt::Doubt;
 pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
 pub use servo::{MotorFigures, Servo, ServoModel, SourcedValue};
+pub use shape::{BodyShape, ShapeKind};
 pub(crate) use unit::is_angle;
 
 pub use crate::servo::{Address, SignalLoss};

@@ -3,8 +3,8 @@
 use super::value::Ranges;
 use super::visitor::{KEYS, Visitor};
 use crate::description::{
-    Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
-    ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
+    Address, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit,
+    Mount, Servo, ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
 
 /// Form of a value with its source, for messages.
@@ -47,7 +47,19 @@ fn body<V: Visitor>(body: &mut Body, v: &mut V) -> Result<(), V::Error> {
         "{ xx = .., yy = .., zz = .. }",
         &mut body.inertia_kg_m2,
         inertia,
-    )
+    )?;
+    v.sections("shape", &mut body.shapes, shape)
+}
+
+fn shape<V: Visitor>(shape: &mut BodyShape, v: &mut V) -> Result<(), V::Error> {
+    let default = BodyShape::default();
+    v.required("type", &mut shape.kind)?;
+    v.optional("size_m", &mut shape.size_m, None)?;
+    v.optional("radius_m", &mut shape.radius_m, None)?;
+    v.optional("length_m", &mut shape.length_m, None)?;
+    v.optional("position_m", &mut shape.position_m, default.position_m)?;
+    v.optional("rotation_xyzw", &mut shape.rotation_xyzw, default.rotation_xyzw)?;
+    v.optional("color_rgb", &mut shape.color_rgb, None)
 }
 
 fn inertia<V: Visitor>(inertia: &mut InertiaMatrix, v: &mut V) -> Result<(), V::Error> {
@@ -218,6 +230,7 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
     servo.address = if key == "id" { Address::Id(number) } else { Address::Channel(number) };
     v.optional("direction", &mut servo.direction, default.direction)?;
     v.optional("offset_deg", &mut servo.offset_rad, None)?;
+    v.optional("homing_offset_deg", &mut servo.homing_offset_rad, None)?;
     v.optional("gear", &mut servo.gear, default.gear)?;
     ranges(&mut servo.range_rad, v)?;
     v.optional("torque_nm", &mut servo.torque_nm, None)?;

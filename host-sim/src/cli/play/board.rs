@@ -125,7 +125,8 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
-    /// Sends the next command for the state, or returns how the performance ended.
+    /// Sends the next command for the present state. Returns the exit code if the performance has ended, otherwise
+    /// `None`.
     fn go_on(&mut self) -> anyhow::Result<Option<ExitCode>> {
         let Some(state) = self.board.state() else { return Ok(None) };
         match (self.phase, state) {

@@ -151,7 +151,8 @@ impl TeachSession {
         }
     }
 
-    /// Receives messages until there is a summary that is newer than this call, and returns the state.
+    /// Receives messages until there is a summary that is newer than this call, or until a second signal asks this
+    /// program to end. Returns the last known state.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {
