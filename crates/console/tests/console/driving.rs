@@ -184,3 +184,30 @@ fn commands_of_other_terminals_move_and_stop() {
     assert!(ask(&console.name, &Request::EStop).unwrap().ok);
     page.until_state(FAULTED);
 }
+
+#[test]
+fn a_slider_reaches_the_board_soon() {
+    let console = OtherSide::start(false);
+    let mut page = Page::open(&console);
+    page.arm();
+    page.slide(1.0, ms(300));
+    let newest = || console.told.lock().unwrap().jogs.last().copied().unwrap_or_default();
+    let mut times = Vec::new();
+    for turn in 0..60 {
+        let goal = if turn % 2 == 0 { -1.0 } else { 1.0 };
+        let said = Instant::now();
+        page.say(&json!({ "type": "jog", "dof": 0, "goal": goal }));
+        while newest() * goal <= 0.0 {
+            assert!(said.elapsed() < ms(2000));
+            sleep(Duration::from_micros(200));
+        }
+        times.push(said.elapsed());
+        page.hear().unwrap();
+    }
+    times.sort();
+    println!(
+        "from a page's goal to the board's line: median {:?}, worst {:?}",
+        times[30], times[59]
+    );
+    assert!(times[30] < ms(60), "{:?}", times[30]);
+}

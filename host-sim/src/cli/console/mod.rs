@@ -55,7 +55,7 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
+    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
     /// as /dev/ttyACM0, or the USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
