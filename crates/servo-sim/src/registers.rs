@@ -1,6 +1,6 @@
 //! Servos without physics: registers that follow the protocol, and a position that jumps to the goal.
 //!
-//! For kinds that are not identified, and for programs that test their protocol and not the mechanics.
+//! They are for kinds that are not identified, and for programs that test their protocol and not the mechanics.
 
 use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, MODELS, Model, Table, address};
 use sinew_servo_bus::feetech::table::{
@@ -44,7 +44,7 @@ impl RegisterTable {
         let dynamixel =
             Model::of_kind(kind).map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
         let feetech = || FeetechModel::of_kind(kind);
-        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
+        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table::new(model))))
     }
 
     /// Returns the names of all kinds with a table.

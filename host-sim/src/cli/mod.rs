@@ -16,7 +16,9 @@ mod find;
 mod guide;
 #[cfg(unix)]
 mod halt;
+mod idle;
 mod inspect;
+mod jaw;
 mod latency;
 mod map;
 mod methods;

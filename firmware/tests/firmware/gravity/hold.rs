@@ -23,11 +23,11 @@ const TICKS: u32 = 250;
 /// Number of last ticks over which positions are averaged: within the play of its gear, a shaft without load moves to
 /// and fro.
 const MEAN_TICKS: u32 = 50;
-/// Maximum difference between the means of a shaft at rest: the play of an STS3215, the largest.
+/// Maximum difference between the means of a shaft at rest: the play of an STS3215, which has the largest.
 const REST_RAD: f64 = 0.0175;
 const MOST_SERVOS: usize = 8;
 
-/// Ratio of the rig as built to its model.
+/// Ratios of properties of the rig as built to those of its model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AsBuilt {
     pub(crate) masses: f64,
@@ -143,7 +143,7 @@ pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: boo
             pwm: 1.0,
             speed_rad_s: 10.0,
         };
-        let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+        let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 1 };
         let setups: Vec<_> = (1..).take(count).map(setup).collect();
         let mut bus = feetech::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
         let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);

@@ -4,6 +4,7 @@ mod emulated;
 mod face;
 mod humanoid;
 mod independent;
+mod keys;
 mod loops;
 #[cfg(unix)]
 mod play;
@@ -42,4 +43,10 @@ fn whole_us(time_s: f64) -> u64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let us = (time_s * 1e6).round() as u64;
     us
+}
+
+/// Returns whether a report of `bake` names no excess; what is left of a motion may be nobody's.
+fn within_limits(report: &str) -> bool {
+    !report.contains("EXCEEDED")
+        && (report.contains("No limit is exceeded") || report.contains("is within all limits"))
 }
