@@ -74,8 +74,9 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
-    /// Serves pages and other commands, which know the console by `name`, and is the hub of a board until `stops` counts a signal to end. The first signal stops the rig,
-    /// and the hub ends when torque is off; the second ends it at once.
+    /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
+    /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
+    /// the hub ends at once.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.

@@ -5,7 +5,7 @@ use sinew_retarget::feasibility::RigMotion;
 use sinew_retarget::mapping::{Mapping, MappingError};
 use sinew_retarget::performer::{Performer, PerformerError, PerformerJoints};
 use sinew_retarget::rig::{RigMatch, RigMatchError};
-use sinew_retarget::solve::{self, Baked, BakedLimb, Settings, best_tilt};
+use sinew_retarget::solve::{self, Baked, BakedLimb, Hand, Settings, best_tilt};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Pose;
 use thiserror::Error;
@@ -31,6 +31,12 @@ pub struct RetargetedClip {
     pub most_held: Option<(String, f64)>,
     /// Limbs of the rig, if it has any.
     pub rig: Option<RigMatch>,
+    /// Mean and largest distance of a hand from the performer's, as shares of the arm; `None` if none is followed.
+    pub hand_error: Option<[f64; 2]>,
+    /// Hands whose paths are followed: a rig that is only an arm.
+    pub hands: Vec<Hand>,
+    /// For each frame of the clip, the performer's place of each hand relative to its shoulder, scaled to the rig, m.
+    pub hand_targets_m: Vec<Vec<Option<[f32; 3]>>>,
     /// For each frame of the clip: the performer's limbs in the rig's world, by the landmark at their ends.
     pub limb_targets: Vec<Vec<BakedLimb>>,
 }
@@ -75,7 +81,8 @@ impl Roles {
     ) -> Result<Self, RetargetError> {
         let Some(mapping) = mapping else {
             let rig = Some(RigMatch::of(mechanism)?);
-            return Ok(Self { rig, joints: clip.joints(), settings: Settings::default() });
+            let settings = rig.as_ref().map_or_else(Settings::default, Settings::of);
+            return Ok(Self { rig, joints: clip.joints(), settings });
         };
         if mapping.landmarks.is_empty() && mapping.curves.is_empty() {
             return Err(RetargetError::Nothing);
@@ -120,12 +127,15 @@ pub fn retarget_clip(
     if let Some(curves) = &curves {
         curves.put(&clip.clip, &mut rows);
     }
-    let motion = RigMotion { dt_s: baked.frame_time_s, rows };
-    Ok(RetargetedClip {
+    let mut motion = RigMotion { dt_s: baked.frame_time_s, rows };
+    motion.follow(&mechanism.ties());
+    let mut clip = RetargetedClip {
         rig,
         curves: mapping.map_or(0, |mapping| mapping.curves.len()),
         ..taken(mechanism, motion, baked)
-    })
+    };
+    clip.hand_error = clip.hand_error_of(mechanism);
+    Ok(clip)
 }
 
 /// Returns the rig at home, for the duration of the clip.
@@ -135,6 +145,8 @@ fn still(mechanism: &Mechanism, clip: &PreparedClip) -> Baked {
         frame_time_s: clip.clip.frame_time_s,
         q: vec![mechanism.home(); frames],
         limbs: vec![Vec::new(); frames],
+        hands: Vec::new(),
+        hand_targets_m: vec![Vec::new(); frames],
         held: vec![Vec::new(); frames],
     }
 }
@@ -162,6 +174,9 @@ fn taken(mechanism: &Mechanism, motion: RigMotion, baked: Baked) -> RetargetedCl
             .filter(|(_, count)| *count > 0)
             .map(|(joint, count)| (joint, count as f64 / frames as f64)),
         rig: None,
+        hand_error: None,
+        hands: baked.hands,
+        hand_targets_m: baked.hand_targets_m,
         limb_targets: baked.limbs,
     }
 }
@@ -179,8 +194,49 @@ impl RetargetedClip {
             at_range: 0.0,
             most_held: None,
             rig: None,
+            hand_error: None,
+            hands: Vec::new(),
+            hand_targets_m: vec![Vec::new(); frames],
             limb_targets: vec![Vec::new(); frames],
         }
+    }
+
+    /// Returns the distance between each hand whose path is followed and the performer's, scaled to the rig, at a time
+    /// of the clip, as shares of the arm.
+    pub fn hand_errors<'a>(
+        &'a self,
+        clip_time_s: f64,
+        poses: &'a [Pose],
+    ) -> impl Iterator<Item = f64> + 'a {
+        let targets_m = &self.hand_targets_m[self.frame_at(clip_time_s)];
+        self.hands.iter().zip(targets_m).filter_map(|(hand, target_m)| {
+            let target_m = DVec3::from_array((*target_m)?.map(f64::from));
+            let [shoulder_m, place_m] = [hand.shoulder, hand.point]
+                .map(|point| poses.get(point.body).map(|pose| pose.point(point.position_m)));
+            Some((place_m? - shoulder_m?).distance(target_m) / hand.arm_m)
+        })
+    }
+
+    /// Returns mean and largest distance of a hand over all frames, as shares of the arm.
+    fn hand_error_of(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
+        if self.hands.is_empty() {
+            return None;
+        }
+        let of_row = |(row, q): (usize, &Vec<f64>)| -> Vec<f64> {
+            let poses = mechanism.poses(q);
+            self.hand_errors(row as f64 * self.motion.dt_s, &poses).collect()
+        };
+        let errors: Vec<f64> = self.motion.rows.iter().enumerate().flat_map(of_row).collect();
+        let most = errors.iter().copied().fold(0.0, f64::max);
+        (!errors.is_empty()).then(|| [errors.iter().sum::<f64>() / errors.len() as f64, most])
+    }
+
+    /// Returns the frame at a time of the clip.
+    fn frame_at(&self, clip_time_s: f64) -> usize {
+        let last = self.limb_targets.len() - 1;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        let frame = (clip_time_s / self.motion.dt_s).round().max(0.0) as usize;
+        frame.min(last)
     }
 
     /// Returns the angle between each limb of the rig and the performer's limb at a time of the clip, deg. `poses`:
@@ -190,13 +246,32 @@ impl RetargetedClip {
         clip_time_s: f64,
         poses: &'a [Pose],
     ) -> impl Iterator<Item = f64> + 'a {
-        let last = self.limb_targets.len() - 1;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let frame = ((clip_time_s / self.motion.dt_s).round().max(0.0) as usize).min(last);
-        self.limb_targets[frame].iter().filter_map(|limb| {
+        self.limb_targets[self.frame_at(clip_time_s)].iter().filter_map(|limb| {
             let target = DVec3::from_array(limb.target.map(f64::from));
             let limb = self.rig.as_ref()?.limb_direction(poses, limb.landmark)?;
             Some(libm::atan2(limb.cross(target).length(), limb.dot(target)).to_degrees())
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use sinew_mocap::files::ClipFile;
+
+    use super::*;
+    use crate::ClipSettings;
+
+    #[test]
+    fn the_hand_of_a_small_arm_goes_along_the_performers_path() {
+        let mechanism = sinew_rig::new::arm(6).unwrap().mechanism().unwrap();
+        let file = ClipFile::new(Path::new("punches_01"));
+        let mut clip = PreparedClip::read(&file, ClipSettings::default()).unwrap();
+        clip.cut(4.0);
+        let taken = retarget_clip(&mechanism, &clip, None, false).unwrap();
+        let [mean, most] = taken.hand_error.unwrap();
+        println!("{:.1} % of the arm in the mean, {:.1} % at most", 100.0 * mean, 100.0 * most);
+        assert!(mean < 0.1 && most < 0.5, "{mean} {most}");
     }
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use anyhow::{Context as _, ensure};
 use sinew_mocap::{Kind, read};
 use sinew_retarget::feasibility::{
-    Fit, FitSettings, Limits, LoopError, LoopedMotion, Report, RigMotion, check, fit, looped,
+    Curve, Fit, FitSettings, Limits, LoopError, LoopedMotion, Report, RigMotion, check, fit,
+    looped, rate_at_rows,
 };
 use sinew_retarget::mapping::Mapping;
 use sinew_rig::Mechanism;
@@ -15,9 +16,13 @@ use sinew_show::TimeCode;
 use sinew_show::write::Settings;
 
 use super::bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course};
+use super::likeness::{Likeness, helps, way_share};
 use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
 use super::table::fitted;
+
+/// Lowest rate at which a motion is checked for what would help, Hz.
+const HELP_HZ: f64 = 100.0;
 
 /// Choices for the changes of a motion before its use.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -175,27 +180,55 @@ impl RigPerformance {
         self.row_at(self.fit.as_ref(), given_s) as f64 * self.motion().dt_s
     }
 
-    /// Returns the mean and largest angle between the limbs of the used motion and the performer's, deg; `None` if no
-    /// limb is followed.
-    pub fn limb_errors_deg(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
+    /// Compares the used motion with the performer, and with the motion before a fit.
+    pub fn likeness(&self, mechanism: &Mechanism) -> Likeness {
         let motion = self.motion();
-        let (mut sum, mut most, mut count) = (0.0, 0.0, 0_u32);
+        let (mut limbs, mut hands) = (Mean::default(), Mean::default());
         for (row, q) in motion.rows.iter().enumerate() {
             let time_s = row as f64 * motion.dt_s;
             let clip_s = self.fit.as_ref().map_or(time_s, |fit| fit.given_time_s(time_s));
             let poses = mechanism.poses(q);
-            for error in self.clip.limb_errors_deg(clip_s, &poses) {
-                sum += error;
-                most = f64::max(most, error);
-                count += 1;
-            }
+            self.clip.limb_errors_deg(clip_s, &poses).for_each(|error| limbs.add(error));
+            self.clip.hand_errors(clip_s, &poses).for_each(|error| hands.add(error));
         }
-        (count > 0).then(|| [sum / f64::from(count), most])
+        let way = way_share(motion, &self.clip.motion);
+        Likeness { limbs_deg: limbs.mean_and_most(), hands: hands.mean_and_most(), way }
+    }
+
+    /// Describes what would leave more of the motion than a fit did, one sentence for each kind of limit.
+    ///
+    /// # Errors
+    /// The motion cannot be checked.
+    pub fn helps(&self, mechanism: &Mechanism) -> anyhow::Result<Vec<String>> {
+        let motion = &self.clip.motion;
+        let curve = Curve::new(mechanism, motion)?;
+        let given = check(mechanism, &self.limits, &curve, rate_at_rows(HELP_HZ, motion.dt_s))?;
+        Ok(helps(&self.limits, &given))
     }
 
     /// Returns the used motion: the fitted one, if there is one.
     pub fn motion(&self) -> &RigMotion {
         self.fit.as_ref().map_or(&self.clip.motion, |fit| &fit.motion)
+    }
+}
+
+/// Mean and largest value of some numbers.
+#[derive(Debug, Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    most: f64,
+    count: u32,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.sum += value;
+        self.most = self.most.max(value);
+        self.count += 1;
+    }
+
+    fn mean_and_most(self) -> Option<[f64; 2]> {
+        (self.count > 0).then(|| [self.sum / f64::from(self.count), self.most])
     }
 }
 

@@ -10,12 +10,13 @@ use sinew_rig::mechanism::JointModel;
 use super::text;
 
 /// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do
-/// not move and carry no load are left out.
+/// not move and carry no load are left out. `strange`: why the motion is not the performer's, if it is not.
 pub fn feasibility(
     mechanism: &Mechanism,
     limits: &Limits,
     report: &Report,
     rounding: [f64; 2],
+    strange: Option<&str>,
 ) -> String {
     let header = [
         "joint", "from", "to", "range", "speed", "of", "accel.", "of", "torque", "of", "RMS",
@@ -83,7 +84,15 @@ pub fn feasibility(
         ));
         told += 1;
     }
-    if told == 0 {
+    if let Some(why) = strange {
+        line(format_args!("NOBODY'S MOTION: {why}."));
+    }
+    if told == 0 && strange.is_some() {
+        line(format_args!(
+            "What is left of it is within all limits, in {:.2} s.",
+            report.duration_s
+        ));
+    } else if told == 0 {
         line(format_args!("No limit is exceeded in {:.2} s.", report.duration_s));
     }
     if let Some(unknown) = text::unknown(mechanism, limits, report) {

@@ -97,10 +97,12 @@ impl Comparison {
         first: u16,
         bytes: &[u8],
     ) {
-        let mut read = settings.clone().filter_map(|Setting { item, raw }| {
+        let mut read = settings.clone().filter_map(|setting| {
+            let item = setting.item;
             let at = usize::from(item.address.checked_sub(first)?);
             let bytes = bytes.get(at..at.checked_add(item.size.into())?)?;
-            Some((item, item.value(bytes, order), raw))
+            let found = item.value(bytes, order);
+            Some((item, found, setting.wanted(found)))
         });
         let difference = read.find(|(_, found, expected)| found != expected);
         let difference = difference.map(|(item, found, expected)| {

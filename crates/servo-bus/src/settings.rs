@@ -2,7 +2,7 @@
 
 use crate::counts::round;
 use crate::dynamixel::table::{Only, address as dxl};
-use crate::feetech::table::address as feetech;
+use crate::feetech::table::{address as feetech, phase};
 use crate::table::{Item, Range};
 use crate::{dynamixel as dynamixel_servos, feetech as feetech_servos};
 
@@ -48,6 +48,15 @@ pub struct Setting {
     pub item: Item,
     /// Required value, in counts.
     pub raw: i32,
+    /// Bits of the value that matter: all, or those that change what goals and readings mean.
+    pub mask: i32,
+}
+
+impl Setting {
+    /// Returns the value that the register must get when it holds `found`: itself, if it is right already.
+    pub const fn wanted(&self, found: i32) -> i32 {
+        (found & !self.mask) | (self.raw & self.mask)
+    }
 }
 
 /// A rule for the required value of a register.
@@ -55,6 +64,13 @@ pub struct Setting {
 enum RequiredValue {
     /// Exactly this value, in counts.
     Exact(i32),
+    /// This value in some bits; the others are the servo's own.
+    Bits {
+        /// Required value.
+        raw: i32,
+        /// Bits that must hold it.
+        mask: i32,
+    },
     /// The factory's value.
     Factory,
     /// The factory's value, times the gain ratio.
@@ -114,14 +130,20 @@ const DYNAMIXEL: [(u16, RequiredValue); 20] = [
     (dxl::BUS_WATCHDOG, RequiredValue::TorqueOff(DYNAMIXEL_WATCHDOG as i32)),
 ];
 
+/// Feetech: a count of speed is a count of position per second, goals without a speed are fastest, positions stay within
+/// a turn, and nothing is reversed (the rig's `direction` reverses).
+const STS_PHASE: RequiredValue =
+    RequiredValue::Bits { raw: phase::SHIPPED, mask: phase::MEANING as i32 };
+
 /// Requirements for an STS, by address. The maximum supply is not compared, because it differs by type.
-const STS: [(u8, RequiredValue); 13] = [
+const STS: [(u8, RequiredValue); 14] = [
     (feetech::RETURN_DELAY, RequiredValue::Exact(0)),
     (feetech::MIN_POSITION, RequiredValue::Min),
     (feetech::MAX_POSITION, RequiredValue::Max),
     (feetech::MAX_TEMPERATURE, RequiredValue::Shutdown),
     (feetech::MIN_VOLTAGE, RequiredValue::Factory),
     (feetech::MAX_TORQUE, RequiredValue::TorqueShare(1000)),
+    (feetech::PHASE, STS_PHASE),
     (feetech::UNLOADING, RequiredValue::Exact(STS_UNLOADING)),
     (feetech::POSITION_P, RequiredValue::Gain),
     (feetech::POSITION_D, RequiredValue::Factory),
@@ -286,7 +308,9 @@ impl ServoRequirements {
         let scale = item.unit.scale;
         let whole = |value: f32| round(value, [0, i32::MAX]);
         let raw = match must {
-            RequiredValue::Exact(raw) | RequiredValue::TorqueOff(raw) => raw,
+            RequiredValue::Exact(raw)
+            | RequiredValue::TorqueOff(raw)
+            | RequiredValue::Bits { raw, .. } => raw,
             RequiredValue::Mode => mode,
             RequiredValue::Shutdown => whole(self.shutdown_c / scale),
             RequiredValue::Current if self.share() < 1.0 => {
@@ -303,6 +327,7 @@ impl ServoRequirements {
             Range::Between(least, most) if raw != NO_MODE => raw.max(least).min(most),
             _ => raw,
         };
-        Setting { item, raw }
+        let mask = if let RequiredValue::Bits { mask, .. } = must { mask } else { !0 };
+        Setting { item, raw, mask }
     }
 }

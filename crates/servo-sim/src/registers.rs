@@ -44,7 +44,7 @@ impl RegisterTable {
         let dynamixel =
             Model::of_kind(kind).map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
         let feetech = || FeetechModel::of_kind(kind);
-        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
+        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table::new(model))))
     }
 
     /// Returns the names of all kinds with a table.

@@ -153,8 +153,12 @@ impl Calibration {
                         most - least
                     )));
                 }
-                let range_deg = Some([least + margin_deg, most - margin_deg]);
-                Ok(ServoChange { name: track.name.clone(), range_deg, offset_deg: None })
+                let range_deg = Some([least + margin_deg, most - margin_deg].map(hundredths));
+                Ok(ServoChange {
+                    name: track.name.clone(),
+                    range_deg,
+                    ..ServoChange::default()
+                })
             })
             .collect()
     }
@@ -235,11 +239,16 @@ pub fn offsets(
             let turned = f64::from(servo.direction) * servo.gear * f64::from(*shaft);
             ServoChange {
                 name: servo.name.clone(),
-                range_deg: None,
-                offset_deg: Some((own - turned).to_degrees()),
+                offset_deg: Some(hundredths((own - turned).to_degrees())),
+                ..ServoChange::default()
             }
         })
         .collect())
+}
+
+/// Rounds to 0.01 deg: no hand finds an end better.
+fn hundredths(degrees: f64) -> f64 {
+    (degrees * 100.0).round() / 100.0
 }
 
 fn home_coordinates(joint: &Joint) -> Vec<f32> {

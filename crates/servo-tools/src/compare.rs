@@ -1,5 +1,7 @@
 //! Compares the registers of servos with their required values, and corrects them.
 
+use sinew_servo_bus::dynamixel::table::drive_mode;
+use sinew_servo_bus::feetech::table::phase;
 use sinew_servo_bus::table::{Area, ByteOrder};
 
 use crate::desired::Setting;
@@ -23,6 +25,29 @@ pub struct Difference {
     pub is_kept: bool,
 }
 
+impl Difference {
+    /// Returns what the rig must know of a change of direction, or of a goal that switches torque on; `None` for all
+    /// other differences.
+    pub fn consequence(&self) -> Option<&'static str> {
+        let changed = self.has.raw ^ self.should.raw;
+        let [is_drive_mode, is_phase] = ["Drive Mode", "Phase"].map(|name| self.name == name);
+        let is_reversed = (is_drive_mode && changed & drive_mode::REVERSE != 0)
+            || (is_phase && changed & i32::from(phase::REVERSED_ENCODER) != 0);
+        if is_reversed {
+            return Some(
+                "the servo reverses itself, and the rig's `direction` is there for that. After `sinew servo apply` it \
+                 counts the other way round its middle: if its `direction`, `offset_deg` and `range_deg` were found \
+                 while it was reversed, negate them (the range becomes [-most, -least]), or calibrate again",
+            );
+        }
+        if is_phase && changed & i32::from(phase::REVERSED_MOTOR) != 0 {
+            return Some("its motor turns against its encoder: with torque on it runs to an end");
+        }
+        (is_drive_mode && changed & drive_mode::ON_BY_GOAL != 0)
+            .then_some("any goal switches its torque on: a controller arms, goals do not")
+    }
+}
+
 /// Returns the registers that differ. `bytes` are the servo's registers from address `first` on, as many as [`span`]
 /// returns.
 ///
@@ -34,14 +59,15 @@ pub fn differences(
     bytes: &[u8],
 ) -> Vec<Difference> {
     let difference = |setting: &Setting| {
-        let Setting { item, raw } = setting;
+        let item = &setting.item;
         let at = item.address.checked_sub(first).map(usize::from)?;
         let has = item.value(bytes.get(at..)?, order);
-        (has != *raw).then(|| Difference {
+        let should = setting.wanted(has);
+        (has != should).then(|| Difference {
             name: item.name,
             address: item.address,
             has: quantity(item, has),
-            should: quantity(item, *raw),
+            should: quantity(item, should),
             is_kept: item.area == Area::Eeprom,
         })
     };
@@ -117,9 +143,8 @@ fn apply_all<E: Exchange>(
         for difference in diff(guard.client(), servo, settings)? {
             let setting =
                 settings.iter().find(|setting| setting.item.address == difference.address);
-            if let Some(Setting { item, raw }) = setting.filter(|setting| setting.item.area == area)
-            {
-                guard.change(item, *raw)?;
+            if let Some(setting) = setting.filter(|setting| setting.item.area == area) {
+                guard.change(&setting.item, difference.should.raw)?;
             }
         }
     }

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use sinew_rig::description::ServoModel;
 use sinew_servo_bus::settings::{self, ServoRequirements};
 pub use sinew_servo_bus::settings::{Mode, Setting};
+use sinew_servo_bus::table::Range;
 
+use crate::lerobot::homing_register;
 use crate::rig_servo::RigServo;
 use crate::{ServiceError, Table};
 
@@ -14,7 +16,7 @@ use crate::{ServiceError, Table};
 ///
 /// The position limits are the rig's range. The limits of current, PWM or torque follow from the rig's torque, the
 /// temperature limit from the kind. A register that neither the rig nor the kind specifies must hold its factory value.
-/// Id, baud rate and homing offset are not included.
+/// Id and baud rate are not included, and a homing offset only if the rig file has one.
 ///
 /// # Errors
 /// [`ServiceError::Rig`] if the servo does not support the rig's range or `mode`.
@@ -48,10 +50,33 @@ pub fn desired(rig: &RigServo, table: &Table, mode: Mode) -> Result<Vec<Setting>
             _ => 1.0,
         },
     };
-    Ok(match table {
+    let mut settings: Vec<Setting> = match table {
         Table::Dynamixel(table) => settings::dynamixel(*table, requirements).collect(),
         Table::Feetech(table) => settings::feetech(table.model.family, requirements).collect(),
-    })
+    };
+    if let Some(offset_rad) = rig.homing_offset_rad {
+        let homing = homing(rig, table, offset_rad)?;
+        let place = settings.partition_point(|other| other.item.address < homing.item.address);
+        settings.insert(place, homing);
+    }
+    Ok(settings)
+}
+
+/// Returns the required homing offset.
+fn homing(rig: &RigServo, table: &Table, offset_rad: f64) -> Result<Setting, ServiceError> {
+    let refused = |what: String| ServiceError::Rig { name: rig.name.clone(), what };
+    let item = homing_register(table).ok_or_else(|| {
+        let model = ServoModel::with_article(table.model());
+        refused(format!("{model} has no homing offset: leave homing_offset_deg out"))
+    })?;
+    #[expect(clippy::cast_possible_truncation, reason = "saturates")]
+    let raw = (offset_rad / f64::from(item.unit.scale)).round() as i32;
+    match item.range {
+        Range::Between(least, most) if !(least..=most).contains(&raw) => Err(refused(format!(
+            "its homing_offset_deg is {raw} counts; its register takes {least} to {most}"
+        ))),
+        _ => Ok(Setting { item, raw, mask: !0 }),
+    }
 }
 
 /// Refuses a range that crosses the seam of the encoder, or has no width.

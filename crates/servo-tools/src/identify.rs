@@ -182,10 +182,7 @@ fn gentle<E: Exchange>(
                 gentle.push((time, RUNNING_TIME_MS));
             } else {
                 gentle.push(raw("Acceleration", ACCELERATION_DEG_S2)?);
-                let is_fine = client.read(servo, &table.register("Phase")?)? & 4 != 0;
-                let (item, speed) = raw("Goal Velocity", SPEED_DEG_S)?;
-                // If this bit is set, a count of speed is a fiftieth.
-                gentle.push((item, if is_fine { speed * 50 } else { speed }));
+                gentle.push(raw("Goal Velocity", SPEED_DEG_S)?);
             }
             // Changed first and restored last: `left` uses it as a mark.
             if let Ok(limit) = table.register("Torque Limit") {

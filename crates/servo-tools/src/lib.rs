@@ -42,6 +42,7 @@
 //! - `guard`, `follow`, `left`: restores a servo that a tool changes; checks reported positions; finds servos that a
 //!   killed program left.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
+//! - `lerobot`: `LeRobot`'s calibration, taken to a rig file and made of it.
 //! - `error`: errors of all tools.
 
 #![forbid(unsafe_code)]
@@ -68,6 +69,7 @@ mod follow;
 mod guard;
 pub mod identify;
 pub mod left;
+pub mod lerobot;
 mod ping_reply;
 mod port;
 pub mod position_gain;

@@ -154,6 +154,8 @@ fn choices(servo: &Servo, item: &Item) -> Option<&'static [i32]> {
         Table::Dynamixel(_) if item.address == dxl::OPERATING_MODE => {
             Some(if servo.table.has_current() { &[0, 1, 3, 4, 5, 16] } else { &[1, 3, 4, 16] })
         }
+        // The bit of a slave, of a dual joint, would make the servo deaf to goals.
+        Table::Dynamixel(_) if item.address == dxl::DRIVE_MODE => Some(&[0, 1, 4, 5, 8, 9, 12, 13]),
         // 128 would move the middle of the servo.
         Table::Feetech(_) if item.address == servo.table.address(Role::Torque) => Some(&[0, 1, 2]),
         _ => None,

@@ -6,7 +6,7 @@ use crate::ServiceError;
 use sinew_rig::description::SourcedValue;
 
 /// New values of a servo in a rig file; `None` keeps the old value.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ServoChange {
     /// Name of the servo.
     pub name: String,
@@ -14,6 +14,10 @@ pub struct ServoChange {
     pub range_deg: Option<[f64; 2]>,
     /// Servo position at which the drive has its zero, deg.
     pub offset_deg: Option<f64>,
+    /// Value of its register Homing Offset, deg.
+    pub homing_offset_deg: Option<f64>,
+    /// Direction, 1 or -1.
+    pub direction: Option<i8>,
 }
 
 /// Returns the text with new ranges and offsets. Comments, order and all other keys are unchanged.
@@ -29,11 +33,17 @@ pub fn edited(text: &str, changes: &[ServoChange]) -> Result<String, ServiceErro
         let servo = servo(&mut document, &change.name)
             .ok_or_else(|| refused(&change.name, "the rig file has no such servo".to_owned()))?;
         if let Some(range) = change.range_deg {
-            let range: Array = range.map(hundredths).into_iter().collect();
+            let range: Array = range.map(short).into_iter().collect();
             set(servo, "range_deg", range.into());
         }
         if let Some(offset) = change.offset_deg {
-            set(servo, "offset_deg", hundredths(offset).into());
+            set(servo, "offset_deg", short(offset).into());
+        }
+        if let Some(offset) = change.homing_offset_deg {
+            set(servo, "homing_offset_deg", short(offset).into());
+        }
+        if let Some(direction) = change.direction {
+            set(servo, "direction", i64::from(direction).into());
         }
     }
     let text = document.to_string();
@@ -126,10 +136,10 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     table.insert(key, Item::Value(value));
 }
 
-/// Rounds to 0.01 deg: no servo measures its position more precisely.
-fn hundredths(degrees: f64) -> f64 {
+/// Rounds to 0.0001 deg: a thousandth of a servo's count, so that counts come back.
+fn short(degrees: f64) -> f64 {
     // Adding zero avoids -0.
-    (degrees * 100.0).round() / 100.0 + 0.0
+    (degrees * 1e4).round() / 1e4 + 0.0
 }
 
 #[cfg(test)]
@@ -166,13 +176,14 @@ direction = -1
             name: "one".to_owned(),
             range_deg: Some([-57.298_765, 80.0]),
             offset_deg: Some(-12.341),
+            ..ServoChange::default()
         }
     }
 
     #[test]
     fn only_what_changes_is_changed() {
         let text = edited(RIG, &[change()]).unwrap();
-        let expected = RIG.replace("[-90, 90]", "[-57.3, 80.0]") + "offset_deg = -12.34\n";
+        let expected = RIG.replace("[-90, 90]", "[-57.2988, 80.0]") + "offset_deg = -12.341\n";
         assert_eq!(text, expected);
         // Applying the same change again changes nothing.
         assert_eq!(edited(&text, &[change()]).unwrap(), text);
@@ -185,7 +196,7 @@ direction = -1
         let text = head.replacen("name = \"arm\"\n", &format!("name = \"arm\"\n{line}"), 1);
         let text = edited(&text, &[change()]).unwrap();
         let rig = sinew_rig::toml_file::read(&text).unwrap();
-        assert_eq!(rig.servos[0].offset_rad, Some((-12.34_f64).to_radians()));
+        assert_eq!(rig.servos[0].offset_rad, Some((-12.341_f64).to_radians()));
     }
 
     #[test]

@@ -18,6 +18,8 @@ pub struct RigServo {
     pub model: ServoModel,
     /// Range, rad from the middle of the encoder; `None` for the whole range of the kind.
     pub range_rad: Option<[f64; 2]>,
+    /// Value of its register Homing Offset, rad; `None` if the rig leaves it alone.
+    pub homing_offset_rad: Option<f64>,
     /// Maximum torque that the rig needs, N m; `None` for the stall torque of the kind.
     pub torque_nm: Option<f64>,
     /// Friction torque of the joint, in addition to the servo's own, N m.
@@ -105,6 +107,7 @@ pub fn of_bus(rig: &Description, bus: Option<&str>) -> Result<Vec<RigServo>, Ser
                 id,
                 model,
                 range_rad: servo.range_rad.first().copied(),
+                homing_offset_rad: servo.homing_offset_rad,
                 torque_nm: servo.torque_nm,
                 joint_friction_nm: friction.coulomb_nm,
                 position_gain,

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use sinew_servo_bus::feetech::table::address;
 use sinew_servo_bus::table::Item;
 use sinew_servo_bus::{dynamixel, feetech};
 
@@ -40,7 +41,20 @@ impl<E: Exchange> Client<E> {
                 known: known(self.protocol()),
             })?,
         };
+        let table = self.with_phase(id, table)?;
         Ok(Servo { id, table, firmware: pong.firmware })
+    }
+
+    /// Returns the table with the unit of speed that an STS has by its Phase.
+    fn with_phase(&mut self, id: u8, table: Table) -> Result<Table, ServiceError> {
+        match table {
+            Table::Feetech(table) if table.model.family == feetech::Family::Sts => {
+                let (phase, _) = self.read_bytes(id, address::PHASE.into(), 1)?;
+                let phase = phase.first().copied().unwrap_or_default();
+                Ok(Table::Feetech(table.with_phase(phase.into())))
+            }
+            other => Ok(other),
+        }
     }
 
     /// Reads the value of a servo's register.

@@ -22,7 +22,7 @@ impl Table {
         let dynamixel = dynamixel::table::Model::of_kind(name)
             .map(|model| Self::Dynamixel(dynamixel::table::Table { model, firmware }));
         let feetech = || feetech::table::Model::of_kind(name);
-        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table { model })))
+        dynamixel.or_else(|| feetech().map(|model| Self::Feetech(feetech::Table::new(model))))
     }
 
     /// Looks up the model that a person names for a servo of a protocol.
@@ -43,7 +43,7 @@ impl Table {
             };
             model.number != 0 && model.number == number
         })?;
-        Some(Self::Feetech(feetech::Table { model }))
+        Some(Self::Feetech(feetech::Table::new(model)))
     }
 
     /// Returns the protocol.

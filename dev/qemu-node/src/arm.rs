@@ -156,7 +156,7 @@ fn bus(kind: Kind, schedule: Schedule) -> Bus {
                 speed_rad_s: 10.0,
             });
             let family = Family::Sts;
-            let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+            let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 1 };
             let bus = feetech::Bus::new(&setups, schedule, settings);
             Bus::Feetech(bus.expect("six servos, each with its id"))
         }

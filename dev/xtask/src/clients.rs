@@ -26,7 +26,7 @@ const PACKAGES: [&str; 7] = [
 /// These packages have a module of the same name, so PYTHONPATH selects one of them.
 const FEETECH_SDKS: [&str; 3] =
     ["feetech-servo-sdk==1.0.0", "ftservo-python-sdk==2.0.1", "vassar-feetech-servo-sdk==1.5.0"];
-/// The package of LeRobot. Only its motor buses are used, without torch, so it is installed without dependencies.
+/// The package of `LeRobot`. Only its motor buses are used, without torch, so it is installed without dependencies.
 const LEROBOT: &str = "lerobot==0.4.4";
 /// Number of random exchanges of each program.
 const EXCHANGES: &str = "1000";
@@ -108,7 +108,22 @@ impl Clients {
         self.talk("rustypot, STS", &servos, "rustypot_bus.py", &["sts"], None)?;
         let (lerobot, sdk) = (package(&self.venv, LEROBOT), Some(FEETECH_SDKS[0]));
         self.talk("lerobot, STS", &servos, "lerobot_bus.py", &["sts", &lerobot], sdk)?;
+        self.calibrate(&lerobot)?;
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
+    }
+
+    /// Calibrates a simulated SO-101 with `LeRobot`, and takes its file through a rig file and back.
+    fn calibrate(&self, lerobot: &str) -> Result<()> {
+        let link = self.venv.folder.join("port").display().to_string();
+        let sinew = self.programs.join("sinew");
+        let mut server = Command::new(&sinew);
+        server.args(["servo", "simulate", "--pty", &link]);
+        server.args(["--kind", "sts3215", "--ids", "1,2,3,4,5,6"]);
+        let _server = Server::start("sinew servo simulate", server, &link)?;
+        let mut client = self.python("lerobot_calibration.py");
+        client.arg(&link).arg(&sinew).arg(lerobot);
+        client.env("PYTHONPATH", package(&self.venv, FEETECH_SDKS[0]));
+        step::run("lerobot, calibration", &mut client)
     }
 
     /// Runs a program with new simulated servos of a kind, and more options of `sinew servo simulate`. New servos are

@@ -31,10 +31,10 @@ const LOOK_S: f64 = 8.0;
 enum Kind {
     /// Speeds in steps of 0.229 rev/min.
     Xl330,
-    /// Speeds in steps of 50 counts/s.
+    /// Speeds in steps of 50 counts/s, without bit 2 of its Phase.
+    Sts3215Coarse,
+    /// Speeds in steps of a count/s, as shipped.
     Sts3215,
-    /// Speeds in steps of a count/s, with bit 2 of its Phase set.
-    Sts3215Fine,
 }
 
 /// Motion of the shaft in each millisecond.
@@ -75,8 +75,8 @@ fn ripple(kind: Kind, deg_s: f64, profile: bool) -> Ripple {
     let mut memory = [0; MEMORY_LEN];
     let mut servo = Servo::new(&parameters, 1, &mut memory).unwrap();
     servo.set_baud(1_000_000).unwrap();
-    if kind == Kind::Sts3215Fine {
-        servo.set(18, servo.get(18) | 4);
+    if kind == Kind::Sts3215Coarse {
+        servo.set(18, servo.get(18) & !4);
     }
     if !is_feetech {
         servo.set(9, 1);
@@ -108,7 +108,7 @@ fn ripple(kind: Kind, deg_s: f64, profile: bool) -> Ripple {
             pwm: 1.0,
             speed_rad_s: 10.0,
         };
-        let speed_counts = if kind == Kind::Sts3215Fine { 1 } else { 50 };
+        let speed_counts = if kind == Kind::Sts3215Coarse { 50 } else { 1 };
         let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts };
         let mut bus = feetech::Bus::<1>::new(&[setup], schedule, settings).unwrap();
         follow(drives, &mut bus, &mut bench, deg_s)
@@ -178,7 +178,7 @@ fn slow_motion_keeps_within_the_steps_of_the_encoder_and_the_profile_smooths_it(
     println!("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     // Time to 63 % of a small step: docs/simulated-servos.md.
     for (kind, responds_s) in
-        [(Kind::Xl330, 0.0955), (Kind::Sts3215, 0.0618), (Kind::Sts3215Fine, 0.0618)]
+        [(Kind::Xl330, 0.0955), (Kind::Sts3215Coarse, 0.0618), (Kind::Sts3215, 0.0618)]
     {
         for deg_s in [1.0, 3.0, 10.0] {
             let [goals, profile] = [false, true].map(|profile| ripple(kind, deg_s, profile));
@@ -203,7 +203,7 @@ fn slow_motion_keeps_within_the_steps_of_the_encoder_and_the_profile_smooths_it(
             // Speeds below the servo's smallest step are rounded up: the movement is then as jerky as without a
             // profile, but not worse. A tenth is the difference between two such motions.
             let most = match (kind, deg_s) {
-                (Kind::Xl330 | Kind::Sts3215, 1.0) => 1.1,
+                (Kind::Xl330 | Kind::Sts3215Coarse, 1.0) => 1.1,
                 _ => 0.9,
             };
             assert!(

@@ -8,7 +8,7 @@ use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::{
-    Baked, RigPerformance, ShowChoices, ShowPlayback, feasibility, led, rig_hash,
+    Baked, Likeness, RigPerformance, ShowChoices, ShowPlayback, feasibility, led, rig_hash,
 };
 use sinew_report::feasibility::Page;
 use sinew_show::write::Settings as ShowSettings;
@@ -21,8 +21,8 @@ use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint cannot follow,
-/// when, and by how much.
+/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
+/// follow, at which time, and by how much.
 ///
 /// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s, at any distances, or `time_ms`;
 /// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column stays
@@ -65,8 +65,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if a limit would be exceeded, or if a travelling base would have to return faster than it
-    /// ever moves.
+    /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, if a travelling base would
+    /// have to return faster than it ever moves, or if a ball joint would have to turn back by 180 degrees.
     #[arg(long = "loop")]
     is_loop: bool,
 
@@ -114,7 +114,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
         ShowChoices { rig_crc: hash, settings, cues: &args.cue, time_code: args.time_code };
     let (baked, report) = performance.bake(mechanism, &choices)?;
     output::write(&args.output, &baked.written.bytes)?;
-    let (head, done) = (head(args, &rig, &performance, &baked), performance.fit_summary());
+    let likeness = performance.likeness(mechanism);
+    let strange = likeness.strange();
+    let head = head(args, &rig, &performance, &baked, likeness);
+    let done = performance.fit_summary();
     if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
@@ -124,20 +127,27 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
             report: &report,
             performance: &ShowPlayback::new(&baked.written.bytes)?,
             fitted: done.as_deref(),
+            strange: strange.as_deref(),
             summary: &head,
         };
         output::write(file, page.html()?)?;
         note(format_args!("wrote {}", file.display()));
     }
     let rounding = [settings.angle_rad, settings.length_m];
-    let text = feasibility(mechanism, &performance.limits, &report, rounding);
+    let text = feasibility(mechanism, &performance.limits, &report, rounding, strange.as_deref());
     let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
     print(&format!("{head}\n{text}{done}"))?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Returns the summary of the show: durations, likeness, cues and size.
-fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Baked) -> String {
+fn head(
+    args: &Args,
+    rig: &LoadedRig,
+    performance: &RigPerformance,
+    baked: &Baked,
+    likeness: Likeness,
+) -> String {
     let written = &baked.written;
     let given_s = performance.clip.motion.duration_s();
     let slower = if baked.duration_s > given_s {
@@ -145,13 +155,7 @@ fn head(args: &Args, rig: &LoadedRig, performance: &RigPerformance, baked: &Bake
     } else {
         String::new()
     };
-    let likeness =
-        performance.limb_errors_deg(&rig.mechanism).map_or_else(String::new, |[mean, most]| {
-            format!(
-                "{} limbs: {mean:.1} deg from the performer's on average, {most:.1} at most\n",
-                performance.clip.limbs
-            )
-        });
+    let likeness = likeness.line(performance.clip.limbs);
     let cue = |(name, given_s): &(String, f64)| {
         let show_s = performance.time_s(*given_s);
         format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")

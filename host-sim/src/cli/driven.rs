@@ -23,12 +23,13 @@ pub(super) struct DrivenArgs {
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 
-    /// Control rate in Hz. Default: 100 if all servos are in position mode; otherwise 500, or the highest rate that bus
-    /// and board allow.
+    /// Control rate in Hz. Default: 100 if all servos are in position mode, otherwise 500; less if bus or board need
+    /// more time for a tick.
     #[arg(long, value_name = "HZ", value_parser = rate_hz)]
     rate_hz: Option<u32>,
 
-    /// Rate of all bus lines, in bit/s. Default: 4000000, on a board 3000000; for Feetech servos 1000000.
+    /// Rate of all bus lines, in bit/s. Default: 4000000; for a board and for `nucleo` 3000000; for Feetech servos
+    /// 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
 }

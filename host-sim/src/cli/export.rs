@@ -21,8 +21,8 @@ use super::unit_args::UnitArgs;
 /// servos in the format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file; or keys of the rig's joints (CSV), as `bake`
-    /// takes them.
+    /// The clip: the name of a built-in clip, or a BVH, AMC (its ASF beside it) or humanoid3d text file. Or a CSV or
+    /// JSON file of the rig's own motion.
     #[arg(value_name = "CLIP")]
     clip: PathBuf,
 

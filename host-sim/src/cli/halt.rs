@@ -13,17 +13,17 @@ use super::stop::Stop;
 
 /// Stop the rigs of all consoles of this user: each goes to its rest pose and is lowered, then torque is off.
 ///
-/// It works from any terminal, whoever drives.
+/// It works from any terminal, whichever page drives.
 #[derive(Debug, clap::Args)]
 pub(super) struct StopArgs {
     #[command(flatten)]
     halt: HaltArgs,
 }
 
-/// Switch torque off at once, of the rigs of all consoles of this user: they drop.
+/// Switch torque off at once at the rigs of all consoles of this user: the rigs drop.
 ///
-/// It works from any terminal, whoever drives. Torque stays off until faults are cleared. It does not replace a switch
-/// that cuts the servos' power.
+/// It works from any terminal, whichever page drives. Torque stays off until faults are cleared. It does not replace a
+/// switch that cuts the servos' power.
 #[derive(Debug, clap::Args)]
 pub(super) struct EStopArgs {
     #[command(flatten)]
@@ -32,12 +32,12 @@ pub(super) struct EStopArgs {
 
 #[derive(Debug, clap::Args)]
 struct HaltArgs {
-    /// Serial port of a single board. Without a console at this port, the command opens it.
+    /// Serial port of a single board. If no console has this port, the command opens it. Default: all consoles.
     #[arg(long, value_name = "PORT")]
     target: Option<PathBuf>,
 }
 
-/// Stops.
+/// Stops the rigs.
 pub(super) fn stop(args: &StopArgs) -> anyhow::Result<ExitCode> {
     args.halt.run(&Request::Stop)
 }

@@ -75,7 +75,7 @@ fn on_rig(clip: &Path, rig: &Path, units: UnitOverrides) -> anyhow::Result<Strin
     let mut mapping = Mapping::propose(names, mechanism, &of_rig, skeleton, &joints, of_clip);
     if let Ok(performer) = Performer::of(&clip.clip, &joints) {
         mapping.performance.tilt_rad =
-            best_tilt(mechanism, &of_rig, &clip.clip, &performer, &Settings::default());
+            best_tilt(mechanism, &of_rig, &clip.clip, &performer, &Settings::of(&of_rig));
     }
     for left_out in &of_rig.left_out {
         let joint = &mechanism.bodies[left_out.joint].joint_name;

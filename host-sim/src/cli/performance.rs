@@ -7,12 +7,15 @@ use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
 use sinew_performance::rig::{LoadedRig, has_feet};
+use sinew_performance::text;
 use sinew_performance::{
     ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
     read_mapping, retarget_clip,
 };
 use sinew_retarget::exchange::HeaderUnits;
+use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::description::Base;
+use sinew_rig::mechanism::JointModel;
 
 use super::rig::read;
 use super::unit_args::UnitArgs;
@@ -129,7 +132,7 @@ impl PerformanceArgs {
                 UnitArg::Deg => HeaderUnits::Degrees,
                 UnitArg::Rad => HeaderUnits::Si,
             });
-            let read = kind.read(rig, path, units)?;
+            let mut read = kind.read(rig, path, units)?;
             let name = ClipFile::new(path).name;
             if let Some(keys) = read.keys {
                 note(format_args!(
@@ -140,6 +143,8 @@ impl PerformanceArgs {
             for jump in &read.jumps {
                 note(format_args!("JUMP: {name}: {jump}"));
             }
+            tell_followers(&name, rig, &mut read.motion);
+            tell_jumps(&name, rig, &read.motion);
             let clip = RetargetedClip::own(read.motion);
             return RigPerformance::new(rig, &name, read.start_s, clip, choices);
         }
@@ -171,6 +176,7 @@ impl PerformanceArgs {
                 None => format!("{name} on {}", rig.description.name),
             })?;
         tell(name, rig, &retargeted);
+        tell_jumps(name, rig, &retargeted.motion);
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
         drop(clip);
@@ -178,9 +184,46 @@ impl PerformanceArgs {
     }
 }
 
+/// Moves followers to where their leaders put them, and prints which ones the file has elsewhere.
+fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
+    let mechanism = &rig.mechanism;
+    let ties = mechanism.ties();
+    for (body, most) in motion.follow(&ties) {
+        let link = &mechanism.bodies[body];
+        let leader = &mechanism.bodies[ties.leader_of(body)].joint_name;
+        let change = text::change(matches!(link.joint, JointModel::Prismatic(_)), most);
+        note(format_args!(
+            "note: {name}: `{}` follows `{leader}`: moved there from its own positions, by {change} at most",
+            link.joint_name
+        ));
+    }
+}
+
+/// Prints the first jump of more than half a turn, and the number of all.
+fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
+    let jumps = motion.jumps(&rig.mechanism);
+    if let Some(first) = jumps.first() {
+        let after_s = first.row as f64 * motion.dt_s;
+        note(format_args!(
+            "note: {name}: {} time(s) an angle jumps by more than half a turn between frames; first `{}`, by {:.0} deg \
+             before {after_s:.3} s: angles must count turns, not wrap",
+            jumps.len(),
+            first.joint,
+            first.change_rad.to_degrees(),
+        ));
+    }
+}
+
 /// Prints how near the rig is to the performer.
 fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let rig = &rig.description.name;
+    if let Some([mean, most]) = taken.hand_error {
+        note(format_args!(
+            "{name} on {rig}: the hand's path is followed, {:.1} % of the arm's length off in the mean, {:.1} % at most",
+            100.0 * mean,
+            100.0 * most
+        ));
+    }
     if taken.limbs > 0 {
         note(format_args!(
             "{name} on {rig}: {} limbs followed, mean error {:.1} deg, largest {:.1} deg{}",

@@ -11,7 +11,7 @@ use crate::page::{Page, with_url};
 /// Longest wait for a state.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A console that runs.
+/// A running console.
 struct Served {
     process: Child,
     address: String,
@@ -190,8 +190,8 @@ fn an_emergency_stop_is_a_fault_that_is_cleared(page: &Page) {
     wait_until(page, "document.getElementById('faults').hidden");
 }
 
-/// Provokes a servo that does not answer, and one that is hot: the page names the joint and the remedy, marks the servo,
-/// and clears the fault when its cause is gone.
+/// Provokes a silent servo and a hot servo: the page names the joint and the remedy, marks the servo, and clears the
+/// fault when its cause is gone.
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
 fn faults_are_told_with_joint_and_remedy_and_are_cleared() {
@@ -242,7 +242,7 @@ fn a_page_without_its_console_controls_nothing() {
         |request| request.starts_with(&origin),
         |page| {
             wait_for_state(page, "limp");
-            page.ask("WebSocket = class extends EventTarget {}");
+            page.ask("WebSocket = class extends EventTarget { static OPEN = 1 }");
             console.process.kill().unwrap();
             wait_until(page, "!document.getElementById('lost').hidden");
             let enabled = page.ask(

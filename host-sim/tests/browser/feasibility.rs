@@ -45,6 +45,7 @@ fn a_builder_sees_what_a_show_asks_of_a_rig() {
         report: &report,
         performance: &curve,
         fitted: None,
+        strange: None,
         summary: "one line",
     };
     let folder = tempfile::tempdir().unwrap();

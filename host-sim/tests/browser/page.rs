@@ -16,7 +16,7 @@ pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
 }
 
 /// Opens an address, and calls `read` with its page. Then checks that there was no error message, and no network
-/// request but those that `is_own` accepts.
+/// request except those that `is_own` accepts.
 pub(crate) fn with_url(url: &str, is_own: impl Fn(&str) -> bool, read: impl FnOnce(&Page)) {
     let profile = tempfile::tempdir().unwrap();
     let page = Page::open(Browser::start(profile.path()), url);

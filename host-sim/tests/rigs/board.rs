@@ -26,7 +26,7 @@ fn text(output: &Output) -> String {
 }
 
 /// Runs a command that must end with this exit code, and returns its output.
-fn says(args: &[&str], code: i32) -> String {
+pub(super) fn says(args: &[&str], code: i32) -> String {
     let output = sinew(args).output().unwrap();
     assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output));
     text(&output)
@@ -144,7 +144,7 @@ fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
 }
 
 /// Writes a rig, and a show of one second for it.
-fn baked(folder: &Path) -> [String; 2] {
+pub(super) fn baked(folder: &Path) -> [String; 2] {
     let [rig, map, show] = ["arm.toml", "map.toml", "a.show"].map(|name| path(folder, name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
     let text = std::fs::read_to_string(&rig).unwrap();

@@ -1,4 +1,4 @@
-//! What goes on until it is over: a joint that follows a slider, a journey, a show; and arming.
+//! Motions that go on until they are over: a joint that follows a slider, a journey, a show; and arming.
 
 use std::time::Duration;
 

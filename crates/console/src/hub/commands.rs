@@ -1,4 +1,4 @@
-//! What pages ask.
+//! Commands of pages.
 
 use std::time::Duration;
 

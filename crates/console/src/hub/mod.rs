@@ -2,8 +2,8 @@
 //!
 //! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
 //!   journey, a show.
-//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`: slots and ghosts. `upload`: a show on its
-//!   way to the board.
+//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
+//!   slots and ghosts. `upload`: a show on its way to the board.
 //! - `tell`: what pages are told. `local`: commands of this user in other terminals.
 
 mod act;
@@ -47,7 +47,7 @@ const MESSAGES: usize = 32;
 /// Interval of attempts to find a board that does not answer, and their duration.
 const AGAIN: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_millis(200);
-/// Longest time of a rig's way to rest.
+/// Maximum time from a stop until torque is off.
 const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// The way in which a hub ended.
@@ -86,8 +86,8 @@ pub(crate) struct Hub<'a, L> {
     told: Told,
     /// Time at which a rig whose driver is silent is lowered.
     lower_at: Option<Duration>,
-    /// Time at which a slider that was held moved for the last time although the rig was told to hold: it must be let go
-    /// first.
+    /// Time of the last motion of a slider that was still held after the rig was told to hold: the slider must be
+    /// released first.
     barred: Option<Duration>,
     /// Command in another terminal whose motion goes on.
     waiting: Option<Waiting>,

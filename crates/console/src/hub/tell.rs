@@ -1,4 +1,4 @@
-//! What pages are told: who drives, events, and pictures.
+//! Messages to pages: who drives, events, and pictures.
 
 use std::time::Duration;
 
@@ -17,7 +17,7 @@ const PARTS: Duration = Duration::from_millis(6);
 /// Interval of pictures while the board does not answer.
 const IDLE: Duration = Duration::from_millis(200);
 
-/// What pages know already.
+/// The news that pages know already.
 #[derive(Debug)]
 pub(super) struct Told {
     summaries: u32,

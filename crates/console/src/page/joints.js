@@ -12,7 +12,7 @@ const KEYS = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
 
 // `send` sends a message; `choose` is called with the joint whose slider is used.
 export const joints = (head, { send, choose }) => {
-  let held = null, timer = 0, later = 0, isAllowed = false;
+  let held = null, timer = 0, later = 0, isAllowed = false, isPressed = false;
 
   const jog = () => { if (held) send({ type: "jog", dof: held.dof, goal: held.goal }); };
   const release = () => {
@@ -37,7 +37,7 @@ export const joints = (head, { send, choose }) => {
     later = setTimeout(release, TAP_MS);
   };
   const within = (dof, x) => Math.min(Math.max(x, head.dofs[dof].range[0]), head.dofs[dof].range[1]);
-  // Where the slider is put while nobody holds it.
+  // Places of the sliders while nobody holds them.
   const shown = head.dofs.map((dof) => dof.home);
 
   const rows = head.dofs.map((dof, index) => {
@@ -55,10 +55,19 @@ export const joints = (head, { send, choose }) => {
     if (dof.coordinate === null) ends.replaceChildren("A ball joint: shown, not jogged.");
     item.addEventListener("pointerdown", () => choose(index));
     slider.addEventListener("focus", () => choose(index));
-    slider.addEventListener("pointerdown", (event) => { if (event.button === 0 && !slider.disabled) begin(index); });
+    slider.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0 || slider.disabled) return;
+      isPressed = true;
+      begin(index);
+    });
     slider.addEventListener("input", () => {
-      // A value that no pointer holds is not a jog: a screen reader's step is one tap.
-      if (held?.dof !== index) { begin(index); tap(); }
+      if (held?.dof !== index) {
+        // After a hold, the pointer that is still pressed moves nothing.
+        if (isPressed) return;
+        // A value that no pointer holds is a screen reader's step.
+        begin(index);
+        tap();
+      }
       held.goal = Number(slider.value);
       jog();
     });
@@ -66,6 +75,8 @@ export const joints = (head, { send, choose }) => {
       const way = KEYS[event.key];
       if (!way || slider.disabled) return;
       event.preventDefault();
+      // After a hold, the key that is still pressed moves nothing.
+      if (event.repeat && held?.dof !== index) return;
       begin(index);
       held.isTap = false;
       const step = (dof.slides ? STEP.slide : STEP.turn) * (event.shiftKey ? LARGE : 1);
@@ -81,14 +92,18 @@ export const joints = (head, { send, choose }) => {
   });
   byId("sliders").replaceChildren(...rows.map(({ item }) => item));
 
-  for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, release);
+  const letGo = () => {
+    isPressed = false;
+    release();
+  };
+  for (const end of ["pointerup", "pointercancel", "blur"]) addEventListener(end, letGo);
   document.addEventListener("visibilitychange", release);
 
   return {
     release,
     dispose: () => {
       release();
-      for (const end of ["pointerup", "pointercancel", "blur"]) removeEventListener(end, release);
+      for (const end of ["pointerup", "pointercancel", "blur"]) removeEventListener(end, letGo);
       document.removeEventListener("visibilitychange", release);
     },
     focus: (joint) => {

@@ -16,7 +16,7 @@ const legend = (hasLoads) => {
   byId("legend").replaceChildren(...items);
 };
 
-// Where the rig gets to when each joint alone goes a third of the way to its ends.
+// Points that the rig reaches when each joint alone goes a third of the way to its ends.
 const reach = (rig) => rig.dofs.flatMap((dof, index) => dof.range.flatMap((end) => {
   rig.values[index] = dof.home + (end - dof.home) / 3;
   const points = rig.pointsOf(rig.solve());

@@ -92,7 +92,7 @@ impl RigParts {
                 let setups = line.servos.iter().map(setup).collect();
                 let family = table.model.family;
                 let settings =
-                    feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+                    feetech::Settings { family, echo: false, retries: 1, speed_counts: 1 };
                 LineSetup::Feetech(setups, settings)
             }
         }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use sinew_mocap::{Kind, read};
 use sinew_retarget::rig::RigMatch;
 use sinew_retarget::{Landmark, Side};
-use sinew_rig::description::{Base, DescriptionError};
+use sinew_rig::description::{Base, DescriptionError, Doubt};
 use sinew_rig::import::{self, Imported, Options, World};
 use sinew_rig::{Description, Mechanism, toml_file};
 use thiserror::Error;
 
-use super::size;
+use super::{doubts, size};
 
 /// A rig, as its description and as a mechanism.
 #[derive(Debug, Clone)]
@@ -23,6 +23,8 @@ pub struct LoadedRig {
     pub world: Option<World>,
     /// Notes of an import: the size of the rig, and everything that was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,
+    /// Doubtful values of a rig.toml: other units, places far away, addresses that a servo cannot have.
+    pub doubts: Vec<Doubt>,
 }
 
 impl LoadedRig {
@@ -61,7 +63,8 @@ pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
     let text = read::text_of(path, expected, &kinds).map_err(|error| refused(error.to_string()))?;
     if text.trim_start().starts_with('<') {
-        return imported(&text, options).map_err(refused);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        return imported(&text, options, folder).map_err(refused);
     }
     if options.metres_per_unit.is_some() || options.up.is_some() {
         let reason = "--metres-per-unit and --up are for URDF and MJCF: a rig.toml is in metres, and its \
@@ -70,11 +73,30 @@ pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     }
     let description = toml_file::read(&text).map_err(|error| refused(error.to_string()))?;
     let mechanism = description.mechanism().map_err(|error| refused(error.to_string()))?;
-    Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new() })
+    let doubts = doubts::doubts(&description);
+    Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts })
 }
 
-fn imported(text: &str, options: &Options) -> Result<LoadedRig, String> {
-    let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
+/// Reads a part of an MJCF from the folder of the file or below.
+fn part(folder: &Path, name: &str) -> Result<String, String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let told = |error: std::io::Error| error.to_string();
+    let path = folder.join(name).canonicalize().map_err(told)?;
+    // A link can lead out of the folder.
+    if !path.starts_with(folder.canonicalize().map_err(told)?) {
+        return Err("is not in the folder of the file".to_owned());
+    }
+    read::text(&path).map_err(|error| error.to_string())
+}
+
+fn imported(text: &str, options: &Options, folder: &Path) -> Result<LoadedRig, String> {
+    let parse = |text: &str, options: &Options| {
+        if root_element(text) == "mujoco" {
+            import::mjcf_with_parts(text, options, &|name| part(folder, name))
+        } else {
+            import::urdf(text, options)
+        }
+    };
     let read = |options: &Options| -> Result<(Imported, Mechanism), String> {
         let imported = parse(text, options).map_err(|error| error.to_string())?;
         let mechanism = imported.description.mechanism().map_err(|error| error.to_string())?;
@@ -94,7 +116,7 @@ fn imported(text: &str, options: &Options) -> Result<LoadedRig, String> {
         .chain(size::lies(&mechanism, imported.world.up))
         .collect();
     let Imported { description, world, .. } = imported;
-    Ok(LoadedRig { description, mechanism, world: Some(world), notes })
+    Ok(LoadedRig { description, mechanism, world: Some(world), notes, doubts: Vec::new() })
 }
 
 /// Returns the name of the first element of XML text; empty if there is none.

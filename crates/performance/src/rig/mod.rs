@@ -1,5 +1,6 @@
 //! The user's rigs: files of any format that `sinew-rig` reads, and the work of the commands on them.
 
+mod doubts;
 mod dynamics;
 mod file;
 mod review;

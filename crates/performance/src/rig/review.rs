@@ -2,6 +2,7 @@
 
 use anyhow::Context as _;
 use sinew_retarget::rig::{RigMatch, mirror_faults};
+use sinew_rig::description::Doubt;
 use sinew_rig::review::{Finding, Loop, Review, Servos, Severity};
 
 use super::LoadedRig;
@@ -21,6 +22,10 @@ pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
         .with_context(name)?
         .with_loops_of(is_corrected);
     let mut review = Review::of(&rig.mechanism, &servos, control).with_context(name)?;
+    for doubt in &rig.doubts {
+        let Doubt { about, text } = doubt.clone();
+        warn(&mut review, Finding { severity: Severity::Warning, about, text });
+    }
     let faults = RigMatch::of(&rig.mechanism)
         .map(|sides| mirror_faults(&rig.mechanism, &sides))
         .unwrap_or_default();
@@ -39,9 +44,13 @@ pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
             about: format!("joint {joint}"),
             text: format!("{}{mend}", fault.text),
         };
-        // After the more severe findings.
-        let place = review.findings.partition_point(|other| other.severity <= Severity::Warning);
-        review.findings.insert(place, finding);
+        warn(&mut review, finding);
     }
     Ok(review)
+}
+
+/// Adds a warning after the findings that are as severe.
+fn warn(review: &mut Review, finding: Finding) {
+    let place = review.findings.partition_point(|other| other.severity <= Severity::Warning);
+    review.findings.insert(place, finding);
 }

@@ -47,6 +47,8 @@ pub struct Page<'a, P> {
     pub performance: &'a P,
     /// Changes made by a fit, one per line; `None` if there was no fit.
     pub fitted: Option<&'a str>,
+    /// Reason why the motion is not the performer's, if it is not.
+    pub strange: Option<&'a str>,
     /// Further remarks about the show, one per line.
     pub summary: &'a str,
 }
@@ -72,7 +74,7 @@ impl<P: Performance> Page<'_, P> {
                     header {
                         p class="eyebrow" { "Sinew " (env!("CARGO_PKG_VERSION")) " · feasibility" }
                         h1 { (self.clip) " on " (self.rig) }
-                        p class="lede" { (verdict(drawn)) }
+                        p class="lede" { (verdict(drawn, self.strange)) }
                     }
                     main {
                         div class="watch" {
@@ -127,8 +129,11 @@ impl<P: Performance> Page<'_, P> {
 }
 
 /// Returns the verdict in one sentence.
-fn verdict(drawn: &Drawn<'_>) -> String {
+fn verdict(drawn: &Drawn<'_>, strange: Option<&str>) -> String {
     let duration_s = drawn.report.duration_s;
+    if let Some(why) = strange {
+        return format!("Nobody's motion, in {duration_s:.2} s: {why}.");
+    }
     if drawn.excesses.is_empty() {
         return format!("No limit is exceeded in {duration_s:.2} s.");
     }

@@ -2,16 +2,17 @@
 //! each frame, a table from servo number to position. Later versions of the add-on have `servos` instead: for each
 //! servo, a list of its positions.
 //!
-//! The builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
+//! The rig's builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
 //! for a hobby servo.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use sinew_rig::description::Description;
+use sinew_rig::servo::Address;
 use thiserror::Error;
 
-use super::servos::{ServoTrack, ServoTrackError, number_of};
+use super::servos::{ServoTrack, ServoTrackError, check_pulses, number_of};
 
 /// Maximum number of frames of a file: 4.6 hours at 240 Hz.
 const FRAMES_MAX: usize = 4_000_000;
@@ -130,6 +131,9 @@ pub fn read(text: &str, rig: &Description) -> Result<(Vec<ServoTrack>, f64), Ble
                     .collect::<Vec<_>>()
                     .join(", "),
             })?;
+            if matches!(servo.address, Address::Channel(_)) {
+                check_pulses(&servo.name, &positions)?;
+            }
             Ok(ServoTrack {
                 servo: servo.name.clone(),
                 address: servo.address,

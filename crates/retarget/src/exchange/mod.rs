@@ -13,5 +13,6 @@ pub mod servos;
 pub mod table;
 #[cfg(test)]
 mod tests;
+mod tied;
 
 pub use columns::HeaderUnits;

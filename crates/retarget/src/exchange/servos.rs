@@ -82,6 +82,20 @@ pub enum ServoTrackError {
         /// Numbers of the rig's servos.
         expected: String,
     },
+    /// Most positions of a hobby servo are no pulses.
+    #[error("servo `{servo}`: {found} is no pulse of this servo ({least} to {most} us): {unit}")]
+    NoPulse {
+        /// Name of the servo.
+        servo: String,
+        /// First position that is no pulse.
+        found: i32,
+        /// Shortest pulse, us.
+        least: i32,
+        /// Longest pulse, us.
+        most: i32,
+        /// Unit that the positions probably have.
+        unit: String,
+    },
     /// A servo has no position in a frame.
     #[error(
         "servo `{servo}` ({number}): expected a position in every frame, found none in frame {frame}"
@@ -94,6 +108,36 @@ pub enum ServoTrackError {
         /// Index of the frame.
         frame: usize,
     },
+}
+
+/// Pulse at the ends of a hobby servo's range, us.
+const PULSES_US: [i32; 2] = [500, 2500];
+/// Longest 12-bit step of a PCA9685 that is a pulse of 2500 us, at 60 Hz.
+const MOST_STEPS: i32 = 615;
+/// Time of a step at 50 Hz, us.
+const US_PER_STEP: f64 = 20_000.0 / 4096.0;
+
+/// Refuses positions of a hobby servo in another unit than us: most of them are no pulses. A few beyond the ends are
+/// limits that the motion exceeds.
+pub(super) fn check_pulses(servo: &str, positions: &[i32]) -> Result<(), ServoTrackError> {
+    let [least, most] = PULSES_US;
+    let mut wrong = positions.iter().filter(|us| !(least..=most).contains(*us));
+    let Some(&found) = wrong.next() else { return Ok(()) };
+    if 2 * (1 + wrong.count()) <= positions.len() {
+        return Ok(());
+    }
+    let all_are = |range: std::ops::RangeInclusive<i32>| {
+        positions.iter().all(|position| range.contains(position))
+    };
+    let unit = if all_are(-180..=180) {
+        "degrees? 1500 us is the middle".to_owned()
+    } else if all_are(0..=MOST_STEPS) {
+        let us = f64::from(found) * US_PER_STEP;
+        format!("12-bit steps of a PCA9685? At 50 Hz {found} of them are {us:.0} us")
+    } else {
+        "1500 us is the middle".to_owned()
+    };
+    Err(ServoTrackError::NoPulse { servo: servo.to_owned(), found, least, most, unit })
 }
 
 /// Conversion of a servo's own angle to its maker's unit.

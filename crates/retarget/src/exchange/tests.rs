@@ -76,6 +76,34 @@ fn hobby_servos_have_pulses_and_bus_servos_steps() {
 }
 
 #[test]
+fn numbers_that_are_no_pulses_are_refused_with_their_unit() {
+    let rig = face();
+    let servo = &rig.servos[0];
+    let number = servos::number_of(servo.address);
+    let read = |positions: [i32; 4]| {
+        let frames = positions.map(|position| format!(r#"{{"{number}": {position}}}"#)).join(", ");
+        blender::read(&format!(r#"{{"fps": 20, "positions": [{frames}]}}"#), &rig)
+            .map_err(|error| error.to_string())
+    };
+    let name = &servo.name;
+    let refused = |unit: &str, found: i32| {
+        Err(format!("servo `{name}`: {found} is no pulse of this servo (500 to 2500 us): {unit}"))
+    };
+    assert_eq!(
+        read([375, 380, 390, 400]).map(|_| ()),
+        refused("12-bit steps of a PCA9685? At 50 Hz 375 of them are 1831 us", 375)
+    );
+    for (positions, found) in [([90, 91, 92, 180], 90), ([-45, 0, 10, 45], -45)] {
+        assert_eq!(read(positions).map(|_| ()), refused("degrees? 1500 us is the middle", found));
+    }
+    assert_eq!(read([6144; 4]).map(|_| ()), refused("1500 us is the middle", 6144));
+    // A motion that goes beyond an end for a while exceeds a limit, which `bake` reports.
+    for positions in [[480, 490, 600, 700], [1500, 2600, 1500, 1500], [500, 2500, 1500, 1500]] {
+        assert_eq!(read(positions).unwrap().0[0].positions, positions);
+    }
+}
+
+#[test]
 fn the_add_ons_json_comes_back() {
     let rig = arm(3).unwrap();
     let mechanism = rig.mechanism().unwrap();

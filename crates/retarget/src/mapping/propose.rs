@@ -7,6 +7,7 @@ use super::{Entry, Mapping, Performance, Point};
 use crate::Landmark;
 use crate::performer::PerformerJoints;
 use crate::rig::RigMatch;
+use crate::solve::Settings;
 
 /// Confidence of a point that follows only from geometry.
 const POINT: f64 = 0.5;
@@ -57,7 +58,7 @@ impl Mapping {
         Self {
             rig: rig_name,
             clip: clip_name,
-            performance: Performance::default(),
+            performance: Performance { arms: Settings::of(rig).arms, ..Performance::default() },
             landmarks: Landmark::ALL.into_iter().filter_map(entry).collect(),
             curves: Vec::new(),
         }

@@ -68,6 +68,7 @@ enum LimbWord {
     Both,
     End,
     Upper,
+    Path,
 }
 
 enum Scale {
@@ -287,6 +288,7 @@ impl From<LimbWord> for Limb {
             LimbWord::Both => Self::Both,
             LimbWord::End => Self::End,
             LimbWord::Upper => Self::Upper,
+            LimbWord::Path => Self::Path,
         }
     }
 }

@@ -47,8 +47,7 @@ fn performance(text: &mut String, performance: &Performance) -> std::fmt::Result
     )?;
     let tilt_deg = performance.tilt_rad.to_degrees();
     writeln!(text, "tilt_deg = {tilt_deg:?} # of a fixed base: 90 lifts what hangs to forward")?;
-    let choice =
-        "# both parts alike; or \"end\", or \"upper\" first, where a limb has too few joints";
+    let choice = "# both parts alike; \"end\" or \"upper\" first, where a limb has too few joints; \"path\": where the hand is";
     writeln!(text, "arms = {} {choice}", quoted(limb_word(performance.arms)))?;
     writeln!(text, "legs = {}", quoted(limb_word(performance.legs)))?;
     let speed_deg_s = performance.speed_rad_s.to_degrees();
@@ -97,6 +96,7 @@ pub(super) fn limb_word(limb: Limb) -> &'static str {
         Limb::Both => "both",
         Limb::End => "end",
         Limb::Upper => "upper",
+        Limb::Path => "path",
     }
 }
 

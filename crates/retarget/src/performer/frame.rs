@@ -38,6 +38,14 @@ impl PerformerFrame {
         (self.points_m[to]? - self.points_m[from]?).try_normalize()
     }
 
+    /// Returns the way from the first to the last landmark of a limb, divided by the length of the limb.
+    pub fn reach(&self, [top, middle, end]: [Landmark; 3]) -> Option<DVec3> {
+        let [top, middle, end] = [top, middle, end].map(|landmark| self.points_m[landmark]);
+        let (top, middle, end) = (top?, middle?, end?);
+        let length = top.distance(middle) + middle.distance(end);
+        (length > f64::EPSILON).then(|| (end - top) / length)
+    }
+
     /// Returns whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         self.points_m.iter().all(|(_, point)| point.is_none_or(DVec3::is_finite))

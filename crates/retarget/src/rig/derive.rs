@@ -55,6 +55,14 @@ pub(super) fn derive(
         let (world_m, body) = (places.world_m[landmark]?, places.on[landmark]?);
         Some(RigPoint { body, position_m: rig.poses[body].to_local(world_m) })
     });
+    let tips = LandmarkMap::of(|landmark| {
+        let Landmark::Wrist(side) = landmark else { return None };
+        let group = |place| groups.iter().find(|group| group.landmark == place);
+        let last = group(landmark).or_else(|| group(Landmark::Elbow(side)))?.joints.last()?;
+        let body = points::last_of_chain(&rig, *last);
+        let world_m = points::end_m(&rig, body, &text::WRIST);
+        Some(RigPoint { body, position_m: rig.poses[body].to_local(world_m) })
+    });
     let head_joints = groups.iter().find(|group| group.landmark == Landmark::Head);
     let on_head = head_joints.and_then(|group| rig.parent(*group.joints.first()?));
     Ok(RigMatch {
@@ -63,6 +71,7 @@ pub(super) fn derive(
         chest: carrier(&rig, &groups, Landmark::Shoulder).or(on_head),
         head: head_joints.and_then(|group| group.joints.last().copied()),
         points,
+        tips,
         hinges,
         rotations_at_zero: rig.poses.iter().map(|pose| pose.rotation).collect(),
         groups,

@@ -89,6 +89,8 @@ pub struct RigMatch {
     pub head: Option<usize>,
     /// Points of limbs, on the last body of their group.
     pub points: LandmarkMap<Option<RigPoint>>,
+    /// Ends of arms beyond their wrists, by wrist: the tip of the last body that is no finger.
+    pub tips: LandmarkMap<Option<RigPoint>>,
     /// Hinges of elbows and knees.
     pub hinges: LandmarkMap<Option<Hinge>>,
     /// Rotation of each body's frame to the world, with every joint at zero.

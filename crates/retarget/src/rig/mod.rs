@@ -18,7 +18,7 @@ use glam::DVec3;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::Pose;
 
-use crate::Landmark;
+use crate::{Landmark, Side};
 
 pub use error::RigMatchError;
 pub use matched::{Group, Hinge, RigDirections, RigMatch, RigPoint, UnmatchedJoint};
@@ -66,6 +66,16 @@ impl RigMatch {
         };
         let above = crate::performer::segment_above(landmark)?;
         (point_m(landmark)? - point_m(above)?).try_normalize()
+    }
+
+    /// Returns whether the rig has one arm, and no other part of a body.
+    pub fn is_one_arm(&self) -> bool {
+        let has = |landmark: fn(Side) -> Landmark| {
+            Side::ALL.map(|side| self.group(landmark(side)).is_some())
+        };
+        let [left, right] = has(Landmark::Shoulder);
+        let has_legs = has(Landmark::Hip).contains(&true);
+        left != right && !has_legs && self.group(Landmark::Head).is_none()
     }
 
     /// Returns the group of a landmark.

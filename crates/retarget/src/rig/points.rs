@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::at_zero::AtZero;
+use super::chains::words_of;
 use super::text;
 
 /// Returns how far a body, or a part welded to it, extends from its joint, m.
@@ -10,6 +11,21 @@ pub(super) fn reach_m(rig: &AtZero<'_>, body: usize) -> f64 {
     let link = &rig.mechanism.bodies[body];
     let welded = link.merged.iter().map(|part| part.position_m.length());
     welded.fold(2.0 * link.center_of_mass_m.length(), f64::max)
+}
+
+/// Returns the last body of the chain that a body begins: each carries one body that turns, and none is a finger.
+pub(super) fn last_of_chain(rig: &AtZero<'_>, body: usize) -> usize {
+    let words = words_of(rig.mechanism);
+    let next = |body: usize| {
+        let on = |next: &usize| {
+            rig.parent(*next) == Some(body)
+                && !rig.axes(*next).is_empty()
+                && words[*next].part != Some(text::Part::Other)
+        };
+        let mut on_it = (0..rig.poses.len()).filter(on);
+        on_it.next().filter(|_| on_it.next().is_none())
+    };
+    std::iter::successors(Some(body), |body| next(*body)).last().unwrap_or(body)
 }
 
 /// Returns the end of a limb on its last body, in the world at zero, m: a welded frame with one of these names,

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::limb::Hand;
 use super::model::{Model, State};
 use super::settings::{Limb, Settings};
 use super::terms::{Kind, Target, Term, upright};
@@ -19,6 +20,9 @@ const TWIST: f64 = 0.05;
 /// Weights of a limb with too few joints: of its first and of its second priority.
 const FIRST: f64 = 1.0;
 const AFTER: f64 = 0.1;
+/// Weights of a hand's place, divided by the squared length of the arm, and of the directions of its arm.
+const HAND: f64 = 10.0;
+const GUIDE: f64 = 0.05;
 /// Minimum certainty of a limb's bending axis. Below it, the limb gets no twist target.
 const CERTAIN: f64 = 0.5;
 /// Minimum number of joints of a ball that can twist its limb in addition to pointing it.
@@ -34,6 +38,11 @@ enum Source {
     },
     Part(Landmark),
     Bend(Landmark),
+    /// Way from shoulder to hand: the landmarks of the arm, and the length of the rig's arm, m.
+    Hand {
+        chain: [Landmark; 3],
+        arm_m: f64,
+    },
     /// Set by the planner of root and feet.
     Planned,
 }
@@ -94,13 +103,22 @@ impl Aims {
                     Limb::Both => SEGMENT,
                     Limb::End => AFTER,
                     Limb::Upper => FIRST,
+                    Limb::Path => GUIDE,
                 };
                 list.direction(top, joint, Source::Segment(middle), upper_weight);
                 if let Some(tip) = end_point(rig, state, end) {
-                    let lower_weight = if limb == Limb::Both { SEGMENT } else { AFTER };
+                    let lower_weight = match limb {
+                        Limb::Both => SEGMENT,
+                        Limb::End | Limb::Upper => AFTER,
+                        Limb::Path => GUIDE,
+                    };
                     list.direction(joint, tip, Source::Segment(end), lower_weight);
                     if limb == Limb::End {
                         list.direction(top, tip, Source::Limb { from: ball, to: end }, FIRST);
+                    }
+                    if limb == Limb::Path {
+                        let hand = rig.tips[end].unwrap_or(tip);
+                        list.hand(state, [ball, middle, end], [top, joint, tip, hand]);
                     }
                 }
                 if let Some(hinge) = rig.hinges[middle].filter(|hinge| hinge.is_sure)
@@ -171,6 +189,11 @@ impl Aims {
                     segment_above(landmark).and_then(|above| direction(above, landmark))
                 }
                 Source::Limb { from, to } => direction(from, to),
+                Source::Hand { chain, arm_m } => frame.reach(chain).map(|reach| Target {
+                    vector: reach * arm_m,
+                    weight: *weight,
+                    ..Target::NONE
+                }),
                 Source::Part(landmark) => frame.parts[landmark].map(|rotation| Target {
                     rotation,
                     weight: *weight,
@@ -225,6 +248,20 @@ impl Aims {
         errors
     }
 
+    /// Returns the hands whose paths are followed, with the indices of their terms.
+    pub(super) fn hands<'a>(
+        &'a self,
+        terms: &'a [Term],
+    ) -> impl Iterator<Item = (usize, Hand)> + 'a {
+        let places = self.sources.iter().zip(terms).enumerate();
+        places.filter_map(|(place, ((source, _), term))| match (source, &term.kind) {
+            (Source::Hand { arm_m, .. }, Kind::Way { from, to }) => {
+                Some((place, Hand { shoulder: *from, point: *to, arm_m: *arm_m }))
+            }
+            _ => None,
+        })
+    }
+
     /// Returns the target direction of each limb in the rig's world, for the landmark at its end.
     pub(super) fn limb_targets(&self, targets: &[Target]) -> LandmarkMap<Option<DVec3>> {
         let mut limbs = LandmarkMap::default();
@@ -270,6 +307,17 @@ impl List<'_> {
         self.add(Kind::Direction { from, to }, source, weight);
     }
 
+    /// Adds the place of a hand relative to its shoulder.
+    fn hand(&mut self, state: &State, chain: [Landmark; 3], points: [RigPoint; 4]) {
+        let places_m = points.map(|point| state.point_m(&point));
+        let arm_m: f64 = places_m.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+        if arm_m <= f64::EPSILON {
+            return;
+        }
+        let kind = Kind::Way { from: points[0], to: points[3] };
+        self.add(kind, Source::Hand { chain, arm_m }, HAND / (arm_m * arm_m));
+    }
+
     fn reach_m(&self, state: &State) -> f64 {
         let lengths = self.all.iter().filter_map(|term| match &term.kind {
             Kind::Direction { from, to } => Some(state.point_m(from).distance(state.point_m(to))),
@@ -305,7 +353,7 @@ fn middle(rig: &RigMatch, state: &State) -> Option<RigPoint> {
     Some(RigPoint { body, position_m })
 }
 
-/// Returns the mean length of the legs from hip over knee to ankle, m.
+/// Returns the mean length of the legs from hip over knee to ankle, m. `None` if a leg lacks one of these points.
 fn leg_m(rig: &RigMatch, state: &State) -> Option<f64> {
     let of_side = |side| {
         let point = |landmark: Landmark| Some(state.point_m(&rig.points[landmark]?));

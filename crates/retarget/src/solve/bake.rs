@@ -5,7 +5,7 @@ use sinew_mocap::Clip;
 use sinew_rig::Mechanism;
 
 use super::contact::contacts;
-use super::limb::BakedLimb;
+use super::limb::{BakedLimb, Hand};
 use super::path::Frames;
 use super::performance::Performance;
 use super::settings::Settings;
@@ -34,6 +34,10 @@ pub struct Baked {
     pub q: Vec<Vec<f64>>,
     /// Limbs of each frame that have a target.
     pub limbs: Vec<Vec<BakedLimb>>,
+    /// Hands whose paths are followed.
+    pub hands: Vec<Hand>,
+    /// For each frame, the target of each hand relative to its shoulder, m; `None` if the performer lacks it.
+    pub hand_targets_m: Vec<Vec<Option<[f32; 3]>>>,
     /// Joints of each frame at an end of their range, or at their maximum speed.
     pub held: Vec<Vec<ActiveBound>>,
 }
@@ -58,6 +62,8 @@ pub fn bake(
         frame_time_s: frame_s,
         q: Vec::with_capacity(count),
         limbs: Vec::with_capacity(count),
+        hands: solver.hands(),
+        hand_targets_m: Vec::with_capacity(count),
         held: Vec::with_capacity(count),
     };
     for (index, frame) in performance.frames().enumerate() {
@@ -75,6 +81,7 @@ pub fn bake(
         }
         baked.q.push(solver.q().to_vec());
         baked.limbs.push(solver.limbs());
+        baked.hand_targets_m.push(solver.hand_targets_m());
         baked.held.push(solver.held().collect());
     }
     baked

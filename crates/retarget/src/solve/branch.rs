@@ -78,10 +78,8 @@ impl Solver {
             self.aim(&frame);
             self.begin();
             self.sweep(None);
-            let errors = self.limb_errors_rad();
-            let errors = errors.iter().filter_map(|(_, error)| *error);
-            let (total, count) = errors.fold((0.0, 0.0), |(sum, n), error| (sum + error, n + 1.0));
-            sum += if count > 0.0 { total / count } else { 0.0 };
+            let errors = self.errors();
+            sum += errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         }
         sum
     }

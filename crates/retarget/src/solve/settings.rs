@@ -1,5 +1,7 @@
 //! Settings of the solver.
 
+use crate::rig::RigMatch;
+
 /// Priority in a limb that has too few joints for both of its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Limb {
@@ -10,6 +12,8 @@ pub enum Limb {
     End,
     /// The direction of the upper arm, or of the thigh.
     Upper,
+    /// The place of the end relative to the shoulder or the hip, scaled by the lengths of the limbs.
+    Path,
 }
 
 /// Settings by which a rig follows a performance.
@@ -30,6 +34,15 @@ pub struct Settings {
     pub legs: Limb,
     /// Whether the rig's free base travels and its feet stand; otherwise it turns on the spot.
     pub travels: bool,
+}
+
+impl Settings {
+    /// Returns the default settings for a rig. A rig that is only one arm is too small for the directions of a
+    /// performer's arm, so its hand goes along the performer's path.
+    pub fn of(rig: &RigMatch) -> Self {
+        let default = Self::default();
+        if rig.is_one_arm() { Self { arms: Limb::Path, ..default } } else { default }
+    }
 }
 
 impl Default for Settings {

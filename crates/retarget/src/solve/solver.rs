@@ -3,7 +3,7 @@
 use sinew_rig::Mechanism;
 
 use super::aim::Aims;
-use super::limb::BakedLimb;
+use super::limb::{BakedLimb, Hand};
 use super::model::{Model, State};
 use super::normal::Normal;
 use super::settings::Settings;
@@ -62,7 +62,7 @@ pub(crate) struct Solver {
     pub(super) away: Vec<f64>,
     pub(super) home_away: Vec<f64>,
     pub(super) previous: Vec<f64>,
-    /// Factor on the pulls home and to the last frame for slides, 1/m².
+    /// Factor on the weights that pull a joint to its home and to its position in the last frame, for slides, 1/m².
     pub(super) per_m2: f64,
 }
 
@@ -177,6 +177,37 @@ impl Solver {
     /// Returns the angle between each limb's direction and its target, rad.
     pub(crate) fn limb_errors_rad(&self) -> LandmarkMap<Option<f64>> {
         self.aims.limb_errors_rad(&self.state, &self.terms, &self.targets)
+    }
+
+    /// Returns the hands whose paths are followed.
+    pub(super) fn hands(&self) -> Vec<Hand> {
+        self.aims.hands(&self.terms).map(|(_, hand)| hand).collect()
+    }
+
+    /// Returns the target of each of these hands relative to its shoulder, m; `None` if the performer lacks it.
+    pub(super) fn hand_targets_m(&self) -> Vec<Option<[f32; 3]>> {
+        let target_m = |(place, _): (usize, Hand)| {
+            let target = self.targets.get(place).filter(|target| target.weight > 0.0)?;
+            #[expect(clippy::cast_possible_truncation, reason = "places in metres")]
+            Some(target.vector.to_array().map(|x| x as f32))
+        };
+        self.aims.hands(&self.terms).map(target_m).collect()
+    }
+
+    /// Returns the errors by which poses are compared: the angles of the limbs, rad, or the distances of the hands
+    /// whose paths are followed, as shares of the arms.
+    pub(super) fn errors(&self) -> Vec<f64> {
+        let error = |(place, hand): (usize, Hand)| {
+            let target = self.targets.get(place).filter(|target| target.weight > 0.0)?;
+            let way_m = self.state.point_m(&hand.point) - self.state.point_m(&hand.shoulder);
+            Some(way_m.distance(target.vector) / hand.arm_m)
+        };
+        let hands: Vec<f64> = self.aims.hands(&self.terms).filter_map(error).collect();
+        if hands.is_empty() {
+            self.limb_errors_rad().iter().filter_map(|(_, error)| *error).collect()
+        } else {
+            hands
+        }
     }
 
     /// Returns the joints that the last sweep held at a bound.

@@ -11,6 +11,8 @@ use crate::rig::RigPoint;
 pub(super) enum Kind {
     /// Direction from one point to another.
     Direction { from: RigPoint, to: RigPoint },
+    /// Way from one point to another, m.
+    Way { from: RigPoint, to: RigPoint },
     /// Orientation of a body; `upright` is forward, left, up in its frame.
     Orientation { body: usize, upright: DQuat },
     /// Rotation of a body about a limb, measured by the axis of the hinge on that body.
@@ -22,7 +24,7 @@ pub(super) enum Kind {
 /// Target of a term in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
-    /// Target of a direction, a twist, or a position.
+    /// Target of a direction, a way, a twist, or a position.
     pub(super) vector: DVec3,
     /// Target of an orientation.
     pub(super) rotation: DQuat,
@@ -39,10 +41,29 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
+    /// The dof that the solver changes: `dof`, or the one that `dof` follows with this factor.
+    leader: usize,
+    factor: f64,
     /// Whether the dof moves the point where a direction begins, and the point where it ends.
     from: bool,
     to: bool,
     slides: bool,
+}
+
+impl Mover {
+    /// Returns the motion of the way between two points by a unit of the dof.
+    fn moved(&self, state: &State, [from_m, to_m]: [DVec3; 2]) -> DVec3 {
+        let (axis, anchor) = (state.axes[self.dof], state.anchors_m[self.dof]);
+        if self.slides {
+            return if self.to { axis } else { -axis };
+        }
+        // If both points rotate together, only the vector between them matters.
+        match (self.from, self.to) {
+            (true, true) => axis.cross(to_m - from_m),
+            (false, _) => axis.cross(to_m - anchor),
+            (true, false) => -axis.cross(from_m - anchor),
+        }
+    }
 }
 
 /// A property with the dofs that affect it.
@@ -55,7 +76,7 @@ pub(super) struct Term {
 impl Term {
     pub(super) fn new(model: &Model, kind: Kind) -> Self {
         let (from, to) = match &kind {
-            Kind::Direction { from, to } => (Some(from.body), to.body),
+            Kind::Direction { from, to } | Kind::Way { from, to } => (Some(from.body), to.body),
             Kind::Orientation { body, .. } | Kind::Twist { body, .. } => (None, *body),
             Kind::Position { point, .. } => (None, point.body),
         };
@@ -65,25 +86,24 @@ impl Term {
         dofs.dedup();
         // Dofs that slide and have no effect on the term are left out.
         let is_kept = |mover: &Mover| match kind {
-            Kind::Direction { .. } => mover.from && mover.to,
+            Kind::Direction { .. } | Kind::Way { .. } => mover.from && mover.to,
             Kind::Orientation { .. } | Kind::Twist { .. } => true,
             Kind::Position { .. } => false,
         };
         let movers = dofs
             .into_iter()
-            .map(|dof| Mover {
-                dof,
-                from: from.contains(&dof),
-                to: to.contains(&dof),
-                slides: model.slides[dof],
+            .map(|dof| {
+                let (leader, factor) = model.leader(dof);
+                let (from, to) = (from.contains(&dof), to.contains(&dof));
+                Mover { dof, leader, factor, from, to, slides: model.slides[dof] }
             })
-            .filter(|mover| !(model.is_tied(mover.dof) || mover.slides && is_kept(mover)))
+            .filter(|mover| !(mover.slides && is_kept(mover)))
             .collect();
         Self { kind, movers }
     }
 
     pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.movers.iter().map(|mover| mover.dof)
+        self.movers.iter().map(|mover| mover.leader)
     }
 
     /// Returns the squared error times its weight.
@@ -95,6 +115,9 @@ impl Term {
             Kind::Direction { from, to } => {
                 let way = (state.point_m(to) - state.point_m(from)).normalize_or_zero();
                 (way - target.vector).length_squared()
+            }
+            Kind::Way { from, to } => {
+                (state.point_m(to) - state.point_m(from) - target.vector).length_squared()
             }
             Kind::Orientation { body, upright } => {
                 turn_between(target.rotation, state.rotations[*body] * *upright).length_squared()
@@ -127,25 +150,23 @@ impl Term {
                 let u = way / length;
                 let error = u - target.vector;
                 for mover in &self.movers {
-                    let (axis, anchor) = (state.axes[mover.dof], state.anchors_m[mover.dof]);
-                    let moved = if mover.slides {
-                        if mover.to { axis } else { -axis }
-                    } else {
-                        // If both points rotate together, only the vector between them matters.
-                        match (mover.from, mover.to) {
-                            (true, true) => axis.cross(way),
-                            (false, _) => axis.cross(to_m - anchor),
-                            (true, false) => -axis.cross(from_m - anchor),
-                        }
-                    };
-                    normal.column(mover.dof, (moved - u * u.dot(moved)) / length);
+                    let moved = mover.moved(state, [from_m, to_m]);
+                    normal.column(mover.leader, mover.factor * (moved - u * u.dot(moved)) / length);
                 }
+                normal.add(error, DVec3::splat(target.weight));
+            }
+            Kind::Way { from, to } => {
+                let ends_m = [state.point_m(from), state.point_m(to)];
+                for mover in &self.movers {
+                    normal.column(mover.leader, mover.factor * mover.moved(state, ends_m));
+                }
+                let error = ends_m[1] - ends_m[0] - target.vector;
                 normal.add(error, DVec3::splat(target.weight));
             }
             Kind::Orientation { body, upright } => {
                 let error = turn_between(target.rotation, state.rotations[*body] * *upright);
                 for mover in &self.movers {
-                    normal.column(mover.dof, state.axes[mover.dof]);
+                    normal.column(mover.leader, mover.factor * state.axes[mover.dof]);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
@@ -154,7 +175,8 @@ impl Term {
                     return;
                 };
                 for mover in &self.movers {
-                    normal.column(mover.dof, DVec3::X * u.dot(state.axes[mover.dof]));
+                    let along = mover.factor * u.dot(state.axes[mover.dof]);
+                    normal.column(mover.leader, DVec3::X * along);
                 }
                 normal.add(DVec3::X * angle, DVec3::X * target.weight);
             }
@@ -167,7 +189,7 @@ impl Term {
                     } else {
                         axis.cross(point_m - state.anchors_m[mover.dof])
                     };
-                    normal.column(mover.dof, moved);
+                    normal.column(mover.leader, mover.factor * moved);
                 }
                 normal.add(point_m - target.vector, by_axis(*parts) * target.weight);
             }

@@ -50,7 +50,7 @@ pub fn best_tilt(
                 solver.begin();
                 solver.sweep(None);
             }
-            for error in solver.limb_errors_rad().iter().filter_map(|(_, error)| *error) {
+            for error in solver.errors() {
                 sum += error;
                 count += 1.0;
             }

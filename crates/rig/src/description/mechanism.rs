@@ -9,7 +9,8 @@ use crate::mechanism::{JointModel, Link, LinkedRange, Mechanism, MergedBody, Pos
 
 impl Description {
     /// Returns the bodies and joints by index. They are numbered depth first in the order of the joints; body 0 is
-    /// the base; every body on a fixed joint is merged into its parent.
+    /// the base; every body on a fixed joint is merged into its parent. A joint that others follow can only do what
+    /// they can.
     ///
     /// # Errors
     /// Those of [`Self::check`].
@@ -41,7 +42,9 @@ impl Description {
             }
         }
         let linked = self.limits.iter().filter_map(|limit| linked_range(limit, &links)).collect();
-        Ok(Mechanism { bodies: links, linked })
+        let mut mechanism = Mechanism { bodies: links, linked };
+        mechanism.narrow_leaders();
+        Ok(mechanism)
     }
 
     fn base_link(&self, base: &Body) -> Link {

@@ -6,6 +6,7 @@
 
 mod body;
 mod check;
+mod doubt;
 mod drive;
 mod error;
 mod joint;
@@ -18,6 +19,7 @@ mod unit;
 
 pub use body::{Body, InertiaMatrix};
 pub(crate) use check::is_possible;
+pub use doubt::Doubt;
 pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};

@@ -19,6 +19,8 @@ pub struct Servo {
     pub direction: i8,
     /// Servo's own position when the drive is at zero.
     pub offset_rad: Option<f64>,
+    /// Value of its register Homing Offset, rad. Default: what the servo has.
+    pub homing_offset_rad: Option<f64>,
     /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
     /// Permitted range of the servo's own position: one pair. If it is empty, the range is that of the servo's
@@ -46,6 +48,7 @@ impl Default for Servo {
             address: Address::Id(0),
             direction: 1,
             offset_rad: None,
+            homing_offset_rad: None,
             gear: 1.0,
             range_rad: Vec::new(),
             torque_nm: None,

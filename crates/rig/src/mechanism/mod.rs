@@ -4,6 +4,7 @@ mod inverse_dynamics;
 mod joint_model;
 mod kinematics;
 mod pose;
+mod ties;
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
@@ -14,6 +15,7 @@ use crate::number::single;
 pub use inverse_dynamics::{InverseDynamics, LANES};
 pub use joint_model::JointModel;
 pub use pose::Pose;
+pub use ties::{Tie, Ties};
 
 /// Maximum number of bodies of a rig after merging, equal to the capacity of `sinew-core` on any machine.
 pub const BODY_COUNT_MAX: usize = 128;

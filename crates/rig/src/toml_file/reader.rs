@@ -56,8 +56,21 @@ impl<'t> Reader<'t> {
     }
 
     fn is_missing(&mut self, key: &'static str, expected: &str) {
-        let wrong = UnlocatedError::new(&self.span, &self.path_of(key), expected, "nothing");
+        let path = format!("{}{}", self.path_of(key), self.part());
+        let wrong = UnlocatedError::new(&self.span, &path, expected, "nothing");
         self.missing.get_or_insert(wrong);
+    }
+
+    /// Names the part that the table describes: ` of joint "neck", which moves body "head"`. Empty without a name.
+    fn part(&self) -> String {
+        let named = |key: &str| self.table.get(key).and_then(|value| value.get_ref().as_str());
+        let kind = self.path.split('[').next().unwrap_or_default();
+        match (named("name").filter(|_| !kind.is_empty()), named("child")) {
+            (Some(name), Some(child)) => format!(" of {kind} {name:?}, which moves body {child:?}"),
+            (Some(name), None) => format!(" of {kind} {name:?}"),
+            (None, Some(child)) => format!(" of the {kind} that moves body {child:?}"),
+            (None, None) => String::new(),
+        }
     }
 
     fn refuse_unknown(&self) -> Result<(), UnlocatedError> {

@@ -230,6 +230,7 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
     servo.address = if key == "id" { Address::Id(number) } else { Address::Channel(number) };
     v.optional("direction", &mut servo.direction, default.direction)?;
     v.optional("offset_deg", &mut servo.offset_rad, None)?;
+    v.optional("homing_offset_deg", &mut servo.homing_offset_rad, None)?;
     v.optional("gear", &mut servo.gear, default.gear)?;
     ranges(&mut servo.range_rad, v)?;
     v.optional("torque_nm", &mut servo.torque_nm, None)?;

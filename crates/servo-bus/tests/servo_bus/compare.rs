@@ -93,7 +93,7 @@ fn feetech_bus(family: Family) -> feetech::Bus<1> {
         pwm: 1.0,
         speed_rad_s: 11.0,
     };
-    let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+    let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 1 };
     feetech::Bus::new(&[setup], schedule, settings).unwrap()
 }
 
@@ -105,7 +105,8 @@ fn wrong(setting: &Setting) -> i32 {
 
 fn difference(setting: &Setting) -> Compared {
     let (item, address) = (setting.item.name, setting.item.address);
-    Compared::Differs(Difference { item, address, found: wrong(setting), expected: setting.raw })
+    let found = wrong(setting);
+    Compared::Differs(Difference { item, address, found, expected: setting.wanted(found) })
 }
 
 #[test]

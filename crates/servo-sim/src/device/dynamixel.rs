@@ -1,19 +1,21 @@
 //! A Dynamixel's registers, connected to its simulated firmware.
 
+use std::ops::Range;
+
 use sinew_servo_bus::BusDevice;
 use sinew_servo_bus::dynamixel::device::Memory;
-use sinew_servo_bus::dynamixel::table::{Table, address};
+use sinew_servo_bus::dynamixel::table::{Table, address, drive_mode};
 use sinew_servo_bus::dynamixel::{Device, Event, Instruction};
 
 use super::codes::whole;
 use super::error::ServoError;
 use super::limits::{LONGEST, check_memory};
+use super::refused;
 use crate::firmware::Sensed;
-use crate::firmware::dynamixel::{Firmware, Settings, VELOCITY_COUNTS_S};
+use crate::firmware::dynamixel::{Firmware, PWM_COUNTS, Settings, VELOCITY_COUNTS_S};
 use crate::model::{Parameters, Power};
 
 // Addresses that only servos use; the same in all models by the e-manual.
-const DRIVE_MODE: u16 = 10;
 const HOMING_OFFSET: u16 = 20;
 const MOVING_THRESHOLD: u16 = 24;
 const VELOCITY_I: u16 = 76;
@@ -55,6 +57,7 @@ impl<'m> Dynamixel<'m> {
             no_limit_a: f64::INFINITY,
             time_ms: 0.0,
         };
+        servo.device.memory_mut().refuse(refused::dynamixel);
         servo.restart(0);
         Ok(servo)
     }
@@ -90,7 +93,7 @@ impl<'m> Dynamixel<'m> {
         self.firmware.settings = Settings {
             torque_is_on: memory.torque_is_on(),
             mode: memory.get(address::OPERATING_MODE),
-            is_time_based: memory.get(DRIVE_MODE) & 4 != 0,
+            drive_mode: memory.get(address::DRIVE_MODE),
             homing_offset: memory.get(HOMING_OFFSET),
             moving_threshold: get(MOVING_THRESHOLD),
             temperature_limit_c: get(address::TEMPERATURE_LIMIT),
@@ -118,6 +121,7 @@ impl<'m> Dynamixel<'m> {
     /// Processes the events of the bus. Returns whether the servo restarts.
     pub(super) fn take_events(&mut self, sensed: &Sensed) -> bool {
         let (mut is_written, mut starts) = (false, false);
+        let was_reversed = self.firmware.settings.is_reversed();
         while let Some(event) = self.device.next_event() {
             match event {
                 Event::Written { address: first, length } => {
@@ -126,6 +130,7 @@ impl<'m> Dynamixel<'m> {
                         self.load();
                         self.reset_goals(sensed.position);
                     }
+                    self.switch_on_by_goal(&written);
                     is_written = true;
                 }
                 Event::Rebooted | Event::FactoryReset => starts = true,
@@ -137,8 +142,26 @@ impl<'m> Dynamixel<'m> {
             self.restart(sensed.position);
         } else if is_written {
             self.load();
+            if self.firmware.settings.is_reversed() != was_reversed {
+                self.restart(sensed.position);
+            }
         }
         starts
+    }
+
+    /// Switches torque on if Drive Mode says so and the goal of the operating mode was written.
+    fn switch_on_by_goal(&mut self, written: &Range<u16>) {
+        let memory = self.device.memory_mut();
+        let goal = match memory.get(address::OPERATING_MODE) {
+            0 => address::GOAL_CURRENT,
+            1 => address::GOAL_VELOCITY,
+            16 => address::GOAL_PWM,
+            _ => address::GOAL_POSITION,
+        };
+        let is_set = memory.get(address::DRIVE_MODE) & drive_mode::ON_BY_GOAL != 0;
+        if is_set && written.contains(&goal) {
+            memory.set(address::TORQUE_ENABLE, 1);
+        }
     }
 
     /// Stops the servo as its bus watchdog does: depending on the operating mode, the servo holds its position, or
@@ -179,10 +202,11 @@ impl<'m> Dynamixel<'m> {
     /// Writes the sensor values to the registers.
     pub(super) fn publish(&mut self, sensed: &Sensed) {
         let [moving, moving_status] = self.firmware.motion(sensed);
+        let sign = self.firmware.settings.sign();
         let effort = match self.current_unit_a {
-            Some(unit) => whole(sensed.current_a / unit),
+            Some(unit) => whole(sign * sensed.current_a / unit),
             // Load is the applied duty cycle, in 0.1 %.
-            None => whole(sensed.duty * 1e3),
+            None => whole(sign * sensed.duty * 1e3),
         };
         let firmware = &self.firmware;
         let values = [
@@ -190,9 +214,9 @@ impl<'m> Dynamixel<'m> {
             (REALTIME_TICK, whole(self.time_ms) % TICKS),
             (address::MOVING, moving),
             (MOVING_STATUS, moving_status),
-            (PRESENT_PWM, whole(sensed.duty * crate::firmware::dynamixel::PWM_COUNTS)),
+            (PRESENT_PWM, whole(sign * sensed.duty * PWM_COUNTS)),
             (address::PRESENT_CURRENT, effort),
-            (address::PRESENT_VELOCITY, whole(sensed.velocity / VELOCITY_COUNTS_S)),
+            (address::PRESENT_VELOCITY, whole(sign * sensed.velocity / VELOCITY_COUNTS_S)),
             (address::PRESENT_POSITION, firmware.position(sensed)),
             (VELOCITY_TRAJECTORY, whole(firmware.profile.velocity / VELOCITY_COUNTS_S)),
             (POSITION_TRAJECTORY, whole(firmware.profile.position)),

@@ -7,29 +7,26 @@ use sinew_servo_bus::feetech::{Device, Event, Instruction, Table};
 use super::codes::{duty_per_rad, whole};
 use super::error::ServoError;
 use super::limits::{MEMORY_LEN, check_memory};
+use super::refused;
 use crate::firmware::Sensed;
-use crate::firmware::feetech::{Firmware, Settings, TURN};
+use crate::firmware::feetech::{Firmware, Settings};
 use crate::model::{Parameters, Power};
 
 // Addresses of the STS table that only servos use.
 const MAX_TEMPERATURE: u8 = 13;
 const MAX_VOLTAGE: u8 = 14;
 const MIN_VOLTAGE: u8 = 15;
-const PHASE: u8 = 18;
 const UNLOADING: u8 = 19;
 const P: u8 = 21;
 const STARTUP_FORCE: u8 = 24;
 const DEAD_ZONES: [u8; 2] = [26, 27];
 const PROTECTION_CURRENT: u8 = 28;
-const HOMING_OFFSET: u8 = 31;
 const MODE: u8 = 33;
 const PROTECTIVE_TORQUE: u8 = 34;
 const PROTECTION_TIME: u8 = 35;
 const OVERLOAD_TORQUE: u8 = 36;
 const CURRENT_TIME: u8 = 38;
 const GOAL_PWM: u8 = 44;
-const GOAL_SPEED: u8 = 46;
-const PRESENT_SPEED: u8 = 58;
 const PRESENT_LOAD: u8 = 60;
 const PRESENT_VOLTAGE: u8 = 62;
 const PRESENT_TEMPERATURE: u8 = 63;
@@ -61,6 +58,7 @@ impl<'m> Feetech<'m> {
             firmware: Firmware::new(duty_per_count, speed_cap),
         };
         servo.device.set(UNLOADING, SHIPPED_UNLOADING);
+        servo.device.refuse(refused::feetech);
         servo.restart(0);
         Ok(servo)
     }
@@ -84,7 +82,7 @@ impl<'m> Feetech<'m> {
             temperature_limit_c: get(MAX_TEMPERATURE),
             voltage_limits_v: [get(MIN_VOLTAGE) * 0.1, get(MAX_VOLTAGE) * 0.1],
             unloading: device.get(UNLOADING),
-            homing_offset: device.get(HOMING_OFFSET),
+            homing_offset: device.get(address::HOMING_OFFSET),
             p: get(P),
             startup_force: get(STARTUP_FORCE) * 1e-3,
             dead_zone: DEAD_ZONES.map(get),
@@ -93,11 +91,11 @@ impl<'m> Feetech<'m> {
             protective_torque: get(PROTECTIVE_TORQUE) * 0.01,
             protection_s: get(PROTECTION_TIME) * 0.01,
             overload_torque: get(OVERLOAD_TORQUE) * 0.01,
-            speed_counts: speed_counts(device),
+            phase: u8::try_from(device.get(address::PHASE)).unwrap_or(0),
             acceleration: get(address::ACCELERATION),
             goal_position: device.get(address::GOAL_POSITION),
             goal_pwm: get(GOAL_PWM) * 1e-3,
-            goal_speed: get(GOAL_SPEED),
+            goal_speed: get(address::GOAL_SPEED),
             torque_limit: get(address::TORQUE_LIMIT) * 1e-3,
         };
     }
@@ -115,19 +113,16 @@ impl<'m> Feetech<'m> {
                     is_written = true;
                 }
                 Event::Rebooted | Event::FactoryReset => starts = true,
-                Event::TurnsCleared => {
-                    self.firmware.forgotten = sensed.position.div_euclid(TURN) * TURN;
-                }
-                Event::PositionSet(position) => {
-                    let offset = self.firmware.settings.homing_offset;
-                    self.firmware.forgotten = sensed.position - offset - position;
-                }
+                Event::TurnsCleared => self.firmware.clear_turns(sensed),
+                Event::PositionSet(_) => is_written = true,
             }
         }
         if starts {
             self.restart(sensed.position);
         } else if is_written {
+            let before = self.firmware.settings;
             self.load();
+            self.firmware.moved_zero(&before, sensed);
         }
         starts
     }
@@ -153,17 +148,20 @@ impl<'m> Feetech<'m> {
     /// Writes the sensor values to the registers.
     pub(super) fn publish(&mut self, sensed: &Sensed) {
         let firmware = &self.firmware;
-        let speed = sensed.velocity / firmware.settings.speed_counts;
+        let speed = firmware.velocity(sensed) / firmware.settings.speed_counts();
         let values = [
-            (address::PRESENT_POSITION, firmware.position(sensed)),
-            (PRESENT_SPEED, whole(speed)),
-            (PRESENT_LOAD, whole(sensed.duty * 1e3)),
+            (address::PRESENT_POSITION, firmware.reported(sensed)),
+            (address::PRESENT_SPEED, whole(speed)),
+            (PRESENT_LOAD, whole(firmware.settings.motor_sign() * sensed.duty * 1e3)),
             (PRESENT_VOLTAGE, whole(sensed.supply_v * 10.0)),
             (PRESENT_TEMPERATURE, whole(sensed.case_c)),
             (address::STATUS, firmware.errors.into()),
             (MOVING, firmware.is_moving(sensed).into()),
             (TARGET_POSITION, whole(firmware.profile.position)),
-            (address::PRESENT_CURRENT, whole(sensed.current_a / CURRENT_A)),
+            (
+                address::PRESENT_CURRENT,
+                whole(firmware.settings.motor_sign() * sensed.current_a / CURRENT_A),
+            ),
         ];
         for (at, value) in values {
             self.device.set(at, value);
@@ -182,9 +180,4 @@ impl<'m> Feetech<'m> {
         }
         self.device.speak(&mut []);
     }
-}
-
-/// Returns the speed of one count of the speed register, in counts of position per second. Bit 2 of Phase selects it.
-fn speed_counts(device: &Device<'_>) -> f64 {
-    if device.get(PHASE) & 4 == 0 { 50.0 } else { 1.0 }
 }

@@ -1,6 +1,7 @@
 //! Firmware of Dynamixel X and MX(2.0): operating modes 0, 1, 3, 4, 5 and 16.
 
 use sinew_servo_bus::dynamixel::hardware_error;
+use sinew_servo_bus::dynamixel::table::drive_mode;
 
 use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
@@ -27,7 +28,7 @@ const IN_POSITION: f64 = 10.0;
 pub struct Settings {
     pub torque_is_on: bool,
     pub mode: i32,
-    pub is_time_based: bool,
+    pub drive_mode: i32,
     pub homing_offset: i32,
     pub moving_threshold: f64,
     pub temperature_limit_c: f64,
@@ -49,6 +50,22 @@ pub struct Settings {
     pub profile_acceleration: f64,
     pub profile_velocity: f64,
     pub goal_position: i32,
+}
+
+impl Settings {
+    /// Returns whether clockwise counts as positive.
+    pub fn is_reversed(&self) -> bool {
+        self.drive_mode & drive_mode::REVERSE != 0
+    }
+
+    /// Returns -1 if the servo is reversed, 1 otherwise.
+    pub fn sign(&self) -> f64 {
+        if self.is_reversed() { -1.0 } else { 1.0 }
+    }
+
+    fn is_time_based(&self) -> bool {
+        self.drive_mode & drive_mode::TIME_BASED != 0
+    }
 }
 
 /// State of the firmware.
@@ -83,12 +100,17 @@ impl Firmware {
     pub fn restart(&mut self, sensed_position: i32) {
         let (settings, p_divisor) = (self.settings, self.p_divisor);
         *self = Self { settings, ..Self::new(p_divisor) };
-        self.forgotten = sensed_position.div_euclid(TURN) * TURN;
+        self.forgotten = self.encoder(sensed_position).div_euclid(TURN) * TURN;
+    }
+
+    /// Returns the encoder's count in the servo's own direction. It is a guess that a reversed servo keeps its middle.
+    fn encoder(&self, position: i32) -> i32 {
+        if self.settings.is_reversed() { -position } else { position }
     }
 
     /// Returns the present position, counts.
     pub fn position(&self, sensed: &Sensed) -> i32 {
-        sensed.position - self.forgotten + self.settings.homing_offset
+        self.encoder(sensed.position) - self.forgotten + self.settings.homing_offset
     }
 
     /// Returns whether an error has switched the servo off. Only a restart ends this.
@@ -107,6 +129,19 @@ impl Firmware {
 
     /// Runs one tick of the control loop.
     pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
+        let sign = self.settings.sign();
+        let own = Sensed { velocity: sign * sensed.velocity, ..*sensed };
+        match self.own_tick(&own, dt_s) {
+            Power::Current { current_a, limit } => {
+                Power::Current { current_a: sign * current_a, limit }
+            }
+            Power::Duty { duty, limit_a } => Power::Duty { duty: sign * duty, limit_a },
+            Power::Open => Power::Open,
+        }
+    }
+
+    /// Runs one tick, with speed and power in the servo's own direction.
+    fn own_tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.watch(sensed, dt_s);
         let is_on = self.settings.torque_is_on && !self.is_shut_down();
         if !is_on {
@@ -166,7 +201,7 @@ impl Firmware {
     fn limits(&mut self, goal: f64) -> [f64; 2] {
         let s = &self.settings;
         let none = |value: f64, scale: f64| if value > 0.0 { value * scale } else { f64::INFINITY };
-        if !s.is_time_based {
+        if !s.is_time_based() {
             return [
                 none(s.profile_velocity, VELOCITY_COUNTS_S),
                 none(s.profile_acceleration, ACCELERATION_COUNTS_S2),
@@ -217,7 +252,7 @@ impl Firmware {
     fn velocity_pwm(&mut self, sensed: &Sensed, dt_s: f64, limit: f64) -> f64 {
         let s = &self.settings;
         let goal = s.goal_velocity.clamp(-s.velocity_limit, s.velocity_limit);
-        let acceleration = if s.profile_acceleration > 0.0 && !s.is_time_based {
+        let acceleration = if s.profile_acceleration > 0.0 && !s.is_time_based() {
             s.profile_acceleration * ACCELERATION_COUNTS_S2
         } else {
             f64::INFINITY

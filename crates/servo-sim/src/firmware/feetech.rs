@@ -1,6 +1,7 @@
 //! Firmware of Feetech STS and SMS: modes 0 (position), 1 (speed) and 2 (PWM).
 
 use sinew_servo_bus::feetech::status_bit;
+use sinew_servo_bus::feetech::table::phase;
 
 use super::{Debounce, Profile, Sensed};
 use crate::model::Power;
@@ -36,8 +37,7 @@ pub struct Settings {
     pub protective_torque: f64,
     pub protection_s: f64,
     pub overload_torque: f64,
-    /// Speed of one speed count, in counts of position per second.
-    pub speed_counts: f64,
+    pub phase: u8,
     pub acceleration: f64,
     pub goal_position: i32,
     /// Goal of mode 2, as a part of the supply.
@@ -46,13 +46,35 @@ pub struct Settings {
     pub torque_limit: f64,
 }
 
+impl Settings {
+    fn has(&self, bit: u8) -> bool {
+        self.phase & bit != 0
+    }
+
+    /// Returns the speed of one speed count, in counts of position per second.
+    pub fn speed_counts(&self) -> f64 {
+        if self.has(phase::FINE_SPEED) { 1.0 } else { 50.0 }
+    }
+
+    /// Returns -1 if the motor is reversed, 1 otherwise.
+    pub fn motor_sign(&self) -> f64 {
+        if self.has(phase::REVERSED_MOTOR) { -1.0 } else { 1.0 }
+    }
+
+    /// Returns whether positions stay within one turn: a move has limits unless both are 0.
+    fn is_single_turn(&self) -> bool {
+        let [least, most] = self.position_limits;
+        self.mode == 0 && least < most
+    }
+}
+
 /// State of the firmware.
 #[derive(Debug, Clone, Default)]
 pub struct Firmware {
     /// Register contents at the last write.
     pub settings: Settings,
-    /// Counts that are subtracted from the encoder count: cleared whole turns, and a position that was set.
-    pub forgotten: i32,
+    /// Whole turns that are subtracted from the encoder count.
+    forgotten: i32,
     /// Value of the status byte.
     pub errors: u8,
     /// Present point of the trajectory, in counts.
@@ -78,12 +100,42 @@ impl Firmware {
     pub fn restart(&mut self, sensed_position: i32) {
         let settings = self.settings;
         *self = Self { settings, ..Self::new(self.duty_per_count, self.speed_cap) };
-        self.forgotten = sensed_position.div_euclid(TURN) * TURN;
+        self.clear_turns(&Sensed { position: sensed_position, ..Sensed::default() });
     }
 
-    /// Returns the present position, counts.
+    /// Clears whole turns: the present position is within one turn.
+    pub fn clear_turns(&mut self, sensed: &Sensed) {
+        self.forgotten += self.position(sensed).div_euclid(TURN) * TURN;
+    }
+
+    /// Clears whole turns if the registers that move the zero have changed since `before`.
+    pub fn moved_zero(&mut self, before: &Settings, sensed: &Sensed) {
+        let zero =
+            |settings: &Settings| (settings.homing_offset, settings.has(phase::REVERSED_ENCODER));
+        if zero(before) != zero(&self.settings) {
+            self.clear_turns(sensed);
+        }
+    }
+
+    /// Returns the present position over all turns since the start, counts.
     pub fn position(&self, sensed: &Sensed) -> i32 {
-        sensed.position - self.forgotten - self.settings.homing_offset
+        let encoder = if self.settings.has(phase::REVERSED_ENCODER) {
+            -sensed.position
+        } else {
+            sensed.position
+        };
+        encoder - self.forgotten - self.settings.homing_offset
+    }
+
+    /// Returns the position that the servo reports, counts.
+    pub fn reported(&self, sensed: &Sensed) -> i32 {
+        let position = self.position(sensed);
+        if self.settings.has(phase::ALL_TURNS) { position } else { position.rem_euclid(TURN) }
+    }
+
+    /// Returns the present speed, counts/s.
+    pub fn velocity(&self, sensed: &Sensed) -> f64 {
+        if self.settings.has(phase::REVERSED_ENCODER) { -sensed.velocity } else { sensed.velocity }
     }
 
     /// Ends an overload, because a new goal was written.
@@ -106,7 +158,7 @@ impl Firmware {
     /// Runs one tick of the control loop.
     pub fn tick(&mut self, sensed: &Sensed, dt_s: f64) -> Power {
         self.watch(sensed, dt_s);
-        let s = &self.settings;
+        let s = self.settings;
         if s.torque == 0 || self.is_unloaded() {
             self.was_on = false;
             return Power::Open;
@@ -116,6 +168,10 @@ impl Firmware {
             return Power::Duty { duty: 0.0, limit_a: f64::INFINITY };
         }
         if !self.was_on {
+            // Guess: a servo that was turned by hand over its seam has forgotten this.
+            if s.is_single_turn() {
+                self.clear_turns(sensed);
+            }
             self.profile = Profile::at(f64::from(self.position(sensed)));
             self.was_on = true;
         }
@@ -126,7 +182,7 @@ impl Firmware {
             1 => self.speed_duty(sensed, dt_s),
             _ => self.position_duty(sensed, dt_s),
         };
-        Power::Duty { duty: duty.clamp(-most, most), limit_a: f64::INFINITY }
+        Power::Duty { duty: s.motor_sign() * duty.clamp(-most, most), limit_a: f64::INFINITY }
     }
 
     fn watch(&mut self, sensed: &Sensed, dt_s: f64) {
@@ -158,9 +214,11 @@ impl Firmware {
         let s = self.settings;
         let [least, most] = s.position_limits;
         // If both limits are 0, the servo may make several turns.
-        let goal = if least < most { s.goal_position.clamp(least, most) } else { s.goal_position };
-        let asked = s.goal_speed.abs() * s.speed_counts;
-        let speed = if asked > 0.0 { asked.min(self.speed_cap) } else { self.speed_cap };
+        let goal =
+            if s.is_single_turn() { s.goal_position.clamp(least, most) } else { s.goal_position };
+        let asked = s.goal_speed.abs() * s.speed_counts();
+        let is_fastest = asked == 0.0 && s.has(phase::ZERO_IS_FASTEST);
+        let speed = if is_fastest { self.speed_cap } else { asked.min(self.speed_cap) };
         self.profile.step(f64::from(goal), speed, self.acceleration(), dt_s);
         self.duty(sensed)
     }
@@ -169,7 +227,7 @@ impl Firmware {
     /// faster than the servo can follow.
     fn speed_duty(&mut self, sensed: &Sensed, dt_s: f64) -> f64 {
         let s = self.settings;
-        let speed = (s.goal_speed * s.speed_counts).clamp(-self.speed_cap, self.speed_cap);
+        let speed = (s.goal_speed * s.speed_counts()).clamp(-self.speed_cap, self.speed_cap);
         self.profile.step_speed(speed, self.acceleration(), dt_s);
         let present = f64::from(self.position(sensed));
         let lead = SHIPPED_P / (self.duty_per_count * s.p.max(1.0));

@@ -50,9 +50,9 @@ pub struct RigPlant {
     q: Vec<f64>,
     qd: Vec<f64>,
     drives: Vec<Driven>,
-    /// Speeds of dofs, for each independent motion.
+    /// For each independent motion: the dofs that it moves, and their speeds if the motion has speed 1.
     joints: Vec<Vec<(usize, f64)>>,
-    /// Speeds of servos, for each independent motion.
+    /// For each independent motion: the servos that it turns, and their speeds if the motion has speed 1.
     shafts: Vec<Vec<(usize, f64)>>,
     /// Indices of each drive's independent motions.
     places: Vec<Range<usize>>,

@@ -69,7 +69,7 @@ pub enum TableError {
 
 /// Baud rate that all kinds support, bits per second.
 const BAUD: u32 = 1_000_000;
-/// Number of steps in which full power is switched on.
+/// Number of equal steps from no power to full power.
 const RAMP: u16 = 40;
 
 /// A single servo on a stiff supply, controlled by packets.

@@ -99,6 +99,7 @@ fn rig_servo(kind: &str) -> RigServo {
         id: 1,
         model: model(kind),
         range_rad: Some([-1.0, 1.2]),
+        homing_offset_rad: None,
         torque_nm: None,
         joint_friction_nm: 0.0,
         position_gain: None,

@@ -231,6 +231,7 @@ fn all_kinds_get_settings_that_their_registers_take() {
             id: 1,
             model,
             range_rad: Some([-1.0, 1.0]),
+            homing_offset_rad: None,
             torque_nm: Some(1e3),
             joint_friction_nm: 0.0,
             position_gain: None,
@@ -289,6 +290,7 @@ fn a_board_comes_to_the_same_counts() {
                 id: 1,
                 model: model.clone(),
                 range_rad: Some([-most, 0.9 * most]),
+                homing_offset_rad: None,
                 torque_nm: (tenths < 1800).then_some(stall_nm * f64::from(tenths) / 1800.0),
                 joint_friction_nm: 0.0,
                 position_gain: None,
@@ -410,4 +412,37 @@ fn a_p_gain_is_the_files_or_by_gear_and_load() {
     assert!(gain(&rig).unwrap_err().to_string().contains("takes 1 to 16383"));
     rig.servos[1].model = "MG90S".to_owned();
     assert!(gain(&rig).unwrap_err().to_string().contains("no known P gain"));
+}
+
+#[test]
+fn bits_that_change_what_a_goal_means_are_applied_and_explained() {
+    let reversed = Some("negate them");
+    for (kind, register, has, should, explained) in [
+        ("XL330-M288-T", "Drive Mode", 1, 0, reversed),
+        ("XL330-M288-T", "Drive Mode", 8, 0, Some("switches its torque on")),
+        ("XL330-M288-T", "Drive Mode", 4, 0, None),
+        ("STS3215-7.4V", "Phase", 12 + 129, 12, reversed),
+        ("STS3215-7.4V", "Phase", 76 + 129, 76, reversed),
+        ("STS3215-7.4V", "Phase", 8, 12, None),
+        ("STS3215-7.4V", "Phase", 28, 12, None),
+    ] {
+        let (mut client, rig, servo) = opened(kind);
+        let settings = desired(&rig, &servo.table, Mode::Position).unwrap();
+        apply(&mut client, &servo, &settings, false).unwrap();
+        registers::write(&mut client, &servo, register, Number::Raw(has)).unwrap();
+        let found = diff(&mut client, &servo, &settings).unwrap();
+        let [difference] = found.as_slice() else { panic!("{kind} {has}: {found:?}") };
+        assert_eq!((difference.name, difference.should.raw), (register, should), "{kind} {has}");
+        let told = difference.consequence();
+        let is_told = told.zip(explained).map(|(told, words)| told.contains(words));
+        assert_eq!((told.is_some(), is_told), (explained.is_some(), explained.map(|_| true)));
+        apply(&mut client, &servo, &settings, false).unwrap();
+        assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
+    }
+    // Bits of the servo's own electronics are its own.
+    let (mut client, rig, servo) = opened("STS3215-7.4V");
+    let settings = desired(&rig, &servo.table, Mode::Position).unwrap();
+    apply(&mut client, &servo, &settings, false).unwrap();
+    registers::write(&mut client, &servo, "Phase", Number::Raw(12 + 64 + 32)).unwrap();
+    assert_eq!(diff(&mut client, &servo, &settings).unwrap(), []);
 }

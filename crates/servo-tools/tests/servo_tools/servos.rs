@@ -384,3 +384,24 @@ fn a_look_says_how_a_servo_is() {
     client.line_mut().bench.run_us(100_000);
     assert_eq!(watch::look(&mut client, &servo).unwrap().errors, ["supply out of its limits"]);
 }
+
+#[test]
+fn a_speed_of_an_sts_has_the_unit_of_its_phase() {
+    // Degrees per second of a goal speed of 1000 counts, by Phase: bit 2 selects a count/s or 50 counts/s.
+    for (phase, deg_s) in [(12, 87.9), (76, 87.9), (8, 4394.5)] {
+        let (mut client, servo) = one("STS3215-7.4V");
+        registers::write(&mut client, &servo, "phase", Number::Raw(phase)).unwrap();
+        let servo = client.open(1, None).unwrap();
+        registers::write(&mut client, &servo, "goal-velocity", Number::Raw(1000)).unwrap();
+        let goal = registers::read(&mut client, &servo, &["goal-velocity".to_owned()]).unwrap();
+        assert!((goal[0].quantity.value - deg_s).abs() < 1.0, "{phase}: {:?}", goal[0]);
+        registers::write(&mut client, &servo, "operating-mode", Number::Raw(1)).unwrap();
+        registers::write(&mut client, &servo, "torque-enable", Number::Raw(1)).unwrap();
+        client.line_mut().bench.run_us(1_000_000);
+        let state = watch::look(&mut client, &servo).unwrap();
+        // The servo's own speed is at most 3400 counts/s.
+        let expected = f64::min(deg_s, 299.0);
+        let told = state.velocity.value;
+        assert!((told / expected - 1.0).abs() < 0.05, "{phase}: {told} deg/s");
+    }
+}

@@ -143,7 +143,7 @@ pub(crate) fn rests(figure: &Figure, built: AsBuilt, target: &[f64], offset: boo
             pwm: 1.0,
             speed_rad_s: 10.0,
         };
-        let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 50 };
+        let settings = feetech::Settings { family, echo: false, retries: 1, speed_counts: 1 };
         let setups: Vec<_> = (1..).take(count).map(setup).collect();
         let mut bus = feetech::Bus::<MOST_SERVOS>::new(&setups, schedule, settings).unwrap();
         let reached = hold(figure, &mut bus, &mut bench, target, offset_rad);

@@ -2,10 +2,11 @@
 //!
 //! Clocks are modelled as before or after each time-out, at any moment. Faults with the same row in the table are the
 //! same to the supervisor: one represents each kind. At a time there are none, one, two, or all of the kinds; each
-//! other fault is checked alone.
+//! other fault is checked alone. Sessions of two programs have a model of their own: `takeover`.
 
 mod checker;
 mod events;
+mod takeover;
 
 use checker::{Counts, check};
 use events::{Events, kinds};

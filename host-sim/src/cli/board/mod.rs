@@ -15,7 +15,7 @@ mod simulate;
 mod text;
 mod upload;
 
-pub(super) use arm::{READY, arm, check_rig};
+pub(super) use arm::{READY, arm, check_rig, end_by_hand};
 #[cfg(unix)]
 pub(super) use moves::await_limp;
 pub(super) use port::{PortBoard, SilenceArg, open};
@@ -31,8 +31,8 @@ use text::remedy;
 
 /// Flash, check, watch and simulate controller boards, upload rigs and shows, and read faults.
 ///
-/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without it, the command uses the USB
-/// port where a board answers.
+/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without this option, the command uses
+/// the USB port where a board answers.
 #[derive(Debug, Args)]
 pub(super) struct BoardCommands {
     #[command(subcommand)]

@@ -18,13 +18,13 @@ use crate::cli::rig::read;
 use crate::cli::stack::with_stack;
 use crate::cli::stop::Stop;
 
-/// Longest time of a rig's way to rest.
+/// Maximum time from a stop until torque is off.
 const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// Move all joints of a rig to the home pose.
 ///
-/// A console that runs moves its armed rig, and then holds. Without a console, the command opens the port, arms the rig,
-/// moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
+/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct HomeArgs {
     #[command(flatten)]
@@ -33,8 +33,8 @@ pub(super) struct HomeArgs {
 
 /// Move a joint of a rig by an angle.
 ///
-/// A console that runs moves its armed rig, and then holds. Without a console, the command opens the port, arms the rig,
-/// moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
+/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct JogArgs {
     /// Name of the joint.
@@ -54,11 +54,11 @@ struct PlaceArgs {
     #[command(flatten)]
     board: BoardPort,
 
-    /// The rig that is on the board. Only without a console.
+    /// Rig on the board: rig.toml, URDF or MJCF. Required without a console.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Servos for joints that have none, as in `sinew play`.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND", requires = "rig")]
     servo: Vec<ServoChoice>,
 }
@@ -84,7 +84,8 @@ impl PlaceArgs {
         Ok(if reply.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Returns the console that has the port; without a port, the single console that runs.
+    /// Returns the name of the console that has the port; without a port, of the only console that runs. Returns `None`
+    /// if there is none.
     fn console(&self) -> anyhow::Result<Option<String>> {
         let mut names = consoles();
         if let Some(port) = self.board.path() {

@@ -27,20 +27,21 @@ use super::stop::Stop;
 use super::target::Target;
 use super::unit_args::UnitArgs;
 
-/// Joints of the arm that moves if no rig is given.
+/// Number of joints of the arm that is used if no rig is given.
 const JOINTS: usize = 6;
 
-/// See a rig live, move its joints by sliders, play shows and stop, on a page in a browser.
+/// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
 ///
-/// It prints the address of the page, with a token that no other program knows, and serves until Ctrl-C. The page
-/// needs no network. Without --target, the rig is a simulated board with simulated servos in this program; without
-/// --rig, a desk arm of six joints.
+/// It prints the address of the page, with a secret token, and serves the page until Ctrl-C. The page needs no network.
+/// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
+/// six joints.
 ///
-/// One page drives; all pages may hold and stop. Ctrl-C stops the rig: it goes to its rest pose, is lowered, and
-/// torque is off. A second Ctrl-C ends at once.
+/// One page drives; all pages may hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
+/// and torque is switched off. A second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 pub(super) struct ConsoleArgs {
-    /// Shows of `sinew bake` for the page's list, or clips, which are first baked as `sinew bake --fit` does it.
+    /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
+    /// does it.
     #[arg(value_name = "SHOW|CLIP")]
     shows: Vec<String>,
 
@@ -48,14 +49,14 @@ pub(super) struct ConsoleArgs {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Servos for joints that have none, as in `sinew play`.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<ServoChoice>,
 
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
+    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
     /// as /dev/ttyACM0, or the USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
@@ -66,16 +67,16 @@ pub(super) struct ConsoleArgs {
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 
-    /// Serve the page at this address of the machine, too: 192.168.1.5 or 192.168.1.5:8080. Whoever has the token may
-    /// then watch and stop the rig. The connection is not encrypted.
+    /// Serve the page also at this address of the machine, such as 192.168.1.5 or 192.168.1.5:8080. Everybody who has
+    /// the token may then watch and stop the rig from other machines. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
     listen: Option<SocketAddr>,
 
-    /// Let pages of other machines drive, too.
+    /// Let pages on other machines drive the rig, too. Default: they may watch, hold and stop.
     #[arg(long, requires = "listen")]
     allow_drive: bool,
 
-    /// Let a show go on while no page is at the wheel. Otherwise the rig holds after 2 s, and is then lowered.
+    /// Let a show continue while no page drives. Default: the rig holds after 2 s, and is lowered 3 s later.
     #[arg(long)]
     unattended: bool,
 }
@@ -105,14 +106,14 @@ impl ConsoleArgs {
         Ok(())
     }
 
-    /// Returns the rig: of the file, or the desk arm.
+    /// Returns the rig in the file, or the desk arm.
     fn rig(&self) -> anyhow::Result<LoadedRig> {
         let mut rig = if let Some(path) = &self.rig {
             read(path)?
         } else {
             let description = new::arm(JOINTS)?;
             let mechanism = description.mechanism()?;
-            LoadedRig { description, mechanism, world: None, notes: Vec::new() }
+            LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts: Vec::new() }
         };
         if put_servos(&mut rig.description, &self.servo).with_context(|| self.name())? > 0 {
             rig.mechanism = rig.description.mechanism()?;
@@ -187,7 +188,7 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// All that a console needs but its board.
+/// Everything that a console needs, except its board.
 struct Served<'a> {
     args: &'a ConsoleArgs,
     rig: &'a LoadedRig,

@@ -14,10 +14,10 @@ use sinew_servo_sim::plant::RigPlant;
 
 /// Stack size. The loop's arrays are sized for the largest board.
 const STACK_BYTES: usize = 64 << 20;
-/// Longest time of a board's start.
+/// Maximum time until a board has started.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Runs `host` with a simulated board that has this rig. The board ends with it.
+/// Runs `host` with a simulated board that has this rig. The board ends when `host` ends.
 pub(super) fn with_board<T>(
     rig: &LoadedRig,
     parts: &RigParts,

@@ -5,9 +5,10 @@ use std::path::Path;
 use anyhow::{Context as _, bail};
 use sinew_host_util::command::note;
 use sinew_mocap::Kind;
-use sinew_performance::ShowChoices;
 use sinew_performance::play::RigParts;
 use sinew_performance::rig::LoadedRig;
+use sinew_performance::{Baked, RigPerformance, ShowChoices};
+use sinew_rig::Mechanism;
 use sinew_show::Show;
 
 use super::Args;
@@ -34,6 +35,44 @@ pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
     }
 }
 
+/// Share of the joints' way from which a fit changed nothing that is worth a word.
+const UNCHANGED: f64 = 0.98;
+
+/// Prints what the fit of a clip did, and what would leave more of the motion.
+fn tell_fit(
+    performance: &RigPerformance,
+    baked: &Baked,
+    mechanism: &Mechanism,
+) -> anyhow::Result<()> {
+    let (given_s, fitted_s) = (performance.clip.motion.duration_s(), baked.duration_s);
+    let slower = if fitted_s > given_s + 0.005 {
+        format!(", {:.0} % of the clip's {given_s:.2} s", 100.0 * fitted_s / given_s)
+    } else {
+        String::new()
+    };
+    let likeness = performance.likeness(mechanism);
+    let name = &performance.name;
+    note(format_args!(
+        "{name}: {fitted_s:.2} s{slower}, fitted to the rig; {:.0} % of the joints' way is left",
+        100.0 * likeness.way
+    ));
+    let is_changed = likeness.way < UNCHANGED || !slower.is_empty();
+    if let Some(summary) = performance.fit_summary().filter(|_| is_changed) {
+        for line in summary.lines() {
+            note(format_args!("fit: {line}"));
+        }
+    }
+    if let Some(why) = likeness.strange() {
+        note(format_args!("warning: the fitted motion is far from the clip: {why}"));
+    }
+    if is_changed {
+        for line in performance.helps(mechanism)? {
+            note(format_args!("would help: {line}"));
+        }
+    }
+    Ok(())
+}
+
 /// Bakes a clip into a show of a rig, fitted to the rig.
 pub(in crate::cli) fn bake(
     (rig, rig_crc): (&LoadedRig, u32),
@@ -48,7 +87,7 @@ pub(in crate::cli) fn bake(
     let mut performance = on_rig.perform(rig, clip, mapping, seconds, (ON_STAND, units))?;
     let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
     let (baked, _) = performance.bake(&rig.mechanism, &choices)?;
-    note(format_args!("{}: {:.2} s, fitted to the rig", performance.name, baked.duration_s));
+    tell_fit(&performance, &baked, &rig.mechanism)?;
     Ok(baked.written.bytes)
 }
 

@@ -10,12 +10,16 @@ use sinew_rig::import::Options;
 
 use crate::cli::output::OutputPath;
 
-/// Reads a rig of any format. Notes of the import go to standard error.
+/// Reads a rig of any format. Notes of the import, and doubtful values, go to standard error.
 pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<LoadedRig> {
-    read_as(path, &Options::default())
+    let loaded = read_as(path, &Options::default())?;
+    for doubt in &loaded.doubts {
+        note(format_args!("warning: {doubt}"));
+    }
+    Ok(loaded)
 }
 
-/// Reads a rig. `options` supply facts that the file leaves open.
+/// Reads a rig for a command that reports doubtful values itself. `options` supply facts that the file leaves open.
 pub(super) fn read_as(path: &Path, options: &Options) -> anyhow::Result<LoadedRig> {
     let loaded = load(path, options)?;
     for line in &loaded.notes {

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod format;
+mod lerobot;
 mod line;
 mod one;
 mod prompt;
@@ -50,6 +51,7 @@ enum Command {
     Diff(rig::DiffArgs),
     Apply(rig::ApplyArgs),
     Calibrate(calibrate::CalibrateArgs),
+    Lerobot(lerobot::LerobotArgs),
     Tap(tap::TapArgs),
     #[cfg(unix)]
     Simulate(servos::ServosArgs),
@@ -85,6 +87,7 @@ fn on_line(args: &ServoArgs) -> anyhow::Result<ExitCode> {
         Command::Diff(args) => rig::diff(line, args),
         Command::Apply(args) => rig::apply(line, args),
         Command::Calibrate(args) => calibrate::run(line, args),
+        Command::Lerobot(args) => lerobot::run(args),
         Command::Tap(args) => tap::run(line, args),
         #[cfg(unix)]
         Command::Simulate(args) => servos::run(args),

@@ -161,6 +161,7 @@ fn words(compared: &[Compared]) -> String {
         for difference in &servo.differences {
             count += 1;
             table.add_row(row(&servo.name, servo.id, difference));
+            tell_consequence(&servo.name, difference);
         }
         if let Some(error) = &servo.error {
             tell(&servo.name, error);
@@ -176,6 +177,13 @@ fn words(compared: &[Compared]) -> String {
         0 => format!("no difference in {of}\n"),
         1 => format!("{table}\n1 difference in {of}; `sinew servo apply` writes it\n"),
         count => format!("{table}\n{count} differences in {of}; `sinew servo apply` writes them\n"),
+    }
+}
+
+/// Prints what a difference means for the rig, if it means more than itself.
+fn tell_consequence(name: &str, difference: &Difference) {
+    if let Some(consequence) = difference.consequence() {
+        note(format_args!("{name}: {} is {}: {consequence}", difference.name, difference.has.raw));
     }
 }
 
@@ -235,6 +243,9 @@ pub(super) fn apply(line: &LineArgs, args: &ApplyArgs) -> anyhow::Result<ExitCod
         });
         match applied {
             Ok(applied) => {
+                for written in &applied.written {
+                    tell_consequence(&rig.name, written);
+                }
                 let limp = if applied.let_go { "; its torque is off now" } else { "" };
                 let names: Vec<&str> = applied.written.iter().map(|written| written.name).collect();
                 let what = if names.is_empty() {

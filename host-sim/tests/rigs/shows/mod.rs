@@ -44,3 +44,9 @@ fn whole_us(time_s: f64) -> u64 {
     let us = (time_s * 1e6).round() as u64;
     us
 }
+
+/// Returns whether a report of `bake` names no excess; the motion may still be far from the clip.
+fn within_limits(report: &str) -> bool {
+    !report.contains("EXCEEDED")
+        && (report.contains("No limit is exceeded") || report.contains("is within all limits"))
+}

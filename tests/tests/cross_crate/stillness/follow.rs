@@ -25,6 +25,7 @@ pub(super) fn clip_show<'r>(rig: &'r Rig, name: &'r str) -> impl FnOnce(u32) -> 
             mechanism: rig.mechanism.clone(),
             world: None,
             notes: Vec::new(),
+            doubts: Vec::new(),
         };
         let clip = PreparedClip::read(&ClipFile::new(Path::new(name)), ClipSettings::default());
         let clip = clip.unwrap();

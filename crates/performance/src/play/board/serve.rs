@@ -54,9 +54,9 @@ impl HostSide for &Port {
 }
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves a host in real time until `stop` is true. `before` is called before each tick, to act on
-    /// the rig. In a tick no more bytes pass, each way, than a line of that rate carries: more wait, so that a
-    /// program that is too fast for a board is too fast here.
+    /// Serves a host in real time until `stop` is true. `before` is called before each tick, to act on the rig. In a
+    /// tick, at most as many bytes pass in each direction as a line of the host's rate carries. Further bytes wait, so
+    /// that a program that sends too fast for a real board sends too fast here, too.
     ///
     /// # Errors
     /// An I/O error of reading or writing.

@@ -1,4 +1,4 @@
-// Where the bodies are: the kinematics of a rig, for pages. `kinematicsOf` adds to a rig's bodies and dofs all that
+// The kinematics of a rig, for pages. `kinematicsOf` adds to a rig's bodies and dofs all that
 // a page needs; its poses are in world axes, y up.
 "use strict";
 
@@ -34,7 +34,7 @@ const kinematicsOf = ({ bodies, dofs }) => {
   const ofBody = bodies.map(() => []);
   dofs.forEach((dof, index) => { ofBody[dof.body][dof.axis] = index; });
 
-  // Where the coordinates of each joint begin.
+  // Index at which the coordinates of each joint begin.
   let coordinates = 0;
   const first = bodies.map((body) => (coordinates += COUNT[body.kind]) - COUNT[body.kind]);
 
@@ -89,7 +89,7 @@ const kinematicsOf = ({ bodies, dofs }) => {
     return rotate(of, body.axes[dof.axis]);
   };
 
-  // What is to be seen of the bodies: joints, centres of mass, ends, solids.
+  // Points that are to be seen: joints, centres of mass, ends, solids.
   const bounds = bodies.map((body) => (body.shapes ?? []).flatMap(boundsOf));
   const pointsOf = (poses) => bodies.flatMap((body, index) => [
     poses[index].p,

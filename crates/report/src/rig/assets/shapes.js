@@ -77,7 +77,7 @@ const facesOf = (shape, around) => {
 };
 
 // Sides of a circle, by its radius as a share of the rig's size.
-const sidesOf = (share) => share > 0.08 ? 20 : share > 0.03 ? 14 : 10;
+const sidesOf = (share) => share > 0.08 ? 16 : share > 0.03 ? 10 : 8;
 
 // A solid of a rig of that size, prepared for drawing: faces in the body's frame.
 const solidOf = (shape, size) => {

@@ -37,7 +37,7 @@ const stageOn = (rig, canvas, points, show) => {
       at === index ? Infinity : norm(sub(places[other.body].p, places[dof.body].p)));
     return Math.min(Math.max(Math.min(...away) / (0.15 * size), 0.2), 0.6);
   });
-  // Where joints were drawn.
+  // Places at which joints were drawn.
   let marks = [];
   const ground = box[0][1];
 

@@ -17,6 +17,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
 use super::columns::{Column, HeaderUnits, Quantity, Unit, columns};
+use super::tied::fill_tied;
 use crate::feasibility::{Curve, Instant, MotionError, Performance as _, RigMotion};
 pub use easing::Easing;
 pub use error::KeyError;
@@ -117,6 +118,8 @@ pub fn read(
         return Err(KeyError::TooLong(duration_s));
     }
     let jumps = keyed.iter().filter_map(|keyed| keyed.jump(&columns, mechanism)).collect();
+    let (ties, given) =
+        (mechanism.ties(), keyed.iter().map(|keyed| keyed.place).collect::<Vec<_>>());
     let is_whole = keyed.iter().all(|keyed| keyed.track.keys.len() == rows);
     if let Some(dt_s) = even_step_s(&times_s).filter(|_| is_whole && !has_easing) {
         let row = |row: usize| {
@@ -124,6 +127,7 @@ pub fn read(
             for Keyed { place, track, .. } in &keyed {
                 q[*place] = track.keys[row].value;
             }
+            fill_tied(&ties, &given, &mut q);
             q
         };
         let motion = RigMotion { dt_s, rows: (0..rows).map(row).collect() };
@@ -137,6 +141,7 @@ pub fn read(
         for Keyed { place, track, .. } in &keyed {
             q[*place] = track.at(time_s + start_s);
         }
+        fill_tied(&ties, &given, &mut q);
         to_unit_length(mechanism, &mut q);
         q
     };

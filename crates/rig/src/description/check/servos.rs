@@ -45,6 +45,7 @@ pub(super) fn check<'a>(
         return Err(part.refuse(&[Step::Key("direction")], "1 or -1", servo.direction));
     }
     part.number_if_any("offset_deg", servo.offset_rad, Sign::Any)?;
+    part.number_if_any("homing_offset_deg", servo.homing_offset_rad, Sign::Any)?;
     part.number(&[Step::Key("gear")], servo.gear, Sign::Positive)?;
     let at = [Step::Key("range_deg")];
     for pair in &servo.range_rad {

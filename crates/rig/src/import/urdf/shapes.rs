@@ -42,7 +42,6 @@ mod tests {
     use crate::import::urdf;
 
     #[test]
-    #[expect(clippy::float_cmp, reason = "small whole numbers")]
     fn a_link_is_drawn_by_its_visuals_or_else_by_its_collisions() {
         let link = |name: &str, shapes: &str| format!("<link name='{name}'>{shapes}</link>");
         let element = |tag: &str, shape: &str| {

@@ -157,12 +157,24 @@ fn what_is_missing_is_asked_for_at_its_table() {
         (
             "id = 3\n",
             "",
-            "line 22, column 1: servo[0].id: expected a whole number from 0 to 255, found nothing",
+            "line 22, column 1: servo[0].id of servo \"left\": expected a whole number from 0 to 255, found nothing",
         ),
         (
             "child = \"link\"\n",
             "",
-            "line 11, column 1: joint[0].child: expected a text in quotes, found nothing",
+            "line 11, column 1: joint[0].child of joint \"hinge\": expected a text in quotes, found nothing",
+        ),
+        (
+            "parent = \"base\"\n",
+            "",
+            "line 11, column 1: joint[0].parent of joint \"hinge\", which moves body \"link\": expected a text in \
+             quotes, found nothing",
+        ),
+        (
+            "name = \"hinge\"\n",
+            "",
+            "line 11, column 1: joint[0].name of the joint that moves body \"link\": expected a text in quotes, found \
+             nothing",
         ),
     ]);
     assert_eq!(

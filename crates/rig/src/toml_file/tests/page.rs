@@ -25,7 +25,10 @@ fn examples_are_rigs() {
         };
         let rig = read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
         rig.mechanism().unwrap();
+        assert_eq!(rig.doubts(), []);
     }
+    let with_servos = blocks.iter().filter(|block| block.contains("[[servo]]"));
+    assert_eq!(with_servos.filter(|block| block.starts_with("name = ")).count(), 2);
 }
 
 #[test]

@@ -313,6 +313,7 @@ fn servo(r: &mut Random, index: usize) -> Servo {
         address,
         direction: r.one_of(&[1, -1]),
         offset_rad: r.perhaps(Random::angle),
+        homing_offset_rad: r.perhaps(Random::angle),
         gear: r.perhaps(Random::positive).unwrap_or(1.0),
         range_rad: r.perhaps(|r| vec![r.range(Random::angle).0]).unwrap_or_default(),
         torque_nm: r.perhaps(Random::positive),

@@ -2,7 +2,7 @@
 
 use crate::dynamixel::instruction::ResetScope;
 use crate::dynamixel::status::ErrorCode;
-use crate::dynamixel::table::{Table, address};
+use crate::dynamixel::table::{Table, address, drive_mode};
 use crate::table::{Access, Area, ByteOrder, Item, Range};
 
 /// Maximum goal position in the modes of several turns, counts: 256 turns either way. Source: e-manual, Goal Position.
@@ -19,11 +19,20 @@ const POSITION_MODE: i32 = 3;
 pub struct Memory<'m> {
     table: Table,
     bytes: &'m mut [u8],
+    refuses: Refuses,
 }
+
+/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
+pub type Refuses = fn(address: u16, value: i32) -> bool;
 
 impl<'m> Memory<'m> {
     pub(super) fn new(table: Table, bytes: &'m mut [u8]) -> Self {
-        Self { table, bytes }
+        Self { table, bytes, refuses: |_, _| false }
+    }
+
+    /// Sets which values a controller cannot write: the servo answers with an error.
+    pub fn refuse(&mut self, refuses: Refuses) {
+        self.refuses = refuses;
     }
 
     /// Returns the layout of the control table.
@@ -107,9 +116,16 @@ impl<'m> Memory<'m> {
             return Err(ErrorCode::Access);
         }
         let value = item.value(value, ByteOrder::Little);
+        if (self.refuses)(item.address, value) {
+            return Err(ErrorCode::DataRange);
+        }
         let is_goal = (address::GOAL_PWM..=address::GOAL_POSITION).contains(&item.address);
         let watchdog_ran_out = self.get(address::BUS_WATCHDOG) < 0;
         if watchdog_ran_out && (is_goal || (item.address == address::BUS_WATCHDOG && value != 0)) {
+            return Err(ErrorCode::DataRange);
+        }
+        if item.address == address::DRIVE_MODE && value & drive_mode::SLAVE != 0 {
+            // The slave of a dual joint obeys a cable to its master, which no line of simulated servos has.
             return Err(ErrorCode::DataRange);
         }
         let within = |least: i32, most: i32, code| {

@@ -85,6 +85,18 @@ pub mod address {
     pub const PRESENT_TEMPERATURE: u16 = 146;
 }
 
+/// Bits of the register Drive Mode. Source: e-manual, Drive Mode.
+pub mod drive_mode {
+    /// Clockwise counts as positive.
+    pub const REVERSE: i32 = 1;
+    /// The servo follows another one as the slave of a dual joint: MX-106 only.
+    pub const SLAVE: i32 = 1 << 1;
+    /// Profile velocity and acceleration are times, ms.
+    pub const TIME_BASED: i32 = 1 << 2;
+    /// A new goal switches torque on.
+    pub const ON_BY_GOAL: i32 = 1 << 3;
+}
+
 /// The models that have a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Only {

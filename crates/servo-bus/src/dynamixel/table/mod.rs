@@ -6,9 +6,9 @@
 mod items;
 mod models;
 
-pub use items::address;
 pub(crate) use items::{FULL_PWM, Only};
 pub(super) use items::{POSITION, PWM_COUNTS, VELOCITY};
+pub use items::{address, drive_mode};
 pub use models::{Current, Family, MODELS, Model};
 
 use crate::table::{Access, Area, Item, Range, Sign, Unit};

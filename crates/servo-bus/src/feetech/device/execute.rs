@@ -5,9 +5,10 @@ use crate::feetech::frame::{BROADCAST, Packet};
 use crate::feetech::instruction::{Instruction, sync_blocks};
 use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
-use crate::table::Access;
+use crate::table::{Access, Item};
 
-/// Time slot of one id for the answers to a broadcast ping, us. On a real line these answers collide.
+/// Delay of a simulated answer to a broadcast ping, us per id, so that answers do not overlap. Answers of real servos
+/// may collide.
 const PING_SLOT_US: u32 = 1_000;
 
 impl Device<'_> {
@@ -90,9 +91,7 @@ impl Device<'_> {
                     .table
                     .at(address::PRESENT_POSITION)
                     .map(|item| item.value(position, order));
-                self.note(Event::PositionSet(
-                    given.filter(|_| position.len() == 2).unwrap_or(middle),
-                ));
+                self.set_position(given.filter(|_| position.len() == 2).unwrap_or(middle));
                 self.reply(is_own);
             }
         }
@@ -103,7 +102,9 @@ impl Device<'_> {
         let is_open = self.get(self.table.model.family.lock()) == 0;
         for (to, byte) in (u16::from(first)..).zip(data) {
             let item = u8::try_from(to).ok().and_then(|to| self.table.at(to));
-            if item.is_none_or(|item| item.access == Access::ReadWrite) {
+            if item.is_none_or(|item| {
+                item.access == Access::ReadWrite && !self.refused(&item, first, data)
+            }) {
                 self.put(to.into(), *byte, is_open);
             }
         }
@@ -115,12 +116,39 @@ impl Device<'_> {
         } else if written(address::TORQUE_ENABLE) && self.get(address::TORQUE_ENABLE) == 128 {
             self.set(address::TORQUE_ENABLE, 0);
             let middle = self.table.model.family.most_count().saturating_add(1).saturating_div(2);
-            self.note(Event::PositionSet(middle));
+            self.set_position(middle);
         }
         self.note(Event::Written {
             address: first,
             length: u8::try_from(data.len()).unwrap_or(u8::MAX),
         });
+    }
+
+    /// Returns whether the simulation refuses the value that a write would give to a register.
+    fn refused(&self, item: &Item, first: u8, data: &[u8]) -> bool {
+        let mut bytes = [0; 4];
+        for (byte, at) in bytes.iter_mut().zip(item.address..item.end()) {
+            let written = at.checked_sub(first.into()).and_then(|at| data.get(usize::from(at)));
+            let kept = self.memory.get(usize::from(at));
+            *byte = written.or(kept).copied().unwrap_or(0);
+        }
+        let address = u8::try_from(item.address).unwrap_or(u8::MAX);
+        (self.refuses)(address, item.value(&bytes, self.table.model.family.order()))
+    }
+
+    /// Counts the present angle as `position`. An STS keeps the difference in its Homing Offset, also over a reboot.
+    fn set_position(&mut self, position: i32) {
+        let turn = self.table.model.family.most_count().saturating_add(1);
+        let (present, offset) =
+            (self.get(address::PRESENT_POSITION), self.get(address::HOMING_OFFSET));
+        let turned = present.saturating_add(offset).saturating_sub(position).rem_euclid(turn);
+        let is_behind = turned >= turn.saturating_div(2);
+        let offset = if is_behind { turned.saturating_sub(turn) } else { turned };
+        if self.table.model.family == Family::Sts {
+            self.set(address::HOMING_OFFSET, offset);
+            self.set(address::PRESENT_POSITION, position);
+        }
+        self.note(Event::PositionSet(position));
     }
 
     pub(super) fn put(&mut self, to: usize, byte: u8, is_stored: bool) {

@@ -49,7 +49,11 @@ pub struct Device<'m> {
     answer: Vec<u8, LONGEST>,
     due_us: Option<u32>,
     events: Deque<Event, 8>,
+    refuses: Refuses,
 }
+
+/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
+pub type Refuses = fn(address: u8, value: i32) -> bool;
 
 #[derive(Debug, Clone, Copy)]
 struct Turn {
@@ -72,9 +76,15 @@ impl<'m> Device<'m> {
             answer: Vec::new(),
             due_us: None,
             events: Deque::new(),
+            refuses: |_, _| false,
         };
         device.reset_all(id);
         device
+    }
+
+    /// Sets which values a controller cannot write: a register then keeps its value, and no answer says so.
+    pub fn refuse(&mut self, refuses: Refuses) {
+        self.refuses = refuses;
     }
 
     /// Returns the value of a register, or 0 if the servo has no register at `address`.

@@ -20,6 +20,8 @@ pub const MAX_TEMPERATURE: u8 = 13;
 pub const MIN_VOLTAGE: u8 = 15;
 /// Address of the maximum torque after power-up.
 pub const MAX_TORQUE: u8 = 16;
+/// Address of Phase, whose bits are in [`super::phase`].
+pub const PHASE: u8 = 18;
 /// Address of the mask of faults that switch torque off.
 pub const UNLOADING: u8 = 19;
 /// Address of the position P gain.
@@ -28,6 +30,8 @@ pub const POSITION_P: u8 = 21;
 pub const POSITION_D: u8 = 22;
 /// Address of the position I gain.
 pub const POSITION_I: u8 = 23;
+/// Address of the offset that is subtracted from the encoder.
+pub const HOMING_OFFSET: u8 = 31;
 /// Address of the operating mode of STS.
 pub const OPERATING_MODE: u8 = 33;
 /// Address of the torque switch: 0 off, 1 on, 2 damped; 128 makes the present angle the middle.
@@ -36,10 +40,14 @@ pub const TORQUE_ENABLE: u8 = 40;
 pub const ACCELERATION: u8 = 41;
 /// Address of the goal position. Time and speed follow it in memory.
 pub const GOAL_POSITION: u8 = 42;
+/// Address of the speed of the profile, or of the speed mode.
+pub const GOAL_SPEED: u8 = 46;
 /// Address of the torque limit of STS.
 pub const TORQUE_LIMIT: u8 = 48;
 /// Address of the present position. Speed, load, voltage and temperature follow it in memory.
 pub const PRESENT_POSITION: u8 = 56;
+/// Address of the present speed.
+pub const PRESENT_SPEED: u8 = 58;
 /// Address of the flag that a registered write waits for an action.
 pub const REGISTERED: u8 = 64;
 /// Address of the status bits: faults of the servo.

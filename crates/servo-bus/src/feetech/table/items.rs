@@ -1,6 +1,6 @@
 //! The registers of both families, by address.
 
-use super::address;
+use super::{address, phase};
 use crate::table::Range::{Any, Between};
 use crate::table::{Item, MemoryMap, RAD_S_PER_RPM, Sign, TORQUE_ENABLE, Unit};
 
@@ -10,8 +10,10 @@ pub(super) const STS_POSITION: Unit =
 /// and not checked: measure it.
 pub(super) const SCS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::PI * (300.0 / 180.0) / 1024.0 };
-/// Speed of one STS count: 50 counts of position per second. Phase (18) bit 2 makes the unit a fiftieth of this.
-const STS_SPEED: Unit = Unit { symbol: "rad/s", scale: 0.732 * RAD_S_PER_RPM };
+/// Speed of one STS count as shipped: one count of position per second. [`super::Table::speed_counts`] has the other.
+const STS_SPEED: Unit = Unit { symbol: "rad/s", scale: STS_POSITION.scale };
+/// Speed of one count of the highest speed, whatever Phase says: 0.732 rev/min.
+const STS_MOST_SPEED: Unit = Unit { symbol: "rad/s", scale: 0.732 * RAD_S_PER_RPM };
 const ACCELERATION: Unit = Unit { symbol: "rad/s2", scale: core::f32::consts::PI * (8.7 / 180.0) };
 pub(in crate::feetech) const CURRENT: Unit = Unit { symbol: "A", scale: 0.0065 };
 const TWO_MICROSECONDS: Unit = Unit { symbol: "s", scale: 2e-6 };
@@ -40,7 +42,7 @@ pub(super) const STS: &[Item] = &[
     MAP.write(14, 1, "Max Voltage Limit", Unit::DECIVOLT, Between(0, 254), 140),
     MAP.write(15, 1, "Min Voltage Limit", Unit::DECIVOLT, Between(0, 254), 40),
     MAP.write(16, 2, "Max Torque Limit", Unit::PER_MILLE, Between(0, 1_000), 1000),
-    MAP.write(18, 1, "Phase", Unit::NONE, Between(0, 254), 0),
+    MAP.write(18, 1, "Phase", Unit::NONE, Between(0, 254), phase::SHIPPED),
     MAP.write(19, 1, "Unloading Condition", Unit::NONE, Between(0, 254), 0),
     MAP.write(20, 1, "LED Alarm Condition", Unit::NONE, Between(0, 254), 0),
     MAP.write(21, 1, "P Coefficient", Unit::NONE, Between(0, 254), 32),
@@ -81,7 +83,7 @@ pub(super) const STS: &[Item] = &[
     MAP.read(81, 1, "DTs", Unit::NONE),
     MAP.read(82, 1, "Velocity Unit Factor", Unit::NONE),
     MAP.read(83, 1, "Hts", Unit::NONE),
-    MAP.read(84, 1, "Maximum Velocity Limit", STS_SPEED),
+    MAP.read(84, 1, "Maximum Velocity Limit", STS_MOST_SPEED),
     MAP.read(85, 1, "Maximum Acceleration", Unit::NONE),
     MAP.read(86, 1, "Acceleration Multiplier", Unit::NONE),
 ];

@@ -6,6 +6,7 @@
 
 pub mod address;
 mod items;
+pub mod phase;
 
 use crate::table::{ByteOrder, Item, is_kind_of};
 pub(super) use items::CURRENT;
@@ -119,15 +120,27 @@ pub const BAUDS: [u32; 8] = [1_000_000, 500_000, 250_000, 128_000, 115_200, 76_8
 pub struct Table {
     /// Model of the servo.
     pub model: &'static Model,
+    /// Speed of one count of the speed registers of an STS, in counts of position per second: 1 as shipped, 50 if
+    /// Phase has no [`phase::FINE_SPEED`].
+    pub speed_counts: u8,
 }
 
 impl Table {
+    /// Returns the table of a servo as shipped.
+    pub const fn new(model: &'static Model) -> Self {
+        Self { model, speed_counts: 1 }
+    }
+
+    /// Returns the table of the same servo with this value of Phase. SCS servos have no unit of speed.
+    #[must_use]
+    pub const fn with_phase(self, phase: i32) -> Self {
+        let is_fine = phase & phase::FINE_SPEED as i32 != 0;
+        Self { speed_counts: if is_fine { 1 } else { 50 }, ..self }
+    }
+
     /// Looks up a model's register table by name, ignoring case.
     pub fn of(name: &str) -> Option<Self> {
-        MODELS
-            .iter()
-            .find(|model| model.name.eq_ignore_ascii_case(name))
-            .map(|model| Self { model })
+        MODELS.iter().find(|model| model.name.eq_ignore_ascii_case(name)).map(Self::new)
     }
 
     /// Number of bytes that the table spans.
@@ -157,6 +170,10 @@ impl Table {
         }
         if item.address == u16::from(address::BAUD) {
             item.initial = self.model.baud.into();
+        }
+        let is_speed = |at: u8| item.address == u16::from(at);
+        if is_speed(address::GOAL_SPEED) || is_speed(address::PRESENT_SPEED) {
+            item.unit.scale *= f32::from(self.speed_counts);
         }
         item
     }
