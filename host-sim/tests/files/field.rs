@@ -24,12 +24,19 @@ pub(crate) fn done(folder: &Path, words: &[&str]) -> String {
     said
 }
 
-/// Returns the header and the numbers of a table.
+/// Returns the columns' names without units, and the numbers in rad and m, of a table.
 pub(crate) fn table(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
     let text = fs::read_to_string(path).expect("a table");
     let mut lines = text.lines();
-    let header = lines.next().expect("a header").split(',').map(str::to_owned).collect();
-    let row = |line: &str| line.split(',').map(|field| field.parse().expect("a number")).collect();
+    let column = |name: &str| {
+        let units = [("_deg", 1_f64.to_radians()), ("_mm", 1e-3)];
+        let of_unit = |(unit, factor)| Some((name.strip_suffix(unit)?.to_owned(), factor));
+        units.into_iter().find_map(of_unit).unwrap_or((name.to_owned(), 1.0))
+    };
+    let (header, factors): (Vec<_>, Vec<f64>) =
+        lines.next().expect("a header").split(',').map(column).unzip();
+    let number = |(field, factor): (&str, &f64)| factor * field.parse::<f64>().expect("a number");
+    let row = |line: &str| line.split(',').zip(&factors).map(number).collect();
     (header, lines.map(row).collect())
 }
 

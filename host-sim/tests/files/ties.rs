@@ -41,19 +41,20 @@ fn followers_follow_in_export_bake_fit_and_play() {
         let (factor, offset) = if name == "mimic_offset" { (1.0, 0.1) } else { (0.8, 0.0) };
         for clip in ["still.csv", "move.csv"] {
             for fit in [&[][..], &["--fit"]] {
-                let export = ["clip", "export", clip, "--rig", &rig, "-o", "o.csv"];
+                let export =
+                    ["clip", "export", clip, "--rig", &rig, "--unit", "rad", "-o", "o.csv"];
                 done(folder, &[&export[..], fit].concat());
                 assert_tied(&folder.join("o.csv"), factor, offset, 1e-8);
-                let bake = ["bake", clip, "--rig", &rig, "-o", "o.show"];
+                let bake = ["bake", clip, "--rig", &rig, "--unit", "rad", "-o", "o.show"];
                 done(folder, &[&bake[..], fit].concat());
                 let fine = [&bake[..], &["--tolerance-deg", "0.01"], fit].concat();
                 done(folder, &fine);
             }
-            done(folder, &["play", clip, "--rig", &rig, "--servo", "xm430"]);
+            done(folder, &["play", clip, "--rig", &rig, "--servo", "xm430", "--unit", "rad"]);
         }
     }
     let driven = ["bake", "move.csv", "--rig", "mimic_factor_driven.toml", "--fit", "-o", "o.show"];
-    done(folder, &driven);
+    done(folder, &[&driven[..], &["--unit", "rad"]].concat());
 }
 
 #[test]
@@ -78,13 +79,14 @@ fn a_follower_needs_no_column_in_tables() {
     assert_eq!(dynamics("q.j1,qd.j1,qdd.j1\n0.5,1,2\n"), whole);
     let export = ["clip", "export", "own.csv", "--rig", "mimic_factor.toml", "-o", "o.csv"];
     // The leader of a follower with a column is where that puts it.
-    fs::write(folder.join("own.csv"), "time,j2\n0,0.4\n0.02,0.8\n").expect("a table");
+    fs::write(folder.join("own.csv"), "time,j2_rad\n0,0.4\n0.02,0.8\n").expect("a table");
     done(folder, &export);
     assert_tied(&folder.join("o.csv"), 0.8, 0.0, 1e-8);
     let (header, rows) = table(&folder.join("o.csv"));
     let j1 = header.iter().position(|column| column == "j1").expect("a column");
     assert!((rows[1][j1] - 1.0).abs() < 1e-8);
-    fs::write(folder.join("own.csv"), "time,j1,j2\n0,0.5,0.4\n0.02,0.5,0.1\n").expect("a table");
+    fs::write(folder.join("own.csv"), "time,j1_rad,j2_rad\n0,0.5,0.4\n0.02,0.5,0.1\n")
+        .expect("a table");
     let said = done(folder, &export);
     assert!(
         said.contains("`j2` follows `j1`: moved there from its own positions, by 17.2"),
@@ -98,8 +100,12 @@ fn swung(mechanism: &Mechanism) -> String {
     let mut leaders: Vec<usize> = ties.each().map(|tie| tie.leader).collect();
     leaders.sort_unstable();
     leaders.dedup();
-    let names: Vec<&str> =
-        leaders.iter().map(|body| mechanism.bodies[*body].joint_name.as_str()).collect();
+    let column = |body: &usize| {
+        let link = &mechanism.bodies[*body];
+        let unit = if matches!(link.joint, JointModel::Prismatic(_)) { "m" } else { "rad" };
+        format!("{}_{unit}", link.joint_name)
+    };
+    let names: Vec<String> = leaders.iter().map(column).collect();
     let mut csv = format!("time,{}\n", names.join(","));
     for row in 0..=100 {
         let time_s = 0.02 * f64::from(row);

@@ -113,7 +113,7 @@ impl ConsoleArgs {
         } else {
             let description = new::arm(JOINTS)?;
             let mechanism = description.mechanism()?;
-            LoadedRig { description, mechanism, world: None, notes: Vec::new() }
+            LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts: Vec::new() }
         };
         if put_servos(&mut rig.description, &self.servo).with_context(|| self.name())? > 0 {
             rig.mechanism = rig.description.mechanism()?;
