@@ -228,7 +228,8 @@ def part(r):
     return r.kind(
         lambda: summary(r), lambda: (r.byte(), r.list(r.real)),
         lambda: (r.byte(), r.list(lambda: (r.real(), r.optional(r.count)))),
-        lambda: (r.byte(), r.list(lambda: (r.optional(r.byte), r.byte(), r.count(), r.byte()))))
+        lambda: (r.byte(), r.list(lambda: (r.optional(r.byte), r.byte(), r.count(), r.byte()))),
+        lambda: (r.byte(), r.list(r.signed)))
 
 
 def decode(body):
