@@ -95,7 +95,9 @@ impl Console {
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
-        let door = Door::open(name, shared.hub.clone()).map_err(ClientError::Line)?;
+        let door = Door::open(name, shared.hub.clone()).map_err(|error| {
+            ClientError::Impatient(format!("the socket for other commands: {error}"))
+        })?;
         let ended = Hub::new(board, scene, options.unattended).run(shows, &inbox, stops);
         drop(door);
         shared.is_over.store(true, Ordering::Relaxed);
