@@ -15,7 +15,7 @@ use super::performance::{ON_STAND, PerformanceArgs};
 /// Make keys of a jaw from a sound: the louder, the wider open.
 ///
 /// The opening is the root mean square of 20 ms, above a gate, with an attack and a release. With --rig the angles are
-/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 80 ms at most, and then made
+/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 120 ms at most, and then made
 /// smaller. The motion keeps the sound's time.
 /// `sinew bake jaw.csv --rig RIG` makes a show of the keys.
 #[derive(Debug, clap::Args)]
@@ -52,8 +52,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value_t = -35.0, value_parser = gate, allow_negative_numbers = true)]
     gate_db: f64,
 
-    /// Time by which the jaw moves before the sound, in ms, from 0 to 500: the delay of its servo.
-    #[arg(long, value_name = "MS", default_value_t = 0.0, value_parser = lead, allow_negative_numbers = true)]
+    /// Time by which the motion is moved ahead, in ms, from 0 to 500. The default makes up for the delay of attack and
+    /// window; add the delay of the servo.
+    #[arg(long, value_name = "MS", default_value_t = 20.0, value_parser = lead, allow_negative_numbers = true)]
     lead_ms: f64,
 
     /// CSV to write.

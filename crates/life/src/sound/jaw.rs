@@ -12,8 +12,8 @@ use super::RATE_HZ;
 const SHARE: f64 = 0.9;
 /// Share of the way to the end of the range that opens a jaw fully.
 const OPEN_SHARE: f64 = 0.8;
-/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 80 ms.
-const HALF_MAX: usize = 4;
+/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 120 ms.
+const HALF_MAX: usize = 6;
 /// The smallest share of the opening that is still a motion.
 const LEAST: f64 = 0.05;
 
@@ -122,7 +122,7 @@ impl Jaw {
     }
 
     /// Converts an opening from 0 to 1 to angles. Where the jaw's speed or acceleration is too small, the motion is
-    /// smoothed over 80 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
+    /// smoothed over 120 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
     ///
     /// # Errors
     /// [`JawError`] if an angle is not in the range, or the joint is too slow.
