@@ -2,7 +2,8 @@
 
 use sinew_show::Show;
 
-use super::{done, path, refused};
+use super::{done, refused};
+use crate::common::path;
 
 #[test]
 fn uneven_keys_become_a_show_that_keeps_their_times() {
