@@ -89,8 +89,8 @@ fn a_jaw_follows_a_sound() {
 /// Writes a WAV file of 16 bits: a square wave of 100 Hz, loud and soft in turn for a third of a second.
 fn wav(rate_hz: u32, seconds: u32) -> Vec<u8> {
     let sample = |index: u32| -> i16 {
-        let loud = if 3 * index / rate_hz % 2 == 0 { 9000 } else { 20 };
-        if 200 * index / rate_hz % 2 == 0 { loud } else { -loud }
+        let loud = if (3 * index / rate_hz).is_multiple_of(2) { 9000 } else { 20 };
+        if (200 * index / rate_hz).is_multiple_of(2) { loud } else { -loud }
     };
     let length = 2 * rate_hz * seconds;
     let mut bytes = Vec::new();
