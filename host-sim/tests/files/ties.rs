@@ -169,14 +169,16 @@ fn assert_follows(folder: &Path, rig: &str, servo: &str) {
     servos.dedup();
     if !servos.is_empty() {
         let mut play = vec!["play", "own.csv", "--rig", rig];
-        servos.iter().for_each(|servo| play.extend(["--servo", servo.as_str()]));
+        play.extend(servos.iter().flat_map(|servo| ["--servo", servo.as_str()]));
         done(folder, &play);
     }
 }
 
-/// Returns a URDF of hinges or slides in a row, each tied to one before it: index of the leader, factor, offset, half
-/// of the range.
-fn urdf(kind: &str, followers: &[(usize, f64, f64, f64)]) -> String {
+/// Joint that follows another: index of its leader, factor, offset, half of its range.
+type Follower = (usize, f64, f64, f64);
+
+/// Returns a URDF of hinges or slides in a row, each tied to one before it.
+fn urdf(kind: &str, followers: &[Follower]) -> String {
     let inertia = r#"<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/>"#;
     let link = |index: usize| {
         format!(
@@ -204,7 +206,7 @@ fn urdf(kind: &str, followers: &[(usize, f64, f64, f64)]) -> String {
 
 #[test]
 fn ten_rigs_with_ties_follow() {
-    let rigs: [(&str, &[(usize, f64, f64, f64)]); 10] = [
+    let rigs: [(&str, &[Follower]); 10] = [
         ("revolute", &[(1, 1.0, 0.1, 2.0)]),
         ("revolute", &[(1, 0.8, 0.0, 2.0)]),
         ("revolute", &[(1, -1.0, 0.0, 2.0)]),

@@ -228,7 +228,8 @@ class Host:
             if self.state == 'Faulted':
                 return self.command('ClearFaults')
             if self.state == 'Limp' and not set(self.mood) & {'Calibrate', 'Teach'}:
-                return self.command('Arm')
+                # An operator would keep it.
+                return self.command('Leave', b'\1') if self.chance(4) else self.command('Arm')
             ends = {'Stop', 'Disarm', 'EStop'}
             name = self.rng.choice(self.mood)
             return self.command('Hold' if name in ends and not self.chance(2000) else name, self.fields(name))

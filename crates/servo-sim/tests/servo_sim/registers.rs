@@ -187,7 +187,7 @@ fn play(kind: &str, items: &[Item], script: &Script, other: Option<(&Item, i32)>
         }
     }
     let try_other = |bench: &mut Bench<'_>, area| {
-        let Some((item, value)) = other.filter(|(item, _)| item.area == area) else { return None };
+        let (item, value) = other.filter(|(item, _)| item.area == area)?;
         let length = bench.seen.len();
         bench.ask(1, item, Some(value));
         // The answer to this packet is no effect.
@@ -290,9 +290,8 @@ fn fates(kind: &str) -> BTreeMap<(u16, &'static str), Fate> {
                         own[index] = 0;
                         own == *other
                     };
-                    let registers = shipped.registers.iter().cloned().zip(&seen.registers);
-                    let has_effect =
-                        seen.trace != shipped.trace || !registers.map(same).all(|same| same);
+                    let mut registers = shipped.registers.iter().cloned().zip(&seen.registers);
+                    let has_effect = seen.trace != shipped.trace || !registers.all(same);
                     if has_effect {
                         fate = Fate::Simulated;
                         break 'tried;

@@ -71,7 +71,7 @@ mod tests {
         let text = r#"<mujoco><asset><material name="green" rgba="0 1 0 1"/></asset><worldbody>
             <body name="a"><freejoint/>
               <geom type="box" size="0.5 1 2" material="green"/>
-              <geom type="sphere" size="9" group="3"/>
+              <geom type="sphere" size="0.9" group="3"/>
               <body name="b" pos="0 0 1"><joint axis="0 0 1" pos="0 0 0.25"/>
                 <geom type="capsule" size="0.1 0.5" pos="0 0 1" group="3" rgba="1 0 0 1"/>
               </body>
