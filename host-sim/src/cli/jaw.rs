@@ -15,9 +15,9 @@ use super::performance::{ON_STAND, PerformanceArgs};
 /// Make keys of a jaw from a sound: the louder, the wider open.
 ///
 /// The opening is the root mean square of 20 ms, above a gate, with an attack and a release. With --rig the angles are
-/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 80 ms at most, and then made
+/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 120 ms at most, and then made
 /// smaller. The motion keeps the sound's time.
-/// `sinew bake jaw.csv --rig RIG` makes a show of the keys.
+/// `sinew bake jaw.csv --rig RIG --tolerance-deg 0.05` makes a show of the keys.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The sound: WAV, PCM or float, any rate and number of channels.
@@ -32,7 +32,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME", default_value = "jaw")]
     joint: String,
 
-    /// Angle of the closed jaw, in degrees. Default: the joint's home; 0 without --rig.
+    /// Angle of the closed jaw, in degrees. Default: 0.3 from the joint's home; 0 without --rig.
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true)]
     closed_deg: Option<f64>,
 
@@ -52,8 +52,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value_t = -35.0, value_parser = gate, allow_negative_numbers = true)]
     gate_db: f64,
 
-    /// Time by which the jaw moves before the sound, in ms, from 0 to 500: the delay of its servo.
-    #[arg(long, value_name = "MS", default_value_t = 0.0, value_parser = lead, allow_negative_numbers = true)]
+    /// Time by which the motion is moved ahead, in ms, from 0 to 500. The default makes up for the delay of attack and
+    /// window; add the delay of the servo.
+    #[arg(long, value_name = "MS", default_value_t = 20.0, value_parser = lead, allow_negative_numbers = true)]
     lead_ms: f64,
 
     /// CSV to write.

@@ -16,19 +16,19 @@ pub struct EnvelopeSettings {
     pub release_s: f64,
     /// Level below which the mouth is closed, dB relative to the loudest 20 ms.
     pub gate_db: f64,
-    /// Time by which the mouth moves before the sound, s.
+    /// Time by which the mouth is moved ahead, s. Attack and window delay it by about 20 ms.
     pub lead_s: f64,
 }
 
 impl Default for EnvelopeSettings {
     fn default() -> Self {
-        Self { attack_s: 0.015, release_s: 0.04, gate_db: -35.0, lead_s: 0.0 }
+        Self { attack_s: 0.015, release_s: 0.04, gate_db: -35.0, lead_s: 0.02 }
     }
 }
 
 /// Returns the opening of a mouth at [`RATE_HZ`], from 0 (closed) to 1: the root mean square of 20 ms, above the gate,
-/// linear up to the level that a twentieth of the loud intervals exceeds. After the sound the mouth closes: the last value
-/// is 0.
+/// linear up to the level that a twentieth of the loud intervals exceeds. After the sound the mouth closes: the last
+/// value is 0.
 pub fn envelope(squares: &[f64], settings: EnvelopeSettings) -> Vec<f64> {
     let level = |at: usize| {
         let window = &squares[at.saturating_sub(WINDOW / 2)..(at + WINDOW / 2).min(squares.len())];

@@ -8,12 +8,15 @@ use thiserror::Error;
 
 use super::RATE_HZ;
 
-/// Share of the limits that a jaw uses.
-const SHARE: f64 = 0.9;
+/// Shares of the limits of speed and acceleration that a jaw uses. A show's splines need the rest.
+const SPEED_SHARE: f64 = 0.9;
+const ACCELERATION_SHARE: f64 = 0.75;
+/// Distance of a closed jaw from the ends of its range, rad: 0.3 deg, more than a show's error.
+const MARGIN_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
 /// Share of the way to the end of the range that opens a jaw fully.
 const OPEN_SHARE: f64 = 0.8;
-/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 80 ms.
-const HALF_MAX: usize = 4;
+/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 120 ms.
+const HALF_MAX: usize = 6;
 /// The smallest share of the opening that is still a motion.
 const LEAST: f64 = 0.05;
 
@@ -94,7 +97,7 @@ impl Jaw {
         Self { joint: joint.to_owned(), closed_rad, open_rad, speed, acceleration, range_rad }
     }
 
-    /// Takes a jaw from a rig: closed at home, and open at four fifths of the way to the farther end of its range.
+    /// Takes a jaw from a rig: closed at home (0.3 deg towards open), and open at four fifths of the way to the farther end of its range.
     ///
     /// # Errors
     /// [`JawError::NoJoint`] if the rig has no such hinge.
@@ -105,16 +108,16 @@ impl Jaw {
             let names: Vec<&str> = hinges().map(|link| link.joint_name.as_str()).collect();
             JawError::NoJoint { found: joint.to_owned(), expected: names.join(", ") }
         })?;
-        let closed_rad = link.home.first().copied().unwrap_or_default();
+        let home = link.home.first().copied().unwrap_or_default();
         let range_rad = link.ranges.first().copied();
         let range_rad = range_rad.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
-        let [least, most] = range_rad.map(|end| end - closed_rad);
+        let [least, most] = range_rad.map(|end| end - home);
         let far = if -least > most { least } else { most };
         let way = if far.is_finite() { OPEN_SHARE * far } else { 20_f64.to_radians() };
         Ok(Self {
             joint: joint.to_owned(),
-            closed_rad,
-            open_rad: closed_rad + way,
+            closed_rad: home + MARGIN_RAD.min(0.1 * way.abs()).copysign(way),
+            open_rad: home + way,
             speed: link.speed,
             acceleration: link.acceleration,
             range_rad,
@@ -122,7 +125,7 @@ impl Jaw {
     }
 
     /// Converts an opening from 0 to 1 to angles. Where the jaw's speed or acceleration is too small, the motion is
-    /// smoothed over 80 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
+    /// smoothed over 120 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
     ///
     /// # Errors
     /// [`JawError`] if an angle is not in the range, or the joint is too slow.
@@ -135,7 +138,7 @@ impl Jaw {
             }
         }
         let way = self.open_rad - self.closed_rad;
-        let limits = [SHARE * self.speed, SHARE * self.acceleration];
+        let limits = [SPEED_SHARE * self.speed, ACCELERATION_SHARE * self.acceleration];
         let mut half = 0;
         loop {
             let smooth = mean_around(&mean_around(opening, half), half);

