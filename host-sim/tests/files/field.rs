@@ -73,7 +73,7 @@ fn a_turn_past_half_a_turn_is_followed() {
 fn an_angle_that_jumps_by_more_than_half_a_turn_is_told() {
     let folder = folder_with(&["lever.toml"]);
     let folder = folder.path();
-    let wrapped = "time,dial\n0,3.0\n0.02,3.1\n0.04,-3.1\n0.06,-3.0\n";
+    let wrapped = "time,dial_rad\n0,3.0\n0.02,3.1\n0.04,-3.1\n0.06,-3.0\n";
     fs::write(folder.join("wrapped.csv"), wrapped).expect("a table");
     let export = ["clip", "export", "wrapped.csv", "--rig", "lever.toml", "-o", "o.csv"];
     let said = done(folder, &export);
