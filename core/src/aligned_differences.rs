@@ -9,8 +9,8 @@ use crate::transform::{Transform, Twist};
 /// Computes the result of [`aligned_targets`](crate::trajectory::aligned_targets) for three frames, equal to the last
 /// bit.
 ///
-/// `steps` has one item for each joint. On entry it is the step from the first frame to the middle frame, on return
-/// the step from the middle frame to the last frame, which the next call needs for the window one frame later.
+/// `steps` has one item for each joint. On entry it is the step from the first frame to the middle frame. On return it
+/// is the step from the middle frame to the last frame, which the next call needs for the window one frame later.
 pub(crate) fn advance<'s, const N: usize>(
     [_, now, next]: [&[Transform]; 3],
     dt_s: f32,

@@ -77,9 +77,9 @@ impl<const N: usize> BodyWeights<N> {
     /// Validates weights, one per body. O(n).
     ///
     /// # Errors
-    /// [`BodyWeightsError`] if the number of weights is not the number of bodies, a rotation weight is not from 1 cm
-    /// to 100 m (with a weight of 0 the best pose would not be unique), or a position weight is neither 0 nor from
-    /// 1e-6 to 1e4 times the square of the rotation weight.
+    /// [`BodyWeightsError`] if the number of weights is not the number of bodies, a rotation weight is not from 1 cm to
+    /// 100 m (with a weight of 0 the best pose would not be unique), or a position weight is not valid. A valid
+    /// position weight is 0, or at least 1e-6 and at most 1e4 / m² times the square of the rotation weight.
     pub fn new(tree: &Tree<N>, weights: &[BodyWeight]) -> Result<Self, BodyWeightsError> {
         if weights.len() != tree.len() {
             let (expected, found) = (tree.len(), weights.len());

@@ -192,8 +192,8 @@ pub enum ControlLaw {
     /// the acceleration into a torque.
     ///
     /// The angular feed-forward θ̈ is used component by component, unchanged. The linear feed-forward is rotated from
-    /// desired to measured body axes through the parent's frame. A body's whole world error acts on its own joint;
-    /// the parent's error is not subtracted, because accumulation is the point of the method.
+    /// desired to measured body axes through the parent's frame. A world error acts on the body's own joint as a whole:
+    /// as in the paper, the error of the parent is not subtracted.
     #[default]
     InverseDynamics,
 }
@@ -313,7 +313,7 @@ impl TorqueLimit {
     }
 }
 
-/// Returns `true` if a vector is surely shorter than a bound, or zero. Written so that NaN and overflow give `false`.
+/// Returns `true` if a vector is zero or surely shorter than a bound. Written so that NaN and overflow give `false`.
 /// Compares squares, which avoids a square root.
 #[inline]
 fn within(wanted: Vec3, bound: f32) -> bool {
@@ -333,7 +333,7 @@ impl fmt::Display for LimitError {
 
 impl core::error::Error for LimitError {}
 
-/// A value within its limits, and the limit that changed it.
+/// A value after all limits, and the reason if it differs from the wanted value.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -344,7 +344,7 @@ impl core::error::Error for LimitError {}
 pub struct Limited<T> {
     /// The value to use.
     pub value: T,
-    /// The limit that changed the value, or `None` if the value is unchanged.
+    /// The reason why the value was changed, or `None` if it is unchanged.
     pub reason: Option<LimitReason>,
 }
 

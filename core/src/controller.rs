@@ -571,7 +571,7 @@ impl<const N: usize> TorqueController<N> {
         }
     }
 
-    /// Computes the commands of world errors. For bodies whose joints only turn, it uses only results of
+    /// Computes the commands that follow from world errors. For bodies whose joints only turn, it uses only results of
     /// [`kinematics::body_turns`].
     #[inline(never)]
     fn world_commands<const R: usize>(

@@ -141,12 +141,13 @@ fn rotations(
     finite(scheme_difference(scheme, order_of_velocity, steps, dt_s, velocity))
 }
 
-/// Refuses a result that is not finite: a high order over a short time step overflows.
+/// Refuses a result that is not finite: a high order over a short time step may overflow.
 fn finite(difference: Vec3) -> Result<Vec3, DifferenceError> {
     if difference.is_finite() { Ok(difference) } else { Err(DifferenceError::Overflow) }
 }
 
-/// Returns the plain difference over all `count` items, or the mean of the two differences that leave out one end.
+/// Returns the plain difference over all `count` items. For a central difference of odd order, returns the mean of the
+/// two differences that leave out the first or the last item.
 fn scheme_difference(
     scheme: Scheme,
     order: usize,

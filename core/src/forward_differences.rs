@@ -182,7 +182,7 @@ impl<const N: usize> ForwardDifferences<N> {
         Ok(())
     }
 
-    /// Returns the last step of each joint. Another difference method may use them as storage while this one is
+    /// Returns the last step of each joint. Another difference method may use them as storage while this value is
     /// unused. A restart overwrites them.
     pub(crate) fn steps_mut(&mut self) -> impl Iterator<Item = &mut Twist> {
         self.joints.iter_mut().map(|joint| &mut joint.step)

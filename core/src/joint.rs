@@ -111,7 +111,7 @@ impl JointKind {
         }
     }
 
-    /// Returns S Sᵀ `motion`: the part of a motion that the joint allows, in body axes.
+    /// Returns S Sᵀ times `motion`: the part of a motion that the joint allows, in body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Twist, glam::{Quat, Vec3}};
@@ -132,7 +132,8 @@ impl JointKind {
         }
     }
 
-    /// Returns S Sᵀ `wrench`: the part that the joint's drive must deliver; the bearings carry the rest. Body axes.
+    /// Returns S Sᵀ times `wrench`: the part that the joint's drive must deliver; the bearings carry the rest. Both are
+    /// in body axes.
     ///
     /// ```
     /// use sinew_core::{JointKind, Wrench, glam::{Quat, Vec3}};
@@ -194,7 +195,7 @@ impl JointKind {
     }
 
     /// Returns angles in rad or displacement in m along the axes of a joint with one or two axes, for the valid pose
-    /// nearest to `in_joint`. Zeros for other kinds of joints.
+    /// nearest to `in_joint`. Returns zeros for other kinds of joints.
     ///
     /// Angles are in [-π, π].
     pub(crate) fn along(self, in_joint: &Transform) -> [f32; 2] {

@@ -80,8 +80,9 @@ impl<const N: usize> JointStates<N> {
     }
 
     /// Sets the poses of all joints to newly measured ones. The velocities become the backward differences (13) from
-    /// the previous poses, `elapsed_s` earlier. Equal to [`backward_states`](crate::trajectory::backward_states) of
-    /// two frames, but the earlier frame is not checked again. O(n).
+    /// the previous poses, `elapsed_s` earlier. The result equals that of
+    /// [`backward_states`](crate::trajectory::backward_states) for two frames, but the earlier frame is not checked
+    /// again. O(n).
     ///
     /// ```
     /// use sinew_core::{Body, Inertia, JointKind, JointStates, StateInputError, Transform, Tree, glam::Vec3};

@@ -136,13 +136,14 @@ pub fn joint_accelerations(bodies: &[Body], world: &[BodyState], accelerations: 
     }
 }
 
-/// Returns the part of a body's acceleration due to its parent's, as if both were one rigid body at rest. World axes.
+/// Returns the part of a body's acceleration due to its parent's, as if both were one rigid body at rest, in world
+/// axes.
 pub(crate) fn carried(of_parent: Twist, parent: &BodyState, body: &BodyState) -> Twist {
     let arm = body.pose.translation_m - parent.pose.translation_m;
     Twist { linear: of_parent.linear + of_parent.angular.cross(arm), ..of_parent }
 }
 
-/// Returns the part of a body's acceleration due to velocities: centripetal and Coriolis. World axes.
+/// Returns the part of a body's acceleration due to velocities: centripetal and Coriolis, in world axes.
 ///
 /// `ω × (ω × l) + 2 ω × v_rel`, with `v_rel` the difference of the velocities minus `ω × l`.
 pub(crate) fn velocity_products(parent: &BodyState, body: &BodyState) -> Twist {

@@ -22,7 +22,8 @@ const STANDING_SHARE: f32 = 0.6;
 /// Number of steps in which shares of a bandwidth are stored.
 const WHOLE: f32 = 255.0;
 
-/// Gains of the observer: they weigh the measurement against the prediction.
+/// Settings of the observer: the time step, gains that weigh the measurement against the prediction, and limits of the
+/// disturbance.
 ///
 /// ```
 /// use sinew_core::observer::{ObserverError, ObserverSettings};
@@ -308,7 +309,7 @@ impl<const N: usize, const D: usize> Observer<N, D> {
         Ok(())
     }
 
-    /// Resets the observer to a state like a new one: the disturbances are forgotten.
+    /// Resets the observer to a state, as if it were new: the disturbances are forgotten.
     pub fn reset(&mut self, state: &JointStates<N>) {
         self.disturbances.fill(Twist::ZERO);
         self.restart(state);

@@ -10,7 +10,7 @@ use sinew_rig::{board::BoardRig, new};
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
-/// The largest number of servos of an arm, and its bodies.
+/// The largest number of servos of an arm, and the number of its bodies.
 const MOST: usize = 40;
 const BODIES: usize = MOST + 1;
 

@@ -18,9 +18,9 @@ use crate::tree::{Body, Tree};
 /// Each function reads and writes slices of numbers, in the form that [`coordinates`](crate::coordinates)
 /// describes: `q` with nq numbers (rad, m, or a unit quaternion), `qd`, `qdd` and `tau` with nv (rad/s and m/s,
 /// rad/s² and m/s², N m and N). The stack contains scratch memory and the joint states: 136 bytes for each body of
-/// the capacity `N` for inverse dynamics and gravity, 424 for forward dynamics, at most 216 for the mass matrix.
-/// Trees of 16 bodies take 2.8, 7.1 and 3.2 kB in all on a Cortex-M4. Gravity is [`GRAVITY_M_S2`]: 9.81 m/s² along
-/// -y of the base. [`Tree::under_gravity`] sets another gravity.
+/// the capacity `N` for inverse dynamics and gravity, 424 for forward dynamics, at most 216 for the mass matrix. On a
+/// Cortex-M4, trees of 16 bodies take 2.8 kB, 7.1 kB and 3.2 kB in all, in this order. Gravity is [`GRAVITY_M_S2`]:
+/// 9.81 m/s² along -y of the base. [`Tree::under_gravity`] sets another gravity.
 ///
 /// Results are finite unless a result or an intermediate number is too large for f32.
 impl<const N: usize> Tree<N> {

@@ -7,8 +7,8 @@ use crate::joint::JointKind;
 use crate::state::StateInputError;
 use crate::tree::Body;
 
-/// Maximum absolute position, speed, acceleration or effort. No machine exceeds it, and no result computed from such
-/// numbers overflows.
+/// Maximum absolute position, speed, acceleration or effort. No machine exceeds it, and products of such numbers stay
+/// far below the largest f32.
 const LARGEST: f32 = 1e6;
 
 /// An error in the coordinates of a tree's joints.

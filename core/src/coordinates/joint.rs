@@ -87,7 +87,7 @@ impl JointKind {
         JointState { pose: placement * in_joint, velocity }
     }
 
-    /// Returns S `numbers`: the twist of speeds or accelerations along the axes, in body axes.
+    /// Returns S times `numbers`: the twist of speeds or accelerations along the axes, in body axes.
     pub(super) fn twist_along(self, rotation: Quat, numbers: &[f32]) -> Twist {
         // Revolute and spherical joints, the most frequent kinds, need no columns.
         match (self, numbers) {
@@ -101,7 +101,7 @@ impl JointKind {
             .fold(Twist::ZERO, |sum, (column, number)| sum + *column * *number)
     }
 
-    /// Writes Sᵀ `twist`: its components along the axes. The rest of `out` is unchanged.
+    /// Writes Sᵀ times `twist`: the components of the twist along the axes. The rest of `out` is unchanged.
     pub(super) fn components(self, rotation: Quat, twist: Twist, out: &mut [f32]) {
         match self {
             Self::Revolute { axis } => return copy([0.0 + axis.dot(twist.angular)], out),

@@ -242,7 +242,7 @@ impl Square<'_> {
     }
 
     /// Sets a row up to a body's own columns, and the mirrored column: the forces along the dofs of all bodies that
-    /// carry this body. `wrench` is the wrench that accelerates the subtree along that dof, about the body's
+    /// carry this body. `wrench` is the wrench that accelerates the subtree along the row's dof, about the body's
     /// origin, in the body's axes.
     #[inline(never)]
     fn set_row(

@@ -17,7 +17,7 @@ use crate::transform::{Twist, Wrench};
 use crate::tree::Body;
 
 /// The cost of all bodies from a joint outwards, `½ Aᵀ I A - Aᵀ W`, to be minimised. A is the motion of the joint's
-/// body. World axes, about the body's origin.
+/// body. All vectors are in world axes, about the body's origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Demand {
     pub(crate) inertia: ArticulatedInertia,
@@ -49,7 +49,7 @@ pub(crate) struct Hinge {
 /// An axis along which a joint can move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Axis {
-    /// Twist of the body for a unit along the axis, world axes.
+    /// Twist of the body for a unit along the axis, in world axes.
     pub(crate) motion: Twist,
     /// Whether the joint is at the end of its range and pressed against it. The bodies closer to the root then treat
     /// it as rigid.
@@ -240,7 +240,7 @@ impl From<BallResponse> for Response {
 }
 
 impl BallResponse {
-    /// Returns the rotation of the body when its parent moves its origin by `way`.
+    /// Returns the rotation of the body when the parent moves the body's origin by `way`.
     #[inline]
     pub(crate) fn turn(&self, way: Vec3) -> Vec3 {
         self.turn - self.per_way * way

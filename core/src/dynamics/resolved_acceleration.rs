@@ -110,7 +110,7 @@ fn dofs(body: &Body, joint: &JointState, state: &BodyState) -> MotionSubspace {
     MotionSubspace::of(body, joint.pose.rotation, state.pose.rotation)
 }
 
-/// Returns the part of a body's acceleration that depends only on velocities. World axes.
+/// Returns the part of a body's acceleration that depends only on velocities, in world axes.
 fn by_velocities(body: &Body, parent: &BodyState, state: &BodyState, joint: &JointState) -> Twist {
     let moving = velocity_products(parent, state);
     if !matches!(body.joint, JointKind::Universal { .. }) {

@@ -7,8 +7,8 @@ use crate::math;
 /// Computes weights in m from the lengths of a joint's descendants: `w = base + Σ discount (L_child + w_child)` over
 /// its children, at distances `L_child`.
 ///
-/// Each bone adds its length, times the discount for every joint from this joint to the bone's end. Holden's
-/// article (see the module) prints a base of 0.01, but its published list results from a base of 0.1 m and the
+/// A bone adds its length times `discount^k`, where k is the number of bones from this joint to the end of the bone.
+/// Holden's article (see the module) prints a base of 0.01, but its published list results from a base of 0.1 m and the
 /// discount of 0.9. O(n).
 ///
 /// # Errors

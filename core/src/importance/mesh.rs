@@ -9,13 +9,12 @@ use super::{Importance, ImportanceError, RestPose};
 use crate::math;
 
 /// Sums for weights in m³ from the skin that a joint moves, `w = base + Σ area · share · |vertex - joint|`. Vertices
-/// are added one by one, so the mesh need not fit in memory. A vertex' share for a joint is the part of its skinning
+/// are added one by one, so the mesh need not fit in memory. A vertex's share for a joint is the part of its skinning
 /// weights that belongs to the joint and all joints below it.
 ///
-/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex' area must be a third of the total area
-/// of its triangles; the areas then sum to the surface. (The published numbers of Holden's article result from the
-/// mean area of these triangles instead. On its mesh, this is about half as much, which doubles the effect of its
-/// base.)
+/// The sums are compensated: 100,000 vertices are as exact as ten. A vertex's area must be a third of the total area of
+/// its triangles; the areas then sum to the surface. (The published numbers of Holden's article result from the mean
+/// area of these triangles instead. On its mesh, this is about half as much, which doubles the effect of its base.)
 ///
 /// ```
 /// use sinew_core::{glam::Vec3, importance::{MeshSurface, RestPose}};

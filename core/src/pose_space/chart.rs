@@ -126,9 +126,9 @@ fn nearer_angle(angle_rad: f32) -> f32 {
     }
 }
 
-/// Returns start and step of the shortest line between two rotations in terms of their vectors. Every rotation has
-/// a second vector, for the turn in the opposite direction. This second vector replaces one of the two vectors if
-/// that shortens the line.
+/// Returns start and step of the shortest line from a rotation vector of one rotation to a rotation vector of another.
+/// Every rotation except the identity has a second vector, for the turn in the opposite direction. This second vector
+/// replaces one of the two vectors if that shortens the line.
 fn shortest(from_rad: Vec3, to_rad: Vec3) -> (Vec3, Vec3) {
     let direct = to_rad - from_rad;
     let (from_squared, to_squared) = (from_rad.dot(from_rad), to_rad.dot(to_rad));

@@ -17,9 +17,9 @@ impl<const N: usize> PoseSpace<'_, N> {
     /// Returns the geodesic-line distance: the length of F along the straight line in coordinates from one pose to
     /// another, m, sampled in `steps` equal steps. O(n) for each step. With no steps the result is 0.
     ///
-    /// Eq. (4) of the paper over the line of its section 2.2; every joint takes the shorter way round. Along the
-    /// line, bones keep their lengths. In exact arithmetic the result is never below [`Self::position_distance`]. In
-    /// the paper's list of the line's points, both weights are swapped.
+    /// This is eq. (4) of the paper, over the line of its section 2.2; every joint takes the shorter way round. Along
+    /// the line, bones keep their lengths. In exact arithmetic the result is never below [`Self::position_distance`].
+    /// In the paper's list of the line's points, both weights are swapped.
     pub fn line_distance(
         &self,
         a: &PoseCoordinates<N>,

@@ -137,8 +137,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         self.gather(at, out);
     }
 
-    /// Replaces forces on all bodies by Jᵀ of them, in place: the generalised force on every joint, in body axes,
-    /// along its dofs. The forces are `linear`, at the joints, in world axes; `angular` is zero.
+    /// Replaces forces `f` on all bodies by `Jᵀ f`, in place: the generalised force on every joint, in body axes, along
+    /// its dofs. The forces are `linear`, at the joints, in world axes; `angular` is zero.
     pub(super) fn gather(&self, at: &BodyPoses<N>, forces: &mut [Twist]) {
         for (index, (body, place)) in self.tree.bodies().iter().zip(&at.bodies).enumerate().rev() {
             let Some(of_body) = forces.get(index).copied() else { continue };

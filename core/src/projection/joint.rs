@@ -35,7 +35,7 @@ impl Joint {
         pressed: 0,
     };
 
-    /// Starts from the new desired pose with the last solution's deviation, as far as the joint can reach it.
+    /// Starts from the new desired pose with the last solution's deviation, as far as the joint and its range allow.
     pub(super) fn start(&mut self, body: &Body, range: &JointRange, desired: &Transform) {
         let start = *desired * self.deviation;
         match body.joint {
@@ -67,7 +67,8 @@ impl Joint {
         }
     }
 
-    /// Returns `true` if the joint allows any rotation, and nothing else.
+    /// Returns `true` if the joint allows any rotation and nothing else: a spherical joint that is not pressed against
+    /// the end of its range.
     pub(super) fn is_free_ball(&self, body: &Body) -> bool {
         matches!(body.joint, JointKind::Spherical) && !self.is_pressed()
     }

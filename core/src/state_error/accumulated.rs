@@ -122,8 +122,8 @@ impl fmt::Display for ReferencesError {
 
 impl core::error::Error for ReferencesError {}
 
-/// Computes the error of each body relative to its reference body, in the axes of the reference: the desired pose
-/// relative to the desired reference against the measured pose relative to the measured reference.
+/// Computes the error of each body relative to its reference body, in the axes of the reference. The desired pose is
+/// taken relative to the desired reference, and the measured pose relative to the measured reference.
 ///
 /// With the parent as reference this is [`local`](super::local()), with the world [`world`](super::world()). With
 /// an ancestor l between them, it accumulates the errors of the joints between l and body i. O(n).

@@ -217,7 +217,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
-    /// [`TrackerError::Observer`], and nothing is changed. [`Observer`](crate::observer::Observer) names the limits.
+    /// [`TrackerError::Observer`], and nothing is changed.
+    /// [`Observer::set_bandwidths`](crate::observer::Observer::set_bandwidths) names the limits.
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), TrackerError> {
         Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
     }

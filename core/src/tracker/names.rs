@@ -65,7 +65,7 @@ impl MethodName {
     /// The paper's three methods, in the paper's order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
-    /// All methods that need no reference body.
+    /// All methods except [`Self::Accumulated`], which needs the setting of a reference body.
     pub const ALL: [Self; 7] = [
         Self::Local,
         Self::World,

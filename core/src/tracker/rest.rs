@@ -10,16 +10,16 @@ use crate::observer::Stance;
 use crate::transform::Twist;
 use crate::tree::Tree;
 
-/// Maximum speed of a target that counts as constant, rad/s; for slides in units of 0.1 m/s.
+/// Maximum speed of a target that counts as constant, rad/s. For slides, 1 rad/s stands for 0.1 m/s.
 pub const STANDS_RAD_S: f32 = 0.02;
 /// Maximum speed of a joint at rest, rad/s. A faster joint only passes through its zone.
 const GLIDES_RAD_S: f32 = 0.2;
 /// Time in which a zone opens, s.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
-/// Radius, in units of the zone's radius, within which a joint is near its target. A joint that swings through the
-/// play of its gear stays within this radius, even with twice the modelled play; half of the joint's spare torque
-/// pushes it beyond.
+/// Radius, in units of the zone's radius, within which a joint is near its target. A joint that swings through the play
+/// of its gear stays within this radius, even with twice the modelled play. A push with half of the joint's spare
+/// torque moves the joint out of it.
 const NEAR: f32 = 4.0;
 /// Time for which a joint must be near its target before it stands, s. Until then, a pushed joint returns at full
 /// speed.

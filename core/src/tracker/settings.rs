@@ -218,8 +218,8 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// Sets the method, for a comparison of several: [`MethodName::Recommended`] gets its own differences and
-    /// observer, whatever the settings of the others.
+    /// Sets the method, for a comparison of several methods with common settings. [`MethodName::Recommended`] fixes
+    /// differences and observer: other values of these two settings are replaced.
     #[must_use]
     pub fn with_method(self, method: MethodName) -> Self {
         let of_method = Self { method, ..self };

@@ -1,6 +1,6 @@
 //! Telemetry and faults that a controller sends on its own.
 
-use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, Telemetry};
+use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, TARGET_UNIT, Telemetry};
 
 /// A measured pose with its tick.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub struct TelemetryLog {
     pub dofs: Vec<Dof>,
     /// Newest data of servos.
     pub servos: Vec<Servo>,
+    /// Newest commanded minus measured positions of dofs, rad or m; valid while the summary has errors.
+    pub targets: Vec<f32>,
     /// Number of received summaries.
     pub summaries: u32,
     /// Number of frames that did not arrive.
@@ -60,6 +62,11 @@ impl TelemetryLog {
             }
             SnapshotPart::Dofs { first, dofs } => put(&mut self.dofs, first, &dofs),
             SnapshotPart::Servos { first, servos } => put(&mut self.servos, first, &servos),
+            SnapshotPart::Targets { first, offsets } => {
+                let offsets: Vec<f32> =
+                    offsets.iter().map(|offset| f32::from(*offset) * TARGET_UNIT).collect();
+                put(&mut self.targets, first, &offsets);
+            }
         }
     }
 }

@@ -47,25 +47,8 @@ impl<L: Line> Board<L> {
         progress: &mut dyn FnMut(u32),
     ) -> Result<(), ClientError> {
         let mut command = Command::BeginUpload(item.clone());
-        loop {
-            let is_end = command == Command::EndUpload;
-            let next = match self.ask(command) {
-                Ok(Applied::Upload { next })
-                | Err(ClientError::Refused(Refusal::Offset { next })) => next,
-                Ok(Applied::Stored(_)) => break,
-                // The answer to the end was lost, and the board has restarted.
-                Err(ClientError::SessionOver) if is_end && restarts(item.kind) => break,
-                Ok(_) => return Err(ClientError::Unexpected("an upload")),
-                Err(error) => return Err(error),
-            };
-            progress(next);
-            command = match content.get(next as usize..) {
-                None | Some([]) => Command::EndUpload,
-                Some(rest) => {
-                    let bytes = rest.iter().copied().take(BLOCK_MAX).collect();
-                    Command::UploadBlock(Block { offset: next, bytes })
-                }
-            };
+        while let Some(next) = self.upload_step(command, item.kind, content, progress)? {
+            command = next;
         }
         if !restarts(item.kind) {
             return Ok(());
@@ -74,6 +57,39 @@ impl<L: Line> Board<L> {
         let place = if item.kind == Kind::Rig { Location::Rig } else { Location::Settings };
         let is_there = self.stored(place)?.is_some_and(|stored| stored.hash == item.hash);
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
+    }
+
+    /// Sends a command of an upload, first `BeginUpload`. Returns the next command, or `None` after the last. For
+    /// callers that do other things between two blocks.
+    ///
+    /// # Errors
+    /// As in [`Self::upload`].
+    pub fn upload_step(
+        &mut self,
+        command: Command,
+        kind: Kind,
+        content: &[u8],
+        progress: &mut dyn FnMut(u32),
+    ) -> Result<Option<Command>, ClientError> {
+        let is_end = command == Command::EndUpload;
+        let next = match self.ask(command) {
+            Ok(Applied::Upload { next }) | Err(ClientError::Refused(Refusal::Offset { next })) => {
+                next
+            }
+            Ok(Applied::Stored(_)) => return Ok(None),
+            // The answer to the end was lost, and the board has restarted.
+            Err(ClientError::SessionOver) if is_end && restarts(kind) => return Ok(None),
+            Ok(_) => return Err(ClientError::Unexpected("an upload")),
+            Err(error) => return Err(error),
+        };
+        progress(next);
+        Ok(Some(match content.get(next as usize..) {
+            None | Some([]) => Command::EndUpload,
+            Some(rest) => {
+                let bytes = rest.iter().copied().take(BLOCK_MAX).collect();
+                Command::UploadBlock(Block { offset: next, bytes })
+            }
+        }))
     }
 
     /// Returns the item that is stored at a location.

@@ -81,8 +81,8 @@ impl Disturbance {
         None
     }
 
-    /// Returns the rig as it was built, with varied masses. They depend only on the seed, so all motions have the same
-    /// rig.
+    /// Returns the rig as it was built, with varied masses. The factors depend only on the seed and the allowed
+    /// variation, so all motions have the same rig.
     pub(super) fn build(&self, mechanism: &Mechanism) -> Mechanism {
         let mut random = Random::new(self.seed, Subject::Masses);
         let mut built = mechanism.clone();

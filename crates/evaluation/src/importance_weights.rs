@@ -21,17 +21,16 @@ const POINTS: usize = 2 * CAPACITY;
 /// The lever of each joint in metres: the largest possible displacement of the mean point of the rig's skin per
 /// rotation of 1 rad.
 ///
-/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface of joint i's descendants in the rest pose, with A the whole surface.
-/// This is Holden's importance ("Joint Error Propagation", 2025) of cylinders, without a base, per surface. A body
-/// is the cylinder that has the body's mass around the line from its joint through its centre of mass, which is
-/// the middle of the cylinder. Every body therefore has a surface, including leaves and bodies with several
-/// children, whatever its joints.
+/// `lᵢ = ∫ |x - pᵢ| dA / A`, over the surface of joint i's descendants in the rest pose, with A the whole surface. This
+/// is Holden's importance ("Joint Error Propagation", 2025) for bodies that are cylinders, without a base value,
+/// divided by the whole surface. A body is the cylinder that has the body's mass around the line from its joint through
+/// its centre of mass, which is the middle of the cylinder. Every body therefore has a surface, including leaves and
+/// bodies with several children, whatever its joints.
 ///
-/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ is the angle between the desired and the measured rotation of joint
-/// i relative to its parent (for the root: to the world), and Δp the error of the root's position. To first order
-/// it is at least the mean distance of the skin's points from their desired places, if the figure had the clip's
-/// dimensions: rotations that cancel each other count as if they did not. A difference in dimensions is not an
-/// error of the pose.
+/// The error of a pose is `Σ lᵢ θᵢ + |Δp|`: θᵢ is the angle between the desired and the measured rotation of joint i
+/// relative to its parent (for the root: to the world), and Δp the error of the root's position. To first order it is
+/// at least the mean distance of the skin's points from their desired places, if the figure had the clip's dimensions:
+/// rotations that cancel each other are counted in full. A difference in dimensions is not an error of the pose.
 ///
 /// A rig whose masses are all at its joints has no surface, and levers of 0.
 ///

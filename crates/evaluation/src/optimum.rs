@@ -232,7 +232,8 @@ impl<'a> Search<'a> {
         poses
     }
 
-    /// Takes the step, halved until it does not increase the energy. Returns `false` if no part of it qualifies.
+    /// Takes the step, halved until it does not increase the energy. Returns `false` if every part of the step
+    /// increases the energy.
     fn go(&mut self, step: &Change, desired: &[Pose]) -> bool {
         let limit = self.energy_m2(&self.poses, desired) * (1.0 + Self::ROUNDING);
         let mut part = 1.0;

@@ -11,7 +11,7 @@
 //! ```
 
 pub use crate::frame::frame_len;
-use crate::message::{DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, TelemetryParts};
+use crate::message::{DOFS_A_FRAME, POSE_MAX, SERVOS_A_FRAME, TARGETS_A_FRAME, TelemetryParts};
 
 /// Bits per byte on a serial line: start bit, eight data bits, stop bit.
 const BITS_A_BYTE: u32 = 10;
@@ -25,6 +25,7 @@ const SUMMARY: usize = 60;
 const NUMBER: usize = 4;
 const DOF: usize = 6;
 const SERVO: usize = 7;
+const TARGET: usize = 3;
 
 /// Size of a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +71,12 @@ pub const fn snapshot_len(size: RigSize, parts: TelemetryParts) -> usize {
             size.servos,
             SERVOS_A_FRAME,
             SERVO,
+        ))
+        .saturating_add(list_len(
+            parts.has(TelemetryParts::TARGETS),
+            size.dofs,
+            TARGETS_A_FRAME,
+            TARGET,
         ))
 }
 

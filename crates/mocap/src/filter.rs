@@ -80,8 +80,8 @@ impl LowPass {
         self.apply_to_all(lone);
     }
 
-    /// Low-passes `K` signals side by side: each sample depends on the previous one of its signal only, which keeps
-    /// the processor busy.
+    /// Low-passes `K` signals side by side. A sample depends only on earlier samples of its own signal, so the
+    /// processor computes the signals at the same time.
     fn apply_to_all<const K: usize>(&self, signals: &mut [[f64; K]]) {
         let n = signals.len();
         let (Some(&first), Some(&last)) = (signals.first(), signals.last()) else { return };

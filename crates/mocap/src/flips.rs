@@ -16,8 +16,8 @@ const RATE_MIN_RAD_S: f64 = 2500.0 * (std::f64::consts::PI / 180.0);
 /// it, because the rates around are high, too.
 const SPIKE_MIN: f64 = 2.0;
 const AROUND_S: f64 = 0.1;
-/// Maximum number of evaluated values on each side: all of them up to 1 kHz, so that the cost of a median does not
-/// grow with the rate.
+/// Maximum number of values on each side of which the median is computed. Up to 1 kHz, these are all values; above,
+/// some are left out so that the cost of a median does not grow with the rate.
 const AROUND_MOST: usize = 100;
 
 /// Flips of one joint.

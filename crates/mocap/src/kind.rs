@@ -25,7 +25,7 @@ pub enum Kind {
     Fbx,
     /// A C3D file with markers.
     C3d,
-    /// A robot of ROS, also as `xacro`.
+    /// A robot description of ROS (URDF), also as `xacro`.
     Urdf,
     /// A model of `MuJoCo`.
     Mjcf,

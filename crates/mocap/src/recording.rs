@@ -1,4 +1,4 @@
-//! A motion in the units of its file, which is the result of every reader.
+//! The result of every file reader: a motion, still in the units of its file.
 
 use std::ops::RangeInclusive;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use crate::Clip;
 
 /// Returns `clip` at `rate_hz`: frame `k` is at `k / rate_hz` seconds from the clip's first frame, and no frame is
-/// later than its last. Between frames, rotations follow the great arc and positions the line.
+/// later than the last frame of `clip`. Between frames, rotations follow the great arc and positions the line.
 ///
 /// The clip should not contain frequencies above half of `rate_hz`: see [`super::filter`].
 pub fn resample(clip: &Clip, rate_hz: f64) -> Clip {

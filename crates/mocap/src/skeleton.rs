@@ -65,7 +65,7 @@ impl Skeleton {
         false
     }
 
-    /// Returns the child of a joint with exactly one child.
+    /// Returns the child of a joint with exactly one child. `None` if the joint has no child or several.
     pub(crate) fn only_child(&self, parent: usize) -> Option<usize> {
         let mut children =
             (0..self.joints.len()).filter(|joint| self.joints[*joint].parent == Some(parent));

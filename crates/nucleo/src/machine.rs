@@ -79,7 +79,8 @@ pub struct Machine {
 
 impl Machine {
     /// Starts the emulator and powers the board on with an image (ELF). `flash` is a file with the flash contents at an
-    /// earlier loss of power; without it, the flash contains only the image. The emulator ends with this value.
+    /// earlier loss of power; without it, the flash contains only the image. The emulator is ended when this value is
+    /// dropped.
     ///
     /// # Errors
     /// [`MachineError`] if the emulator or the image does not exist.

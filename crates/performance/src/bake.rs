@@ -4,13 +4,13 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
-    CheckError, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError, Performance,
-    Report, RigMotion, check, rate_at_rows, refit,
+    CheckError, Curve, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError,
+    MotionError, Performance, Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;
 use sinew_rig::{Description, Mechanism};
-use sinew_show::write::{Motion, Settings, WriteError, Writer, Written};
+use sinew_show::write::{Motion, Settings, ShowTie, WriteError, Writer, Written};
 use sinew_show::{Joint, Player, Rate, Show, ShowError, TimeCode};
 use thiserror::Error;
 
@@ -22,12 +22,14 @@ const DOFS: usize = 128;
 const SERVOS: usize = 64;
 /// Rate at which a show is checked against limits, Hz.
 pub const CHECK_HZ: f64 = 250.0;
-/// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, it could
-/// exceed one for a few milliseconds.
+/// Rate at which a show that must not exceed a limit is checked, Hz. Between the checks of a lower rate, the show could
+/// exceed the limit for a few milliseconds.
 const FITTED_HZ: f64 = 1000.0;
-/// Lowest rate of a rough check, which is done before, Hz. It checks at least the samples, where accelerations are
-/// largest.
+/// Lowest rate of the rough check that precedes the fine check, Hz. It checks at least the samples, where accelerations
+/// are largest.
 const ROUGH_HZ: f64 = 100.0;
+/// Rate of rows below which a motion that misses its error bound gets more rows, Hz.
+const FINE_HZ: f64 = 100.0;
 /// Largest number of fits for one show.
 const FITS: usize = 12;
 /// Factor on the error of a show each time that the show is brought nearer to its motion, and the smallest share of the
@@ -49,6 +51,9 @@ pub enum BakeError {
     /// The written show does not play.
     #[error("the show does not play: {0}")]
     Show(#[from] ShowError),
+    /// The motion is invalid for the rig.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
     /// The format cannot express the rate.
     #[error("rate: expected a whole number of samples a second, or one over 1.001, found {0}")]
     Rate(f64),
@@ -174,8 +179,53 @@ impl Baker<'_> {
     /// # Errors
     /// [`BakeError`] if the motion exceeds the bounds of the format.
     pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
-        let content = Content::of(self.mechanism, motion, marks)?;
-        content.baked(&mut Writer::new(content.motion(self.rig), self.settings)?)
+        let once = |motion: &RigMotion, marks: &ShowMarks| {
+            let content = Content::of(self.mechanism, motion, marks)?;
+            content.baked(&mut self.writer(&content)?)
+        };
+        let baked = once(motion, marks);
+        if is_beyond_bound(&baked)
+            && let Some((motion, marks)) = self.finer(motion, marks)?
+        {
+            return once(&motion, &marks);
+        }
+        baked
+    }
+
+    /// Returns a motion of few rows with more rows, and its marks: near the ends of a coarse motion, a spline through
+    /// few rows cannot reach a small error. `None` for a fine motion.
+    fn finer(
+        &self,
+        motion: &RigMotion,
+        marks: &ShowMarks,
+    ) -> Result<Option<(RigMotion, ShowMarks)>, BakeError> {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 100")]
+        let factor = (FINE_HZ * motion.dt_s).ceil().clamp(1.0, FINE_HZ) as u32;
+        if factor == 1 {
+            return Ok(None);
+        }
+        let curve = Curve::new(self.mechanism, motion)?;
+        let finer = curve.resampled(f64::from(factor) / motion.dt_s);
+        let cue = |(row, name): &(u32, String)| (row * factor, name.clone());
+        let pair = |(row, given): &(u32, u32)| (row * factor, given * factor);
+        let marks = ShowMarks {
+            cues: marks.cues.iter().map(cue).collect(),
+            course: marks.course.iter().map(pair).collect(),
+            ..*marks
+        };
+        Ok(Some((finer, marks)))
+    }
+
+    /// Creates the writer of a content, whose followers have the curves of their leaders.
+    fn writer<'c>(&self, content: &'c Content<'_>) -> Result<Writer<'c>, BakeError> {
+        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
+        writer.tie(self.mechanism.ties().each().map(|tie| ShowTie {
+            joint: tie.body,
+            leader: tie.leader,
+            factor: tie.factor,
+            offset: tie.offset,
+        }));
+        Ok(writer)
     }
 
     /// Makes a show of a fitted motion. The show keeps all limits in spite of rounding: if it exceeds a limit, it is
@@ -224,8 +274,23 @@ impl Baker<'_> {
         motion: &RigMotion,
         marks: &ShowMarks,
     ) -> Result<(Baked, Report), BakeError> {
+        let baked = self.bake_near_once(limits, motion, marks);
+        if is_beyond_bound(&baked)
+            && let Some((motion, marks)) = self.finer(motion, marks)?
+        {
+            return self.bake_near_once(limits, &motion, &marks);
+        }
+        baked
+    }
+
+    fn bake_near_once(
+        &self,
+        limits: &Limits,
+        motion: &RigMotion,
+        marks: &ShowMarks,
+    ) -> Result<(Baked, Report), BakeError> {
         let content = Content::of(self.mechanism, motion, marks)?;
-        let mut writer = Writer::new(content.motion(self.rig), self.settings)?;
+        let mut writer = self.writer(&content)?;
         loop {
             let baked = content.baked(&mut writer)?;
             let played = ShowPlayback::new(&baked.written.bytes)?;
@@ -266,6 +331,11 @@ impl Baker<'_> {
         };
         (0..self.mechanism.bodies.len()).filter(is_cause)
     }
+}
+
+/// Returns whether a show could not reach its error bound.
+fn is_beyond_bound<T>(baked: &Result<T, BakeError>) -> bool {
+    matches!(baked, Err(BakeError::Write(WriteError::Bound { .. })))
 }
 
 /// Content of a show: data from the motion, and the marks.

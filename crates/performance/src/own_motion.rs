@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use sinew_mocap::read;
-use sinew_retarget::exchange::{blender, servos, table};
-use sinew_retarget::feasibility::RigMotion;
+use sinew_retarget::exchange::keys::{self, KeyError, KeyedMotion};
+use sinew_retarget::exchange::{HeaderUnits, blender, servos};
 
 use super::rig::LoadedRig;
 
@@ -14,7 +14,7 @@ use super::rig::LoadedRig;
 pub enum OwnMotion {
     /// Positions of servos, in the format of the Blender servo animation add-on.
     ServoPositions,
-    /// Joint coordinates, in the format of `sinew record` and `sinew clip export`.
+    /// Joint coordinates: keys, or the recordings of `sinew record` and `sinew clip export`.
     Coordinates,
 }
 
@@ -36,21 +36,31 @@ impl OwnMotion {
         }
     }
 
-    /// Reads the motion and its start time, s.
+    /// Reads the motion. `units` are those of columns of coordinates whose header has none.
     ///
     /// # Errors
     /// The file is not a motion of this rig.
-    pub fn read(self, rig: &LoadedRig, path: &Path) -> anyhow::Result<(RigMotion, f64)> {
-        let motion = || -> anyhow::Result<(RigMotion, f64)> {
+    pub fn read(
+        self,
+        rig: &LoadedRig,
+        path: &Path,
+        units: Option<HeaderUnits>,
+    ) -> anyhow::Result<KeyedMotion> {
+        let motion = || -> anyhow::Result<KeyedMotion> {
             let text = read::text(path)?;
             match self {
                 Self::ServoPositions => {
                     let (tracks, fps) = blender::read(&text, &rig.description)?;
                     let dt_s = fps.recip();
                     let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, dt_s)?;
-                    Ok((motion, 0.0))
+                    Ok(KeyedMotion { motion, start_s: 0.0, keys: None, jumps: Vec::new() })
                 }
-                Self::Coordinates => Ok(table::read(&rig.mechanism, &text)?),
+                Self::Coordinates => match keys::read(&rig.mechanism, &text, units) {
+                    Err(why @ KeyError::NoUnit { .. }) => {
+                        bail!("{why}, or give `--unit deg` or `--unit rad` for all such columns")
+                    }
+                    read => Ok(read?),
+                },
             }
         };
         motion().with_context(|| path.display().to_string())

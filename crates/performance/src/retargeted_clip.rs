@@ -127,7 +127,8 @@ pub fn retarget_clip(
     if let Some(curves) = &curves {
         curves.put(&clip.clip, &mut rows);
     }
-    let motion = RigMotion { dt_s: baked.frame_time_s, rows };
+    let mut motion = RigMotion { dt_s: baked.frame_time_s, rows };
+    motion.follow(&mechanism.ties());
     let mut clip = RetargetedClip {
         rig,
         curves: mapping.map_or(0, |mapping| mapping.curves.len()),

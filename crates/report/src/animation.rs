@@ -15,7 +15,8 @@ const LONGEST_S: f64 = 2.4;
 /// Time between two frames, in seconds.
 const FRAME_S: f64 = 0.04;
 
-/// Returns the animation of the last run, around the playback's best frame.
+/// Returns the animation of the last run, around the playback's best frame. Returns `None` if there is no run, or the
+/// playback is too short for a loop.
 pub(super) fn animation(playback: &Playback, words: Words<'_>) -> Option<Markup> {
     let run = playback.runs.last()?;
     let every = frames(FRAME_S, playback.dt_s).max(1);
@@ -82,7 +83,7 @@ fn style(seconds: f64, moments: usize) -> String {
 }
 
 /// Returns the first frame of the loop and the frame after its last. The loop contains the best frame, and its end is
-/// as similar as possible to its beginning.
+/// as similar as possible to its beginning. `None` if the playback is too short.
 fn ends(playback: &Playback, every: usize) -> Option<(usize, usize)> {
     let best = playback.view.frame;
     let [shortest, longest] = [SHORTEST_S, LONGEST_S].map(|s| frames(s, playback.dt_s));

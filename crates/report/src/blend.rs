@@ -108,7 +108,8 @@ impl Drawing<'_> {
         }
     }
 
-    /// Draws a row of figures, with one of each clip alone at the ends.
+    /// Draws a row of figures through the blend. The first figure is of the first clip alone, the last figure of the
+    /// second clip alone.
     fn figures(&self, motion: &FigureMotion) -> Markup {
         let Blend { first, last, clip, .. } = self.blend;
         let margin = (last - first) / (FIGURES - 3);

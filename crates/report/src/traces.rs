@@ -20,9 +20,9 @@ pub(super) struct Channel {
     data: String,
 }
 
-/// Returns the number of readings that a page uses after the first, and the number of readings per sample. There
-/// are `looks` readings at `look_hz`. A sample has `width` numbers, and all samples at most `most` numbers in
-/// total: readings are thinned first, then the end is cut.
+/// Returns how many readings a page uses after the first reading, and the number of readings per sample. There are
+/// `looks` readings after the first one, at `look_hz`. A sample has `width` numbers, and all samples at most `most`
+/// numbers in total: readings are thinned first, then the end is cut.
 pub(super) fn spacing(looks: usize, look_hz: f64, width: usize, most: usize) -> (usize, usize) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
     let [thin, fine] = SAMPLES_HZ.map(|hz| ((look_hz / hz).round() as usize).max(1));

@@ -28,13 +28,13 @@ pub struct Stiffness {
     pub reason: StiffnessReason,
 }
 
-/// Limit of a stiffness.
+/// Reason that limits a stiffness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StiffnessReason {
-    /// Above it, an oscillation may grow through the worst gear that is judged: half the stiffness, twice the play
-    /// and a third of the damping. See [`GEAR_SHARE`].
+    /// At a higher stiffness, an oscillation may grow through the worst gear that is judged: half the stiffness, twice
+    /// the play and a third of the damping. See [`GEAR_SHARE`].
     Gear,
-    /// Above it, the oscillation after a disturbance has less damping than [`DAMPING_RATIO`].
+    /// At a higher stiffness, the oscillation after a disturbance has less damping than [`DAMPING_RATIO`].
     Damping,
     /// The limit by damping is below the factory setting, at which no oscillation grows: the factory setting is
     /// kept.

@@ -31,8 +31,9 @@ pub struct ServoTracking {
 
 impl ServoTracking {
     /// Returns whether oscillations of the joint's loop decay, for the gear in the servo's data and the maximum
-    /// load. The tick is `dt_s`, torques act `latency_ticks` late, the stiffness is `kp_per_s2`, and the winding
-    /// adds a damping of `braking_nm_s`. True for a servo without a bandwidth, because it has no such loop. O(1).
+    /// load. The tick is `dt_s`, torques act `latency_ticks` late, the stiffness is `kp_per_s2`, and the winding adds a
+    /// damping of `braking_nm_s`. The result is true for a servo without a bandwidth, because it has no such loop.
+    /// O(1).
     pub fn decays(
         &self,
         model: &ServoModel,

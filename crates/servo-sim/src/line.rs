@@ -42,7 +42,7 @@ pub trait LineDevice {
     /// Returns the simulated time, ns.
     fn now_ns(&self) -> u64;
 
-    /// Advances the simulation to `ns`; does nothing if `ns` is past.
+    /// Advances the simulation to `ns`; does nothing if this time is already over.
     fn run_until(&mut self, ns: u64);
 
     /// Returns the time of `bytes` bytes on the wire, ns.
@@ -127,7 +127,7 @@ impl<W: LineDevice> Line<W> {
         self.on_wire.as_ref().filter(|on_wire| on_wire.speaker.is_some()).map(|said| said.end_ns)
     }
 
-    /// Reads the bytes that have arrived so far. Returns their number, or 0.
+    /// Reads the bytes that have arrived so far. Returns their number: 0 if none has arrived.
     pub fn take(&mut self, out: &mut [u8]) -> usize {
         let len = out.len().min(self.received.len());
         for (to, from) in out.iter_mut().zip(self.received.drain(..len)) {
@@ -136,7 +136,8 @@ impl<W: LineDevice> Line<W> {
         len
     }
 
-    /// Advances the simulation until bytes arrive, or for `timeout_us`. Returns the number of bytes read, or 0.
+    /// Advances the simulation until bytes arrive, or for `timeout_us`. Returns the number of bytes read: 0 if none has
+    /// arrived.
     pub fn read(&mut self, out: &mut [u8], timeout_us: u32) -> usize {
         let end_ns = self.servos.now_ns() + u64::from(timeout_us) * 1000;
         while self.received.is_empty() && self.next_ns().is_some_and(|next| next <= end_ns) {

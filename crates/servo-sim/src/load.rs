@@ -46,8 +46,8 @@ pub trait Plant {
         4
     }
 
-    /// Advances by `dt_s`. `pushes` are those of the servos on their shafts; `shafts` are the shafts after the servos'
-    /// steps.
+    /// Advances by `dt_s`. `pushes` are the pushes of the servos on their shafts; `shafts` are the shafts after the
+    /// servos' steps.
     fn step(&mut self, dt_s: f64, pushes: &[Push], shafts: &mut [Shaft]);
 }
 

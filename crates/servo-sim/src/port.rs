@@ -49,7 +49,8 @@ pub enum PortError {
 #[derive(Debug)]
 pub struct Port {
     servos: OwnedFd,
-    /// Program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes it.
+    /// The program's end of the terminal. It is held open: otherwise the terminal would hang up when a program closes
+    /// it.
     program: OwnedFd,
     link: PathBuf,
 }
@@ -104,7 +105,7 @@ impl Port {
         Ok(tcgetattr(&self.program)?.output_speed())
     }
 
-    /// Reads the bytes that programs have written, without waiting. Returns their number, or 0.
+    /// Reads the bytes that programs have written, without waiting. Returns their number: 0 if there are none.
     ///
     /// # Errors
     /// An error of the operating system.

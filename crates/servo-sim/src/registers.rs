@@ -1,6 +1,6 @@
 //! Servos without physics: registers that follow the protocol, and a position that jumps to the goal.
 //!
-//! For kinds that are not identified, and for programs that test their protocol and not the mechanics.
+//! They are for kinds that are not identified, and for programs that test their protocol and not the mechanics.
 
 use sinew_servo_bus::dynamixel::table::{BAUDS as DYNAMIXEL_BAUDS, MODELS, Model, Table, address};
 use sinew_servo_bus::feetech::table::{

@@ -1,9 +1,9 @@
 //! The servos of a rig, each with its own separate load at the rig's home pose.
 //!
-//! A simplification of [`RigPlant`](crate::plant::RigPlant): a servo does not feel the motion of the others. It moves
-//! the inertia of its drive at the home pose, against gravity. If a servo alone turns one hinge, one turn for one turn,
-//! gravity depends on its angle; otherwise gravity is that of the home pose at all angles. The ends of the servo's
-//! range are stops.
+//! This is a simplification of [`RigPlant`](crate::plant::RigPlant): a servo does not feel the motion of the others. It
+//! moves the inertia of its drive at the home pose, against gravity. If a servo alone turns one hinge, one turn for one
+//! turn, gravity depends on its angle; otherwise gravity is that of the home pose at all angles. The ends of the
+//! servo's range are stops.
 
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;

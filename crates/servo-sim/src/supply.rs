@@ -54,7 +54,7 @@ impl Supply {
         self.current_a
     }
 
-    /// Advances by `dt_s` with the total load of all servos. Implicit Euler: stable for any resistance.
+    /// Advances by `dt_s` with the total load of all servos. Uses implicit Euler, which is stable for any resistance.
     pub fn step(&mut self, dt_s: f64, draw: Draw) {
         let charge = self.capacitance_f / dt_s;
         // First-order estimate of the servos' current at another voltage.

@@ -7,7 +7,8 @@ use crate::fault::{self, Fault};
 
 /// Bits of a byte on the wire, with start and stop bit.
 const BITS: u64 = 10;
-/// Silence, us, after which a servo no longer waits for a silent servo but answers. Guess: no maker states it.
+/// Silence, us, after which a servo no longer waits for a silent servo but answers. This is a guess, because no maker
+/// states it.
 pub(crate) const SILENCE_US: u32 = 100;
 
 /// A device that listens at its own baud rate.

@@ -22,8 +22,8 @@ use crate::store::{set_torque, store, torque_is_on};
 use crate::table::Role;
 use crate::{Client, Exchange, ServiceError, Servo, Table, watch};
 
-/// Bus watchdog during a move, in 20 ms: the servo stops by itself if it receives nothing for this time. Long enough
-/// for a PC, which may pause a program; and different from the value that a board sets.
+/// Bus watchdog during a move, in 20 ms: the servo stops by itself if it receives nothing for this time. It is long
+/// enough for a PC, which may pause a program, and differs from the value that a board sets.
 pub(crate) const WATCHDOG: i32 = 15;
 const WATCHDOG_MS: i32 = 20 * WATCHDOG;
 /// Registers of a Dynamixel that a change of its mode resets: gains, goals and profile.
@@ -49,7 +49,7 @@ pub(crate) struct Guard<'c, E: Exchange> {
 /// A servo that the tool moves.
 struct Motion {
     goal: Item,
-    /// Position at the start with torque off; otherwise the goal, which the servo held. In counts.
+    /// Position at the start if torque was off, or the goal that the servo held if torque was on; in counts.
     held: i32,
     most_c: f64,
     follow: Follow,

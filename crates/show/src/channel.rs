@@ -26,7 +26,7 @@ pub(crate) struct Channel {
     /// Index of the next bit in the block, and of the first bit after the channel's. Both 0: nothing was read yet.
     at: u32,
     end: u32,
-    /// Whether reading is a round ahead, in a looped show.
+    /// Whether the block that is being read belongs to the next round of a looped show.
     ahead: bool,
 }
 

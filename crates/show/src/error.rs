@@ -87,7 +87,7 @@ pub enum ShowError {
         /// Kind of the joint in the rig.
         here: Joint,
     },
-    /// The first pose is beyond a range of the rig, which would never reach it.
+    /// The first pose is beyond a range of the rig, so the rig would never reach this pose.
     Range {
         /// Index of the dof.
         dof: usize,

@@ -32,7 +32,7 @@ pub struct Capacity {
 
 impl BoardTable {
     /// ST NUCLEO-F446RE: sectors of 16, 64 and 128 kB (RM0390, embedded flash memory). Sector 0 contains the vectors,
-    /// sectors 4 and 5 the code.
+    /// and sectors 4 and 5 contain the code.
     pub const NUCLEO_F446RE: Self = Self {
         log: Area { start: 0x4000, sector_len: 0x4000, sectors: 3 },
         slots: &[

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::record::Head;
 
-/// Length of a descriptor before the content, in bytes. A multiple of every usual granule.
+/// Length of a descriptor before the content, in bytes. It is a multiple of every usual granule.
 pub(crate) const DESCRIPTOR_LEN: u32 = 96;
 const NAME_LEN: usize = 60;
 

@@ -41,8 +41,8 @@ pub enum Condition {
 }
 
 impl<F: NorFlash> Store<F> {
-    /// Opens the existing items, and writes nothing. Call it only once, at power-on: it creates the only
-    /// [`Disarmed`]. O(log).
+    /// Opens the existing items, and writes nothing. Call it only once, at power-on: it creates the only [`Disarmed`].
+    /// O(length of the log).
     ///
     /// # Errors
     /// [`Error::Table`] if the table does not fit the flash; [`Error::Flash`].
@@ -79,7 +79,7 @@ impl<F: NorFlash> Store<F> {
         self.log.compact(&mut self.flash, disarmed)
     }
 
-    /// Returns the number of this start, which faults of this start get.
+    /// Returns the number of this start, which is stored with every fault of this start.
     pub fn run(&self) -> u32 {
         self.run
     }
@@ -112,7 +112,8 @@ impl<F: NorFlash> Store<F> {
 
     /// Returns `true` if newer settings, or a newer rig, existed than [`Self::settings`] or [`Self::rig`] reads, and
     /// are damaged. This stays `true` over every power cut until a new intact item is written. A power failure in the
-    /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(log).
+    /// middle of a seal, which is rare, cannot be distinguished from damage and counts as damage, too. O(length of the
+    /// log).
     ///
     /// # Errors
     /// [`Error::Flash`].
@@ -237,7 +238,7 @@ impl<F: NorFlash> Store<F> {
         Ok(self.run)
     }
 
-    /// Returns the first fault since they were cleared, and the last ones. O(log).
+    /// Returns the first fault since they were cleared, and the last ones. O(length of the log).
     ///
     /// # Errors
     /// [`Error::Flash`].

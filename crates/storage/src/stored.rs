@@ -26,7 +26,7 @@ impl Stored {
     }
 
     /// Returns the content in place, if the flash is memory-mapped. `flash`: the whole flash from its first byte.
-    /// `None` if it is too short.
+    /// Returns `None` if it is too short.
     pub fn content<'a>(&self, flash: &'a [u8]) -> Option<&'a [u8]> {
         let start = usize::try_from(self.at).ok()?;
         flash.get(start..)?.get(..usize::try_from(self.descriptor.len).ok()?)

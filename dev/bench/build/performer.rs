@@ -1,5 +1,5 @@
 //! A motion of 20 servos like a performer's. It is always the same, so that the cost of decoding its show can be
-//! compared. Its show has the same bytes per second as that of recorded fights (`docs/show-format.md`): 355.
+//! compared. Its show has as many bytes per second as a show of recorded fights (`docs/show-format.md`): 355.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +13,7 @@ const RATE: Rate = Rate { samples: 120, seconds: 1 };
 /// Highest frequency of the sines, Hz: recordings after a low-pass filter of 6 Hz are hardly faster.
 const HIGHEST_HZ: f64 = 4.8;
 
-/// Number of sines in a joint's angle, and number of those that appear in bursts.
+/// Number of slow sines in a joint's angle, and of sines that appear in bursts.
 const SINES: usize = 12;
 
 /// Calls a function with the motion.

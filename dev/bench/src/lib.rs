@@ -69,7 +69,8 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
     Ok(tree)
 }
 
-/// Writes the poses of all joints at a time: a smooth motion with turns up to 0.6 rad about pseudo-random placements.
+/// Writes the poses of all joints at a time: a smooth motion, in which each joint turns by up to 1.7 rad from a
+/// pseudo-random orientation.
 pub fn poses(bodies: &[Body], time_s: f32, out: &mut [Transform]) {
     let mut numbers = Numbers::new();
     for (body, pose) in bodies.iter().zip(out) {

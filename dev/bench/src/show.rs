@@ -2,7 +2,7 @@
 
 use sinew_show::{Pace, Player, Position, Show, ShowError};
 
-/// Joints of the show, all revolute.
+/// Number of joints of the show, all revolute.
 pub const JOINTS: usize = 20;
 
 /// Bytes of the show. Its motion is in `build/performer.rs`.

@@ -10,13 +10,13 @@ mod host;
 #[cfg(target_os = "none")]
 mod image;
 
-/// Bodies of the human figure.
+/// Number of bodies of the human figure.
 const BODIES: usize = 18;
 
-/// Dofs of the human figure: a free root, and ball joints.
+/// Number of dofs of the human figure: a free root, and ball joints.
 const DOFS: usize = 6 + 3 * (BODIES - 1);
 
-/// Coordinates of the largest show, that of the figure: quaternions have four numbers.
+/// Number of coordinates of the largest show, which is that of the figure: a quaternion has four.
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);
 
 /// Length of the longest show, and of the frames of the longest run, bytes.

@@ -3,9 +3,9 @@
 //!
 //! A run consists of a rig, a method, the desired poses of the joints in each frame, and their measured poses in each
 //! tick. The machine answers with the intermediate results of its torques. The evaluation records all these data
-//! during its own run. The frames are poses instead of a show, since the evaluation's performer has other
-//! dimensions than the rig. Therefore projection and differences are compared, too, which the coordinates of a show
-//! do not need.
+//! during its own run. The frames are poses instead of a show, since the evaluation's performer has other dimensions
+//! than the rig. Therefore the projection and the differences, which a show in coordinates does not need, are compared,
+//! too.
 //!
 //! # Format of a run
 //! All numbers are little-endian; `f32` is IEEE 754.

@@ -6,7 +6,7 @@ use sinew_core::coordinates::CoordinatesError;
 use sinew_core::prelude::*;
 use sinew_core::{JointControllerError, JointTickError, TreeError};
 
-/// Joints of the arm.
+/// Number of joints of the arm.
 pub const JOINTS: usize = 6;
 
 /// Returns the arm of the core's first example.

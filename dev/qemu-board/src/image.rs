@@ -21,7 +21,7 @@ static RIG: &[u8] = include_bytes!(env!("SINEW_RIG", "`cargo xtask firmware mps2
 static SHOW: &[u8] =
     include_bytes!(env!("SINEW_SHOW", "`cargo xtask firmware mps2_an386` sets it"));
 
-/// Bodies of the figure: a free root, and ball joints.
+/// Numbers of bodies, dofs and coordinates of the figure, which has a free root and ball joints.
 const BODIES: usize = 18;
 const DOFS: usize = 6 + 3 * (BODIES - 1);
 const COORDINATES: usize = 7 + 4 * (BODIES - 1);

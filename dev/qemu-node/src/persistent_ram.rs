@@ -1,6 +1,6 @@
 //! Memory that survives a reset: flash, which is RAM here, and the record of a panic.
 //!
-//! This memory is in the machine's PSRAM. QEMU loads its image again at a reset, but no part of the image into this
+//! This memory is in the machine's PSRAM. At a reset QEMU loads its image again, but the image has no part in this
 //! memory. At power-on the memory is zero.
 
 use core::ptr;

@@ -26,7 +26,7 @@ const PACKAGES: [&str; 7] = [
 /// These packages have a module of the same name, so PYTHONPATH selects one of them.
 const FEETECH_SDKS: [&str; 3] =
     ["feetech-servo-sdk==1.0.0", "ftservo-python-sdk==2.0.1", "vassar-feetech-servo-sdk==1.5.0"];
-/// Only its motor buses are used, without torch, so it is installed without dependencies.
+/// The package of `LeRobot`. Only its motor buses are used, without torch, so it is installed without dependencies.
 const LEROBOT: &str = "lerobot==0.4.4";
 /// Number of random exchanges of each program.
 const EXCHANGES: &str = "1000";

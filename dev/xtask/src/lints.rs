@@ -10,7 +10,7 @@ use sinew_steps::{arm, step};
 
 use crate::scope::Scope;
 
-/// Builds core and firmware also with `defmt`, which no other build enables.
+/// Option that builds core and firmware also with `defmt`, which no other build enables.
 pub(crate) const WITH_DEFMT: &str = "--features=sinew-firmware/defmt";
 
 /// Options for clippy's compiler, after those for cargo: a warning is an error.

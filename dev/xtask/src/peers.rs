@@ -19,9 +19,13 @@ const DEFINITIONS: [&str; 4] = [
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 ];
 
-/// Builds the programs, and runs the bench.
+/// Random models of actuators whose forces are compared with MuJoCo's.
+const MODELS: &str = "1000";
+
+/// Compares forces of actuators, builds the programs, and runs the bench.
 pub(crate) fn run() -> Result<()> {
     let venv = Venv::install("peers", &PACKAGES, &PACKAGES.join("\n"), |_| Ok(()))?;
+    actuators(&venv)?;
     let packages = packages(&venv)?;
     let mut programs = Vec::new();
     for (name, scalar) in [("Pinocchio,_double", "double"), ("Pinocchio,_float", "float")] {
@@ -44,6 +48,18 @@ pub(crate) fn run() -> Result<()> {
     bench.args(["bench", "--locked", "-p", "sinew-bench", "--bench", "against"]);
     bench.env("SINEW_PEERS", env::join_paths(&programs)?);
     step::run("the core beside others", &mut bench)
+}
+
+/// Compares the efforts of imported joints with MuJoCo's forces.
+fn actuators(venv: &Venv) -> Result<()> {
+    let file = venv.folder.join("actuators.json");
+    let mut script = venv.python(&step::root().join("tests/golden/actuators.py"));
+    script.arg(MODELS).arg(&file).current_dir(&venv.folder);
+    step::run("forces of random actuators, by MuJoCo", &mut script)?;
+    let mut test = step::cargo();
+    test.args(["test", "--locked", "-p", "sinew-rig", "--features", "std", "--test", "rig"]);
+    test.args(["--", "--include-ignored", "efforts_of_many_models"]).env("SINEW_ACTUATORS", &file);
+    step::run("efforts of random actuators", &mut test)
 }
 
 /// Compiles a program for a generic machine of the target, like our own programs.

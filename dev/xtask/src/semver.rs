@@ -9,7 +9,7 @@ const INSTALL: &str = "cargo install cargo-semver-checks --locked --version 0.51
 
 /// Compares the core's interface with that of a revision of the repository.
 ///
-/// Not part of `cargo xtask test`: until 0.1.0 is published nobody depends on the interface, and it may change.
+/// This is not part of `cargo xtask test`: until 0.1.0 is published nobody depends on the interface, and it may change.
 pub(crate) fn run(revision: &str) -> Result<()> {
     let installed = step::output(step::cargo().args(["semver-checks", "--version"])).is_some();
     ensure!(installed, "cargo-semver-checks is missing; it takes some minutes: `{INSTALL}`");

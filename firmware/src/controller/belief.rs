@@ -26,8 +26,8 @@ const REST_RAD: f32 = 0.012;
 const REST: f32 = 1.5;
 /// Torque that accelerates the rotor, as a multiple of the stall torque: the motor's, and as much from outside.
 const EFFORT: f32 = 2.0;
-/// Number of consecutive readings with an offset after which the jump is a fault: the number of replies that may be
-/// missed.
+/// Number of consecutive readings with an offset after which the jump is a fault: as many as replies may be missed
+/// before a servo counts as silent.
 const MOST: u8 = 5;
 /// Number of readings after a jump in which the servo's own speed is not used, since it contains the jump.
 const SETTLING: u8 = 30;

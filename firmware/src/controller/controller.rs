@@ -10,6 +10,7 @@ use super::belief::Belief;
 use super::coordinates::{number, put};
 use super::error::{ControllerError, Incomplete};
 use super::feed::{Jog, LiveSource, SoftStart, Sources, plays_show};
+use super::lowering::{Lowering, Parts};
 use super::output::Output;
 use super::path::Path;
 use super::performance::{Carried, Performance};
@@ -22,7 +23,7 @@ use super::watch::Watch;
 use crate::drives::{Condition, Measured};
 use crate::supervisor::{
     Command, Fault, FaultSet, Findings, Inputs as Supervised, Outcome, Overload, Permission,
-    Registers, Settings, Source, State, Supervisor,
+    Registers, Source, State, Supervisor,
 };
 use crate::watchdog::Complete;
 
@@ -32,28 +33,6 @@ const SWITCH: (u32, u32) = (14, 2);
 /// Number of parts of the way to a show's first pose. The servos must be able to hold the rig at both ends of each
 /// part.
 const WAY: u8 = 4;
-
-/// Ratio of the target speed while a rig is lowered to its maximum speed: static friction may release a joint
-/// suddenly.
-const PACE: f32 = 0.7;
-/// Ratio of a lowered goal's speed to the target speed. It is below 1, so that a servo that sticks can catch up.
-const LED: f32 = 0.7;
-/// Rate at which more of the weight is carried again, per excess of a joint's speed over the target speed, 1/s.
-const BACK_PER_S: f32 = 3.0;
-/// Minimum of the released part of a weight. It is negative, because a rig may be heavier than its model.
-const LEAST_LOWERED: f32 = -0.25;
-/// A joint rests if its speed is below this part of the target speed. The rig is down after all joints have rested
-/// for a third of the fading time.
-const RESTS: f32 = 0.1;
-const RESTED: f32 = 1.33;
-/// Maximum distance of a lowered goal ahead of its servo, rad.
-const LEAD_RAD: f32 = 0.07;
-/// Weight below which a joint's goal is lowered more slowly, as a part of the joint's maximum effort; and the
-/// maximum of this weight, N m or N.
-const SLIGHT: f32 = 0.01;
-const SLIGHT_MOST: f32 = 0.03;
-/// Minimum of the weight of `SLIGHT`, N m or N.
-const LEAST_NM: f32 = 1e-6;
 
 /// Inputs of a tick from outside of the controller.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -105,8 +84,7 @@ pub struct MotionController<
     permission: Permission,
     state: State,
     is_there: bool,
-    /// Released part of each dof's weight while the rig is lowered.
-    lowered: Vec<f32, DOFS>,
+    lowering: Lowering<DOFS>,
     /// Faults of the tick before, or of the board's start, to be reported in the next tick.
     pending: FaultSet,
     was_late: bool,
@@ -120,13 +98,13 @@ pub(super) struct Readings<const DOFS: usize, const SERVOS: usize, const COORDS:
     /// Conditions with the believed readings.
     pub(super) conditions: Vec<Condition, SERVOS>,
     pub(super) beliefs: Vec<Belief, SERVOS>,
-    dofs: Vec<Option<Measured>, DOFS>,
+    pub(super) dofs: Vec<Option<Measured>, DOFS>,
     /// Measured positions and velocities; dofs without a measurement have their commanded values.
     pose: Pose<DOFS, COORDS>,
     /// The measured pose for the tracker. Joints whose servos close their own loop have their commanded position: the
     /// tracker cannot correct them, and its corrections would add efforts in other joints for accelerations that
     /// never happen.
-    tracked: Pose<DOFS, COORDS>,
+    pub(super) tracked: Pose<DOFS, COORDS>,
 }
 
 impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Readings<DOFS, SERVOS, COORDS> {
@@ -189,8 +167,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             permission,
             state,
             is_there: false,
-            // An array would be created as a whole on the stack, and then moved.
-            lowered: filled(DOFS, 0.0),
+            lowering: Lowering::new(),
             pending: FaultSet::EMPTY,
             was_late: false,
             report: Report::new(state, permission.source, 0, 0),
@@ -324,7 +301,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         let before = core::mem::replace(&mut self.permission, outcome.permission);
         self.state = outcome.state;
         if self.state != State::Lowering {
-            self.lowered.fill(0.0);
+            self.lowering.reset();
         }
         self.tell(&outcome);
         if self.permission.torque {
@@ -502,7 +479,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         })
     }
 
-    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them.
+    /// Returns an overload in the current pose, in the first pose of the show, or at some poses between them; `None` if
+    /// there is none.
     #[inline(never)]
     fn overload(&mut self) -> Option<Overload> {
         let Self { sources, path, watch, performance, .. } = self;
@@ -572,50 +550,19 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         self.output.send(bus, (commands, conditions, beliefs), permission, switch_on, servos)
     }
 
-    /// Releases the weight of each joint while it is slow, and carries more of it while it is fast. Goals of servos
-    /// in position mode are moved down, at most a limited distance ahead of their servo. Writes the speed of each
-    /// dof: the trusted measured speed for dofs that are braked, the goal's speed for dofs with a goal. The weight of
-    /// a dof without a trusted reading is released by time.
-    // Not inlined into its caller, which has a large stack frame.
-    #[inline(never)]
+    /// Lowers the rig by a tick. Writes the speed of each dof.
     fn lower(&mut self, speeds: &mut [f32; DOFS]) {
-        let Self { rig, path, sources, performance, readings, watch, lowered, dt_s, .. } = self;
-        let Settings { lower_s, lower_rad_s, .. } = *self.supervisor.settings();
-        let pace = PACE * lower_rad_s;
-        let (mut to, mut led) = ([0.0; DOFS], [0.0; DOFS]);
-        path.positions(readings.tracked.q(), &mut to);
-        self.is_there = true;
-        let dofs = rig.dofs().iter().zip(&readings.dofs).zip(speeds).zip(lowered);
-        for (index, (((dof, measured), speed), lowered)) in dofs.enumerate() {
-            let measured = measured.filter(|measured| watch.is_fresh(measured));
-            if performance.corrects(index) {
-                *speed = measured.map_or(0.0, |measured| measured.velocity);
-            } else {
-                let least = (SLIGHT * dof.effort).clamp(LEAST_NM, SLIGHT_MOST);
-                let down = (-performance.weight(index) / least).clamp(-1.0, 1.0);
-                let at = number(&to, index);
-                let ahead = measured.map_or(0.0, |measured| at - measured.position);
-                let is_held = ahead * down > LEAD_RAD * down.abs();
-                let down = if is_held { 0.0 } else { LED * pace * down };
-                put(&mut led, index, down);
-                put(&mut to, index, at + *dt_s * down);
-                *speed = number(path.now().qd(), index);
-            }
-            let share = path.share(index, *speed, pace);
-            // From 1 on nothing is carried: the joint must rest for a while longer.
-            let most = if share < RESTS { RESTED } else { 1.0 };
-            // A joint that moves up, pushed by a hand for example, gets no help.
-            let left = if *speed * performance.weight(index) > 0.0 { 1.0 } else { 1.0 - share };
-            let is_slow = left > 0.0 && *lowered >= 0.0;
-            let rate = if is_slow { 1.0 / lower_s.max(*dt_s) } else { BACK_PER_S };
-            *lowered = (*lowered + *dt_s * rate * left).max(LEAST_LOWERED).min(most);
-            self.is_there &= *lowered >= RESTED;
-        }
-        let goal = sources.lower();
-        path.coordinates(&to, goal.q_mut());
-        let [_, qd, _] = goal.all_mut();
-        qd.iter_mut().zip(led).for_each(|(qd, led)| *qd = led);
-        path.step(goal, 1.0, Some(pace));
+        let parts = Parts {
+            rig: self.rig,
+            path: &mut self.path,
+            sources: &mut self.sources,
+            performance: &self.performance,
+            readings: &self.readings,
+            watch: &self.watch,
+            settings: self.supervisor.settings(),
+            dt_s: self.dt_s,
+        };
+        self.is_there = self.lowering.step(parts, speeds);
     }
 
     /// Lets the rig carry itself, or lowers it. The commanded pose follows the rig no faster than the permitted
@@ -639,7 +586,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
             to: readings.tracked.q(),
             qd: speeds.get(..count).unwrap_or_default(),
             walls: &walls,
-            lowered: &self.lowered,
+            lowered: self.lowering.released(),
             weight: permission.effort,
         };
         let watch = &self.watch;

@@ -135,7 +135,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
     }
 
-    /// Returns the fault of the show that plays. It is returned only once.
+    /// Returns the fault of the show that played. It is returned only once.
     pub(super) fn take_fault(&mut self) -> Option<Fault> {
         self.fault.take()
     }

@@ -49,6 +49,7 @@ mod coordinates;
 mod error;
 mod estimate;
 mod feed;
+mod lowering;
 mod output;
 mod path;
 mod performance;

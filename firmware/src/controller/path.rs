@@ -294,7 +294,8 @@ impl Axis {
         if effort.is_finite() { effort } else { 0.0 }
     }
 
-    /// Returns the maximum speed of the dof: its own, and that of its shafts.
+    /// Returns the maximum speed of the dof: its own, or the speed at which the fastest shaft of its drive turns at
+    /// `speed_rad_s`, if that is lower.
     fn most(&self, speed_rad_s: Option<f32>) -> f32 {
         speed_rad_s.map_or(self.speed, |speed| self.speed.min(speed / self.shaft))
     }

@@ -145,7 +145,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.corrects.get(dof).copied().unwrap_or(false)
     }
 
-    /// Returns the weight by the model of a dof that corrects no error, from the last tick in which it was carried.
+    /// Returns the effort by which the model carries a dof, without a correction of errors, N m or N. It is from the
+    /// last tick in which the rig was carried.
     pub(super) fn weight(&self, dof: usize) -> f32 {
         self.commands.get(dof).map_or(0.0, |command| command.feedforward_effort)
     }

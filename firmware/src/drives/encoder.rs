@@ -11,8 +11,8 @@ use crate::SettingError;
 /// rounding of `2π`.
 const SLACK_RAD: f32 = 2e-3;
 
-/// A servo's encoder. Positions on the bus count from the encoder's zero, positions of the rig from the middle of the
-/// servo's range.
+/// A servo's encoder. Positions on the bus count from the encoder's zero. The servo's own positions count from
+/// [`zero_rad`](Self::zero_rad), usually the middle of the encoder's turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Encoder {

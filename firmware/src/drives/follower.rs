@@ -12,7 +12,7 @@ const NEAR_RAD: f32 = 1e-5;
 /// Number of braking ticks beyond which parts of a tick are below the rounding of f32.
 const MANY_TICKS: f32 = 1e5;
 
-/// Follows a target. The position is equal to the target whenever the limits allow it, and brakes in time for the
+/// Follows a target. Its position is equal to the target whenever the limits allow that, and it brakes in time for the
 /// ends of the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Follower {

@@ -20,8 +20,8 @@ pub struct PositionSettings {
     /// Ratio of the servo's P gain to the factory setting, for which its stiffness is known. The P gain can be read
     /// from the servo.
     pub gain_ratio: f32,
-    /// Torque per speed of the servo in addition to friction, N m s: the back-EMF of a motor at a voltage, which is
-    /// its stall torque divided by its speed without load.
+    /// Torque per speed of the servo in addition to friction, N m s. It is the effect of the motor's back-EMF at a
+    /// constant voltage: the stall torque divided by the speed without load.
     pub drag_nm_s: f32,
     /// Maximum offset in either direction, rad. 0 switches the offset off.
     pub offset_rad: f32,

@@ -187,7 +187,8 @@ impl<
         let Some(size) = size else {
             return Outcome::Refused(Refusal::Fault(Fault::SettingsBad.number()));
         };
-        let parts = TelemetryParts(setting.parts.0 & TelemetryParts::ALL.0);
+        let parts =
+            TelemetryParts(setting.parts.0 & TelemetryParts::ALL.and(TelemetryParts::TARGETS).0);
         let most = telemetry_hz(self.setup.line_bps, size, parts) as f32;
         let most = most.min(1.0 / self.setup.tick_s);
         let rate_hz = setting.rate_hz.max(0.0).min(most);

@@ -1,4 +1,5 @@
-//! Work in progress: of the background task until the loop has answered, of the loop until its tick is over.
+//! Work in progress: that of the background task, which waits for an answer of the loop, and that of the loop, which
+//! waits for the end of its tick.
 
 use sinew_link::message::Pass;
 

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 use sinew_core::{BodyState, JointStates, kinematics};
-use sinew_link::message::{self, Dof, Errors, Servo, Summary};
+use sinew_link::message::{self, Dof, Errors, Servo, Summary, TARGET_UNIT};
 use sinew_rig::board::BoardRig;
 
 use super::mail::Tick;
@@ -94,7 +94,9 @@ pub(super) fn of<
     for (index, dof) in report.dofs.iter().enumerate() {
         let effort = finite(dof.effort);
         let limiter = text::limiter(dof, controller.first_servo(index));
-        let _ = tick.dofs.push(Dof { effort, limiter });
+        #[expect(clippy::cast_possible_truncation, reason = "it saturates")]
+        let target = (dof.error / TARGET_UNIT) as i16;
+        let _ = tick.dofs.push(Dof { effort, limiter, target });
     }
     for servo in &report.servos {
         let temperature_c = servo.temperature_c.map(|t| {

@@ -27,13 +27,14 @@ pub struct Found<'r, F, const BODIES: usize, const DOFS: usize, const SERVOS: us
     pub rig: Option<(&'r BoardRig<BODIES, DOFS, SERVOS>, u32)>,
     /// Whether the settings or the rig are not the newest that were stored, because the newest are bad.
     pub is_bad: bool,
-    /// Input of the controller: the reasons for the start and bad data, as faults, and the faults before.
+    /// Input of the controller: the reasons for the start and bad data, as faults, and the stored faults of earlier
+    /// starts.
     pub start: Start,
 }
 
 /// Opens storage and reads it. `defaults` returns the board's own settings for the bytes that are stored [after the
-/// rig](split_rig). `causes` are the reasons for the start. `room` holds the longest item of a rig; the rig is
-/// decoded in `slot`. O(log).
+/// rig](split_rig). `causes` are the reasons for the start. `room` holds the longest item of a rig; the rig is decoded
+/// in `slot`. O(length of the log).
 ///
 /// # Errors
 /// [`Error`] if the flash cannot be read, or the table does not fit it. Invalid content of the flash is not an error.

@@ -214,7 +214,7 @@ impl Mode {
         }
     }
 
-    /// Changes to floating. Only from holding, so that a person has the rig in hand before it yields.
+    /// Changes to floating. This is possible only from holding, so that a person has the rig in hand before it yields.
     fn float(&mut self, event: &Event, present: FaultSet) -> Result<(), Refused> {
         match self.state {
             State::Floating => Ok(()),

@@ -61,9 +61,9 @@ pub(crate) struct Exchange<'l> {
     pub(crate) lines: &'l RefCell<Lines>,
     /// Whether torque was on in the tick before.
     pub(crate) was_on: bool,
-    /// Time during which servos are asked for more, from the beginning of the exchange, µs.
+    /// Time, from the beginning of the exchange, in which further packets may be sent to servos, µs.
     pub(crate) asks_us: u32,
-    /// Time at which the asking ends, µs.
+    /// Time at which this time ends, µs.
     pub(crate) until_us: u64,
 }
 

@@ -27,7 +27,8 @@ impl Chip {
     }
 }
 
-/// Returns a range of the flash as memory. The slice is valid as long as nobody writes or erases there.
+/// Returns a range of the flash as memory, or `None` if the range is not in the flash. The slice is valid as long as
+/// nobody writes or erases there.
 pub(crate) fn memory(range: core::ops::Range<u32>) -> Option<&'static [u8]> {
     let len = range.end.checked_sub(range.start)? as usize;
     if range.end as usize > LEN {

@@ -35,8 +35,8 @@ use crate::{Chip, Light, Serial, ServoLine, clock, flash, pulses, reset, watchdo
 /// keeps the old item until the new one is complete. OP3 with 20 XM430 takes 6.4 kB.
 const RIG_ROOM: usize = 8192;
 
-/// Priority of the control loop's interrupt: above everything except DMA, whose ring buffers count their rounds in
-/// its interrupts.
+/// Priority of the control loop's interrupt: above everything except DMA, because DMA's interrupts count the rounds of
+/// its ring buffers.
 const LOOP_PRIORITY: u8 = 8 << 4;
 
 type Rig = BoardRig<BODIES, DOFS, SERVOS>;
@@ -117,8 +117,8 @@ struct Loop<'l> {
     ports: Ports,
     pins: Pins,
     mail: &'static OwnMail,
-    /// Time during which a tick's exchange asks servos for more, µs. The rest of the tick is for the computation
-    /// before and after it.
+    /// Time, from the beginning of a tick's exchange, in which further packets may be sent to servos, µs. The rest of
+    /// the tick is for the computation before and after the exchange.
     asks_us: u32,
 }
 
@@ -174,7 +174,8 @@ impl Port<'static> for HostPort {
     }
 }
 
-/// Returns the ports of a wiring's lines, or `None` if two lines need the same port.
+/// Returns the ports of a wiring's lines, or `None` if two lines need the same port, or a PCA9685 cannot make the
+/// requested pulse rate.
 fn places(wiring: &OwnWiring) -> Option<Vec<LinePort, LINES>> {
     let places: Vec<LinePort, LINES> =
         wiring.lines.iter().map(LinePort::of).collect::<Option<_>>()?;

@@ -333,7 +333,7 @@ proptest! {
     }
 }
 
-/// Each kind is in the random rigs, so no property is satisfied by leaving one out.
+/// Each kind of drive makes a valid rig, so no property is true only because a kind is left out.
 #[test]
 fn every_kind_of_drive_makes_a_rig() {
     let rows = [[1.0, 0.1, 0.0], [0.0, 1.0, 0.1], [0.1, 0.0, 1.0]];

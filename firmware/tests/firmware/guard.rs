@@ -162,7 +162,8 @@ fn a_current_is_held() {
     assert_eq!(guard.check(Command::Current(0.5), &UNREAD, &FREE).reason, Some(GuardReason::Stale));
 }
 
-/// Out of 10 V, a part of 0.4 drives the maximum current, and 0.05 per rad/s are back-EMF.
+/// With a supply of 10 V, a part of 0.4 drives the maximum current at standstill, and each rad/s adds a part of 0.05
+/// for the back-EMF.
 #[test]
 fn a_voltage_is_held_to_that_of_the_most_current() {
     let mut guard = guard(VOLTAGE);

@@ -49,7 +49,8 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
         self.buses.len()
     }
 
-    /// Plans the first packets of a line in a tick. Returns `None` if `out` is too short.
+    /// Plans the first packets of a line in a tick. Returns `None` if there is no such line, or if the bus cannot plan,
+    /// for example because `out` is too short.
     pub fn plan(&mut self, line: usize, out: &mut [u8]) -> Option<Request> {
         let planned = self.buses.get_mut(line)?.plan(out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()

@@ -21,12 +21,18 @@ use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report says which joint cannot follow,
-/// when, and by how much.
+/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
+/// follow, at which time, and by how much.
+///
+/// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s, at any distances, or `time_ms`;
+/// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column stays
+/// at home; an empty field is no key. The column `easing` names the way to the next row, and a row `easing` below the
+/// header that of each joint: step, linear, ease in, ease out, ease both, or cubic (default). Evenly spaced rows of 10
+/// Hz and more, without easing, are a recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
-    /// rig itself: a CSV of joint coordinates (from `sinew record` or `sinew clip export`), or a JSON of servo
+    /// rig itself: a CSV of keys, a CSV recording (from `sinew record` or `sinew clip export`), or a JSON of servo
     /// positions.
     #[arg(value_name = "CLIP", default_value = "punches_01")]
     clip: String,
@@ -59,8 +65,8 @@ pub(super) struct Args {
     time_code: Option<TimeCode>,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
-    /// acceleration. Fails if a limit would be exceeded, or if a travelling base would have to return faster than it
-    /// ever moves.
+    /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, if a travelling base would
+    /// have to return faster than it ever moves, or if a ball joint would have to turn back by 180 degrees.
     #[arg(long = "loop")]
     is_loop: bool,
 

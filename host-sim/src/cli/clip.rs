@@ -1,12 +1,12 @@
-//! `sinew clip`: motion capture before it is retargeted to a rig, and skeletons of clips.
+//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions without a performer.
 
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
-use super::{blend, export, find, inspect, map, weights};
+use super::{blend, export, find, idle, inspect, jaw, map, weights};
 
-/// Inspect, map, search, blend and export clips of motion capture.
+/// Inspect, map, search, blend and export clips of motion capture; make a jaw's motion from a sound, and idle life.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]
@@ -22,6 +22,8 @@ enum Command {
     Find(find::Args),
     Blend(blend::Args),
     Export(export::Args),
+    Jaw(jaw::Args),
+    Idle(idle::Args),
     Weights(weights::Args),
 }
 
@@ -33,6 +35,8 @@ pub(super) fn run(args: &ClipCommands) -> anyhow::Result<ExitCode> {
         Command::Find(args) => find::run(args).map(|()| ExitCode::SUCCESS),
         Command::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
         Command::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Jaw(args) => jaw::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Idle(args) => idle::run(args).map(|()| ExitCode::SUCCESS),
         Command::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
     }
 }

@@ -22,8 +22,9 @@ use super::unit_args::UnitArgs;
 /// Options that name the motions to track.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct ClipArgs {
-    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them. Default: the built-in clips; with
-    /// --rig, motions of the rig's own joints.
+    /// BVH, AMC (its ASF beside it) or humanoid3d text files, or folders of them; with --rig also built-in clips by
+    /// name, and CSV or JSON files of the rig's own motion. Default: the built-in clips; with --rig, motions of the
+    /// rig's own joints.
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
@@ -41,7 +42,7 @@ pub(super) struct ClipArgs {
     units: UnitArgs,
 
     /// Rate of control and plant, in Hz; the clips are resampled to it. Default: 100 as in the paper, 500 for
-    /// `robustness` and for `--rig`.
+    /// `robustness` and for `--rig`. Not for `latency`, which has `--rates-hz`.
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true)]
     rate_hz: Option<f64>,
 
@@ -50,8 +51,9 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "HZ", value_parser = rate, allow_negative_numbers = true, conflicts_with = "rig")]
     frame_rate_hz: Option<f64>,
 
-    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or built-in motions of its
-    /// own joints, on the exact plant: all joints together, and for `evaluate` also each joint in turn.
+    /// Your own rig instead of the figure: rig.toml, URDF or MJCF. It tracks `--clips`, or without clips built-in
+    /// motions: of all joints together, and for `evaluate` also of each joint in turn. Default plant: `articulated`,
+    /// the exact one.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
@@ -107,8 +109,11 @@ impl ClipArgs {
     /// Refuses options that apply only to clips. To be called if a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
-        let given =
-            mapping.or(on_rig.of_clips()).or(self.units.given()).or(on_rig.fit.then_some("--fit"));
+        let given = mapping
+            .or(on_rig.of_clips())
+            .or(on_rig.of_own())
+            .or(self.units.given())
+            .or(on_rig.fit.then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }

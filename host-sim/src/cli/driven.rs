@@ -16,19 +16,20 @@ enum DriveArg {
 }
 
 /// Options that select how servos are driven.
-#[derive(Debug, Clone, Copy, clap::Args)]
+#[derive(Debug, Clone, Copy, Default, clap::Args)]
 pub(super) struct DrivenArgs {
     /// Quantity that servos receive each tick. Default: `current` for servos that have a current mode, else
     /// `position`.
     #[arg(long, value_enum)]
     drive: Option<DriveArg>,
 
-    /// Control rate in Hz. Default: 100 if all servos are in position mode; otherwise 500, or the highest rate that bus
-    /// and board allow.
+    /// Control rate in Hz. Default: 100 if all servos are in position mode, otherwise 500; less if bus or board need
+    /// more time for a tick.
     #[arg(long, value_name = "HZ", value_parser = rate_hz)]
     rate_hz: Option<u32>,
 
-    /// Rate of all bus lines, in bit/s. Default: 4000000, on a board 3000000; for Feetech servos 1000000.
+    /// Rate of all bus lines, in bit/s. Default: 4000000; for a board and for `nucleo` 3000000; for Feetech servos
+    /// 1000000.
     #[arg(long, value_name = "RATE")]
     baud: Option<u32>,
 }

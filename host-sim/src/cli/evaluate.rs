@@ -37,8 +37,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR,..", value_delimiter = ',', default_value = "1.0,1.1", value_parser = scale, allow_negative_numbers = true, conflicts_with = "rig")]
     scale: Vec<f64>,
 
-    /// Methods. `all`: every method but `accumulated`, which needs a reference. Default: the paper's methods `local`,
-    /// `world` and `linear_compensation`; with `--rig`: all.
+    /// Methods. `all`: every method except `accumulated`, which equals `egocentric` unless `--set
+    /// controller.reference=BODY` names another reference body. Default: the paper's methods `local`, `world` and
+    /// `linear_compensation`; with `--rig`: all.
     #[arg(long, value_name = "METHOD,..", value_delimiter = ',')]
     methods: Option<Vec<MethodArg>>,
 

@@ -15,8 +15,8 @@ use super::{evaluate, figure, latency, robustness, sweep, verify};
 ///
 /// A clip of N frames makes N - 2 steps: forward differences look two frames ahead.
 ///
-/// The exit code is 1 if a figure is lost, which ends the evaluation and names clip, method and frame; and if a rig
-/// (`--rig`) follows a motion with a mean error above 10 degrees.
+/// The exit code is 1 if a figure is lost (flies apart): the evaluation then ends and names clip, method and frame. The
+/// exit code is also 1 if a rig (`--rig`) follows a motion with a mean error above 10 degrees.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(super) struct EvaluateCommands {

@@ -16,12 +16,13 @@ use super::unit_args::UnitArgs;
 
 /// Retarget a clip to a rig, and write the motion for other programs: CSV, BVH, or JSON.
 ///
-/// CSV: time in s, then the angle of each joint in rad, in columns with the joints' names; a driven base has its pose
-/// in a world with z up. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the servos in the format of the
-/// Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
+/// CSV: time in s, then the angle of each joint in the column `NAME_deg`, the way of a slide in `NAME_mm`; a driven
+/// base has its pose in a world with z up, in m. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the
+/// servos in the format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
+    /// The clip: the name of a built-in clip, or a BVH, AMC (its ASF beside it) or humanoid3d text file. Or a CSV or
+    /// JSON file of the rig's own motion.
     #[arg(value_name = "CLIP")]
     clip: PathBuf,
 

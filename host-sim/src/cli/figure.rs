@@ -14,8 +14,8 @@ use super::evaluate::scale;
 
 /// Print the bodies of a measured subject in the Hanavan-Kwon model.
 ///
-/// A row for each of the figure's 18 bodies: its solid, mass, share of the total mass, the share by de Leva's table,
-/// density, centre of mass in m, and moments of inertia about the centre of mass in kg m².
+/// The table has a row for each of the figure's 18 bodies: its solid, mass, share of the total mass, the share by de
+/// Leva's table, density, centre of mass in m, and moments of inertia about the centre of mass in kg m².
 ///
 /// Frames: the subject stands upright with its arms down. In every body's frame x points to the subject's left, y up
 /// and z forward. The origin is the body's joint: the middle of the hips for the pelvis; the lower end for the

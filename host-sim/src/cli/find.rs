@@ -53,15 +53,16 @@ pub(super) struct Args {
     #[arg(long)]
     strict: bool,
 
-    /// The query: FILE@FRAME, FILE@SECONDSs, FILE@FROM..TO or FILE.
+    /// The query: a pose, such as punch.bvh@40 (frame) or punch.bvh@1.25s (time), or a piece of a clip, such as
+    /// punch.bvh@1.0s..1.6s or punch.bvh.
     #[arg(long, value_name = "POSE|CLIP")]
     like: Reference,
 
     #[command(flatten)]
     measure: MeasureArgs,
 
-    /// Rate at which clips are searched, in Hz; clips are resampled to it. A moment is found to within half a frame:
-    /// at 30 Hz a fist of 6 m/s is at most 10 cm off.
+    /// Rate at which clips are searched, in Hz; clips are resampled to it. The time of a moment has an error of at most
+    /// half a frame: at 30 Hz a fist that moves at 6 m/s is at most 10 cm off.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
     rate_hz: f64,
 

@@ -10,7 +10,7 @@ use sinew_host_util::command::note;
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum MethodArg {
-    /// All methods that need no reference.
+    /// All methods except `accumulated`.
     All,
     /// A single method.
     One(MethodName),

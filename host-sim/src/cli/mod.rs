@@ -5,6 +5,8 @@ mod blend;
 mod board;
 mod clip;
 mod clips;
+#[cfg(unix)]
+mod console;
 mod driven;
 mod evaluate;
 mod evaluation;
@@ -12,7 +14,11 @@ mod export;
 mod figure;
 mod find;
 mod guide;
+#[cfg(unix)]
+mod halt;
+mod idle;
 mod inspect;
+mod jaw;
 mod latency;
 mod map;
 mod methods;
@@ -68,6 +74,13 @@ enum Command {
     Clip(clip::ClipCommands),
     Bake(bake::Args),
     Play(play::Args),
+    #[cfg(unix)]
+    Console(console::ConsoleArgs),
+    #[cfg(unix)]
+    Stop(halt::StopArgs),
+    #[cfg(unix)]
+    #[command(name = "estop")]
+    EStop(halt::EStopArgs),
     Record(record::Args),
     Report(report::Args),
     Servo(servo::ServoArgs),
@@ -82,6 +95,12 @@ impl Command {
             Self::Clip(args) => clip::run(args),
             Self::Bake(args) => bake::run(args),
             Self::Play(args) => play::run(args),
+            #[cfg(unix)]
+            Self::Console(args) => console::run(args),
+            #[cfg(unix)]
+            Self::Stop(args) => halt::stop(args),
+            #[cfg(unix)]
+            Self::EStop(args) => halt::estop(args),
             Self::Record(args) => record::run(args).map(|()| ExitCode::SUCCESS),
             Self::Report(args) => report::run(args),
             Self::Servo(args) => servo::run(args),
@@ -94,6 +113,8 @@ impl Command {
     fn check(&self) -> anyhow::Result<()> {
         match self {
             Self::Play(args) => args.check(),
+            #[cfg(unix)]
+            Self::Console(args) => args.check(),
             Self::Record(args) => args.check(),
             Self::Evaluate(args) => args.check(),
             _ => Ok(()),

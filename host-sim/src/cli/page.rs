@@ -17,12 +17,13 @@ use sinew_report::{Comparison, Playback, Report, Sweep};
 /// Options of the report.
 #[derive(Debug, clap::Args)]
 pub(super) struct PageArgs {
-    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; with --rig the last one, which
-    /// is the fastest of the rig's own motions with all joints.
+    /// Clip, or motion of the rig, that the report plays back. Default: the first clip; with --rig the last motion: the
+    /// last clip, or the fastest of the rig's own motions of all joints.
     #[arg(long, value_name = "CLIP", requires = "output")]
     playback: Option<String>,
 
-    /// CSV of `sinew evaluate sweep`. The report shows it as heat maps, and as Pareto fronts of methods and weights.
+    /// CSV file of `sinew evaluate sweep`. The report shows its rows as heat maps, and as Pareto fronts of methods and
+    /// weights.
     #[arg(long, value_name = "FILE", requires = "output")]
     sweep: Option<PathBuf>,
 }

@@ -2,16 +2,20 @@
 
 use std::path::Path;
 
-use anyhow::{Context as _, ensure};
+use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
 use sinew_performance::rig::{LoadedRig, has_feet};
+use sinew_performance::text;
 use sinew_performance::{
     ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
     read_mapping, retarget_clip,
 };
+use sinew_retarget::exchange::HeaderUnits;
+use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::description::Base;
+use sinew_rig::mechanism::JointModel;
 
 use super::rig::read;
 use super::unit_args::UnitArgs;
@@ -23,6 +27,15 @@ pub(super) enum BaseArg {
     Stand,
     /// The base travels with the performer.
     Driven,
+}
+
+/// Unit of the columns of a CSV whose header has none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum UnitArg {
+    /// Degrees; slides in mm.
+    Deg,
+    /// Radians; slides in m.
+    Rad,
 }
 
 /// Options for a clip on a rig.
@@ -44,6 +57,11 @@ pub(super) struct PerformanceArgs {
     /// needed.
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
+
+    /// Unit of the columns of a CSV of joint coordinates whose header has none. Default: a header without units is
+    /// refused.
+    #[arg(long, value_enum, requires = "rig")]
+    unit: Option<UnitArg>,
 
     /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
@@ -71,6 +89,11 @@ impl PerformanceArgs {
         [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
+    }
+
+    /// Returns the name of a given option that applies to motions of the rig's own only.
+    pub(super) fn of_own(&self) -> Option<&'static str> {
+        self.unit.map(|_| "--unit")
     }
 
     /// Reads a rig, and holds its base as the options say.
@@ -101,13 +124,35 @@ impl PerformanceArgs {
                 mapping.is_none()
                     && seconds.is_none()
                     && self.of_clips().or(units.given()).is_none(),
-                "{}: {} are the rig's own: only --fit and --base have an effect on them",
+                "{}: {} are the rig's own: only --fit and --base have an effect on them, and --unit on a CSV",
                 path.display(),
                 kind.name()
             );
-            let (motion, start_s) = kind.read(rig, path)?;
-            let clip = RetargetedClip::own(motion);
-            return RigPerformance::new(rig, &ClipFile::new(path).name, start_s, clip, choices);
+            let units = self.unit.map(|unit| match unit {
+                UnitArg::Deg => HeaderUnits::Degrees,
+                UnitArg::Rad => HeaderUnits::Si,
+            });
+            let mut read = kind.read(rig, path, units)?;
+            let name = ClipFile::new(path).name;
+            if let Some(keys) = read.keys {
+                note(format_args!(
+                    "{name}: {keys} rows of keys, {:.2} s",
+                    read.motion.duration_s()
+                ));
+            }
+            for jump in &read.jumps {
+                note(format_args!("JUMP: {name}: {jump}"));
+            }
+            tell_followers(&name, rig, &mut read.motion);
+            tell_jumps(&name, rig, &read.motion);
+            let clip = RetargetedClip::own(read.motion);
+            return RigPerformance::new(rig, &name, read.start_s, clip, choices);
+        }
+        if let Some(option) = self.of_own() {
+            bail!(
+                "{option}: is of CSV files of joint coordinates, and {} is a clip",
+                path.display()
+            );
         }
         let file = mapping;
         let mapping = mapping.map(read_mapping).transpose()?;
@@ -131,10 +176,41 @@ impl PerformanceArgs {
                 None => format!("{name} on {}", rig.description.name),
             })?;
         tell(name, rig, &retargeted);
+        tell_jumps(name, rig, &retargeted.motion);
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
         drop(clip);
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+}
+
+/// Moves followers to where their leaders put them, and prints which ones the file has elsewhere.
+fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
+    let mechanism = &rig.mechanism;
+    let ties = mechanism.ties();
+    for (body, most) in motion.follow(&ties) {
+        let link = &mechanism.bodies[body];
+        let leader = &mechanism.bodies[ties.leader_of(body)].joint_name;
+        let change = text::change(matches!(link.joint, JointModel::Prismatic(_)), most);
+        note(format_args!(
+            "note: {name}: `{}` follows `{leader}`: moved there from its own positions, by {change} at most",
+            link.joint_name
+        ));
+    }
+}
+
+/// Prints the first jump of more than half a turn, and the number of all.
+fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
+    let jumps = motion.jumps(&rig.mechanism);
+    if let Some(first) = jumps.first() {
+        let after_s = first.row as f64 * motion.dt_s;
+        note(format_args!(
+            "note: {name}: {} time(s) an angle jumps by more than half a turn between frames; first `{}`, by {:.0} deg \
+             before {after_s:.3} s: angles must count turns, not wrap",
+            jumps.len(),
+            first.joint,
+            first.change_rad.to_degrees(),
+        ));
     }
 }
 

@@ -20,7 +20,7 @@ use super::rig::read;
 /// target and measured position, error, torque and the limit that acted on it, and the current of its servo; it lists
 /// states and faults, and has a table of all joints.
 ///
-/// If the machine stopped or the disk was full, the recording is cut off. The page shows the part that is complete.
+/// If the machine stopped or the disk was full, the recording is cut off. The page then shows the complete part.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Recording of `sinew play --record`.

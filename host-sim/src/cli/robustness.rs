@@ -24,10 +24,11 @@ use super::setup::SetupArgs;
 /// frame for every step.
 ///
 /// The table has means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by
-/// importance. `lost` is a figure that fell apart. The last method is compared with each other method: on how many
-/// rigs its angular and its linear error are smaller.
+/// importance. `lost`: the figure flew apart. The last method is compared with each other method: on how many rigs its
+/// angular and its linear error are smaller.
 ///
-/// `--projection-weights` adds rows for `recommended` with other weights of angle against distance than its own.
+/// `--projection-weights` adds rows for `recommended` with other weights of angle against distance than the default
+/// weight.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     #[command(flatten)]
@@ -46,13 +47,13 @@ pub(super) struct Args {
     )]
     methods: Vec<MethodArg>,
 
-    /// Number of rigs to build.
+    /// Number of rigs with random errors.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..=1000), allow_negative_numbers = true)]
     rigs: u64,
 
     /// Also track with `recommended` and each of these projection weights: 1 rad costs as much as this many metres
-    /// (100: nearly World with the observer). A second table has medians, and the number of rigs on which angle and
-    /// distance are below all methods without projection.
+    /// (100: nearly World with the observer). A second table has medians, and the number of rigs on which the errors of
+    /// angle and distance are smaller than with every method without projection.
     #[arg(long, value_name = "M,..", value_delimiter = ',', allow_negative_numbers = true)]
     projection_weights: Vec<f32>,
 

@@ -32,7 +32,7 @@ use super::rig::read;
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
 pub(super) struct ServosArgs {
-    /// The servos of this rig: a rig.toml, a URDF or an MJCF file.
+    /// Rig whose servos are simulated: a rig.toml, a URDF or an MJCF file.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 

@@ -12,11 +12,13 @@ use sinew_rig::Mechanism;
 /// Options that make a [`Setup`]. More specific options override more general ones.
 #[derive(Debug, clap::Args)]
 pub(super) struct SetupArgs {
-    /// Plant that simulates the figure.
+    /// Plant that simulates the figure or the rig. Default: `rapier` as in the paper; `articulated` with --rig, and for
+    /// `latency` and `robustness`.
     #[arg(long, value_enum, value_name = "PLANT")]
     plant: Option<PlantKind>,
 
-    /// Source of the figure's masses.
+    /// Source of the figure's masses. Default: `hanavan_kwon` if --subject is given, otherwise
+    /// `de_leva`.
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 

@@ -11,9 +11,15 @@ use crate::devtools::Browser;
 
 /// Opens a file, and calls `read` with its page. Then checks that there was no error message and no network request.
 pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
-    let profile = tempfile::tempdir().unwrap();
     let url = format!("file://{}", file.display());
-    let page = Page::open(Browser::start(profile.path()), &url);
+    with_url(&url, |request| request == url, read);
+}
+
+/// Opens an address, and calls `read` with its page. Then checks that there was no error message, and no network
+/// request except those that `is_own` accepts.
+pub(crate) fn with_url(url: &str, is_own: impl Fn(&str) -> bool, read: impl FnOnce(&Page)) {
+    let profile = tempfile::tempdir().unwrap();
+    let page = Page::open(Browser::start(profile.path()), url);
     page.resize(1280, 900);
     read(&page);
     for event in &page.browser.into_inner().events {
@@ -24,7 +30,7 @@ pub(crate) fn with_page(file: &Path, read: impl FnOnce(&Page)) {
             }
             Some("Network.requestWillBeSent") => {
                 let request = told["request"]["url"].as_str().unwrap();
-                assert!(request == url || request.starts_with("data:"), "fetched: {request}");
+                assert!(is_own(request) || request.starts_with("data:"), "fetched: {request}");
             }
             _ => {}
         }
@@ -100,10 +106,47 @@ impl Page {
         self.ask("[...document.querySelectorAll('canvas')].map(c => c.toDataURL())")
     }
 
+    /// Returns a place in an element, at a share of its width.
+    fn place(&self, selector: &str, share: f64) -> [f64; 2] {
+        let place = format!(
+            "(() => {{ const e = document.querySelector('{selector}'); e.scrollIntoView({{ block: 'center' }});
+                const r = e.getBoundingClientRect();
+                return [r.left + {share} * r.width, r.top + r.height / 2]; }})()"
+        );
+        serde_json::from_value(self.ask(&place)).unwrap()
+    }
+
+    fn mouse(&self, kind: &str, [x, y]: [f64; 2]) {
+        let buttons = u8::from(kind != "mouseReleased");
+        let event = json!({
+            "type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1,
+        });
+        self.call("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Presses the pointer on an element for `time_ms` milliseconds.
+    pub(crate) fn hold(&self, selector: &str, time_ms: u32) {
+        let place = self.place(selector, 0.5);
+        self.mouse("mousePressed", place);
+        self.wait_ms(time_ms);
+        self.mouse("mouseReleased", place);
+    }
+
+    /// Drags the pointer along an element between two shares of its width, waits, and calls `read` before it is let
+    /// go.
+    pub(crate) fn drag(&self, selector: &str, [from, to]: [f64; 2], read: impl FnOnce()) {
+        self.mouse("mousePressed", self.place(selector, from));
+        let end = self.place(selector, to);
+        self.mouse("mouseMoved", end);
+        read();
+        self.mouse("mouseReleased", end);
+    }
+
     pub(crate) fn press(&self, key: &str) {
         // The Windows code of each key, and the text that it types.
         let (code, text) = match key {
             "Enter" => (13, "\r"),
+            "Escape" => (27, ""),
             " " => (32, key),
             "End" => (35, ""),
             "Home" => (36, ""),

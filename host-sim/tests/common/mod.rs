@@ -2,7 +2,12 @@
 #![expect(dead_code, reason = "each program of tests uses a part")]
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output};
+use std::time::{Duration, Instant};
+
+/// Longest time that a program needs to end after a signal: on a board it lowers its rig before, and a busy machine
+/// delays boards.
+const PATIENCE: Duration = Duration::from_mins(2);
 
 /// Returns the command without arguments.
 pub(crate) fn command() -> Command {
@@ -35,4 +40,20 @@ pub(crate) fn text(bytes: &[u8]) -> String {
 /// Returns the path of a file in a folder.
 pub(crate) fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().expect("UTF-8").to_owned()
+}
+
+/// Sends a signal to a program, and waits until it ends.
+#[track_caller]
+pub(crate) fn end_by(child: &mut Child, signal: &str) {
+    let kill = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    // The program may be over already.
+    kill.expect("`kill` runs");
+    let end = Instant::now() + PATIENCE;
+    while child.try_wait().expect("its state").is_none() {
+        if Instant::now() > end {
+            child.kill().expect("it is killed");
+            panic!("it does not end by {signal}");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
 }

@@ -44,7 +44,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Returns the commands to try with a file, and their other arguments.
+/// Returns, for each command to try: its label, and all arguments of `sinew` for this file.
 fn tried(file: &str) -> [(&'static str, Vec<&str>); 5] {
     let query = |words: &[_]| words.to_vec();
     [

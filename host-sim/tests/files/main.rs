@@ -3,7 +3,9 @@
 mod attack;
 #[path = "../common/mod.rs"]
 mod common;
+mod field;
 mod foreign;
 mod kills;
 mod mocap_data;
 mod outputs;
+mod ties;

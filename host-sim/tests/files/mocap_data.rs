@@ -69,10 +69,11 @@ fn read(entry: &Entry) -> (Recording, &'static str, Binding) {
     (clip, &mapping.name, binding)
 }
 
-/// Returns the recording in metres, at its own rate, else its mapping's. It must have no gaps.
+/// Returns the recording in metres, at its own rate or, if it states none, at the rate of its mapping. It must have no
+/// gaps.
 fn gapless(recording: Recording) -> (Clip, FilledGaps) {
     let mapping = mapping::choose(&recording.skeleton).expect("a known skeleton");
-    let frame_time_s = mapping.frame_time_s(&recording).expect("a rate");
+    let frame_time_s = mapping.frame_time_s(&recording, false).expect("a rate");
     gaps::fill(recording.in_metres(mapping.metres_per_unit), frame_time_s, 0.0).expect("no gaps")
 }
 

@@ -36,6 +36,9 @@ const COMMANDS: &[&[&str]] = &[
     &["clip", "weights", "IN", "--picture", "OUT"],
     &["clip", "export", "IN", "--rig", "arm.toml", "-o", "OUT"],
     &["clip", "export", "kicks_01", "--rig", "IN", "-o", "OUT"],
+    &["clip", "jaw", "IN", "-o", "OUT"],
+    &["clip", "jaw", "talk.wav", "--rig", "IN", "-o", "OUT"],
+    &["clip", "idle", "--rig", "IN", "-o", "OUT"],
     &["evaluate", "sweep", "IN", "--output", "OUT"],
 ];
 

@@ -1,4 +1,4 @@
-//! `sinew study` says where the studies are now.
+//! `sinew study` prints the command that replaces it.
 
 use crate::common::sinew;
 

@@ -26,7 +26,7 @@ fn text(output: &Output) -> String {
 }
 
 /// Runs a command that must end with this exit code, and returns its output.
-fn says(args: &[&str], code: i32) -> String {
+pub(super) fn says(args: &[&str], code: i32) -> String {
     let output = sinew(args).output().unwrap();
     assert_eq!(output.status.code(), Some(code), "{args:?}: {}", text(&output));
     text(&output)
@@ -144,7 +144,7 @@ fn the_wrong_kind_of_port_and_a_second_program_are_refused_with_words() {
 }
 
 /// Writes a rig, and a show of one second for it.
-fn baked(folder: &Path) -> [String; 2] {
+pub(super) fn baked(folder: &Path) -> [String; 2] {
     let [rig, map, show] = ["arm.toml", "map.toml", "a.show"].map(|name| path(folder, name));
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
     let text = std::fs::read_to_string(&rig).unwrap();
@@ -286,7 +286,7 @@ fn a_rig_at_a_board_is_led_and_limp_again() {
     let led = std::fs::read_to_string(&csv).unwrap();
     let column = |line: &str| line.split(',').nth(1).and_then(|x| x.parse::<f64>().ok());
     let most = led.lines().filter_map(column).fold(0.0, |most: f64, x| most.max(x.abs()));
-    assert!((0.2..0.7).contains(&most), "{most}");
+    assert!((12.0..40.0).contains(&most), "{most} deg");
     let floating = record("--float", "4", &show);
     assert!(floating.contains("floating") && floating.contains("limp"), "{floating}");
     assert!(std::fs::metadata(&show).unwrap().len() > 100);

@@ -6,7 +6,13 @@ mod board;
 mod common;
 mod evaluate;
 mod first_rig;
+#[cfg(unix)]
+mod hostile;
+#[cfg(unix)]
+mod killed;
 mod rig;
 mod servo;
 mod shows;
 mod teach;
+#[cfg(unix)]
+mod watched;

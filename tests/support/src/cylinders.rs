@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-/// The integral of `|x - point|` over the lateral surface of a cylinder, in m³.
+/// Returns the integral of `|x - point|` over the lateral surface of a cylinder, in m³.
 pub fn distance_integral_m3(start_m: DVec3, end_m: DVec3, radius_m: f64, point_m: DVec3) -> f64 {
     let (length_m, from_start_m) = (start_m.distance(end_m), point_m - start_m);
     if length_m == 0.0 {

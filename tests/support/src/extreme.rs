@@ -179,7 +179,7 @@ pub struct Scene<const N: usize> {
     pub targets: JointTargets<N>,
     /// Actual motion of the joints.
     pub measured: JointStates<N>,
-    /// A wrench on each body, or only on the first ones. They may contain NaN or infinity.
+    /// Wrenches on all bodies, or only on the first ones. They may contain NaN or infinity.
     pub external: Vec<Wrench>,
     /// Percentage of numbers that are extreme.
     pub dose: u32,

@@ -11,10 +11,10 @@ use sinew_rig::{Description, Mechanism};
 use sinew_show::write::{Motion, Settings as ShowSettings, write};
 use sinew_show::{Joint, Rate, Show};
 
-/// Degrees of freedom of the figure: a free root, and ball joints.
+/// Number of degrees of freedom of the figure: a free root, and ball joints.
 pub const DOFS: usize = 6 + 3 * (BODY_COUNT - 1);
 
-/// Coordinates of the figure: quaternions have four numbers.
+/// Number of coordinates of the figure: a quaternion has four.
 pub const COORDINATES: usize = 7 + 4 * (BODY_COUNT - 1);
 
 /// The clip of the show that emulated boards perform.

@@ -13,8 +13,8 @@ use crate::reference::{Pose, turn};
 /// Step of the central differences: with residuals of the order of 1, truncation is 1e-10 and rounding 1e-11.
 const STEP: f64 = 1e-5;
 
-/// Distance, rad or m, at which a coordinate counts as being at the end of its range: f32 resolves a turn to 1e-7,
-/// and a product of several turns less.
+/// Largest distance, rad or m, of a coordinate from the end of its range at which it counts as being at this end. f32
+/// resolves a turn to 1e-7, and a product of several turns more coarsely.
 const AT_END: f64 = 2e-6;
 
 /// A figure, the desired poses of its bodies, and their weights.
@@ -125,9 +125,9 @@ impl Problem {
         self.residuals(solution).norm_squared()
     }
 
-    /// Returns the solution after one Gauss-Newton step, by QR, which ignores the ranges. In the given solution,
-    /// the bodies must have their desired orientations. The curvature of arms that are pulled outwards is added as
-    /// rows that resist turns.
+    /// Returns the solution after one Gauss-Newton step, computed by QR without the ranges. In the given solution, the
+    /// bodies must have their desired orientations. The curvature of arms that are pulled outwards is added as rows
+    /// that resist turns.
     ///
     /// Also returns the largest component of the step, rad or m.
     pub fn step(&self, solution: &Solution) -> (Solution, f64) {

@@ -14,7 +14,7 @@ use sinew_figure::{BODIES, BODY_COUNT, FigureMotion};
 
 use crate::figure::{COORDINATES, DOFS, FigureShow, rig};
 
-/// A run of the evaluation: a figure of a scale tracks a clip with a method.
+/// A run of the evaluation: a figure of one size tracks one clip with one method.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// Name of the clip.

@@ -78,7 +78,7 @@ fn unit() -> impl Strategy<Value = f32> {
     -1.0f32..1.0
 }
 
-/// Rigs of 1 to `most` bodies. Three of four drives have rotors, of much less or much more inertia than a link.
+/// Rigs of 1 to `most` bodies. About three of four drives have rotors, with much less to much more inertia than a link.
 pub fn rigs_with_rotors(most: usize, joints: Joints) -> impl Strategy<Value = Rig> {
     let rotor =
         prop_oneof![1 => Just(0.0), 3 => (-4.0f32..0.5).prop_map(|power| 10f32.powf(power))];
@@ -209,7 +209,7 @@ impl Coordinates {
         body.joint.state(body.placement, &position, speed).expect("coordinates are valid")
     }
 
-    /// Returns the acceleration of the joint in the form of inverse dynamics.
+    /// Returns the acceleration of the joint in the form that inverse dynamics uses.
     pub fn joint_acceleration(&self, body: &Body) -> Twist {
         let state = self.state(body);
         let in_joint = body.placement.rotation.conjugate() * state.pose.rotation;
@@ -264,7 +264,7 @@ impl Rig {
         world
     }
 
-    /// Returns the states of a figure that is larger by a factor. The tree is unchanged.
+    /// Returns the states of a figure that is larger by a factor. The tree and the root's pose are unchanged.
     pub fn scaled_states(&self, factor: f32) -> JointStates<CAPACITY> {
         let mut states = self.states();
         for (joint, (state, body)) in
@@ -322,7 +322,7 @@ impl Rig {
         dofs.iter().map(column).collect()
     }
 
-    /// Returns the accelerations of the joints in the form of inverse dynamics.
+    /// Returns the accelerations of the joints in the form that inverse dynamics uses.
     pub fn accelerations(&self) -> Vec<Twist> {
         let bodies = self.tree.bodies().iter();
         bodies.zip(&self.motions).map(|(body, motion)| motion.joint_acceleration(body)).collect()

@@ -31,8 +31,8 @@ const SCALES: [f64; 2] = [1.0, 1.1];
 /// Frames of the paper's evaluation.
 const PAPER_FRAMES: usize = 22_560;
 
-/// Emulated machines get one run in this number, unless [`ALL`] is set: this share of the clips for each figure and
-/// method, and this share of figures and methods for each clip.
+/// Emulated machines get one run in this many, unless [`ALL`] is set: one in six of the clips for each figure and
+/// method, and one in six of the figures and methods for each clip.
 const SHARE: usize = 6;
 
 /// The environment variable that gives all runs to all machines with an FPU, and twice as many to the machine
@@ -164,7 +164,7 @@ fn every_machine_plays_a_show_with_the_same_torques() {
 }
 
 /// 10 minutes of the 20 joint angles that move most in recorded fights, and in walks: bytes and largest error equal
-/// those of the page, and every bit that a machine decodes is the same.
+/// those in `docs/show-format.md`, and every bit that a machine decodes is the same.
 #[test]
 #[ignore = "needs SINEW_DATA, and programs that `cargo xtask parity` builds"]
 fn recorded_shows_are_decoded_to_the_same_bits() {

@@ -69,13 +69,13 @@ pub enum AimStatus {
     /// The measured origin is beyond the goal: the shortest rotation is a half turn about an undefined axis (for
     /// several children: no rotation is the single best). A figure must not jump, so World Space Error is used.
     Antiparallel,
-    /// The measured origin is at the goal, which gives no direction: World Space Error.
+    /// The measured origin is at the goal, which gives no direction: World Space Error is used.
     Coincident,
-    /// The child (or every child) is almost at the body's origin, and the direction would be noise: World Space
-    /// Error.
+    /// The child (or every child) is almost at the body's origin, and the direction would be noise: World Space Error
+    /// is used.
     ZeroAim,
     /// The goal is not finite, or too distant for f32 (the square of the distance overflows; for several children the
-    /// fourth power): World Space Error.
+    /// fourth power): World Space Error is used.
     NotFinite,
 }
 

@@ -10,8 +10,8 @@ use crate::state::BodyState;
 use crate::state_error::StateError;
 
 /// Minimum spread of points, as a share of their squared distances from the body's origin. Narrower points count as
-/// collinear: 0.6 degrees between two children of the same distance. A rotation about their line would be a large
-/// response to a negligible difference.
+/// collinear. For two children at the same distance, this minimum is an angle of 0.6 degrees. A rotation about their
+/// line would be a large response to a negligible difference.
 const NARROWEST: f32 = 1e-4;
 
 /// Maximum number of Newton steps. Figures that are close need two or three; 10,000 random cases of any size needed
@@ -60,7 +60,8 @@ pub fn compensate_all(
 pub(super) enum Arms {
     /// No arms, or arms for which no rotation brings the children nearer.
     Without(AimStatus),
-    /// Arms on a line through the origin: only a rotation across the line matters, as for this single arm.
+    /// Arms on a line through the origin. They are equivalent to this single arm, because a rotation about the line
+    /// moves no child.
     Line(Vec3),
     /// Arms in a plane or in space.
     Spread(Spread),
@@ -146,9 +147,9 @@ impl Spread {
         trace(self.second_moment) + math::length(shift) * math::length(self.sum)
     }
 
-    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin.
-    /// The result is the identity if no rotation is better. Errors: several rotations are equally good, or the square
-    /// of the curvature overflows f32.
+    /// Returns the rotation Φ that minimises `Σ |Φ a - (a + e)|²`, with `e` the desired minus the measured origin. The
+    /// result is the identity if no rotation is better. Returns an error if several rotations are equally good, or the
+    /// square of the curvature overflows f32.
     ///
     /// Φ maximises `tr(Φᵀ B)`, `B = Σ (a + e) aᵀ`. A rotation about a unit axis n through an angle θ increases it by
     /// `sin θ g·n - (1 - cos θ) n·H n`, with the slope `g = Σ (Φ a) × (a + e)` and the curvature

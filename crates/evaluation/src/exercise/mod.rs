@@ -41,7 +41,8 @@ pub struct Exercise {
     profiles: Vec<Vec<Profile>>,
 }
 
-/// Makes the motions of a rig: for each share, a motion of all joints in turn and a motion of all together.
+/// Makes the motions of a rig: for each share a motion of all joints together and, with `settings.in_turn`, before it a
+/// motion of one joint after the other.
 ///
 /// # Errors
 /// [`ExerciseError`] if a setting or the rig is invalid, or nothing moves.

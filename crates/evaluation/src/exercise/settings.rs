@@ -7,8 +7,8 @@ use super::error::ExerciseError;
 pub struct ExerciseSettings {
     /// Frame rate in Hz, which is also the control rate.
     pub rate_hz: f64,
-    /// Shares of every axis's maximum speed and acceleration, above 0 and at most 1. For each share there are two
-    /// motions.
+    /// Shares of every axis's maximum speed and acceleration, above 0 and at most 1. For each share there is a motion
+    /// of all joints together and, with `in_turn`, a motion of one joint after the other.
     pub shares: Vec<f64>,
     /// Whether there is also a motion in which the joints move in turn.
     pub in_turn: bool,

@@ -19,8 +19,8 @@ use crate::Errors;
 /// Name of the journal's file in a sweep's folder.
 pub(super) const NAME: &str = "journal.jsonl";
 
-/// Interval of synchronization to disk: the maximum amount of work that a crash of the machine loses. A crash of
-/// the program alone loses nothing.
+/// Interval of synchronization to disk: a crash of the machine loses at most the work of this time. A crash of the
+/// program alone loses nothing.
 const SYNC_EVERY: Duration = Duration::from_secs(1);
 
 /// The result of a unit.

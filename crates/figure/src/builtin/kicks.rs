@@ -16,8 +16,8 @@ use super::timing::Beats;
 struct Key {
     /// Time from the start of the kick, in seconds.
     time_s: f64,
-    /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in
-    /// metres. Chosen to keep the centre of mass above the foot.
+    /// Position of the pelvis relative to the ball of the supporting foot, at the pelvis's height in guard, in metres.
+    /// The values keep the centre of mass above the foot.
     shift: DVec3,
     /// Rotation of the pelvis relative to the stance, in degrees about x, y, z.
     pelvis: DVec3,
@@ -176,7 +176,8 @@ const ROUNDHOUSE: Kick = Kick {
     length_s: 1.52,
 };
 
-/// Time by which the pelvis moves earlier than the foot, in seconds. The next constant is the same for the trunk.
+/// Time by which the pelvis moves earlier than the foot, in seconds. The next constant is the corresponding time of the
+/// trunk.
 const HIPS_AHEAD_S: f64 = 0.060;
 const TRUNK_AHEAD_S: f64 = 0.030;
 /// Change of the elbow's direction per metre of swing: outwards and back, so that it is never parallel to the arm.

@@ -373,8 +373,8 @@ const REAR_UPPERCUT: Punch = Punch {
     length_s: 1.04,
 };
 
-/// Time by which the hips move earlier than the fist, in seconds. The next two constants are the same for the trunk and
-/// for the shoulder girdle.
+/// Time by which the hips move earlier than the fist, in seconds. The next two constants are the corresponding times of
+/// the trunk and of the shoulder girdle.
 const HIPS_AHEAD_S: f64 = 0.050;
 const TRUNK_AHEAD_S: f64 = 0.025;
 const GIRDLE_AHEAD_S: f64 = 0.010;

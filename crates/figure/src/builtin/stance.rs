@@ -80,7 +80,7 @@ pub(super) struct Footwork {
 
 /// Greatest height of a stepping foot.
 const STEP_HEIGHT_M: f64 = 0.04;
-/// Share of a step's duration for which one foot is in the air. The two feet overlap a little.
+/// Share of a step's duration for which one foot is in the air. The times of the two feet overlap a little.
 const FOOT_SHARE: f64 = 0.58;
 
 impl Footwork {

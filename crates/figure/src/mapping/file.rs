@@ -181,12 +181,14 @@ impl Mapping {
         Self::parse(&text).map_err(|source| Error::Toml { file: file(), source: Box::new(source) })
     }
 
-    /// Returns the time between the frames of a recording, in seconds: its own, or else the mapping's.
+    /// Returns the time between the frames of a recording, in seconds: its own, or else the mapping's. The rate of a
+    /// mapping that the user gives (`is_given`) has priority, as its unit has.
     ///
     /// # Errors
     /// [`NoRate`] if neither the recording nor the mapping gives the rate.
-    pub fn frame_time_s(&self, recording: &Recording) -> Result<f64, NoRate> {
-        let told_s = recording.frame_time_s.or(self.rate_hz.map(f64::recip));
+    pub fn frame_time_s(&self, recording: &Recording, is_given: bool) -> Result<f64, NoRate> {
+        let (own_s, mapped_s) = (recording.frame_time_s, self.rate_hz.map(f64::recip));
+        let told_s = if is_given { mapped_s.or(own_s) } else { own_s.or(mapped_s) };
         told_s.ok_or_else(|| NoRate { mapping: self.name.clone() })
     }
 }

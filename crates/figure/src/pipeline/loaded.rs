@@ -4,7 +4,7 @@ use sinew_mocap::damage::take_out_jumps;
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Clip, Recording, format, gaps};
 
-use super::{Error, Notice, Settings, believed, in_metres, noticed, tpose, unfilled};
+use super::{Error, Notice, Settings, believed, in_metres, noticed, rate_notice, tpose, unfilled};
 use crate::mapping::{self, Binding, Mapping, NoRate};
 
 /// A clip on its own skeleton at its own rate, with further facts from its file.
@@ -37,11 +37,12 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     let found = mapping::find_mapping(&recording, settings.mapping.as_ref()).ok();
     let (mapping, proposed) =
         found.map_or((None, None), |found| (Some(found.mapping.into_owned()), found.proposed));
-    let told_s = recording.frame_time_s.or_else(|| mapping.as_ref()?.rate_hz.map(f64::recip));
-    let frame_time_s = told_s.ok_or_else(|| Error::NoRate {
-        clip: name(),
-        source: NoRate { mapping: mapping.as_ref().map_or_else(String::new, |m| m.name.clone()) },
-    })?;
+    let no_rate = |source| Error::NoRate { clip: name(), source };
+    let frame_time_s = match &mapping {
+        Some(mapping) => mapping.frame_time_s(&recording, settings.mapping.is_some()),
+        None => recording.frame_time_s.ok_or_else(|| NoRate { mapping: String::new() }),
+    }
+    .map_err(no_rate)?;
     let known = mapping.as_ref().filter(|_| proposed.is_none());
     // The unit of a human body can be inferred from its height; if not, the clip is refused.
     let otherwise = mapping.is_none().then_some(UNIT_M);
@@ -56,9 +57,7 @@ pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Ve
     }
     let mut notices = noticed(&measured, &mut recording);
     notices.extend(proposed.map(Notice::MappingProposed));
-    if recording.frame_time_s.is_none() {
-        notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
-    }
+    notices.extend(rate_notice(recording.frame_time_s, frame_time_s));
     let recorded = recording.frames.len();
     let skipped =
         usize::from(tpose::is_inserted(&recording, |body| binding.as_ref()?.joint_of(body)));

@@ -60,7 +60,8 @@ impl Default for Settings {
 /// Plausible heights in metres, from a puppet to a giant. If a height is outside, the unit of length must be wrong.
 const HEIGHT_M: std::ops::RangeInclusive<f64> = 0.3..=3.0;
 
-/// Something done to a clip that its user should know. The message does not contain the clip's name.
+/// A fact about a clip, or a change that was made to it, of which the user should know. The message does not contain
+/// the clip's name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Notice {
     /// Height, unit and up axis of the clip.
@@ -76,6 +77,14 @@ pub enum Notice {
     RateAssumed {
         /// Rate in Hz.
         rate_hz: f64,
+    },
+    /// The frame rate is the given mapping's, and the file states another.
+    #[error("taken as {rate_hz} Hz, the mapping's `rate_hz`: the file says {file_hz:.3} Hz")]
+    RateOverruled {
+        /// Rate of the mapping, Hz.
+        rate_hz: f64,
+        /// Rate of the file, Hz.
+        file_hz: f64,
     },
     /// The mapping is a proposal.
     #[error("{0}")]
@@ -266,7 +275,7 @@ pub fn load(file: &ClipFile, settings: &Settings) -> Result<Recording, Error> {
     let clip = || file.path.display().to_string();
     found
         .mapping
-        .frame_time_s(&recording)
+        .frame_time_s(&recording, settings.mapping.is_some())
         .map_err(|source| Error::NoRate { clip: clip(), source })?;
     Ok(recording)
 }
@@ -311,7 +320,7 @@ pub fn prepare(
         mapping::find_mapping(&recording, settings.mapping.as_ref()).map_err(of_mapping)?;
     let mapping = &*mapping;
     let frame_time_s = mapping
-        .frame_time_s(&recording)
+        .frame_time_s(&recording, settings.mapping.is_some())
         .map_err(|source| Error::NoRate { clip: name.clone(), source })?;
     let known = proposed.is_none().then_some(mapping);
     let (mut recording, measured) = in_metres(recording, known, None, settings, &name)?;
@@ -323,9 +332,7 @@ pub fn prepare(
     believed(&name, &binding, &recording)?;
     let recorded = recording.frames.len();
     let mut notices = noticed(&measured, &mut recording);
-    if recording.frame_time_s.is_none() {
-        notices.push(Notice::RateAssumed { rate_hz: frame_time_s.recip() });
-    }
+    notices.extend(rate_notice(recording.frame_time_s, frame_time_s));
     notices.extend(proposed.map(Notice::MappingProposed));
 
     let t_pose = usize::from(tpose::is_inserted(&recording, |body| binding.joint_of(body)));
@@ -400,6 +407,20 @@ fn in_metres(
 fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
     let of_file = recording.notes.drain(..).chain(measured.warnings()).map(Notice::File);
     std::iter::once(Notice::Measured(Box::new(measured.clone()))).chain(of_file).collect()
+}
+
+/// Returns the notice about a rate that is not the file's. `own_s` is the file's time between frames.
+fn rate_notice(own_s: Option<f64>, frame_time_s: f64) -> Option<Notice> {
+    /// Writers round rates, by less than this share.
+    const ROUNDING: f64 = 1e-3;
+    let rate_hz = frame_time_s.recip();
+    match own_s.map(f64::recip) {
+        None => Some(Notice::RateAssumed { rate_hz }),
+        Some(file_hz) => {
+            let differs = (file_hz - rate_hz).abs() > ROUNDING * rate_hz;
+            differs.then_some(Notice::RateOverruled { rate_hz, file_hz })
+        }
+    }
 }
 
 /// Refuses a recording in metres whose skeleton is impossible for a body: a bone longer than the tallest figure,

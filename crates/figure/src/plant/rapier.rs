@@ -213,8 +213,8 @@ impl Plant for RapierPlant {
 }
 
 impl Link {
-    /// Returns the components of a torque and a force (world axes) along which the joint can move; all of both for
-    /// a bolted root.
+    /// Returns the components of a torque and a force (world axes) along which the joint can move. For the root, both
+    /// are returned unchanged.
     fn followed(&self, torque_nm: DVec3, force_n: DVec3, poses: &[BodyPose]) -> (DVec3, DVec3) {
         let Some(parent) = self.parent.map(|parent| poses[parent].rotation) else {
             return (torque_nm, force_n);
@@ -262,7 +262,8 @@ fn not_simulated(body: &Given) -> Option<&'static str> {
 }
 
 /// Returns the joint of a body in the engine's form. Ranges become its limits. Friction becomes its motor, which
-/// resists motion with a bounded force or a force proportional to the speed.
+/// resists motion with a bounded force or a force proportional to the speed. `None` for a free joint, for which the
+/// engine needs no joint.
 fn engine_joint(body: &Given) -> Option<GenericJoint> {
     let at = vector(body.position_m);
     let (axis, locked, free) = match body.joint {

@@ -1,4 +1,4 @@
-//! Joints as numbers of a pose: interpolation between two poses, and limited steps towards the result.
+//! Coordinates of a joint in a pose: checks, interpolation between two poses, and steps limited by the largest speed.
 
 use sinew_core::glam::Quat;
 use sinew_core::math;

@@ -9,10 +9,10 @@ const DRIFT_BITS: u32 = 10;
 /// Maximum change of the playing speed, to keep the delay: 1/8.
 const HURRY_BITS: u32 = 3;
 
-/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times in us.
+/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times are in us.
 ///
-/// The frame with the smallest delay gives the offset between the clocks. It is a lower bound, which rises slowly to
-/// allow for drift.
+/// The frame with the smallest delay gives the offset between the clocks. This offset is a lower bound, which rises
+/// slowly to allow for drift.
 #[derive(Debug, Clone)]
 pub(super) struct Timeline {
     /// Arrival minus sending time of the fastest frame, at `offset_at`.
@@ -20,7 +20,7 @@ pub(super) struct Timeline {
     offset_at: i64,
     /// Sender's time of the newest frame.
     newest_sent: i64,
-    /// Receiver's time of its arrival.
+    /// Receiver's time at which the newest frame arrived.
     newest_at: i64,
     /// Sender's time of the pose that is being played.
     play: i64,

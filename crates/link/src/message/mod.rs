@@ -30,7 +30,8 @@ pub use stored::{
 pub use stream::{LiveFrame, POSE_MAX, Stream};
 pub use telemetry::{
     ACKNOWLEDGED_SINCE, DOFS_A_FRAME, Dof, Errors, SERVOS_A_FRAME, Servo, Snapshot, SnapshotPart,
-    Summary, TELEMETRY_LEAST_HZ, Telemetry, TelemetryParts, TelemetrySetting,
+    Summary, TARGET_UNIT, TARGETS_A_FRAME, TELEMETRY_LEAST_HZ, Telemetry, TelemetryParts,
+    TelemetrySetting,
 };
 
 use serde::{Deserialize, Serialize};

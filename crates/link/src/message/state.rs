@@ -26,7 +26,7 @@ pub enum State {
     Maintenance,
     /// The rig moves to its rest pose, and is then lowered.
     Stopping,
-    /// The rig holds the measured pose with decreasing effort, and is then limp.
+    /// The rig sinks slowly: less and less of its weight is carried, and movement is braked. Then the rig is limp.
     Lowering,
     /// Torque is off, and a fault is latched.
     Faulted,

@@ -12,6 +12,12 @@ pub const DOFS_A_FRAME: usize = 42;
 /// Maximum number of servos in a frame.
 pub const SERVOS_A_FRAME: usize = 32;
 
+/// Maximum number of dofs in a frame of targets.
+pub const TARGETS_A_FRAME: usize = 64;
+
+/// Unit of a target offset, rad or m.
+pub const TARGET_UNIT: f32 = 1e-4;
+
 /// A frame of telemetry. All frames of a tick form a snapshot.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Telemetry {
@@ -49,6 +55,13 @@ pub enum SnapshotPart {
         first: u8,
         /// Servos in order.
         servos: Vec<Servo, SERVOS_A_FRAME>,
+    },
+    /// Commanded minus measured position of dofs. Since version 1.2.
+    Targets {
+        /// Index of the first dof.
+        first: u8,
+        /// Offsets of dofs in order, in [`TARGET_UNIT`].
+        offsets: Vec<i16, TARGETS_A_FRAME>,
     },
 }
 
@@ -109,6 +122,10 @@ pub struct Dof {
     pub effort: f32,
     /// Limit that reduced the effort, or `None`.
     pub limiter: Option<Limit>,
+    /// Commanded minus measured position in [`TARGET_UNIT`], at most what an i16 holds; for a ball joint a rotation
+    /// vector in body axes. [`SnapshotPart::Targets`] has it, not [`SnapshotPart::Dofs`].
+    #[serde(skip)]
+    pub target: i16,
 }
 
 /// Data of a servo.
@@ -143,7 +160,10 @@ impl TelemetryParts {
     pub const DOFS: Self = Self(4);
     /// Data of servos.
     pub const SERVOS: Self = Self(8);
-    /// All parts of a snapshot.
+    /// Commanded minus measured position of dofs, while torque is on. Since version 1.2; an older controller leaves it
+    /// out of the setting that it answers.
+    pub const TARGETS: Self = Self(16);
+    /// All parts of a snapshot but the targets.
     pub const ALL: Self = Self(15);
 
     /// Returns the union of both sets.
@@ -194,6 +214,10 @@ impl Snapshot<'_> {
                 TelemetryParts::SERVOS,
                 self.servos.len().div_ceil(SERVOS_A_FRAME),
             ))
+            .saturating_add(count(
+                TelemetryParts::TARGETS,
+                self.dofs.len().div_ceil(TARGETS_A_FRAME),
+            ))
     }
 
     /// Returns frame `index` of these parts, with the number `seq`; `None` after the last. O(numbers of the frame).
@@ -209,19 +233,24 @@ impl Snapshot<'_> {
             return Some(SnapshotPart::Summary(*self.summary));
         }
         if parts.has(TelemetryParts::POSE)
-            && let Some((first, q)) = chunk(self.q, index)
+            && let Some((first, q)) = chunk(self.q, index, |q| *q)
         {
             return Some(SnapshotPart::Pose { first, q });
         }
         if parts.has(TelemetryParts::DOFS)
-            && let Some((first, dofs)) = chunk(self.dofs, index)
+            && let Some((first, dofs)) = chunk(self.dofs, index, |dof| *dof)
         {
             return Some(SnapshotPart::Dofs { first, dofs });
         }
         if parts.has(TelemetryParts::SERVOS)
-            && let Some((first, servos)) = chunk(self.servos, index)
+            && let Some((first, servos)) = chunk(self.servos, index, |servo| *servo)
         {
             return Some(SnapshotPart::Servos { first, servos });
+        }
+        if parts.has(TelemetryParts::TARGETS)
+            && let Some((first, offsets)) = chunk(self.dofs, index, |dof| dof.target)
+        {
+            return Some(SnapshotPart::Targets { first, offsets });
         }
         None
     }
@@ -238,11 +267,14 @@ fn take(index: &mut usize, frames: usize) -> Option<usize> {
     }
 }
 
-/// Returns the chunk of a list at `index`, with the index of its first item.
-fn chunk<T: Clone, const N: usize>(list: &[T], index: &mut usize) -> Option<(u8, Vec<T, N>)> {
+/// Returns the chunk of a list at `index`, with the index of its first item. `of`: what of an item is sent.
+fn chunk<T, U, const N: usize>(
+    list: &[T],
+    index: &mut usize,
+    of: impl FnMut(&T) -> U,
+) -> Option<(u8, Vec<U, N>)> {
     let index = take(index, list.len().div_ceil(N))?;
     let first = index.checked_mul(N)?;
     let items = list.get(first..)?;
-    let items = items.get(..N).unwrap_or(items);
-    Some((u8::try_from(first).ok()?, Vec::from_slice(items).ok()?))
+    Some((u8::try_from(first).ok()?, items.iter().take(N).map(of).collect()))
 }

@@ -78,7 +78,7 @@ proptest! {
     }
 }
 
-/// NaN and infinities at every position of every message, with a correct CRC.
+/// Puts NaN and infinities at every position of every message, with a correct CRC. None of them is accepted.
 #[test]
 fn no_field_takes_nan_or_infinity() {
     let mut random = Random(1);

@@ -159,7 +159,7 @@ fn what_comes_was_sent_and_is_executed_once_in_order() {
     assert!(streams - came - of_streams.lost < 8, "{streams} sent, {came} came");
 }
 
-/// Any message, in both directions: only sent messages arrive.
+/// For any message, in both directions: only messages that were sent arrive.
 #[test]
 fn no_message_is_made_by_damage() {
     fn run<M: Message + PartialEq>(seed: u64, make: impl Fn(&mut Random) -> M) -> (u32, u32) {

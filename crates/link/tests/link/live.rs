@@ -61,7 +61,8 @@ struct Run {
     longest_us: u64,
 }
 
-/// Simulates a minute of 60 frames per second, each up to `jitter_us` late, some lost; 500 ticks per second.
+/// Simulates a minute: 60 frames per second, each up to `jitter_us` late and lost with probability `loss`, and 500
+/// ticks per second.
 fn run(seed: u64, jitter_us: usize, loss: f64, drift: f64, clock: u32) -> Run {
     let mut random = Random(seed);
     let mut under_way: Vec<(u64, LiveFrame)> = (0..3600_u64)

@@ -200,7 +200,7 @@ fn kinds() {
         let known = kinds.entry(of).or_default().entry(number).or_insert(name).clone();
         assert!(!known.is_empty());
     };
-    for _ in 0..30_000 {
+    for _ in 0..120_000 {
         let (a, b) =
             (common::messages::to_controller(&mut random), common::messages::to_host(&mut random));
         see("to the controller", kind(&a));

@@ -32,7 +32,7 @@ const LONGEST: Summary = Summary {
     show_ms: u32::MAX,
 };
 
-const DOF: Dof = Dof { effort: 1.1, limiter: Some(Limit::Supply) };
+const DOF: Dof = Dof { effort: 1.1, limiter: Some(Limit::Supply), target: i16::MIN };
 const SERVO: Servo =
     Servo { temperature_c: Some(41), heat_percent: 30, bus_errors: u16::MAX, hardware_error: 1 };
 
@@ -41,12 +41,15 @@ fn all_of_a_snapshot_is_told_once() {
     let mut random = Random(5);
     for _ in 0..500 {
         let q: Vec<f32> = (0..random.below(200)).map(|_| random.finite()).collect();
-        let dofs: Vec<Dof> =
-            (0..random.below(200)).map(|_| common::messages::dof(&mut random)).collect();
+        let dof = |random: &mut Random| Dof {
+            target: random.bits() as i16,
+            ..common::messages::dof(random)
+        };
+        let dofs: Vec<Dof> = (0..random.below(200)).map(|_| dof(&mut random)).collect();
         let servos: Vec<Servo> =
             (0..random.below(200)).map(|_| common::messages::servo(&mut random)).collect();
         let summary = common::messages::summary(&mut random);
-        let parts = TelemetryParts(random.below(16) as u8);
+        let parts = TelemetryParts(random.below(32) as u8);
         let snapshot = Snapshot {
             tick: random.bits(),
             summary: &summary,
@@ -56,7 +59,7 @@ fn all_of_a_snapshot_is_told_once() {
         };
 
         let mut decoder = Decoder::<ToHost>::new();
-        let mut told = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let mut told = (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for index in 0..snapshot.frames(parts) {
             let part = snapshot.frame(parts, index, index as u16).expect("it is one of them");
             assert_eq!((part.seq, part.tick), (index as u16, snapshot.tick));
@@ -76,13 +79,21 @@ fn all_of_a_snapshot_is_told_once() {
                         assert_eq!(usize::from(first), told.3.len());
                         told.3.extend(servos);
                     }
+                    SnapshotPart::Targets { first, offsets } => {
+                        assert_eq!(usize::from(first), told.4.len());
+                        told.4.extend(offsets);
+                    }
                 }
             });
         }
         assert_eq!(snapshot.frame(parts, snapshot.frames(parts), 0), None);
         assert_eq!(told.0 == [summary], parts.has(TelemetryParts::SUMMARY));
         assert_eq!(told.1 == q, parts.has(TelemetryParts::POSE) || q.is_empty());
-        assert_eq!(told.2 == dofs, parts.has(TelemetryParts::DOFS) || dofs.is_empty());
+        // The part of targets has them, not the part of dofs.
+        let bare: Vec<Dof> = dofs.iter().map(|dof| Dof { target: 0, ..*dof }).collect();
+        assert_eq!(told.2 == bare, parts.has(TelemetryParts::DOFS) || dofs.is_empty());
+        let targets: Vec<i16> = dofs.iter().map(|dof| dof.target).collect();
+        assert_eq!(told.4 == targets, parts.has(TelemetryParts::TARGETS) || dofs.is_empty());
         assert_eq!(told.3 == servos, parts.has(TelemetryParts::SERVOS) || servos.is_empty());
     }
 }
@@ -105,7 +116,7 @@ fn written(size: RigSize, parts: TelemetryParts) -> usize {
 fn the_rate_is_that_of_what_is_written() {
     for count in [0, 1, 6, 20, 42, 43, 64, 65, 100] {
         let size = RigSize { coordinates: count, dofs: count, servos: count };
-        for parts in (0..16).map(TelemetryParts) {
+        for parts in (0..32).map(TelemetryParts) {
             let (sum, written) = (snapshot_len(size, parts), written(size, parts));
             // Never above the computed size, and at most a byte below, which frames of up to 254 bytes save.
             assert!(written <= sum && sum <= written + 8, "{size:?} {parts:?}: {written}, {sum}");
@@ -135,4 +146,5 @@ fn parts_are_bits() {
         TelemetryParts::SERVOS,
     ];
     assert_eq!(all.into_iter().reduce(TelemetryParts::and), Some(TelemetryParts::ALL));
+    assert!(!TelemetryParts::ALL.has(TelemetryParts::TARGETS));
 }

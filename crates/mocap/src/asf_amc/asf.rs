@@ -81,7 +81,8 @@ struct Parser<'a> {
     degrees: bool,
     root: Option<Bone>,
     bones: Vec<Bone>,
-    /// Parent of each bone in the hierarchy with its position in the file, by the bone's name.
+    /// For each bone, by its name: the bone's parent in the hierarchy, and the position in the file where the hierarchy
+    /// names the bone.
     parents: Option<BTreeMap<String, (String, Position)>>,
 }
 

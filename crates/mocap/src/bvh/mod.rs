@@ -19,8 +19,8 @@ pub use write::{WriteError, text, write};
 
 use super::recording::{self, FRAME_TIME_S, Frames, JOINT_COUNT_MAX, MAGNITUDE_MAX, Recording};
 use super::text::{Position, found, shown};
-use crate::encoding;
 use crate::skeleton::{JointSample, Skeleton, SkeletonJoint};
+use crate::{encoding, placed};
 
 /// Reads the file at `path`. The clip's name is the stem of the file.
 ///
@@ -113,7 +113,9 @@ impl<'a> Parser<'a> {
         let frame_time_s = self.frame_time_s()?;
         let (mut frames, mut notes) = self.frames(&hierarchy, frame_count)?;
         notes.extend(hierarchy.add_offsets(&mut frames));
-        Ok((hierarchy.skeleton, frame_time_s, frames, notes))
+        let mut skeleton = hierarchy.skeleton;
+        notes.extend(placed::turn(&mut skeleton, &mut frames));
+        Ok((skeleton, frame_time_s, frames, notes))
     }
 
     /// Reads all joints, from the root's name to its closing brace.
@@ -323,8 +325,8 @@ impl Hierarchy {
     }
 
     /// Adds the joints' offsets to positions that are displacements from these offsets, which some exporters write.
-    /// Such positions are near zero although the offsets are not, and no valid file has all joints at one place.
-    /// The limit is 5 % of the bones' length.
+    /// Such positions are near zero although the offsets are not, and no valid file has all joints at one place. The
+    /// limit is 5 % of the bones' length. Returns a note for the user if offsets were added.
     fn add_offsets(&self, frames: &mut Frames) -> Option<String> {
         const NEAR: f64 = 0.05;
         let joints = &self.skeleton.joints;

@@ -30,7 +30,7 @@ pub(crate) const TORQUE_OFF: [&[u8]; 2] = [
     &[0xFF, 0xFF, 0xFE, 4, 3, 0x28, 0, 0xD2],
 ];
 
-/// Number of the setting `lower_s`: the time in which a rig is lowered, s.
+/// Number of the setting `lower_s`: the time in which the effort of a lowered rig fades while nothing moves, s.
 pub(crate) const LOWER_S: u16 = 7;
 
 /// Address of Torque Enable of an XL330.
@@ -211,7 +211,7 @@ pub(crate) fn has_told(board: &Board<Emulated>, fault: Fault) -> bool {
     board.log.faults.iter().any(|record| record.fault == fault.number())
 }
 
-/// Sets the time in which a rig is lowered, s. The time must differ from the present setting.
+/// Sets `lower_s`, s. The value must differ from the present setting.
 pub(crate) fn set_lowering(board: &mut Board<Emulated>, lower_s: f32) {
     assert!((board.setting(LOWER_S).unwrap() - lower_s).abs() > 0.5, "it is another one");
     // The board restarts with the new setting, perhaps before its answer arrives.

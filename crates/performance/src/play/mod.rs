@@ -32,7 +32,7 @@ mod swing_meter;
 mod tally;
 mod wires;
 
-pub use board::{BoardError, Chip, SimulatedBoard};
+pub use board::{BoardEnd, BoardError, Chip, HostEnd, HostSide, SimulatedBoard, pipe};
 pub use director::{Director, Ended};
 pub use error::{PartsError, SimulatedRigError};
 pub use line::Line;
@@ -58,7 +58,8 @@ use sinew_rig::board::BoardRig;
 const BODIES: usize = 64;
 const DOFS: usize = 128;
 const SERVOS: usize = 64;
-/// A ball joint has four coordinates for three dofs.
+/// Maximum number of coordinates. It is larger than the number of dofs, because a ball joint has four coordinates and
+/// three dofs.
 const COORDINATES: usize = 192;
 
 /// The compact form of a simulated rig.

@@ -21,7 +21,8 @@ pub trait PeerController {
     /// are in `out`. The returned packets must be written to `out`.
     fn plan(&mut self, line: usize, own: Request, out: &mut [u8]) -> Request;
 
-    /// Returns more packets of a line, `left_us` before the time for packets ends. `own`, `out`: see [`Self::plan`].
+    /// Returns more packets of a line, `left_us` before the time for packets ends. `None` if the line needs no more
+    /// packets. `own`, `out`: see [`Self::plan`].
     fn plan_more(
         &mut self,
         line: usize,

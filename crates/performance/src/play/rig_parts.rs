@@ -187,7 +187,7 @@ impl RigParts {
         self.schedules[line].groups()
     }
 
-    /// Whether a dof is moved by servos that report nothing: its position is unknown.
+    /// Returns whether a dof is moved by servos that report nothing. The position of such a dof is unknown.
     pub fn tells_nothing(&self, dof: usize) -> bool {
         self.drives[dof] == Some(Drive::Pulses)
     }

@@ -21,8 +21,8 @@ const CURRENT_SHARE: f64 = 0.8;
 /// Voltage range of a Feetech servo, V: the minimum by its table, and a factor on the recommended voltage for the
 /// maximum (1.2 is a guess).
 const FEETECH_V: (f32, f32) = (4.0, 1.2);
-/// A current drive gives no more current at a temperature that is higher by this amount than the temperature at which
-/// the heat detector finds a fault, °C.
+/// A current drive reduces its current to zero over this many °C, beginning at the temperature at which the heat
+/// detector finds a fault.
 const HOT_ROOM_C: f32 = 4.0;
 
 /// Quantity by which a servo is driven.

@@ -195,7 +195,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     }
 
     /// Returns the current that a servo reports, A. A reported load is converted: it is a share of the stall current,
-    /// or for a servo driven by voltage the share of the supply voltage, from which the back-EMF is subtracted.
+    /// or for a servo driven by voltage the share of the supply voltage, from which the back-EMF is subtracted (0 while
+    /// torque is not permitted). `None` without a reading.
     pub fn current_a(&self, servo: usize) -> Option<f32> {
         let read = self.buses.feedback(servo)?;
         Some(match read.effort {
@@ -215,7 +216,8 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     }
 
     /// Returns the limit that acts on a joint now, for tables, recordings and telemetry: a limit of its effort, of its
-    /// first servo's drive, or of heat and supply. If none of these acts, returns the limit of the guard.
+    /// first servo's drive, or of heat and supply. If none of these acts, returns the limit of the guard, or `None` if
+    /// the guard limits nothing.
     pub fn limiter(&self, dof: usize) -> Option<String> {
         let report = self.report();
         let servo = self.parts.first_servo[dof].map(|servo| &report.servos[servo]);

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{InverseDynamics, JointModel, Link};
+use sinew_rig::mechanism::{InverseDynamics, JointModel, Link, Ties};
 use thiserror::Error;
 
 /// Error of a table that is refused.
@@ -89,7 +89,7 @@ fn coordinate_names(mechanism: &Mechanism) -> Vec<String> {
 
 /// Computes the efforts of every row of a CSV with columns `q.NAME`, `qd.NAME`, `qdd.NAME` in any order, in SI units,
 /// the base at rest. The output has columns `tau.NAME` with nine digits. Without any column of `qd`, or of `qdd`,
-/// these values are zero.
+/// these values are zero. A joint that follows another needs no column: it follows.
 ///
 /// # Errors
 /// [`DynamicsError`] names line and column.
@@ -106,7 +106,8 @@ pub fn inverse_dynamics(
         .iter()
         .map(|name| name.trim_start_matches('\u{feff}').to_owned())
         .collect();
-    let columns = Columns::of(&header, &coordinate_names(&mechanism), &names)?;
+    let ties = mechanism.ties();
+    let columns = Columns::of(&header, &coordinate_names(&mechanism), &names, &ties)?;
 
     let tau: Vec<String> = names.iter().map(|name| format!("tau.{name}")).collect();
     let mut out = tau.join(",");
@@ -115,11 +116,10 @@ pub fn inverse_dynamics(
     for record in reader.records() {
         let record = record?;
         let line = record.position().map_or(0, csv::Position::line);
-        let number = |column: &usize| -> Result<f32, DynamicsError> {
+        let number = |column: &usize| -> Result<f64, DynamicsError> {
             let found = record.get(*column).unwrap_or_default();
             match found.parse::<f64>() {
-                #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
-                Ok(x) if x.abs() <= 1e6 => Ok(x as f32),
+                Ok(x) if x.abs() <= 1e6 => Ok(x),
                 _ => Err(DynamicsError::Number {
                     line,
                     column: header.get(*column).cloned().unwrap_or_default(),
@@ -127,17 +127,27 @@ pub fn inverse_dynamics(
                 }),
             }
         };
-        let row = |columns: &[usize], count: usize| -> Result<Vec<f32>, DynamicsError> {
-            if columns.is_empty() {
-                Ok(vec![0.0; count])
-            } else {
-                columns.iter().map(number).collect()
-            }
+        let row = |columns: &[Option<usize>]| -> Result<Vec<f64>, DynamicsError> {
+            columns.iter().map(|column| column.as_ref().map_or(Ok(0.0), number)).collect()
         };
-        let q = row(&columns.q, columns.q.len())?;
-        let [qd, qdd] = [&columns.qd, &columns.qdd].map(|columns| row(columns, names.len()));
+        let [mut q, mut qd, mut qdd] = [row(&columns.q)?, row(&columns.qd)?, row(&columns.qdd)?];
+        for tie in ties.each() {
+            let ([own, leader], [dof, of]) = (tie.places(), tie.dofs());
+            if columns.q[own].is_none() {
+                q[own] = tie.factor * q[leader] + tie.offset;
+            }
+            for (rates, columns) in [(&mut qd, &columns.qd), (&mut qdd, &columns.qdd)] {
+                if columns[dof].is_none() {
+                    rates[dof] = tie.factor * rates[of];
+                }
+            }
+        }
+        let single = |numbers: &[f64]| -> Vec<f32> {
+            #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+            numbers.iter().map(|x| *x as f32).collect()
+        };
         let efforts = dynamics
-            .efforts(&q, &qd?, &qdd?)
+            .efforts(&single(&q), &single(&qd), &single(&qdd))
             .map_err(|source| DynamicsError::Row { line, source })?;
         for (place, effort) in efforts.iter().enumerate() {
             let comma = if place > 0 { "," } else { "" };
@@ -148,11 +158,12 @@ pub fn inverse_dynamics(
     Ok(out)
 }
 
-/// Columns of a row's numbers, by coordinate and by dof; empty if the table has no column of that kind.
+/// Columns of a row's numbers, by coordinate and by dof; `None` for rates of a kind that the table does not have, and for
+/// joints that follow others.
 struct Columns {
-    q: Vec<usize>,
-    qd: Vec<usize>,
-    qdd: Vec<usize>,
+    q: Vec<Option<usize>>,
+    qd: Vec<Option<usize>>,
+    qdd: Vec<Option<usize>>,
 }
 
 impl Columns {
@@ -160,6 +171,7 @@ impl Columns {
         header: &[String],
         coordinates: &[String],
         dofs: &[String],
+        ties: &Ties,
     ) -> Result<Self, DynamicsError> {
         let mut places = BTreeMap::new();
         for (place, name) in header.iter().enumerate() {
@@ -167,21 +179,30 @@ impl Columns {
                 return Err(DynamicsError::RepeatedColumn(name.clone()));
             }
         }
-        let mut take = |kind: &str, names: &[String], needed: bool| {
+        let follows = |place: usize| ties.each().any(|tie| tie.places()[0] == place);
+        let follows_at = |place: usize| ties.each().any(|tie| tie.dofs()[0] == place);
+        let mut take = |kind: &str,
+                        names: &[String],
+                        follows: &dyn Fn(usize) -> bool,
+                        needed: bool| {
             let given: Vec<_> =
                 names.iter().map(|name| places.remove(format!("{kind}.{name}").as_str())).collect();
             if !needed && given.iter().all(Option::is_none) {
-                return Ok(Vec::new());
+                return Ok(given);
             }
-            let found = given.into_iter().zip(names).map(|(place, name)| {
-                place.ok_or_else(|| DynamicsError::MissingColumn(format!("{kind}.{name}")))
-            });
-            found.collect()
+            let is_missing =
+                |(place, given): &(usize, &Option<usize>)| given.is_none() && !follows(*place);
+            match given.iter().enumerate().find(is_missing) {
+                None => Ok(given),
+                Some((place, _)) => {
+                    Err(DynamicsError::MissingColumn(format!("{kind}.{}", names[place])))
+                }
+            }
         };
         let columns = Self {
-            q: take("q", coordinates, true)?,
-            qd: take("qd", dofs, false)?,
-            qdd: take("qdd", dofs, false)?,
+            q: take("q", coordinates, &follows, true)?,
+            qd: take("qd", dofs, &follows_at, false)?,
+            qdd: take("qdd", dofs, &follows_at, false)?,
         };
         match places.keys().next() {
             None => Ok(columns),

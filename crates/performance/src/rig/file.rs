@@ -63,7 +63,8 @@ pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     let kinds = [Kind::Rig, Kind::Toml, Kind::Urdf, Kind::Mjcf, Kind::Xml];
     let text = read::text_of(path, expected, &kinds).map_err(|error| refused(error.to_string()))?;
     if text.trim_start().starts_with('<') {
-        return imported(&text, options).map_err(refused);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        return imported(&text, options, folder).map_err(refused);
     }
     if options.metres_per_unit.is_some() || options.up.is_some() {
         let reason = "--metres-per-unit and --up are for URDF and MJCF: a rig.toml is in metres, and its \
@@ -76,8 +77,26 @@ pub fn load(path: &Path, options: &Options) -> Result<LoadedRig, RigFileError> {
     Ok(LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts })
 }
 
-fn imported(text: &str, options: &Options) -> Result<LoadedRig, String> {
-    let parse = if root_element(text) == "mujoco" { import::mjcf } else { import::urdf };
+/// Reads a part of an MJCF from the folder of the file or below.
+fn part(folder: &Path, name: &str) -> Result<String, String> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let told = |error: std::io::Error| error.to_string();
+    let path = folder.join(name).canonicalize().map_err(told)?;
+    // A link can lead out of the folder.
+    if !path.starts_with(folder.canonicalize().map_err(told)?) {
+        return Err("is not in the folder of the file".to_owned());
+    }
+    read::text(&path).map_err(|error| error.to_string())
+}
+
+fn imported(text: &str, options: &Options, folder: &Path) -> Result<LoadedRig, String> {
+    let parse = |text: &str, options: &Options| {
+        if root_element(text) == "mujoco" {
+            import::mjcf_with_parts(text, options, &|name| part(folder, name))
+        } else {
+            import::urdf(text, options)
+        }
+    };
     let read = |options: &Options| -> Result<(Imported, Mechanism), String> {
         let imported = parse(text, options).map_err(|error| error.to_string())?;
         let mechanism = imported.description.mechanism().map_err(|error| error.to_string())?;

@@ -10,7 +10,7 @@ use sinew_rig::mechanism::JointModel;
 const REST_S: f64 = 1.0;
 /// Duration of the built-in motion, s.
 const WAY_S: f64 = 6.0;
-/// Largest deflection of a joint: as a share of its range, and in rad or m.
+/// Largest deflection of a joint: the smaller of a share of its range, and an angle or a distance in rad or m.
 const FAR: (f64, f64) = (0.15, 0.6);
 /// Rows per second of the built-in path.
 const RATE_HZ: f64 = 50.0;

@@ -117,7 +117,8 @@ fn smooth(
     Ok(most)
 }
 
-/// Returns the first row away from the first position, and the last row away from the last position.
+/// Returns the first row away from the first position, and the last row away from the last position. `None` if no joint
+/// moves away.
 fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
     let mut least = Vec::new();
     for link in &mechanism.bodies {

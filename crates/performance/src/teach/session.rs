@@ -145,7 +145,8 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         Ok(TeachRecording { dt_s: 1e-6 * f64::from(self.sim.parts.tick_us()), rows, drift })
     }
 
-    /// Returns the next command on the way from the present state to the state for teaching.
+    /// Returns the next command on the way from the present state to the state for teaching. `None`: wait, or the state
+    /// is reached.
     fn towards(&self, mode: Mode) -> Option<Command> {
         let report = self.sim.report();
         match (mode, report.state) {

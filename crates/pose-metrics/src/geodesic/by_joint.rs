@@ -166,8 +166,8 @@ impl Joint<'_> {
         Carried { matrix, pull }
     }
 
-    /// Minimizes the energy over the joint's own step. Returns the minimum as a function of the parent's
-    /// velocities, and the data from which that step follows.
+    /// Minimizes the energy over the joint's own step. Returns the minimum as a function of the parent's velocities,
+    /// and the data from which that step follows. `None` if the matrix is not positive definite.
     fn eliminate(
         self,
         body: Carried,

@@ -40,7 +40,7 @@ pub struct Geodesic {
     pub line_length_m: f64,
     /// Largest component of the gradient that no range balances.
     pub gradient: f64,
-    /// Whether the gradient is within the tolerance.
+    /// Whether the gradient, and the products of the limits' forces and gaps, are within the tolerance.
     pub converged: bool,
     /// State after every iteration.
     pub course: Vec<Iteration>,

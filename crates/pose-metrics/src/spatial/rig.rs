@@ -36,8 +36,8 @@ enum Turn {
     Against(usize),
 }
 
-/// Maximum length of a bone. A longer bone indicates a wrong unit. Squares of shorter bones, times importances,
-/// are valid weights of `core`.
+/// Maximum length of a bone. A longer bone indicates a wrong unit. The squares of shorter lengths, times importances,
+/// are weights that the core accepts.
 const LONGEST_M: f64 = 100.0;
 
 /// The error of a skeleton that cannot be compared in space.

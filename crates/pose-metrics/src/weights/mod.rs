@@ -68,7 +68,7 @@ pub struct Settings {
     /// Initial weight of every joint, in the method's unit; `None` for the method's default, see
     /// [`Settings::base_of`].
     pub base: Option<f64>,
-    /// Factor by which a bone's length counts less for each joint further up; used by the method [`Method::Lengths`].
+    /// Factor on a bone's length for each joint further up, 0 to 1; used by the method [`Method::Lengths`].
     pub discount: f64,
     /// Rule for the area of a vertex; used by the method [`Method::Mesh`].
     pub vertex_area: VertexArea,

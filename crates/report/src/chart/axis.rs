@@ -19,7 +19,8 @@ impl Axis {
         Self { values: [0.0, steps * step], places, logarithmic: false }
     }
 
-    /// Creates an axis from a round number below `low`, or zero if that is near, to a round number above `high`.
+    /// Creates an axis from a round number below `low` to a round number above `high`. If `low` is at most half of
+    /// `high`, the axis begins at zero.
     pub(crate) fn around([low, high]: [f64; 2], places: [f64; 2]) -> Self {
         if !(low > 0.5 * high && low < high) {
             return Self::from_zero(high, places);
@@ -70,7 +71,7 @@ impl Axis {
     }
 }
 
-/// Returns 1, 2 or 5 times a power of ten, with two to five steps in the length.
+/// Returns the length of a step: 1, 2 or 5 times a power of ten, so that `length` contains two to five steps.
 fn round_step(length: f64) -> f64 {
     let rough = length / 5.0;
     let power = libm::pow(10.0, libm::floor(libm::log10(rough)));

@@ -61,7 +61,7 @@ pub fn heat_map(grid: &Grid) -> Markup {
     )
 }
 
-/// Returns the interval of the columns that have room for a label.
+/// Returns n if there is room for a label at every n-th column of this width.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to some hundreds")]
 fn labelled(width: f64) -> usize {
     libm::ceil(NUMBER / width).max(1.0) as usize

@@ -8,7 +8,7 @@ use sinew_rig::mechanism::JointModel;
 use super::samples::Samples;
 use crate::rig::{Body, bodies};
 
-/// The drawn data: all joints except the drive of a base.
+/// The drawn data: all joints except the free joint of a driven base.
 pub(super) struct Drawn<'a> {
     pub(super) limits: &'a Limits,
     pub(super) report: &'a Report,

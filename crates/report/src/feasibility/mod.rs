@@ -18,7 +18,9 @@ use data::{Drawn, DrawnDof, Json};
 
 const SCRIPT: &str = concat!(
     include_str!("../rig/assets/kinematics.js"),
+    include_str!("../rig/assets/shapes.js"),
     include_str!("../rig/assets/stage.js"),
+    include_str!("../rig/assets/data.js"),
     include_str!("../assets/traces.js"),
     include_str!("../assets/draw.js"),
     include_str!("../assets/transport.js"),

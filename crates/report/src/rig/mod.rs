@@ -3,6 +3,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
+use sinew_rig::description::{BodyShape, ShapeKind};
 use sinew_rig::mechanism::{JointModel, Link, Mechanism};
 use sinew_rig::review::{DofReview, Review};
 
@@ -11,11 +12,21 @@ use super::palette;
 
 const SCRIPT: &str = concat!(
     include_str!("assets/kinematics.js"),
-    include_str!("assets/gravity.js"),
+    include_str!("assets/shapes.js"),
     include_str!("assets/stage.js"),
+    include_str!("assets/data.js"),
+    include_str!("assets/gravity.js"),
     include_str!("assets/view.js")
 );
 const STYLE: &str = include_str!("assets/view.css");
+
+/// The renderer of rigs as an ES module, for pages that are served: it exports `kinematicsOf`, `stageOn` and `shade`.
+pub const RENDERER: &str = concat!(
+    include_str!("assets/kinematics.js"),
+    include_str!("assets/shapes.js"),
+    include_str!("assets/stage.js"),
+    include_str!("assets/module.js")
+);
 
 /// Data for the page's script.
 #[derive(Debug, Serialize)]
@@ -26,7 +37,7 @@ struct Data<'a> {
 
 /// A body in the form of `kinematics.js`.
 #[derive(Debug, Serialize)]
-pub(super) struct Body<'a> {
+pub struct Body<'a> {
     name: &'a str,
     parent: Option<usize>,
     kind: &'static str,
@@ -37,6 +48,39 @@ pub(super) struct Body<'a> {
     center_m: [f64; 3],
     tips_m: Vec<[f64; 3]>,
     home: &'a [f64],
+    shapes: Vec<Shape>,
+}
+
+/// A solid in the form of `shapes.js`, in the body's frame.
+#[derive(Debug, Serialize)]
+struct Shape {
+    kind: &'static str,
+    size: Option<[f64; 3]>,
+    radius: Option<f64>,
+    length: Option<f64>,
+    position: [f64; 3],
+    rotation: [f64; 4],
+    color: Option<[f64; 3]>,
+}
+
+impl Shape {
+    fn of(shape: &BodyShape) -> Self {
+        let kind = match shape.kind {
+            ShapeKind::Box => "box",
+            ShapeKind::Sphere => "sphere",
+            ShapeKind::Cylinder => "cylinder",
+            ShapeKind::Capsule => "capsule",
+        };
+        Self {
+            kind,
+            size: shape.size_m,
+            radius: shape.radius_m,
+            length: shape.length_m,
+            position: shape.position_m,
+            rotation: shape.rotation_xyzw,
+            color: shape.color_rgb,
+        }
+    }
 }
 
 /// A slider for a dof.
@@ -122,7 +166,7 @@ fn summary(mechanism: &Mechanism, review: &Review) -> String {
 }
 
 /// Returns the bodies of a rig in the form of `kinematics.js`.
-pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
+pub fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
     let body = |link: &'a Link| {
         let (kind, axes) = kind(link.joint);
         Body {
@@ -136,6 +180,7 @@ pub(super) fn bodies<'a>(mechanism: &'a Mechanism) -> Vec<Body<'a>> {
             center_m: link.center_of_mass_m.to_array(),
             tips_m: link.merged.iter().map(|part| part.position_m.to_array()).collect(),
             home: &link.home,
+            shapes: link.shapes.iter().map(Shape::of).collect(),
         }
     };
     mechanism.bodies.iter().map(body).collect()

@@ -8,7 +8,7 @@ use super::mannequin::{Mannequin, Part};
 /// Bodies whose segment does not end at a joint: head, hands, feet. Their ends are the points after the joints' points.
 const ENDS: [usize; 5] = [3, 7, 11, 14, 17];
 
-/// Number of parts that make the trunk. They are the first parts.
+/// Number of parts that make the trunk: the first ones of [`PARTS`].
 const TRUNK: usize = 6;
 
 /// Parts for a leg of [`LEG_M`].

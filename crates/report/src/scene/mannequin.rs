@@ -20,7 +20,7 @@ pub struct Mannequin {
     /// Body of each point, and the point's position in the body's frame, in metres.
     pub(super) points: Vec<(usize, DVec3)>,
     pub(super) parts: Vec<Part>,
-    /// Number of parts that make the trunk. They are the first parts, and are drawn together, without sorting by
+    /// Number of parts that make the trunk: the first ones of the list. They are drawn together, without sorting by
     /// depth.
     pub(super) trunk: usize,
     /// Factor on the thickness of all parts.

@@ -26,7 +26,8 @@ pub(super) fn capsule(a: Circle, b: Circle) -> String {
     path
 }
 
-/// Appends an arc from one angle to another as cubic curves. `command` leads to its start.
+/// Appends an arc from one angle to another as cubic curves. `command` is the path command that leads to the arc's
+/// start.
 fn arc(path: &mut String, circle: Circle, from: f64, to: f64, command: char) {
     let pieces = libm::ceil((to - from) / (0.5 * PI) - 1e-9).max(1.0);
     let turn = (to - from) / pieces;

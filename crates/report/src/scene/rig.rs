@@ -76,7 +76,8 @@ fn hinged(link: &Link) -> Option<usize> {
     link.parent.filter(|_| link.joint != JointModel::Free)
 }
 
-/// Returns the end of a leaf in its own frame, in metres.
+/// Returns the assumed end of a body without children, in its own frame, in metres: twice as far as its centre of mass,
+/// or a short stub if the centre of mass is at the joint.
 fn end_m(link: &Link, size_m: f64) -> DVec3 {
     let through_center_m = 2.0 * link.center_of_mass_m;
     if through_center_m.length() > SHORTEST * size_m {

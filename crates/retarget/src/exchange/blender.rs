@@ -2,7 +2,7 @@
 //! each frame, a table from servo number to position. Later versions of the add-on have `servos` instead: for each
 //! servo, a list of its positions.
 //!
-//! The builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
+//! The rig's builder chooses the unit of the numbers; this module uses encoder steps for a bus servo, and pulses in us
 //! for a hobby servo.
 
 use std::collections::BTreeMap;

@@ -165,7 +165,10 @@ fn a_table_names_its_columns_and_turns_the_root_to_z_up() {
     );
     assert_eq!(
         names[8..],
-        mechanism.bodies[1..].iter().map(|link| link.joint_name.as_str()).collect::<Vec<_>>()
+        mechanism.bodies[1..]
+            .iter()
+            .map(|link| format!("{}_deg", link.joint_name))
+            .collect::<Vec<_>>()
     );
     let row: Vec<f64> = lines.nth(1).unwrap().split(',').map(|x| x.parse().unwrap()).collect();
     assert_eq!(row[..4], [0.5, 1.0, -3.0, 2.0]);

@@ -161,7 +161,7 @@ impl<'a> Tally<'a> {
             let sum = linked.factor * position(linked.body)
                 + linked.other_factor * position(linked.other);
             let [least, most] = linked.range;
-            // Tied joints are computed, therefore rounding errors are allowed.
+            // A sum is computed, therefore rounding errors are allowed.
             let room = 1e-6;
             let end = if sum < least { least } else { most };
             if sum < least - room || sum > most + room {

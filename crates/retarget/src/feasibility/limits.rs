@@ -1,7 +1,7 @@
 //! Limits of a rig's joints.
 
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{JointModel, Link, LinkedRange};
+use sinew_rig::mechanism::{JointModel, Link, LinkedRange, Ties};
 use sinew_rig::review::Servos;
 
 use super::report::{Excess, Kind, Report};
@@ -47,8 +47,11 @@ pub struct Limits {
     pub dofs: Vec<DofLimits>,
     /// Maximum rotation of each ball joint from its zero pose: its body, and the angle, rad.
     pub turns: Vec<(usize, f64)>,
-    /// Limits that join two joints.
+    /// Limits that join two joints, none of which follows another.
     pub linked: Vec<LinkedRange>,
+    /// Joints that follow others. Their positions and speeds have no limits of their own: those of the leaders include
+    /// them.
+    pub ties: Ties,
 }
 
 impl Limits {
@@ -57,6 +60,7 @@ impl Limits {
         let mut names = mechanism.dof_names().into_iter();
         let mut heat = servos.by_dof.iter();
         let (mut dofs, mut turns) = (Vec::new(), Vec::new());
+        let ties = mechanism.ties();
         for (body, link) in mechanism.bodies.iter().enumerate() {
             if let (JointModel::Spherical, Some([_, most])) = (link.joint, link.ranges.first()) {
                 turns.push((body, *most));
@@ -65,21 +69,24 @@ impl Limits {
                 let servo = heat.next().and_then(Option::as_ref);
                 let none = f64::INFINITY;
                 let driven = link.joint == JointModel::Free;
+                let follows = ties.of(body).is_some();
                 let or_none = |limit: f64| if driven { none } else { limit };
+                let of_motion = |limit: f64| if driven || follows { none } else { limit };
                 dofs.push(DofLimits {
                     name: names.next().unwrap_or_default(),
                     joint: body,
                     slides: matches!(link.joint, JointModel::Prismatic(_)) || (driven && axis >= 3),
-                    range: range(link, axis),
-                    speed: or_none(link.speed),
-                    acceleration: or_none(link.acceleration),
+                    range: if follows { [-none, none] } else { range(link, axis) },
+                    speed: of_motion(link.speed),
+                    acceleration: of_motion(link.acceleration),
                     effort: or_none(link.effort),
                     heat: servo
                         .map(|servo| Heat { continuous: servo.continuous, time_s: THERMAL_TIME_S }),
                 });
             }
         }
-        Self { dofs, turns, linked: mechanism.linked.clone() }
+        let linked = ties.limits().to_vec();
+        Self { dofs, turns, linked, ties }
     }
 
     /// Multiplies every limit of speed, acceleration and effort by `share`: a margin for a spline.

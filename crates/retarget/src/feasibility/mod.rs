@@ -31,5 +31,5 @@ pub use error::CheckError;
 pub use fit::{Fit, FitError, FitSettings, LoweredJoint, Progress, SmoothedJoint, fit, refit};
 pub use limits::{DofLimits, Heat, Limits};
 pub use looped::{LoopError, LoopedMotion, looped};
-pub use motion::{MotionError, RigMotion};
+pub use motion::{Jump, MotionError, RigMotion};
 pub use report::{DofPeaks, Excess, Kind, Report};

@@ -3,6 +3,7 @@
 use std::hash::{DefaultHasher, Hasher as _};
 
 use sinew_rig::Mechanism;
+use sinew_rig::mechanism::{JointModel, Ties};
 use thiserror::Error;
 
 /// Tolerance of a quaternion's squared length against 1.
@@ -15,6 +16,17 @@ pub struct RigMotion {
     pub dt_s: f64,
     /// Coordinates in the order of [`Mechanism::home`]: rad, m, quaternions x y z w.
     pub rows: Vec<Vec<f64>>,
+}
+
+/// A change of an angle by more than half a turn from a row to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jump {
+    /// Name of the joint.
+    pub joint: String,
+    /// Index of the row after the jump.
+    pub row: usize,
+    /// Change of the angle, rad.
+    pub change_rad: f64,
 }
 
 /// The reason why a motion is invalid for the rig.
@@ -73,6 +85,46 @@ impl RigMotion {
     /// Returns the time of the last row, s; the first row is at 0.
     pub fn duration_s(&self) -> f64 {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s
+    }
+
+    /// Moves the followers of all rows to where their leaders put them. Returns the largest change of each follower that
+    /// changed, rad or m, by its body.
+    pub fn follow(&mut self, ties: &Ties) -> Vec<(usize, f64)> {
+        /// Rounding of tables with six digits.
+        const ROUNDING: f64 = 1e-5;
+        let mut changes: Vec<(usize, f64)> = ties.each().map(|tie| (tie.body, 0.0)).collect();
+        for row in &mut self.rows {
+            let before: Vec<f64> = ties.each().map(|tie| row[tie.places()[0]]).collect();
+            ties.follow(row);
+            for ((tie, before), (_, most)) in ties.each().zip(before).zip(&mut changes) {
+                *most = f64::max(*most, (row[tie.places()[0]] - before).abs());
+            }
+        }
+        changes.retain(|(_, most)| *most > ROUNDING);
+        changes
+    }
+
+    /// Returns the changes of angles by more than half a turn, in order of time. A file that wraps angles into one turn
+    /// has them.
+    pub fn jumps(&self, mechanism: &Mechanism) -> Vec<Jump> {
+        let turns = |joint: &JointModel| {
+            matches!(joint, JointModel::Revolute(_) | JointModel::Universal(_))
+        };
+        let ranges = mechanism.coordinate_ranges();
+        let links = mechanism.bodies.iter().zip(&ranges).filter(|(link, _)| turns(&link.joint));
+        let turning: Vec<(&str, usize)> = links
+            .flat_map(|(link, range)| range.clone().map(|k| (link.joint_name.as_str(), k)))
+            .collect();
+        let mut jumps = Vec::new();
+        for (before, rows) in self.rows.windows(2).enumerate() {
+            for (joint, k) in &turning {
+                let change_rad = rows[1][*k] - rows[0][*k];
+                if change_rad.abs() > std::f64::consts::PI {
+                    jumps.push(Jump { joint: (*joint).to_owned(), row: before + 1, change_rad });
+                }
+            }
+        }
+        jumps
     }
 
     /// Checks that the motion is valid for a rig.

@@ -1,5 +1,7 @@
 //! Angles of a clip's joints that directly drive joints of the rig: jaws, brows and other parts of faces.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use sinew_mocap::{Clip, JointSample, Skeleton};
 use sinew_rig::Mechanism;
@@ -28,7 +30,16 @@ struct RigCurve {
 #[derive(Debug, Clone)]
 pub struct Follower<'c> {
     curves: &'c Curves,
-    last: Vec<Option<f64>>,
+    last: Vec<Last>,
+}
+
+/// The last frame of a curve.
+#[derive(Debug, Clone, Copy, Default)]
+struct Last {
+    /// Angle of the clip's joint with its turns, rad.
+    angle: Option<f64>,
+    /// Position of the rig's joint, rad or m.
+    position: Option<f64>,
 }
 
 impl Mapping {
@@ -42,6 +53,7 @@ impl Mapping {
         skeleton: &Skeleton,
     ) -> Result<Curves, MappingError> {
         let ranges = mechanism.coordinate_ranges();
+        let ties = mechanism.ties();
         let on_rig = |(k, curve): (usize, &super::Curve)| {
             let body = joint(mechanism, &format!("curve[{k}].rig"), &curve.rig)?;
             let link = &mechanism.bodies[body];
@@ -59,13 +71,20 @@ impl Mapping {
                 let found = format!("`{}`, which does not", curve.rig);
                 return Err(MappingError::value(format!("curve[{k}].rig"), expected, found));
             }
+            // A curve on a joint that follows another one drives its leader.
+            let tie = ties.of(body);
+            let leader = tie.map_or(body, |tie| tie.leader);
+            let link = &mechanism.bodies[leader];
+            let point = |&[angle, position]: &[f64; 2]| {
+                [angle, tie.map_or(position, |tie| tie.leader_position(position))]
+            };
             let own = link.speed;
             let default = if curve.slides { f64::INFINITY } else { self.performance.speed_rad_s };
             Ok(RigCurve {
                 joint: clip_joint(skeleton, &format!("curve[{k}].clip"), &curve.clip)?,
                 axis: DVec3::from_array(curve.axis).normalize(),
-                points: curve.points.clone(),
-                coordinate: ranges[body].start,
+                points: curve.points.iter().map(point).collect(),
+                coordinate: ranges[leader].start,
                 range: link.ranges.first().copied().unwrap_or([f64::NEG_INFINITY, f64::INFINITY]),
                 speed: if own.is_finite() { own } else { default },
             })
@@ -77,7 +96,7 @@ impl Mapping {
 impl Curves {
     /// Creates a follower that starts at the first frame.
     pub fn follower(&self) -> Follower<'_> {
-        Follower { curves: self, last: vec![None; self.0.len()] }
+        Follower { curves: self, last: vec![Last::default(); self.0.len()] }
     }
 
     /// Writes the curves of a whole clip to the poses of a rig, frame by frame.
@@ -92,22 +111,41 @@ impl Curves {
 impl Follower<'_> {
     /// Writes a frame's positions to `q`, within ranges and speeds. For a value that is not finite, the joint keeps
     /// its position.
+    ///
+    /// Angles count turns: from frame to frame they change by at most half a turn. The first angle is the one that is
+    /// nearest to the middle of the curve's points.
     pub fn put(&mut self, local: &[JointSample], frame_s: f64, q: &mut [f64]) {
         for (curve, last) in self.curves.0.iter().zip(&mut self.last) {
             let angle = local.get(curve.joint).map(|sample| turn_about(curve.axis, sample));
-            let wanted =
-                angle.map(|angle| at(&curve.points, angle)).filter(|wanted| wanted.is_finite());
+            let angle = angle
+                .filter(|angle| angle.is_finite())
+                .map(|angle| nearest_turn(angle, last.angle.unwrap_or_else(|| curve.middle())));
+            last.angle = angle.or(last.angle);
             let Some(q) = q.get_mut(curve.coordinate) else { continue };
-            let Some(wanted) = wanted.or(*last) else { continue };
+            let wanted = angle.map(|angle| at(&curve.points, angle));
+            let Some(wanted) = wanted.or(last.position) else { continue };
             let [least, most] = curve.range;
-            let near = last.map_or(wanted, |last| {
+            let near = last.position.map_or(wanted, |last| {
                 let step = curve.speed * frame_s;
                 wanted.max(last - step).min(last + step)
             });
             *q = near.max(least).min(most);
-            *last = Some(*q);
+            last.position = Some(*q);
         }
     }
+}
+
+impl RigCurve {
+    /// Returns the middle of the clip's angles, rad.
+    fn middle(&self) -> f64 {
+        let ends = self.points.first().zip(self.points.last());
+        ends.map_or(0.0, |(first, last)| 0.5 * (first[0] + last[0]))
+    }
+}
+
+/// Returns the angle, rad, that differs from `angle` by full turns and is nearest to `near`.
+fn nearest_turn(angle: f64, near: f64) -> f64 {
+    angle + TAU * libm::rint((near - angle) / TAU)
 }
 
 /// Returns the angle of a joint's rotation about an axis, in [-π, π].

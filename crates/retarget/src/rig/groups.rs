@@ -31,9 +31,9 @@ pub(super) fn groups(rig: &AtZero<'_>, chain: &[usize], chain_m: f64) -> Vec<Vec
     groups
 }
 
-/// Returns whether a joint turns about a line parallel to that of its predecessor, at a distance, as ankle and knee
-/// do. With no joint between them, the two are parallel in every pose. They have no common point, and a point in
-/// the middle would be only half as far from each.
+/// Returns whether a joint turns about a line parallel to that of its predecessor, at a distance, as ankle and knee do.
+/// With no joint between them, the two are parallel in every pose. Such lines have no common point, and a point in the
+/// middle between them would be only half as far from each.
 fn is_beside(rig: &AtZero<'_>, group: &[usize], joint: usize, most_m: f64) -> bool {
     const PARALLEL: f64 = 0.95;
     let last = group.last().and_then(|last| rig.axes(*last).last().copied());

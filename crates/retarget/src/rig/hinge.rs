@@ -56,7 +56,8 @@ fn by_range(rig: &AtZero<'_>, joint: usize, straight_rad: f64) -> Option<f64> {
     ((up - down).abs() > EQUAL * up.max(down)).then(|| (up - down).signum())
 }
 
-/// Returns the sign of the angle that bends the limb: knees bend backwards, elbows of hanging arms forwards.
+/// Returns the sign of the angle that bends the limb: knees bend backwards, elbows of hanging arms forwards. `None` if
+/// the limb does not hang, or bends to the side.
 fn by_anatomy(
     landmark: Landmark,
     axis: DVec3,

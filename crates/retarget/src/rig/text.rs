@@ -105,7 +105,8 @@ fn part_of(word: &str) -> Option<Part> {
     }
 }
 
-/// Splits a side's letter from a known word: `lankle`. Only if the whole is not a known word.
+/// Splits a side's letter from a known word: `lankle`. Returns `None` if the whole is a known word itself, or the rest
+/// is not one.
 fn side_before_word(token: &str) -> Option<(Side, &str)> {
     if part_of(token).is_some() {
         return None;

@@ -143,6 +143,18 @@ impl<'a> Body<'a> {
         self.is_zero(self.lengths[joint])
     }
 
+    /// Returns whether a joint is a helper of no length: it is at the place of a joint that carries other bones too, and
+    /// carries a bone itself. CMU's `LHipJoint`, between `Hips` and `LeftUpLeg`, is one.
+    pub(super) fn is_helper(&self, joint: usize) -> bool {
+        let is_on = |joint: usize| self.parent(joint).filter(|_| self.is_at_parent(joint));
+        let Some(parent) = is_on(joint) else { return false };
+        let carrier = std::iter::successors(Some(parent), |joint| is_on(*joint)).last();
+        let is_bone = |child: &&usize| !self.is_zero(self.lengths[**child] + self.below[**child]);
+        let carries =
+            carrier.map_or(0, |carrier| self.children[carrier].iter().filter(is_bone).count());
+        carries > 1 && self.children[joint].iter().any(|child| !self.is_at_parent(*child))
+    }
+
     /// Returns the length to the joint's first end site; 0 without an end site.
     pub(super) fn site(&self, joint: usize) -> f64 {
         site_length(self.skeleton, joint)
@@ -152,7 +164,8 @@ impl<'a> Body<'a> {
         length <= ZERO * self.below[0]
     }
 
-    /// Returns the smallest and the largest angle in the clip between the bones before and after a joint, rad.
+    /// Returns the smallest and the largest angle in the clip between the bones before and after a joint, rad. `None`
+    /// if one of the bones is missing or has no length, or there are no frames.
     fn angles(&self, joint: usize) -> Option<(f64, f64)> {
         let parent = self.parent(joint)?;
         let child = *self.children[joint]

@@ -172,16 +172,26 @@ impl<'a> Judge<'a> {
         let limb = pair.limb(side).ok_or("only the other side has this limb")?;
         let joint = limb.joints[place];
         let name = self.by_name(joint, kind.parts()[place]);
-        Ok(self.weigh(
-            joint,
-            &[
-                name,
-                self.by_side(joint, side),
-                by_tree(limb),
-                by_mirror(pair),
-                by_lengths(limb, kind),
-            ],
-        ))
+        let mut evidence = vec![
+            name,
+            self.by_side(joint, side),
+            by_tree(limb),
+            by_mirror(pair),
+            by_lengths(limb, kind),
+        ];
+        evidence.extend(self.by_place(pair, place));
+        Ok(self.weigh(joint, &evidence))
+    }
+
+    /// Returns the evidence against limbs that begin at one place.
+    fn by_place(&self, pair: &Pair, place: usize) -> Option<Evidence> {
+        let [Some(left), Some(right)] = &pair.limbs else { return None };
+        let [left, right] = [left.joints[place], right.joints[place]];
+        let rest = self.body.poses.last()?;
+        let is_one = self.body.is_zero(rest.at(left).distance(rest.at(right)));
+        let [left, right] = [left, right].map(|joint| self.body.name(joint));
+        let words = format!("`{left}` and `{right}` are at one place: a bone has no length");
+        (place == 0 && is_one).then_some((2.0, 0.0, words))
     }
 
     fn toe(&self, side: Side) -> Result<Found, String> {

@@ -116,6 +116,12 @@ fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
     if lengths.iter().any(|length| body.is_zero(*length)) {
         return None;
     }
+    // A helper of no length is not the joint, if another follows on the way.
+    let way = body.way(upper, middle);
+    let another = way[..way.len() - 1].iter().any(|joint| !body.is_at_parent(*joint));
+    if another && body.is_helper(upper) {
+        return None;
+    }
     let ratio = lengths[1] / lengths[0] / kind.lower_by_upper();
     let skipped: f64 = cost_of_skipped(body, upper, middle, parts[0])
         + cost_of_skipped(body, middle, end, parts[1])
@@ -128,7 +134,8 @@ fn limb(body: &Body, kind: LimbKind, joints: [usize; 3]) -> Option<Limb> {
     Some(Limb { joints, lengths, side, by_name, skipped, score })
 }
 
-/// Returns the support of the name of `joint` for `part`: 1 for it, 0 unknown, -1 against it.
+/// Returns how well the name of `joint` supports `part`: from 1 (the name certainly means this part) over 0 (unknown
+/// name) to -1 (a finger or a part of the face).
 pub(super) fn says(body: &Body, joint: usize, part: Part) -> f64 {
     let name = &body.names[joint];
     let likely = name.says(part);
@@ -165,7 +172,8 @@ fn is_same(name: &Name, part: Part) -> bool {
 /// is intended.
 fn cost_of_second(body: &Body, joint: usize, part: Part) -> f64 {
     let likely = body.names[joint].says(part);
-    let before = body.parent(joint).map_or(0.0, |parent| {
+    let before = body.parent(joint).filter(|parent| !body.is_helper(*parent));
+    let before = before.map_or(0.0, |parent| {
         let name = &body.names[parent];
         if name.kind == Kind::Body && is_same(name, part) { name.says(part) } else { 0.0 }
     });

@@ -82,7 +82,7 @@ pub(super) struct Name {
     pub kind: Kind,
     /// Parts that the name may mean, each with a probability, 0 to 1.
     pub parts: Vec<(Part, f64)>,
-    /// Whether the name contains front or hind legs.
+    /// Whether the name contains words for front or hind legs.
     pub quadruped: bool,
     /// Words other than the side: they are equal for mirror partners.
     pub rest: Vec<Word>,

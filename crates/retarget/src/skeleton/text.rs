@@ -29,7 +29,7 @@ fn names_a_joint(part: &str) -> bool {
     !tokens(part).iter().all(is_noise)
 }
 
-/// Returns whether a name is of vertebrae, not of a left side: `L5`, `T12`, `jL5S1`.
+/// Returns whether a name denotes a vertebra, although its `L` could mean a left side: `L5`, `T12`, `jL5S1`.
 fn is_vertebra(name: &str) -> bool {
     let name = name.strip_prefix('j').unwrap_or(name);
     let mut digits = 0;

@@ -88,8 +88,8 @@ fn of_height(height: f64) -> (Option<f64>, String) {
     }
 }
 
-/// Returns the height of the standing body, in the skeleton's unit. A single limb is not sufficient: joints of
-/// robot arms have names of bones too.
+/// Returns the height of the standing body, in the skeleton's unit. `None` without a pair of legs or arms. A single
+/// limb is not sufficient: joints of robot arms have names of bones too.
 fn height(body: &Body, legs: Option<&Pair>, arms: Option<&Pair>, trunk: &Trunk) -> Option<f64> {
     let two = |pair: &&Pair| pair.both().count() == 2;
     let (legs, arms) = (legs.filter(two), arms.filter(two));

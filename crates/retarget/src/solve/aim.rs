@@ -353,7 +353,7 @@ fn middle(rig: &RigMatch, state: &State) -> Option<RigPoint> {
     Some(RigPoint { body, position_m })
 }
 
-/// Returns the mean length of the legs from hip over knee to ankle, m.
+/// Returns the mean length of the legs from hip over knee to ankle, m. `None` if a leg lacks one of these points.
 fn leg_m(rig: &RigMatch, state: &State) -> Option<f64> {
     let of_side = |side| {
         let point = |landmark: Landmark| Some(state.point_m(&rig.points[landmark]?));

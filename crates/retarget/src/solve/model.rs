@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3};
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::JointModel;
+use sinew_rig::mechanism::{JointModel, Ties};
 
 /// A body and its joint.
 #[derive(Debug, Clone)]
@@ -33,8 +33,8 @@ pub(super) struct Model {
     pub(super) slides: Vec<bool>,
     /// Links of ball joints with a range, and their maximum angle, rad.
     cones: Vec<(usize, f64)>,
-    /// Joints that follow others: coordinate, factor, coordinate of the other joint, offset.
-    ties: Vec<(usize, f64, usize, f64)>,
+    /// Joints that follow others.
+    ties: Ties,
 }
 
 /// Pose of a rig, with its axes.
@@ -60,7 +60,7 @@ impl Model {
             coordinates: Vec::new(),
             slides: Vec::new(),
             cones: Vec::new(),
-            ties: Vec::new(),
+            ties: mechanism.ties(),
         };
         let q_ranges = mechanism.coordinate_ranges();
         for (index, (link, q)) in mechanism.bodies.iter().zip(&q_ranges).enumerate() {
@@ -92,18 +92,6 @@ impl Model {
                 v: first..first + count,
             });
         }
-        for tie in &mechanism.linked {
-            let [least, most] = tie.range;
-            let is_tied = most - least < 1e-9 && least.is_finite();
-            if let (true, Some(own), Some(other)) = (
-                is_tied,
-                q_ranges.get(tie.body).map(|range| range.start),
-                q_ranges.get(tie.other).map(|range| range.start),
-            ) {
-                let (factor, offset) = (-tie.other_factor / tie.factor, least / tie.factor);
-                model.ties.push((own, factor, other, offset));
-            }
-        }
         model
     }
 
@@ -131,9 +119,11 @@ impl Model {
         dofs
     }
 
-    /// Returns whether a coordinate follows another coordinate.
-    pub(super) fn is_tied(&self, dof: usize) -> bool {
-        self.coordinates[dof].is_some_and(|q| self.ties.iter().any(|(own, ..)| *own == q))
+    /// Returns the dof that moves a dof, and the motion of the dof for a motion of that: the dof itself, or the one that
+    /// it follows.
+    pub(super) fn leader(&self, dof: usize) -> (usize, f64) {
+        let tie = self.ties.each().find(|tie| tie.dofs()[0] == dof);
+        tie.map_or((dof, 1.0), |tie| (tie.dofs()[1], tie.factor))
     }
 
     /// Returns the dofs of the base.
@@ -144,9 +134,7 @@ impl Model {
     /// Places all bodies according to `q`. O(n).
     pub(super) fn place(&self, state: &mut State) {
         let State { q, rotations, positions_m, axes, anchors_m } = state;
-        for (own, factor, other, offset) in &self.ties {
-            q[*own] = factor * q[*other] + offset;
-        }
+        self.ties.follow(q);
         for (body, link) in self.links.iter().enumerate() {
             let (position_m, rotation) = match link.parent {
                 None => (link.position_m, link.rotation),

@@ -59,10 +59,13 @@ impl Normal {
         self.g.fill(0.0);
     }
 
-    /// Sets the derivative of the next term with respect to a dof.
+    /// Adds to the derivative of the next term with respect to a dof. Dofs usually rise.
     pub(super) fn column(&mut self, dof: usize, moved: DVec3) {
-        if let Some(place) = self.places[dof] {
-            self.columns.push((place, moved));
+        let Some(place) = self.places[dof] else { return };
+        let at = self.columns.partition_point(|(other, _)| *other < place);
+        match self.columns.get_mut(at) {
+            Some((other, sum)) if *other == place => *sum += moved,
+            _ => self.columns.insert(at, (place, moved)),
         }
     }
 

@@ -62,7 +62,7 @@ pub(crate) struct Solver {
     pub(super) away: Vec<f64>,
     pub(super) home_away: Vec<f64>,
     pub(super) previous: Vec<f64>,
-    /// Factor on the pulls home and to the last frame for slides, 1/m².
+    /// Factor on the weights that pull a joint to its home and to its position in the last frame, for slides, 1/m².
     pub(super) per_m2: f64,
 }
 

@@ -41,6 +41,9 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
+    /// The dof that the solver changes: `dof`, or the one that `dof` follows with this factor.
+    leader: usize,
+    factor: f64,
     /// Whether the dof moves the point where a direction begins, and the point where it ends.
     from: bool,
     to: bool,
@@ -89,19 +92,18 @@ impl Term {
         };
         let movers = dofs
             .into_iter()
-            .map(|dof| Mover {
-                dof,
-                from: from.contains(&dof),
-                to: to.contains(&dof),
-                slides: model.slides[dof],
+            .map(|dof| {
+                let (leader, factor) = model.leader(dof);
+                let (from, to) = (from.contains(&dof), to.contains(&dof));
+                Mover { dof, leader, factor, from, to, slides: model.slides[dof] }
             })
-            .filter(|mover| !(model.is_tied(mover.dof) || mover.slides && is_kept(mover)))
+            .filter(|mover| !(mover.slides && is_kept(mover)))
             .collect();
         Self { kind, movers }
     }
 
     pub(super) fn dofs(&self) -> impl Iterator<Item = usize> + '_ {
-        self.movers.iter().map(|mover| mover.dof)
+        self.movers.iter().map(|mover| mover.leader)
     }
 
     /// Returns the squared error times its weight.
@@ -149,14 +151,14 @@ impl Term {
                 let error = u - target.vector;
                 for mover in &self.movers {
                     let moved = mover.moved(state, [from_m, to_m]);
-                    normal.column(mover.dof, (moved - u * u.dot(moved)) / length);
+                    normal.column(mover.leader, mover.factor * (moved - u * u.dot(moved)) / length);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
             Kind::Way { from, to } => {
                 let ends_m = [state.point_m(from), state.point_m(to)];
                 for mover in &self.movers {
-                    normal.column(mover.dof, mover.moved(state, ends_m));
+                    normal.column(mover.leader, mover.factor * mover.moved(state, ends_m));
                 }
                 let error = ends_m[1] - ends_m[0] - target.vector;
                 normal.add(error, DVec3::splat(target.weight));
@@ -164,7 +166,7 @@ impl Term {
             Kind::Orientation { body, upright } => {
                 let error = turn_between(target.rotation, state.rotations[*body] * *upright);
                 for mover in &self.movers {
-                    normal.column(mover.dof, state.axes[mover.dof]);
+                    normal.column(mover.leader, mover.factor * state.axes[mover.dof]);
                 }
                 normal.add(error, DVec3::splat(target.weight));
             }
@@ -173,7 +175,8 @@ impl Term {
                     return;
                 };
                 for mover in &self.movers {
-                    normal.column(mover.dof, DVec3::X * u.dot(state.axes[mover.dof]));
+                    let along = mover.factor * u.dot(state.axes[mover.dof]);
+                    normal.column(mover.leader, DVec3::X * along);
                 }
                 normal.add(DVec3::X * angle, DVec3::X * target.weight);
             }
@@ -186,7 +189,7 @@ impl Term {
                     } else {
                         axis.cross(point_m - state.anchors_m[mover.dof])
                     };
-                    normal.column(mover.dof, moved);
+                    normal.column(mover.leader, mover.factor * moved);
                 }
                 normal.add(point_m - target.vector, by_axis(*parts) * target.weight);
             }

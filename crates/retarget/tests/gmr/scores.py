@@ -40,6 +40,18 @@ def cut(clip, rows, to):
     to.write_text("\n".join([*head, t_pose, *rest]) + "\n")
 
 
+def in_radians(table):
+    """Rewrites an exported table as the score reads it: joints without a unit in the header, in rad and m."""
+    with open(table, newline="") as file:
+        head, *rows = csv.reader(file)
+    units = {"_deg": math.radians(1), "_mm": 0.001}
+    ends = [next((unit for unit in units if name.endswith(unit)), "") for name in head]
+    with open(table, "w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(name.removesuffix(end) for name, end in zip(head, ends))
+        out.writerows([float(x) * units.get(end, 1) for x, end in zip(row, ends)] for row in rows)
+
+
 def joints(table):
     """Times, and the rows of joint angles, of an exported table."""
     with open(table, newline="") as file:
@@ -67,6 +79,7 @@ def main():
         done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             sys.exit(f"{clip} on {model}: {done.stderr}")
+        in_radians(to)
         return to
 
     cases = []

@@ -9,8 +9,9 @@ const PAGE: &str = include_str!("../../../../docs/retargeting.md");
 const ROBOTS: [&str; 3] = ["G1", "Hi", "ToddlerBot"];
 const CLIPS: [&str; 3] = ["07_01", "02_01", "02_05"];
 
-/// Rows of the page's tables: a quantity, its name in the scores, and its decimals. `None` is for a pair of mean
-/// (two decimals) and maximum (one). The script rounds in this way, therefore no value is rounded twice.
+/// Rows of the page's tables: a quantity, its name in the scores, and its number of decimals. `None`: the page has a
+/// mean (two decimals) and a maximum (one decimal). The script in the reference folder has already rounded the scores
+/// to these decimals, so the formatting here changes no value.
 const ROWS: [(&str, &str, Option<usize>); 8] = [
     ("limbs, deg", "limb_dir_deg_world", None),
     ("hand, cm", "hand_pos_cm", None),

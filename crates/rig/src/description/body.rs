@@ -1,5 +1,7 @@
 //! Rigid bodies and their inertia.
 
+use super::BodyShape;
+
 /// A rigid body. Its frame is the frame of the joint that moves it, after the joint's own motion.
 ///
 /// A body without mass is kinematic: it follows its joint, and needs no torque. The inertia is given by a matrix or
@@ -16,6 +18,8 @@ pub struct Body {
     pub inertia_kg_m2: Option<InertiaMatrix>,
     /// Edge lengths of a solid box about the centre of mass that has this body's inertia, along the body axes, m.
     pub box_m: Option<[f64; 3]>,
+    /// Solids that are drawn for this body; without any, the box of `box_m`.
+    pub shapes: Vec<BodyShape>,
 }
 
 /// Elements of a symmetric matrix; `xy`, `xz`, `yz` are the negated products of inertia.

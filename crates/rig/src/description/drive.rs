@@ -26,7 +26,7 @@ pub enum DriveKind {
         /// One offset for each row, rad or m. Default: zeros.
         offset: Vec<f64>,
     },
-    /// A monotone curve through points `[s, q]`, in rad, or rad and m. For jaws, lids and push-rods.
+    /// A monotone curve through points `[s, q]`, in rad, or rad and m. It is used for jaws, lids and push-rods.
     Curve {
         /// At least two points; `s` rises, `q` strictly rises or strictly falls.
         points: Vec<[f64; 2]>,

@@ -3,13 +3,14 @@
 use glam::{DQuat, DVec3};
 
 use super::mass::Mass;
-use super::{Base, Body, Description, DescriptionError, Joint, JointType, LinkedLimit};
+use super::{Base, Body, BodyShape, Description, DescriptionError, Joint, JointType, LinkedLimit};
 use crate::actuation::JointDefaults;
 use crate::mechanism::{JointModel, Link, LinkedRange, Mechanism, MergedBody, Pose};
 
 impl Description {
     /// Returns the bodies and joints by index. They are numbered depth first in the order of the joints; body 0 is
-    /// the base; every body on a fixed joint is merged into its parent.
+    /// the base; every body on a fixed joint is merged into its parent. A joint that others follow can only do what
+    /// they can.
     ///
     /// # Errors
     /// Those of [`Self::check`].
@@ -41,7 +42,9 @@ impl Description {
             }
         }
         let linked = self.limits.iter().filter_map(|limit| linked_range(limit, &links)).collect();
-        Ok(Mechanism { bodies: links, linked })
+        let mut mechanism = Mechanism { bodies: links, linked };
+        mechanism.narrow_leaders();
+        Ok(mechanism)
     }
 
     fn base_link(&self, base: &Body) -> Link {
@@ -97,6 +100,7 @@ fn link(body: &Body, joint_name: &str, parent: Option<usize>, frame: Pose) -> Li
         mass_kg: mass.kg,
         center_of_mass_m: mass.center_m,
         inertia_kg_m2: mass.inertia_kg_m2,
+        shapes: shapes(body, Pose::IDENTITY),
         ..Link::on(parent, JointModel::Fixed, frame.position_m)
     }
 }
@@ -133,7 +137,24 @@ fn merge(link: &mut Link, body: &Body, frame: Pose) {
     link.mass_kg = mass.kg;
     link.center_of_mass_m = mass.center_m;
     link.inertia_kg_m2 = mass.inertia_kg_m2;
+    link.shapes.extend(shapes(body, frame));
     link.merged.push(MergedBody { name: body.name.clone(), position_m, rotation });
+}
+
+/// Returns the solids of a body whose frame is `frame` in a link. A body without solids is drawn as the box that has
+/// its inertia.
+fn shapes(body: &Body, frame: Pose) -> Vec<BodyShape> {
+    let of_inertia = body
+        .box_m
+        .filter(|_| body.shapes.is_empty())
+        .map(|size_m| BodyShape { position_m: body.center_of_mass_m, ..BodyShape::cuboid(size_m) });
+    let all = body.shapes.iter().cloned().chain(of_inertia);
+    all.map(|shape| {
+        let Pose { rotation, position_m } =
+            frame.child(shape.position_m.into(), unit(shape.rotation_xyzw));
+        shape.at(position_m.to_array(), rotation.to_array())
+    })
+    .collect()
 }
 
 fn dof(joint: &Joint) -> JointModel {
@@ -262,6 +283,31 @@ mod tests {
         assert!((inertia.x_axis.x - 0.101).abs() < 1e-15);
         assert!((inertia.y_axis.y - 0.001).abs() < 1e-15);
         assert!((inertia.z_axis.z - 0.1).abs() < 1e-15);
+    }
+
+    #[test]
+    #[expect(clippy::float_cmp, reason = "small whole numbers")]
+    fn shapes_are_in_the_frame_of_the_link_that_carries_them() {
+        let mut weld = joint("weld", JointType::Fixed, "arm", "tool");
+        weld.position_m = [2.0, 0.0, 0.0];
+        weld.rotation_xyzw = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
+        let mut bodies = vec![body("base", 1.0), body("arm", 1.0), body("tool", 0.0)];
+        bodies[0].box_m = Some([1.0, 2.0, 3.0]);
+        bodies[0].center_of_mass_m = [0.0, 1.0, 0.0];
+        bodies[1].box_m = Some([1.0; 3]);
+        bodies[1].shapes.push(BodyShape::sphere(0.5));
+        let tip = BodyShape::cylinder(0.1, 1.0).at([1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]);
+        bodies[2].shapes.push(tip);
+        let joints = vec![joint("hinge", JointType::Revolute, "base", "arm"), weld];
+        let mechanism = rig(bodies, joints).mechanism().unwrap();
+        let [base, arm] = &mechanism.bodies[..] else { panic!("{mechanism:?}") };
+        // Without solids, the box that has the inertia.
+        assert_eq!(base.shapes[0].size_m, Some([1.0, 2.0, 3.0]));
+        assert_eq!(base.shapes[0].position_m, [0.0, 1.0, 0.0]);
+        assert_eq!(arm.shapes.len(), 2);
+        assert_eq!(arm.shapes[0], BodyShape::sphere(0.5));
+        let tip = DVec3::from(arm.shapes[1].position_m);
+        assert!((tip - DVec3::new(2.0, 1.0, 0.0)).length() < 1e-15, "{tip}");
     }
 
     #[test]

@@ -14,6 +14,7 @@ pub(crate) mod mass;
 mod mechanism;
 mod mount;
 mod servo;
+mod shape;
 mod unit;
 
 pub use body::{Body, InertiaMatrix};
@@ -25,6 +26,7 @@ pub use error::{DescriptionError, Path, Step};
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
 pub use servo::{MotorFigures, Servo, ServoModel, SourcedValue};
+pub use shape::{BodyShape, ShapeKind};
 pub(crate) use unit::is_angle;
 
 pub use crate::servo::{Address, SignalLoss};

@@ -20,8 +20,8 @@ const LEAST_SHARE: f32 = 0.01;
 /// checks this.
 const STEPS: usize = 12;
 
-/// A monotone curve `q(s)` through points, whose derivative is continuous and nowhere near zero. For jaws, lids and
-/// push-rods.
+/// A monotone curve `q(s)` through points, whose derivative is continuous and nowhere near zero. It is used for jaws,
+/// lids and push-rods.
 ///
 /// The curve consists of cubics between the points, with the slopes of Fritsch and Butland (1984), which keep it
 /// monotone. At an end, the slope is that of a parabola through three points, limited to 1/4 to 3 times the slope
@@ -229,7 +229,7 @@ impl Piece {
             .fold(f32::INFINITY, f32::min)
     }
 
-    /// Returns the share of the piece's width, 0 to 1, at which the joint's position is `q`. Newton's method,
+    /// Returns the share of the piece's width, 0 to 1, at which the joint's position is `q`. Uses Newton's method,
     /// safeguarded by bisection.
     fn inverse(&self, q: f32) -> f32 {
         let [a, b, c] = self.cubic();

@@ -88,8 +88,8 @@ impl DrivePose<'_> {
         })
     }
 
-    /// Converts torques of the servos' shafts (N m) to efforts at the joints' dofs, N m or N. The result is not
-    /// unique for mimic joints that share a servo; it is then the one that does the same work.
+    /// Converts torques of the servos' shafts (N m) to efforts at the joints' dofs, N m or N. The result is not unique
+    /// for mimic joints that share a servo; the function then returns one of the results that do the same work.
     ///
     /// # Errors
     /// [`DriveInputError`] if there is not one number for each servo, or a number is NaN, infinite or above 1e6 in

@@ -52,7 +52,7 @@ impl Mass {
             mass_kg: self.kg,
             center_of_mass_m: self.center_m.to_array(),
             inertia_kg_m2: self.matrix(),
-            box_m: None,
+            ..Body::default()
         }
     }
 }

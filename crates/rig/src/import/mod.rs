@@ -1,12 +1,13 @@
 //! Imports robots of other programs as rigs: URDF (ROS) and MJCF (MuJoCo).
 //!
-//! [`Imported::notes`] describes what was changed, filled in, left out or is doubtful. A file that cannot be
+//! [`Imported::notes`] describes what was changed, filled in or left out, and what is doubtful. A file that cannot be
 //! imported is refused with line, column and name.
 
 mod error;
 mod imported;
 mod mass;
 mod mjcf;
+mod none;
 mod note;
 mod options;
 mod solid;
@@ -17,6 +18,7 @@ mod xml;
 
 pub use error::{ImportError, SourcePosition};
 pub use imported::Imported;
+pub use mjcf::LoadPart;
 pub use note::{Note, NoteKind};
 pub use options::Options;
 pub use world::World;
@@ -72,4 +74,17 @@ pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
 /// ```
 pub fn mjcf(text: &str, options: &Options) -> Result<Imported, ImportError> {
     mjcf::read(text, options)
+}
+
+/// Reads an MJCF (the format of MuJoCo) with its parts in other files, as [`mjcf`] does without them. Each `include`
+/// is replaced by the content of its file, which `load` reads.
+///
+/// # Errors
+/// As [`mjcf`]; also if a part cannot be read, is not below the model's folder, is included twice, or is too large.
+pub fn mjcf_with_parts(
+    text: &str,
+    options: &Options,
+    load: LoadPart<'_>,
+) -> Result<Imported, ImportError> {
+    mjcf::read_with_parts(text, options, load)
 }

@@ -8,10 +8,10 @@ pub struct Options {
     /// Names of joints to leave out, together with everything that only they connect; for an MJCF, names of bodies
     /// too.
     pub cut: Vec<String>,
-    /// Imports a mechanism with closed loops as the tree in the file; the loops stay open.
+    /// Whether to import a mechanism with closed loops as the tree in the file. The loops stay open.
     pub open_loops: bool,
-    /// Replaces impossible inertia by that of a ball with the same sum of principal moments (the rule of MuJoCo's
-    /// `balanceinertia`). Replaces missing inertia, if no solid gives it, by that of a point.
+    /// Whether to replace impossible inertia by that of a ball with the same sum of principal moments (the rule of
+    /// MuJoCo's `balanceinertia`), and missing inertia, if no solid gives it, by that of a point.
     pub repair_inertia: bool,
     /// Length of the file's unit, m. Default: the length that an MJCF's gravity implies, otherwise 1. Masses,
     /// efforts, friction and damping are always in SI units.

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
+use crate::description::BodyShape;
 use crate::description::mass::Mass;
 
 /// A solid about its centre; cylinders and capsules are along z.
@@ -26,6 +27,26 @@ impl Solid {
             Self::Ellipsoid(axes) => 4.0 / 3.0 * PI * axes.element_product(),
             Self::Cylinder(r, length) => PI * r * r * length,
             Self::Capsule(r, length) => PI * r * r * (length + 4.0 / 3.0 * r),
+        }
+    }
+
+    /// Returns the solid as it is drawn; `None` for an ellipsoid that is no sphere, or without extent.
+    pub(super) fn shape(&self) -> Option<BodyShape> {
+        let extends = |lengths: &[f64]| lengths.iter().all(|length| *length > 0.0);
+        match *self {
+            Self::Box(edges) => {
+                extends(&edges.to_array()).then(|| BodyShape::cuboid(edges.to_array()))
+            }
+            Self::Ellipsoid(axes) => {
+                let is_sphere = axes.abs_diff_eq(DVec3::splat(axes.x), 0.0) && axes.x > 0.0;
+                is_sphere.then(|| BodyShape::sphere(axes.x))
+            }
+            Self::Cylinder(r, length) => {
+                extends(&[r, length]).then(|| BodyShape::cylinder(r, length))
+            }
+            Self::Capsule(r, length) => {
+                extends(&[r, length]).then(|| BodyShape::capsule(r, length))
+            }
         }
     }
 

@@ -87,6 +87,12 @@ impl World {
         for body in &mut description.bodies {
             place(&mut body.center_of_mass_m);
             body.box_m.iter_mut().for_each(|size| place(size));
+            for shape in &mut body.shapes {
+                place(&mut shape.position_m);
+                shape.size_m.iter_mut().for_each(|size| place(size));
+                let lengths = [&mut shape.radius_m, &mut shape.length_m];
+                lengths.into_iter().flatten().for_each(|length| *length *= unit);
+            }
             body.inertia_kg_m2 = body.inertia_kg_m2.map(|inertia| inertia.scaled(unit * unit));
         }
         for joint in &mut description.joints {

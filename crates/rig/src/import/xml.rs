@@ -1,5 +1,7 @@
 //! Reads elements and attributes. Errors name the position and the part that is wrong.
 
+use std::borrow::Cow;
+
 use glam::DQuat;
 use roxmltree::{Document, Node};
 
@@ -30,6 +32,28 @@ pub fn document(text: &str) -> Result<Document<'_>, ImportError> {
             found: error.to_string(),
         }
     })
+}
+
+/// Returns the text with blanks in place of XML declarations that are not at its very beginning, which some writers put
+/// after a blank line or a comment. All other characters keep their places.
+pub(super) fn with_declaration_first(text: &str) -> Cow<'_, str> {
+    const BEGIN: &str = "<?xml";
+    let is_declaration = |at: &usize| {
+        *at > 0 && text[at + BEGIN.len()..].starts_with(|c: char| c.is_ascii_whitespace())
+    };
+    let mut rest = 0;
+    let mut plain = String::new();
+    for at in text.match_indices(BEGIN).map(|(at, _)| at).filter(is_declaration) {
+        let Some(length) = text[at..].find("?>").filter(|_| at >= rest) else { continue };
+        plain.push_str(&text[rest..at]);
+        rest = at + length + 2;
+        plain.extend(text[at..rest].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
+    }
+    if rest == 0 {
+        return Cow::Borrowed(text);
+    }
+    plain.push_str(&text[rest..]);
+    Cow::Owned(plain)
 }
 
 /// Maximum number of prefixes in a file, and of attributes in an element. Real robots have fewer; parsing time
@@ -177,7 +201,9 @@ pub(super) fn vector<const N: usize>(
     let Some(found) = numbers(node, name, N)? else { return Ok(None) };
     match <[f64; N]>::try_from(found) {
         Ok(numbers) => Ok(Some(numbers)),
-        Err(_) => Err(refuse_value(node, name, counted(N))),
+        Err(_) => {
+            Err(refuse_value(node, name, counted(N) + &format!(" of at most {NUMBER_MAX:e}")))
+        }
     }
 }
 
@@ -187,22 +213,49 @@ pub(super) fn numbers(
     name: &str,
     count: usize,
 ) -> Result<Option<Vec<f64>>, ImportError> {
-    let Some(text) = node.attribute(name) else { return Ok(None) };
-    let right = |number: &f64| number.is_finite() && number.abs() <= NUMBER_MAX;
-    let numbers: Option<Vec<f64>> =
-        text.split_whitespace().map(|word| word.parse().ok().filter(right)).collect();
-    match numbers.filter(|numbers| numbers.len() <= count) {
-        // Adding zero converts -0 to 0.
-        Some(numbers) => Ok(Some(numbers.into_iter().map(|number| number + 0.0).collect())),
-        None => Err(refuse_value(node, name, counted(count))),
+    let right = |number: f64| number.abs() <= NUMBER_MAX;
+    numbers_that(node, name, count, right, &format!(" of at most {NUMBER_MAX:e}"))
+}
+
+/// Reads numbers that may be of any size, or infinite, because such a number stands for "none".
+pub(super) fn any_numbers(
+    node: Node<'_, '_>,
+    name: &str,
+    count: usize,
+) -> Result<Option<Vec<f64>>, ImportError> {
+    numbers_that(node, name, count, |number| !number.is_nan(), "")
+}
+
+/// Reads a number of any size; `None` without the attribute.
+pub(super) fn any_number(node: Node<'_, '_>, name: &str) -> Result<Option<f64>, ImportError> {
+    match any_numbers(node, name, 1)?.as_deref() {
+        None => Ok(None),
+        Some([number]) => Ok(Some(*number)),
+        Some(_) => Err(refuse_value(node, name, "a number")),
     }
 }
 
-fn counted(count: usize) -> String {
-    let noun = if count == 1 { "a number".to_owned() } else { format!("{count} numbers") };
-    format!("{noun} of at most {NUMBER_MAX:e}")
+fn numbers_that(
+    node: Node<'_, '_>,
+    name: &str,
+    count: usize,
+    right: impl Fn(f64) -> bool,
+    bound: &str,
+) -> Result<Option<Vec<f64>>, ImportError> {
+    let Some(text) = node.attribute(name) else { return Ok(None) };
+    let number = |word: &str| word.parse().ok().filter(|number| right(*number));
+    let numbers: Option<Vec<f64>> = text.split_whitespace().map(number).collect();
+    match numbers.filter(|numbers| numbers.len() <= count) {
+        // Adding zero converts -0 to 0.
+        Some(numbers) => Ok(Some(numbers.into_iter().map(|number| number + 0.0).collect())),
+        None => Err(refuse_value(node, name, counted(count) + bound)),
+    }
 }
 
+/// Describes a number of numbers.
+fn counted(count: usize) -> String {
+    if count == 1 { "a number".to_owned() } else { format!("{count} numbers") }
+}
 /// Returns a unit quaternion with w >= 0 and without -0, so that each rotation has only one form.
 pub(super) fn tidy(rotation: DQuat) -> DQuat {
     let unit = rotation.normalize();

@@ -4,15 +4,18 @@ mod inverse_dynamics;
 mod joint_model;
 mod kinematics;
 mod pose;
+mod ties;
 
 use glam::{DMat3, DQuat, DVec3};
 use sinew_core::{Inertia, RotationalInertia, Transform, Tree, TreeError};
 
+use crate::description::BodyShape;
 use crate::number::single;
 
 pub use inverse_dynamics::{InverseDynamics, LANES};
 pub use joint_model::JointModel;
 pub use pose::Pose;
+pub use ties::{Tie, Ties};
 
 /// Maximum number of bodies of a rig after merging, equal to the capacity of `sinew-core` on any machine.
 pub const BODY_COUNT_MAX: usize = 128;
@@ -86,6 +89,9 @@ pub struct Link {
     pub acceleration: f64,
     /// Maximum effort, N m or N; infinite without limit.
     pub effort: f64,
+    /// Solids that are drawn for this body and for the merged bodies, in this body's frame. The compact form of
+    /// boards does not have them.
+    pub shapes: Vec<BodyShape>,
 }
 
 /// A body that is merged into a [`Link`], because a fixed joint holds it there: for example a bracket, or a tool's
@@ -162,6 +168,7 @@ impl Link {
             speed: f64::INFINITY,
             acceleration: f64::INFINITY,
             effort: f64::INFINITY,
+            shapes: Vec::new(),
         }
     }
 

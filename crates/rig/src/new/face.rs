@@ -1,5 +1,6 @@
 //! An animatronic face.
 
+use super::face_shapes;
 use super::turn::Turn;
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
@@ -28,7 +29,11 @@ pub fn face() -> Description {
     let mut rig = Description {
         name: "face".to_owned(),
         supply: Some(Supply { voltage_v: 5.0, current_a: 10.0 }),
-        bodies: vec![Body { name: "stand".to_owned(), ..Body::default() }],
+        bodies: vec![Body {
+            name: "stand".to_owned(),
+            shapes: face_shapes::of("stand"),
+            ..Body::default()
+        }],
         ..Description::default()
     };
     add(&mut rig, "neck_turn", "stand", [0.0, 0.2, 0.0], LEFT, [-60.0, 60.0, 0.0], NECK);
@@ -77,7 +82,9 @@ fn add(
         speed_deg_s,
         acceleration_deg_s2,
     };
-    rig.bodies.push(Body { name: name.to_owned(), ..Body::default() });
+    let part = name.trim_end_matches("_left").trim_end_matches("_right");
+    let shapes = face_shapes::of(part);
+    rig.bodies.push(Body { name: name.to_owned(), shapes, ..Body::default() });
     rig.joints.push(joint.joint());
     rig.drives.push(Drive {
         joints: vec![name.to_owned()],

@@ -2,6 +2,7 @@
 
 mod arm;
 mod face;
+mod face_shapes;
 mod turn;
 
 pub use arm::{ArmError, arm};

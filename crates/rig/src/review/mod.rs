@@ -35,7 +35,7 @@ pub use results::{
 };
 
 impl Review {
-    /// Reviews a rig. O(n³); for interactive use on a desktop, not for a board.
+    /// Reviews a rig. O(n³): for interactive use on a desktop, not on a board.
     ///
     /// # Errors
     /// [`ReviewError`] if the rig does not fit `sinew-core`.

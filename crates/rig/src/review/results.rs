@@ -149,13 +149,13 @@ pub struct Review {
     /// Currents, if the servos are known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub current: Option<CurrentReview>,
-    /// Supply voltage of the servos of each kind; empty if the supply is unknown.
+    /// Comparison of the supply voltage with the data of each kind of servo; empty if the supply is unknown.
     pub voltages: Vec<Voltage>,
     /// Wrong or doubtful values, the worst first.
     pub findings: Vec<Finding>,
 }
 
-/// Supply voltage of the servos of one kind.
+/// Supply voltage of the servos of one kind, beside the voltage at which the kind's values are valid.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Voltage {
     /// Names of the servos.
@@ -177,7 +177,7 @@ pub struct Servos {
     pub stall_current_a: f64,
     /// Maximum current of the supply, A.
     pub supply_a: Option<f64>,
-    /// Supply voltage of the servos of each kind; empty if the supply is unknown.
+    /// Comparison of the supply voltage with the data of each kind of servo; empty if the supply is unknown.
     pub voltages: Vec<Voltage>,
 }
 

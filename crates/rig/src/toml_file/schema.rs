@@ -3,8 +3,8 @@
 use super::value::Ranges;
 use super::visitor::{KEYS, Visitor};
 use crate::description::{
-    Address, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit, Mount, Servo,
-    ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
+    Address, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit,
+    Mount, Servo, ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
 
 /// Form of a value with its source, for messages.
@@ -47,7 +47,19 @@ fn body<V: Visitor>(body: &mut Body, v: &mut V) -> Result<(), V::Error> {
         "{ xx = .., yy = .., zz = .. }",
         &mut body.inertia_kg_m2,
         inertia,
-    )
+    )?;
+    v.sections("shape", &mut body.shapes, shape)
+}
+
+fn shape<V: Visitor>(shape: &mut BodyShape, v: &mut V) -> Result<(), V::Error> {
+    let default = BodyShape::default();
+    v.required("type", &mut shape.kind)?;
+    v.optional("size_m", &mut shape.size_m, None)?;
+    v.optional("radius_m", &mut shape.radius_m, None)?;
+    v.optional("length_m", &mut shape.length_m, None)?;
+    v.optional("position_m", &mut shape.position_m, default.position_m)?;
+    v.optional("rotation_xyzw", &mut shape.rotation_xyzw, default.rotation_xyzw)?;
+    v.optional("color_rgb", &mut shape.color_rgb, None)
 }
 
 fn inertia<V: Visitor>(inertia: &mut InertiaMatrix, v: &mut V) -> Result<(), V::Error> {

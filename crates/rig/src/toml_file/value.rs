@@ -4,7 +4,7 @@ use toml::Value as TomlValue;
 
 use super::error::UnlocatedError;
 use super::item::{Item, in_file};
-use crate::description::{Base, JointType, SignalLoss};
+use crate::description::{Base, JointType, ShapeKind, SignalLoss};
 use crate::number;
 
 /// A type of a key's value.
@@ -181,6 +181,16 @@ impl Choice for Base {
     const EXPECTED: &'static str = "\"fixed\" or \"driven\"";
     const WORDS: &'static [(&'static str, Self)] =
         &[("fixed", Self::Fixed), ("driven", Self::Driven)];
+}
+
+impl Choice for ShapeKind {
+    const EXPECTED: &'static str = "\"box\", \"sphere\", \"cylinder\" or \"capsule\"";
+    const WORDS: &'static [(&'static str, Self)] = &[
+        ("box", Self::Box),
+        ("sphere", Self::Sphere),
+        ("cylinder", Self::Cylinder),
+        ("capsule", Self::Capsule),
+    ];
 }
 
 impl Choice for SignalLoss {

@@ -13,6 +13,8 @@ pub(super) struct Writer {
     lines: Vec<String>,
     /// Text of the nested tables with headers.
     sections: String,
+    /// Keys of the tables around this one, each with a point.
+    path: String,
 }
 
 /// Writes a whole text by a schema.
@@ -24,10 +26,12 @@ pub(super) fn write(keys: impl FnOnce(&mut Writer) -> Result<(), Infallible>) ->
 
 impl Writer {
     fn below<T>(
+        &self,
+        key: &str,
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Self {
-        let mut writer = Self::default();
+        let mut writer = Self { path: format!("{}{key}.", self.path), ..Self::default() };
         let Ok(()) = keys(field, &mut writer);
         writer
     }
@@ -41,6 +45,7 @@ impl Writer {
             self.sections.push_str(line);
             self.sections.push('\n');
         }
+        self.sections.push_str(&table.sections);
     }
 }
 
@@ -68,7 +73,7 @@ impl Visitor for Writer {
         field: &mut T,
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
-        let table = Self::below(field, keys).lines.join(", ");
+        let table = self.below(key, field, keys).lines.join(", ");
         self.line(key, &format!("{{ {table} }}"));
         Ok(())
     }
@@ -90,7 +95,8 @@ impl Visitor for Writer {
         keys: impl FnOnce(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
         if let Some(field) = field {
-            self.add_section(&format!("[{key}]"), &Self::below(field, keys));
+            let table = self.below(key, field, keys);
+            self.add_section(&format!("[{}{key}]", self.path), &table);
         }
         Ok(())
     }
@@ -102,7 +108,8 @@ impl Visitor for Writer {
         mut keys: impl FnMut(&mut T, &mut Self) -> Result<(), Infallible>,
     ) -> Result<(), Infallible> {
         for field in fields {
-            self.add_section(&format!("[[{key}]]"), &Self::below(field, &mut keys));
+            let table = self.below(key, field, &mut keys);
+            self.add_section(&format!("[[{}{key}]]", self.path), &table);
         }
         Ok(())
     }

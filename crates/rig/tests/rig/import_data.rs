@@ -87,7 +87,8 @@ fn largest_difference(one: &Mechanism, other: &Mechanism, of: &dyn Fn(&Link) -> 
 /// A selection of a link's numbers.
 type Numbers<'a> = &'a dyn Fn(&Link) -> Vec<f64>;
 
-/// The Open Duck Mini, which its makers publish in both formats. The files differ only in the points asserted here.
+/// Compares the two files of the Open Duck Mini, whose makers publish both formats. The files differ only in the points
+/// asserted here.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
@@ -137,7 +138,7 @@ fn a_urdf_and_an_mjcf_of_one_robot_are_the_same_tree() {
     assert_eq!(of_all(&mjcf, &|link| link.rotor_inertia), [0.012; 16]);
 }
 
-/// The Stewart platform of Reachy Mini without its rods: all remaining joints have a drive.
+/// Without its rods, the Stewart platform of Reachy Mini has only joints with a drive.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_parallel_platform_can_be_cut_off() {

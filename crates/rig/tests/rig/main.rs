@@ -1,5 +1,6 @@
 //! Tests of rig files, imports of robot descriptions, and boards' rigs.
 
+mod actuators;
 mod board;
 mod common;
 mod drives;

@@ -4,7 +4,7 @@
 #![expect(clippy::float_cmp, reason = "numbers of the file that nothing is computed with")]
 
 use sinew_rig::description::JointType;
-use sinew_rig::import::{Imported, NoteKind, Options, mjcf, urdf};
+use sinew_rig::import::{Imported, NoteKind, Options, mjcf, mjcf_with_parts, urdf};
 
 use crate::common;
 use crate::common::assert_noted;
@@ -65,6 +65,92 @@ fn ranges_limit_by_themselves_or_by_a_word() {
         "the least and the most",
         "none",
     );
+}
+
+#[test]
+fn what_stands_for_none_is_none() {
+    let joint = |attributes: &str, actuator: &str| {
+        let inside = format!("<joint name=\"j\" {attributes}/><geom size=\"0.1\"/>");
+        let actuators = format!("<actuator>{actuator}</actuator>");
+        read(&model("", &on_stand(&inside), &actuators))
+    };
+    let motor = r#"<motor joint="j" ctrlrange="-2 2"/>"#;
+    for range in ["0 0", "1 1", "-1e6 1e6", "-inf inf", "-3.4e38 3.4e38"] {
+        let imported = joint(&format!("range=\"{range}\""), motor);
+        assert!(imported.description.joints[0].range_rad.is_empty(), "{range}");
+        assert_noted(&imported, NoteKind::LeftOut, "for none: the rig has none there (`j`)");
+        let imported = joint(&format!("actuatorfrcrange=\"{range}\""), motor);
+        assert_eq!(imported.description.joints[0].effort, Some(2.0), "{range}");
+    }
+    for forces in ["-1e9 1e9", "0 0", "-inf inf"] {
+        let general = format!("<general joint=\"j\" forcerange=\"{forces}\"/>");
+        assert_eq!(joint("", &general).description.joints[0].effort, None, "{forces}");
+    }
+    let strong = joint("", r#"<motor joint="j" gear="1e6" ctrlrange="-2 2"/>"#);
+    assert_eq!(strong.description.joints[0].effort, None);
+    assert_noted(&strong, NoteKind::LeftOut, "the force 2e6 stands for none");
+    let locked = joint(r#"damping="1e11""#, motor);
+    assert_eq!(locked.description.joints[0].damping, 0.0);
+    assert_noted(&locked, NoteKind::LeftOut, "damping = 1e11, which nothing has");
+}
+
+#[test]
+fn tendons_of_two_joints_tie_them() {
+    let hand = |tendon: &str, equality: &str| {
+        let bodies = r#"<body name="a"><geom size="0.1"/><body name="b"><joint name="i"/><geom size="0.1"/>
+            <body name="c"><joint name="j" ref="10"/><geom size="0.1"/></body></body></body>"#;
+        let behind = format!("<tendon>{tendon}</tendon><equality>{equality}</equality>");
+        read(&model("", bodies, &behind))
+    };
+    let fixed = |attributes: &str| {
+        format!(
+            r#"<fixed name="t" {attributes}><joint joint="i" coef="2"/><joint joint="j" coef="-4"/></fixed>"#
+        )
+    };
+    // 2 i - 4 (j - 10 deg) = 0.
+    let tied = hand(&fixed(""), r#"<tendon tendon1="t"/>"#);
+    let [limit] = tied.description.limits.as_slice() else { panic!("one limit") };
+    assert_eq!((limit.joint.as_str(), limit.other.as_str()), ("j", "i"));
+    assert_eq!((limit.factor, limit.other_factor), (1.0, -0.5));
+    assert!((limit.least_rad.unwrap() - 10.0_f64.to_radians()).abs() < 1e-12);
+    let ranged = hand(&fixed(r#"range="-1 0.5""#), "");
+    let [limit] = ranged.description.limits.as_slice() else { panic!("one limit") };
+    assert_eq!((limit.factor, limit.other_factor), (2.0, -4.0));
+    assert_eq!((limit.least_rad, limit.most_rad), (Some(-1.0), Some(0.5)));
+    let spring = hand(&fixed(r#"stiffness="3""#), "");
+    assert!(spring.description.limits.is_empty());
+    assert_noted(&spring, NoteKind::LeftOut, "until one servo drives them (`t of `i`, `j``)");
+}
+
+#[test]
+fn parts_in_other_files_are_included() {
+    let arm =
+        r#"<mujocoinclude><body name="b"><include file="parts/joint.xml"/></body></mujocoinclude>"#;
+    let inner = format!("<mujoco>{JOINT}</mujoco>");
+    let whole = r#"<mujoco><include file="empty.xml"/><worldbody><body name="a"><geom size="0.1"/>
+        <include file="arm.xml"/></body></worldbody></mujoco>"#;
+    let load = |name: &str| match name {
+        "arm.xml" => Ok(arm.to_owned()),
+        "parts/joint.xml" => Ok(inner.clone()),
+        "empty.xml" => Ok("<mujoco/>".to_owned()),
+        "self.xml" => Ok(r#"<mujoco><include file="again.xml"/></mujoco>"#.to_owned()),
+        "again.xml" => Ok(r#"<mujoco><include file="self.xml"/></mujoco>"#.to_owned()),
+        "large.xml" => Ok(format!("<mujoco><!--{}--><body/></mujoco>", " ".repeat(20_000_000))),
+        _ => Err("no such file".to_owned()),
+    };
+    let imported = mjcf_with_parts(whole, &Options::default(), &load).expect("a rig");
+    assert_eq!(imported.description.joints[0].name, "j");
+    for (file, expected) in [
+        ("missing.xml", "no such file"),
+        ("../arm.xml", "`../arm.xml`"),
+        ("/arm.xml", "`/arm.xml`"),
+        ("self.xml", "a second time"),
+        ("large.xml", "bytes"),
+    ] {
+        let text = whole.replace("arm.xml", file);
+        let error = mjcf_with_parts(&text, &Options::default(), &load).expect_err(file);
+        assert!(error.to_string().contains(expected), "{file}: {error}");
+    }
 }
 
 #[test]

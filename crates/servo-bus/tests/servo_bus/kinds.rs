@@ -34,7 +34,7 @@ fn other_names_have_no_registers() {
     }
 }
 
-/// Otherwise the result would depend on the order of the lists.
+/// If one model were a kind of another, the result would depend on the order of the lists.
 #[test]
 fn no_model_is_a_kind_of_another() {
     let names = || {

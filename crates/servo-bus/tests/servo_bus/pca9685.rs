@@ -115,7 +115,7 @@ fn mirrored_servos_and_all_positions() {
     }
 }
 
-/// The four registers of all channels at once end before PRESCALE and the test mode.
+/// The four registers that write all channels at once are directly before PRESCALE and the test mode.
 #[test]
 fn nothing_but_channels_is_written_by_a_packet_that_is_none() {
     let prescale = Prescale::new(25e6, 50.0).unwrap();

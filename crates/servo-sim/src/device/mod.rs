@@ -25,7 +25,7 @@ pub use limits::MEMORY_LEN;
 
 /// Step of the physics, s.
 pub const STEP_S: f64 = 2.5e-4;
-/// Time constant of the filter with which the servo computes its speed, s. Guess.
+/// Time constant of the filter with which the servo computes its speed, s. This is a guess.
 const SPEED_FILTER_S: f64 = 0.01;
 
 enum Program<'m> {

@@ -14,12 +14,12 @@ pub const TURN: i32 = 4096;
 pub const VELOCITY_COUNTS_S: f64 = 0.229 / 60.0 * 4096.0;
 /// Acceleration of one acceleration count, in counts of position per s²: 214.577 rev/min².
 pub const ACCELERATION_COUNTS_S2: f64 = 214.577 / 3600.0 * 4096.0;
-/// Current, as a part of the stall current, and time, s: a larger current for this time is an overload. Guess: the
-/// values of Feetech's registers.
+/// Current, as a part of the stall current, and time, s: a larger current for this time is an overload. This is a
+/// guess: the values of Feetech's registers.
 const OVERLOAD: (f64, f64) = (0.8, 2.0);
-/// Time after which a supply voltage outside its limits is an error, s. Guess.
+/// Time after which a supply voltage outside its limits is an error, s. This is a guess.
 const VOLTAGE_S: f64 = 0.01;
-/// Maximum position error that Moving Status reports as "in position", counts. Guess.
+/// Maximum position error that Moving Status reports as "in position", counts. This is a guess.
 const IN_POSITION: f64 = 10.0;
 
 /// Contents of the registers, in the registers' counts unless the name contains a unit.

@@ -12,7 +12,7 @@ pub const TURN: i32 = 4096;
 pub const ACCELERATION_COUNTS_S2: f64 = 100.0;
 /// Factory value of P Coefficient, for which the stiffness is known.
 const SHIPPED_P: f64 = 32.0;
-/// Time after which a supply voltage outside its limits is an error, s. Guess, as for the Dynamixel.
+/// Time after which a supply voltage outside its limits is an error, s. This is a guess, as for the Dynamixel.
 const VOLTAGE_S: f64 = 0.01;
 
 /// Contents of the registers.
@@ -250,5 +250,5 @@ impl Firmware {
     }
 }
 
-/// Speed below which the servo does not report motion, counts/s. Guess.
+/// Speed below which the servo does not report motion, counts/s. This is a guess.
 const MOVING_COUNTS_S: f64 = 50.0;

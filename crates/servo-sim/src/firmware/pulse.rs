@@ -5,11 +5,12 @@ use crate::model::Power;
 
 /// Pulse for the middle position, us.
 pub const MIDDLE_US: f64 = 1500.0;
-/// Pulse difference for a quarter turn, us. Guess: the common rule.
+/// Pulse difference for a quarter turn, us. This is a guess: the common rule.
 pub const QUARTER_TURN_US: f64 = 1000.0;
 /// Dead band of the pulse, us: SG90 and MG996R.
 const DEAD_BAND_US: f64 = 5.0;
-/// Time without a pulse after which torque goes off, s. Guess: a few periods of 20 ms; some servos hold instead.
+/// Time without a pulse after which torque goes off, s. This is a guess: a few periods of 20 ms; some servos hold
+/// instead.
 const LOSS_S: f64 = 0.1;
 
 /// State of the firmware, which is a proportional controller.

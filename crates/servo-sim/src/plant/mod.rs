@@ -4,10 +4,10 @@
 //! and gears, and therefore stable for any stiffness. The gears belong to the servos. A servo solves its own step
 //! before the rig moves, so it must predict its shaft. It assumes the acceleration of the last step, and that its
 //! own torque changes this acceleration by `1 / Σ |W|` over the row of `W = B M⁻¹ Bᵀ`, which gives the shafts'
-//! accelerations for torques on all shafts. The prediction decides whether teeth touch and which ends friction
-//! holds. Then the rig moves with the torque of each gear as a line over the speed of its shaft ([`Push`]), and
-//! shaft and rotor take the speeds of the common solution. Torques of predicted shafts alone would be explicit:
-//! light bodies on stiff gears would diverge. At rest the predicted shaft is the real one, so friction holds a
+//! accelerations for torques on all shafts. The prediction decides whether teeth touch and which ends friction holds.
+//! Then the rig moves with the torque of each gear as a linear function of its shaft's speed ([`Push`]), and shaft and
+//! rotor take the speeds of the common solution. Torques that follow from the predicted shafts alone would be explicit:
+//! light bodies on stiff gears would then diverge. At rest the predicted shaft is the real one, so friction holds a
 //! joint in place. A force that begins to push moves a joint for some steps, until the servos react.
 
 mod drives;
@@ -50,9 +50,9 @@ pub struct RigPlant {
     q: Vec<f64>,
     qd: Vec<f64>,
     drives: Vec<Driven>,
-    /// Speeds of dofs, for each independent motion.
+    /// For each independent motion: the dofs that it moves, and their speeds if the motion has speed 1.
     joints: Vec<Vec<(usize, f64)>>,
-    /// Speeds of servos, for each independent motion.
+    /// For each independent motion: the servos that it turns, and their speeds if the motion has speed 1.
     shafts: Vec<Vec<(usize, f64)>>,
     /// Indices of each drive's independent motions.
     places: Vec<Range<usize>>,

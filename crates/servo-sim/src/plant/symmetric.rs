@@ -1,5 +1,5 @@
-//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). Implemented in this crate because the order of its sums
-//! must be fixed, which gives the same bits on every machine.
+//! Symmetric positive definite matrices: `A = L Lᵀ` (Cholesky). They are implemented in this crate because the order of
+//! its sums must be fixed, which gives the same bits on every machine.
 
 /// A square matrix, of which only the lower triangle is used.
 #[derive(Debug, Clone, Default)]

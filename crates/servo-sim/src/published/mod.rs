@@ -28,8 +28,8 @@ pub struct Row {
     pub what: &'static str,
     /// Published value.
     pub published: f64,
-    /// Value of the published servo's law with the numbers of the simulated servo, which may differ from those of the
-    /// source; `None` if the published value is for exactly this servo.
+    /// Value of the published servo's law, computed with the numbers of the simulated servo; they may differ from those
+    /// of the source. `None` if the published value is for exactly this servo.
     pub expected: Option<f64>,
     /// Simulated value.
     pub simulated: f64,
@@ -69,7 +69,7 @@ pub enum TableError {
 
 /// Baud rate that all kinds support, bits per second.
 const BAUD: u32 = 1_000_000;
-/// Number of steps in which full power is switched on.
+/// Number of equal steps from no power to full power.
 const RAMP: u16 = 40;
 
 /// A single servo on a stiff supply, controlled by packets.

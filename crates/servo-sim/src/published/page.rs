@@ -17,8 +17,9 @@ This page compares published figures of servos with the simulated servos, measur
   numbers.
 - *Within*: the largest permitted difference from *our numbers*, or else from the published figure. For sags: one
   encoder step, half of it from the goal, half from the encoder. For steps: two ticks of the servo's loop (one until the
-  servo takes the goal, one for the age of a reading), and the time in which the shaft, at its speed there, turns by half
-  the play of its gear and one encoder step. For makers' figures: 3 %, since the winding warms during the measurement.
+  servo takes the goal, one for the age of a reading), and the time in which the shaft, at its speed there, turns by
+  half the play of its gear and one encoder step. For makers' figures: 3 %, since the winding warms during the
+  measurement.
 
 | servo | figure | published | our numbers | simulated | difference from published | fitted | within |
 | --- | --- | ---: | ---: | ---: | ---: | --- | ---: |

@@ -113,12 +113,12 @@ fn a_servo_holds_what_the_pose_of_all_asks_for() {
     assert!(sags[1] < 0.9 * sags[0], "{sags:?}");
 }
 
-/// Index of the servo whose torque is off; and of an earlier servo that swings. Both bend the arm.
+/// Index of the servo whose torque is off, and index of an earlier servo that swings. The joints of both bend the arm.
 const LIMP: usize = 4;
 const SWINGS: usize = 2;
 
-/// Runs an arm whose servos are on these buses. All servos but one hold, and one moves to `goal`. Returns all shaft
-/// positions, and the lowest voltage that the servo with torque off reads.
+/// Runs an arm whose servos are on these buses. One servo has no torque, one moves to `goal`, and the others hold.
+/// Returns all shaft positions, and the lowest voltage that the servo with torque off reads.
 fn on_buses(buses: [&str; SERVOS], goal: i32) -> Vec<f64> {
     let description = arm(SERVOS).unwrap();
     let mechanism = description.mechanism().unwrap();

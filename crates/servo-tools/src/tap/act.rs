@@ -428,9 +428,9 @@ fn back<E: Exchange>(
     Ok(reached)
 }
 
-/// Waits until the servo rests. With much play in its gear, it would swing around its goal for long: at first, its
-/// torque is so low that friction stops it. If this torque is too low to hold the load, the servo gets the torque to
-/// return.
+/// Waits until the servo rests. At first its torque is so low that friction stops it, since with much play in its gear
+/// it would otherwise swing around its goal for long. If this torque is too low to hold the load, the servo gets the
+/// torque to return.
 fn settle<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,

@@ -135,7 +135,7 @@ fn moving_angles((clip, joints): &(Clip, Vec<usize>)) -> Vec<Vec<f64>> {
     angles.iter().map(|angle| resampled(angle, clip.rate_hz())).collect()
 }
 
-/// Resamples by cubics through four samples: low-passed data have nothing that they miss.
+/// Resamples by cubics through four samples, which lose nothing of low-passed data.
 fn resampled(angle: &[f64], rate_hz: f64) -> Vec<f64> {
     let last = angle.len() - 1;
     let count = (last as f64 * RATE_HZ / rate_hz) as usize;

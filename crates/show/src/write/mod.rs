@@ -19,6 +19,7 @@ use crate::layout::{
 use crate::show::CHECKSUM;
 use channels::groups;
 use check::{check, per_sample};
+use curve::Curve;
 pub use error::WriteError;
 pub use measure::Errors;
 use measure::measure;
@@ -60,7 +61,26 @@ pub struct Writer<'a> {
     length: i32,
     block: i32,
     joints: Vec<JointCurves>,
+    ties: Vec<ShowTie>,
 }
+
+/// A joint of one coordinate that follows another joint of one: `value = factor · leader + offset`, rad or m. Its curve
+/// is that of the leader.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShowTie {
+    /// Index of the joint that follows.
+    pub joint: usize,
+    /// Index of the joint that it follows, which follows none.
+    pub leader: usize,
+    /// Motion of the follower for a motion of the leader, not zero.
+    pub factor: f64,
+    /// Position of the follower with the leader at zero.
+    pub offset: f64,
+}
+
+/// Share of the error bound that a leader may use, so that a follower, with its offset in whole steps, keeps the bound
+/// too. A step is half of the bound.
+const OF_LEADER: f64 = 0.8;
 
 /// The written curves of a joint.
 struct JointCurves {
@@ -73,6 +93,7 @@ struct JointCurves {
 
 /// A written curve.
 struct Channel {
+    curve: Curve,
     record: ChannelRecord,
     /// Bits of the channel, by block.
     streams: Vec<BitWriter>,
@@ -96,7 +117,20 @@ impl<'a> Writer<'a> {
         let length = i32::try_from(length).expect("checked");
         let nothing = |_| JointCurves { shares: vec![], channels: vec![], is_written: false };
         let joints = motion.joints.iter().map(nothing).collect();
-        Ok(Self { motion, settings, length, block, joints })
+        Ok(Self { motion, settings, length, block, joints, ties: Vec::new() })
+    }
+
+    /// Ties joints to others, whose curves they get. The error bound holds for leaders and followers.
+    pub fn tie(&mut self, ties: impl IntoIterator<Item = ShowTie>) {
+        let count = self.motion.q.len() / per_sample(&self.motion);
+        for tie in ties {
+            let Some(of_leader) = self.joints.get_mut(tie.leader) else { continue };
+            let most = (OF_LEADER / tie.factor.abs()).min(1.0);
+            of_leader.shares.resize(count, 1.0);
+            of_leader.shares.iter_mut().for_each(|share| *share = f64::min(*share, most));
+            of_leader.is_written = false;
+            self.ties.push(tie);
+        }
     }
 
     /// Reduces the error bound of a joint at some samples: to a share of the previous bound, but not below `least` of
@@ -110,6 +144,7 @@ impl<'a> Writer<'a> {
         [share, least]: [f64; 2],
     ) -> bool {
         let count = self.motion.q.len() / per_sample(&self.motion);
+        let joint = self.ties.iter().find(|tie| tie.joint == joint).map_or(joint, |tie| tie.leader);
         let Some(of_joint) = self.joints.get_mut(joint) else { return false };
         of_joint.shares.resize(count, 1.0);
         let shares = &mut of_joint.shares;
@@ -170,12 +205,15 @@ impl<'a> Writer<'a> {
         let Self { motion, settings, block, .. } = *self;
         let per_sample = per_sample(&motion);
         let mut first = 0;
-        for (joint, of_joint) in motion.joints.iter().zip(&mut self.joints) {
+        let mut is_new = vec![false; self.joints.len()];
+        for (index, (joint, of_joint)) in motion.joints.iter().zip(&mut self.joints).enumerate() {
             let range = first..first + joint.coordinate_count();
             first = range.end;
-            if std::mem::replace(&mut of_joint.is_written, true) {
+            let follows = self.ties.iter().any(|tie| tie.joint == index);
+            if follows || std::mem::replace(&mut of_joint.is_written, true) {
                 continue;
             }
+            is_new[index] = true;
             let columns =
                 range.map(|c| motion.q.iter().skip(c).step_by(per_sample).copied().collect());
             let groups = groups(*joint, columns.collect(), motion.is_loop, &settings);
@@ -184,25 +222,56 @@ impl<'a> Writer<'a> {
                 let before: Vec<Vec<i32>> =
                     before.by_ref().take(group.len()).map(|channel| channel.laid).collect();
                 let aim = Aim { bound, step: settings.step, shares: &of_joint.shares, longest };
-                for Refined { curve, step, flips, laid } in refine(&group, &aim, &before) {
-                    let record = pack::record(&curve, step, flips, block, blocks);
-                    let found = record.most.max(-record.least);
-                    if found > LARGEST_CONTROL {
-                        let [found, most] =
-                            [found, LARGEST_CONTROL].map(|n| n.unsigned_abs() as usize);
-                        return Err(WriteError::TooMuch {
-                            what: "steps in a channel",
-                            found,
-                            most,
-                        });
-                    }
-                    let streams = pack::streams(&record, &curve, block, blocks);
-                    let knots = curve.knots.len();
-                    of_joint.channels.push(Channel { record, streams, knots, laid });
+                for refined in refine(&group, &aim, &before) {
+                    of_joint.channels.push(Channel::new(refined, block, blocks)?);
                 }
             }
         }
+        for tie in &self.ties {
+            let is_written = self.joints.get(tie.joint).is_some_and(|own| own.is_written);
+            if is_written && !is_new.get(tie.leader).is_some_and(|is_new| *is_new) {
+                continue;
+            }
+            let of_leader = self.joints.get(tie.leader).and_then(|leader| leader.channels.first());
+            let Some(refined) = of_leader.map(|leader| leader.tied(tie)) else { continue };
+            let channel = Channel::new(refined, block, blocks)?;
+            if let Some(own) = self.joints.get_mut(tie.joint) {
+                (own.channels, own.is_written) = (vec![channel], true);
+            }
+        }
         Ok(())
+    }
+}
+
+impl Channel {
+    fn new(refined: Refined, block: i32, blocks: i32) -> Result<Self, WriteError> {
+        let Refined { curve, step, flips, laid } = refined;
+        let record = pack::record(&curve, step, flips, block, blocks);
+        let found = record.most.max(-record.least);
+        if found > LARGEST_CONTROL {
+            let [found, most] = [found, LARGEST_CONTROL].map(|n| n.unsigned_abs() as usize);
+            return Err(WriteError::TooMuch { what: "steps in a channel", found, most });
+        }
+        let streams = pack::streams(&record, &curve, block, blocks);
+        let knots = curve.knots.len();
+        Ok(Self { curve, record, streams, knots, laid })
+    }
+
+    /// Returns the curve of a joint that follows this one: the same knots, with steps of another size.
+    fn tied(&self, tie: &ShowTie) -> Refined {
+        /// Largest share of the control values for an offset: with a smaller step, an offset needs more.
+        const OFFSET_STEPS: f64 = 0.25 * LARGEST_CONTROL as f64;
+        let own = f64::from(self.record.step) * tie.factor.abs();
+        // A step that is too small for the offset is coarsened by a whole number, which rounds the curve.
+        let coarser = (tie.offset.abs() / own / OFFSET_STEPS).ceil().max(1.0);
+        #[expect(clippy::cast_possible_truncation, reason = "any number near it is as good")]
+        let step = (own * coarser) as f32;
+        let (factor, offset) = (tie.factor.signum() / coarser, tie.offset / f64::from(step));
+        #[expect(clippy::cast_possible_truncation, reason = "saturates, and is checked")]
+        let moved = |control: &i32| (f64::from(*control) * factor + offset).round() as i32;
+        let controls = self.curve.controls.iter().map(moved).collect();
+        let curve = Curve { knots: self.curve.knots.clone(), controls };
+        Refined { curve, step, flips: false, laid: self.laid.clone() }
     }
 }
 

@@ -7,3 +7,4 @@ mod nearer;
 mod round_trip;
 mod run_in;
 mod second_reader;
+mod tied;

@@ -249,8 +249,8 @@ fn a_half_turn_in_a_loop_is_held_at_the_seam() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// The end of a motion that was not low-passed: no sample follows it, and the term that decides there must be
-    /// smooth in time.
+    /// Tests the end of a motion that was not low-passed. No sample follows the end, so the fit's smoothing term
+    /// determines the curve there; this term must be smooth in time.
     #[test]
     fn no_speed_is_beyond_that_of_the_samples(
         steps in prop::collection::vec(-0.03f64..0.03, 40..200),

@@ -29,8 +29,8 @@ fn damaged(store: &mut Store<&mut MockFlash>) -> [bool; 2] {
     [Kind::Settings, Kind::Rig].map(|kind| store.is_damaged(kind).unwrap())
 }
 
-/// Any flipped bit of the newer item except in its head (the next test): the older item is used and the damage
-/// reported, also after a compaction and reopening. Writing the older item again clears the report.
+/// If any bit of the newer item is flipped, except in its head (see the next test), the older item is used and the
+/// damage is reported, also after a compaction and reopening. Writing the older item again clears the report.
 #[test]
 fn an_older_one_is_known_as_that_until_somebody_stands_for_it() {
     for kind in [Kind::Settings, Kind::Rig] {
@@ -100,7 +100,7 @@ fn the_only_ones_that_are_damaged_are_missed() {
     assert_eq!((damaged(&mut store), stored(&mut store, Kind::Settings)), ([true, false], None));
 }
 
-/// An upload that was interrupted before its seal, or given up, never existed.
+/// An upload that was given up, or interrupted before its seal, has no effect.
 #[test]
 fn what_was_never_sealed_is_not_missed() {
     let mut base = two(Kind::Settings, [b"old", b"older"]);

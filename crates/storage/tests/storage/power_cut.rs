@@ -14,7 +14,8 @@ use crate::common::{
 
 type Flash<'a> = Store<&'a mut MockFlash>;
 
-/// Cuts an operation at every step, in several random runs. Returns the number of cuts.
+/// Cuts the power at every step of an operation, with several random seeds. Asserts that the store then has its old or
+/// its new content.
 fn cut(name: &str, start: &MockFlash, operation: impl Fn(&mut Flash<'_>, &Disarmed) -> Result<()>) {
     let see =
         |flash: &MockFlash| everything(&mut Store::open(&mut flash.clone(), SMALL).unwrap().0);

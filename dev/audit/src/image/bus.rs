@@ -11,7 +11,7 @@ use sinew_servo_bus::{
 
 use super::{slice, slice_mut};
 
-/// Servos of a rig.
+/// Number of servos of a rig.
 const SERVOS: usize = 20;
 
 /// Returns the requirements of a rig for a servo's registers.

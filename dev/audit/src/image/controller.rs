@@ -11,7 +11,7 @@ use sinew_servo_bus::{EncodeError, Schedule, pca9685};
 
 use super::{slice, slice_mut};
 
-/// Bodies, dofs, servos and coordinates of a rig.
+/// Numbers of bodies, dofs, servos and coordinates of a rig.
 pub(crate) const BODIES: usize = 20;
 pub(crate) const DOFS: usize = 24;
 pub(crate) const SERVOS: usize = 20;

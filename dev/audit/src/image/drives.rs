@@ -12,7 +12,7 @@ use sinew_servo_bus::{dynamixel, feetech, pca9685};
 
 use super::{slice, slice_mut};
 
-/// Bodies, dofs and servos of a rig.
+/// Numbers of bodies, dofs and servos of a rig.
 const BODIES: usize = 20;
 const DOFS: usize = 24;
 const SERVOS: usize = 20;

@@ -13,10 +13,10 @@ use sinew_link::{
 
 use super::{slice, slice_mut};
 
-/// Coordinates of a rig's pose.
+/// Number of coordinates of a rig's pose.
 const COORDINATES: usize = 40;
 
-/// Frames in the live buffer.
+/// Number of frames in the live buffer.
 const FRAMES: usize = 16;
 
 /// Returns an arbitrary message.

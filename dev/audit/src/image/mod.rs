@@ -26,7 +26,7 @@ use sinew_audit::{slice, slice_mut};
 use sinew_core::control::Gains;
 use sinew_core::{Body, Inertia, JointKind, JointStates, JointTargets, Transform, Tree};
 
-/// Bodies of the figure on the boards.
+/// Number of bodies of the figure on the boards.
 const N: usize = 18;
 
 /// Calls every part of the audit. `cargo xtask audit` finds the parts by their names.

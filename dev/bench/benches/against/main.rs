@@ -48,7 +48,7 @@ const BOUND: f64 = 0.4;
 trait Contender {
     fn name(&self) -> &'static str;
 
-    /// Converts a motion to its own form. Not timed.
+    /// Converts a motion to its own form. This is not timed.
     fn set(&mut self, motion: &RigMotion);
 
     /// Computes inverse dynamics of that motion.

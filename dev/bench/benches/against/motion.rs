@@ -3,7 +3,8 @@
 use sinew_core::glam::{DQuat, DVec3};
 use sinew_core::{Body, JointKind};
 
-/// A turn about one axis: the motion of a revolute joint, or a third of that of a spherical joint.
+/// A turn about one axis: the motion of a revolute joint, or one of the three successive turns that make the motion of
+/// a spherical joint.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Turn {
     /// Unit axis, in the frame after the earlier turns.
@@ -13,7 +14,8 @@ pub(crate) struct Turn {
     pub(crate) acceleration_rad_s2: f64,
 }
 
-/// Motion of a free root in the world; classical acceleration of the origin, all in world axes.
+/// Motion of a free root in the world, all in world axes. The acceleration is the classical acceleration of the root's
+/// origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RootMotion {
     pub(crate) rotation: DQuat,

@@ -12,7 +12,7 @@ use crate::ours::Ours;
 use crate::peer::{Kernel, Peer};
 use crate::{BODIES, TOLERANCE, apart, options};
 
-/// Largest allowed ratio of each kernel to Pinocchio in double precision.
+/// Largest allowed ratio of each kernel's time to that of Pinocchio in double precision.
 const BOUNDS: [(Kernel, f64); 3] = [(Kernel::Rnea, 0.2), (Kernel::Aba, 0.5), (Kernel::Crba, 0.5)];
 /// The peer to which the bounds refer.
 const BOUND_BY: &str = "Pinocchio, double";

@@ -1,4 +1,5 @@
-//! Measures the wall time of several functions in one run, fairly even if other programs use the machine.
+//! Measures the wall time of several functions in one run. The comparison is fair even if other programs use the
+//! machine.
 
 use std::convert::Infallible;
 use std::time::Instant;

@@ -32,7 +32,7 @@ pub(crate) struct Kernel {
     pub(crate) run: Box<dyn FnMut()>,
 }
 
-/// Frames of the motion of ticks, which is repeated.
+/// Number of frames of the ticks' motion, which is repeated.
 const FRAMES: usize = 64;
 /// Number of frames by which the rig is late.
 const LAG_FRAMES: usize = 4;

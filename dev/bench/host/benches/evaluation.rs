@@ -1,8 +1,8 @@
 //! Measures the speed of evaluation: `cargo bench -p sinew-host-bench --bench evaluation`.
 //!
-//! Three tables: controlled steps per second on one core for every plant, and the share of the plant in that time;
-//! the gain of the evaluation of all built-in clips from a second thread; time and memory of runs of 10³ to 10⁶
-//! frames. Machines are noisy: every number is the best of several rounds, and compared functions take turns.
+//! It prints three tables: controlled steps per second on one core for every plant, and the share of the plant in that
+//! time; by how much a second thread speeds up the evaluation of all built-in clips; and time and memory of runs of 10³
+//! to 10⁶ frames. Machines are noisy: every number is the best of several rounds, and compared functions take turns.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

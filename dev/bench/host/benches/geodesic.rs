@@ -20,7 +20,7 @@ use sinew_figure::builtin;
 use sinew_mocap::Skeleton;
 use sinew_pose_metrics::geodesic::{self, JointPosition, Options, Rig, RigJoint};
 
-/// Steps of a curve, as in the paper.
+/// Number of steps of a curve, as in the paper.
 const STEPS: usize = 10;
 /// Largest number of iterations of every method.
 const ITERATIONS: u64 = 5_000;
@@ -246,8 +246,8 @@ fn ours(pair: &Pair, options: Options) -> Result<Found, Box<dyn Error>> {
     Ok(Found { energy_m2: found.energy_m2, iterations: found.course.len() as u64, time_ms })
 }
 
-/// Minimizes by L-BFGS. Stops when the gradient's norm is below a share of the energy at the start, or nothing
-/// improves.
+/// Minimizes by L-BFGS. Stops when the gradient's norm is below a share of the energy at the start, when the line
+/// search finds no improvement, or after `ITERATIONS`.
 fn l_bfgs(pair: &Pair, tolerance: f64) -> Result<Found, Box<dyn Error>> {
     let start = Instant::now();
     let line = pair.line();

@@ -2,7 +2,7 @@
 //!
 //! With `-icount shift=0` one instruction takes 1 ns of the machine's time, and its 25 MHz `SysTick` counts once in
 //! 40 instructions. The command counts instructions individually in QEMU's trace, between [`begin`] and [`end`], and
-//! compares.
+//! compares both counts.
 
 mod stack;
 
@@ -24,10 +24,10 @@ use crate::states;
 /// Number of counted runs, after a first run that is not counted. Ticks use successive frames.
 const RUNS: u16 = 16;
 
-/// Number of frames before the first requested frame: the rig is late.
+/// Number of frames before the first desired frame, so that the measured poses lag behind.
 pub const LAG_FRAMES: usize = 4;
 
-/// Number of frames that the ticks use, plus one for the rig.
+/// Number of frames in memory: enough for the first tick and the counted ones.
 pub const FRAMES: usize = LAG_FRAMES + RUNS as usize + 4;
 
 /// Scale of the shows' performer relative to the rig.

@@ -19,8 +19,8 @@ use crate::wire::Wire;
 const HSE: Crystal = Crystal(8_000_000);
 const SUPPLY_MV: u32 = 3300;
 const CORE_HZ: NonZeroU64 = NonZeroU64::new(180_000_000).unwrap();
-/// Instructions per second: 8 ns each, 1.44 cycles at 180 MHz. A guess for a Cortex-M4 that runs from flash through
-/// the ART cache. Cycles are not counted.
+/// Instructions per second: 8 ns each, 1.44 cycles at 180 MHz. This is a guess for a Cortex-M4 that runs from flash
+/// through the ART cache. Cycles are not counted.
 const INSTRUCTIONS_PER_S: NonZeroU64 = NonZeroU64::new(125_000_000).unwrap();
 
 /// A serial port with a host: its index in rigless's list.

@@ -56,8 +56,8 @@ type Row = (&'static str, Group, f64, f64, &'static [&'static str]);
 /// cylinder weights, for the bone of Geno that ends in the joint of the same name, except where the skeletons differ:
 ///
 /// - From pelvis to neck Geno has five bones and CMU three of equal length. The lower two have the mean radius of
-///   Geno's over the same third of the distance, weighted by length and rounded to 5 mm; counterparts are the joints
-///   at the nearest share of the distance.
+///   Geno's over the same third of the distance, weighted by length and rounded to 5 mm. The counterpart of a joint
+///   is Geno's joint at the nearest share of the distance.
 /// - Palm and fingers are one chain. Geno has four chains, each with a radius of 1 cm; with a radius of 4 cm, the
 ///   single chain has the same surface. Its knuckle corresponds to those of four fingers of Geno.
 /// - `HipJoint` and `LowerBack` are at the hips: bones without a length, which need no radius. Everything on a hip

@@ -201,7 +201,8 @@ impl Saved<'_> {
         Ok(usize::try_from(steps[0]).unwrap_or(usize::MAX))
     }
 
-    /// Returns a tensor with the shape of `like`, whose numbers fulfil `must`.
+    /// Returns the tensor with a name. Refuses a tensor that does not have the shape of `like`, or whose numbers do not
+    /// fulfil `must`.
     fn numbers(&self, name: &str, like: &Tensor, must: Numbers) -> Result<Tensor, CheckpointError> {
         let numbers: Vec<f32> = self.values(name, Some(like.dims()))?;
         match numbers.iter().position(|number| !must.holds(*number)) {

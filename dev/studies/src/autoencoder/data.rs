@@ -12,7 +12,7 @@ use crate::recordings::{DataError, Pose, Recordings, Sequence};
 /// have counterparts among those of the other subjects, who also climb and play basketball.
 const TEST_SUBJECTS: [&str; 3] = ["02", "16", "49"];
 
-/// Poses of one skeleton, the root's rotation without its heading, split by subject.
+/// Poses of one skeleton, split by subject. The heading is removed from the root's rotation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
     /// The common skeleton of all poses, in metres.

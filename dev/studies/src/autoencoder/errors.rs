@@ -24,9 +24,9 @@ pub struct Errors {
 pub struct Means {
     /// Mean distance of positions, in centimetres; `None` if none of the joints can move.
     pub position_cm: Option<f64>,
-    /// Mean angle of rotations relative to the parents, in degrees.
+    /// Mean angle between original and reconstructed rotations, relative to the parents, in degrees.
     pub local_deg: f64,
-    /// Mean angle of rotations in the world, in degrees.
+    /// Mean angle between original and reconstructed rotations, in the world, in degrees.
     pub global_deg: f64,
 }
 

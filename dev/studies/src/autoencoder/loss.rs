@@ -25,8 +25,8 @@ struct Global {
 }
 
 impl Loss {
-    /// Returns the loss of a method: `weights` has a weight for each joint, with a mean of 1; an error of 1 m of a
-    /// global position costs as much as an error of `position_per_m` of a number in a column.
+    /// Returns the loss of a method: `weights` has a weight for each joint, with a mean of 1; an error of 1 m in a
+    /// global position costs as much as an error of `position_per_m` in a number of a column.
     pub(super) fn new(
         skeleton: &Skeleton,
         method: Method,

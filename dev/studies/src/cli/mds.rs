@@ -1,4 +1,5 @@
-//! `sinew-studies mds`: dimensions that motion needs under each measure.
+//! `sinew-studies mds`: embeds motion by multidimensional scaling, and compares how many dimensions each measure of
+//! poses needs.
 
 use std::num::NonZeroU16;
 use std::path::PathBuf;

@@ -16,7 +16,7 @@ pub use index::{Class, DataError, RATE_HZ};
 use index::{Row, thinned};
 use sinew_figure::builtin;
 
-/// Time at the start of CMU's recordings that is left out, s: fingers settle, feet jump.
+/// Time at the start of CMU's recordings and of built-in clips that is left out, s: fingers settle, feet jump.
 const SETTLING_S: f64 = 0.1;
 
 /// Local rotation of every joint, in the order of the skeleton; the root's in the world.

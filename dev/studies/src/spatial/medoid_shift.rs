@@ -5,7 +5,8 @@ use sinew_pose_metrics::spatial::Distances;
 /// Cutoff of the Gaussian kernel, in bandwidths: beyond it the weights are too small for f64 beside the nearest ones.
 const REACH: f64 = 9.0;
 
-/// Returns the cluster of each item, numbered by first members, with a Gaussian kernel of the given bandwidth. O(n³).
+/// Returns the cluster of each item, with a Gaussian kernel of the given bandwidth. Clusters are numbered in the order
+/// of their first members. O(n³).
 ///
 /// Every item moves to the item with the smallest sum of squared distances from all others, weighted by the kernel
 /// around its present place. It moves again until it stays in place.
@@ -96,8 +97,8 @@ impl Squares {
     }
 }
 
-/// Returns the end of an item's path. Costs fall along the path, but each with its own kernel: a cycle ends at its
-/// smallest member.
+/// Returns the end of an item's path. Every step lowers the cost, but each item has its own kernel, so a path can end
+/// in a cycle. Then the cycle's smallest index is returned.
 fn end(next: &[usize], mut at: usize) -> usize {
     let mut seen = vec![at];
     while next[at] != at {

@@ -20,8 +20,9 @@ impl Default for OverrunSettings {
     }
 }
 
-/// Counts late ticks in a bucket: each late tick fills it, and `most` of them leak in a `window`. A fault occurs when
-/// the bucket contains more than `most` late ticks, or when for a long time more arrive than leak. O(1).
+/// Counts late ticks in a leaky bucket: each late tick adds one, and `most` of them leak out in a `window` of ticks. A
+/// fault occurs when the bucket contains more than `most` late ticks, or when for a long time more arrive than leak.
+/// O(1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Overrun {

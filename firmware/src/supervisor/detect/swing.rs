@@ -1,8 +1,8 @@
 //! Detector of a joint that swings because its own control loop excites it.
 
-/// Frequency below which a motion does not count as a swing, Hz: three high-passes of one pole each. A show moves at
-/// less than 4 Hz. A following error of 14 deg in a fast show is 0.14 deg rms after the high-passes; half of a
-/// swing at 16 Hz remains.
+/// Frequency below which a motion does not count as a swing, Hz. The filter consists of three high-passes of one pole
+/// each. A show moves at less than 4 Hz. A following error of 14 deg in a fast show is 0.14 deg rms after the
+/// high-passes; half of a swing at 16 Hz remains.
 const CORNER_HZ: f32 = 12.0;
 /// Corner frequency while the target stands still, Hz: the error then contains no show, and a poor gear swings at 7
 /// to 10 Hz.

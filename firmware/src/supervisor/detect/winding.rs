@@ -32,7 +32,7 @@ impl WindingSettings {
 }
 
 /// A model of two heated masses: the winding against its case, and the case against the air. Heat is 1 at the final
-/// temperature of the continuous current. It starts cold, since the time before the board's start is unknown:
+/// temperature of the continuous current. It starts cold, since the time before the board's start is unknown;
 /// [`Heat`](super::Heat) measures the real temperature. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Winding {

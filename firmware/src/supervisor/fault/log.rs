@@ -13,7 +13,7 @@ pub struct FaultLog<const K: usize> {
     first: Option<FaultRecord>,
     /// The last faults, newest first.
     last: [Option<FaultRecord>; K],
-    /// Number of the last faults that occurred since faults were cleared.
+    /// Number of items of `last` that occurred since faults were cleared.
     since: usize,
     /// Number of times that faults were cleared.
     clears: u32,
@@ -64,7 +64,8 @@ impl<const K: usize> FaultLog<K> {
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before that.
+    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before they were
+    /// cleared.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }

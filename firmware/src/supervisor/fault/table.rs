@@ -3,7 +3,7 @@
 use super::{Clears, Fault, FaultSet, Reaction, Row};
 use crate::supervisor::State;
 
-/// Returns those of the faults that have a reaction in a state.
+/// Returns those of the faults that do more in a state than being reported.
 pub(in crate::supervisor) fn reacting(faults: FaultSet, state: State) -> FaultSet {
     if faults.is_empty() {
         return faults;
@@ -44,7 +44,7 @@ const fn sets() -> [FaultSet; 3] {
 /// Reactions to a warning.
 const NOTE: [Reaction; State::COUNT] = [Reaction::Note; State::COUNT];
 
-/// Switches torque off at once in any state.
+/// Reactions that switch torque off at once, in any state.
 const LIMP: [Reaction; State::COUNT] = [Reaction::Limp; State::COUNT];
 
 /// Returns a row of reactions: while torque is off, a fault is only reported.
@@ -56,14 +56,14 @@ const fn reactions(on: [Reaction; 7]) -> [Reaction; State::COUNT] {
 
 const LOWER: [Reaction; State::COUNT] = reactions([Reaction::Lower; 7]);
 
-/// Moves the rig to the rest pose, except in states in which a person jogs or leads it, and except while it is
-/// lowered, because it must not rise again.
+/// Reactions that move the rig to its rest pose. While it is being armed, and while a person jogs or leads it, the rig
+/// is lowered instead. A rig that is already being lowered must not rise again.
 const STOP: [Reaction; State::COUNT] = {
     use Reaction::{Lower, Stop};
     reactions([Lower, Stop, Stop, Lower, Stop, Lower, Lower])
 };
 
-/// Makes a moving rig hold.
+/// Reactions that make a rig hold if it plays a feed or is in maintenance. All other motions continue.
 const HOLD: [Reaction; State::COUNT] = {
     use Reaction::{Hold, Note};
     reactions([Note, Note, Hold, Hold, Note, Note, Note])

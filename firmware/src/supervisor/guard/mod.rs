@@ -18,7 +18,7 @@ const ROUNDING_RAD: f32 = 1e-5;
 const HASTE: f32 = 1.2;
 /// Factor and offset, rad/s, by which a measured speed may exceed the limit: noise of velocities.
 const OVERSPEED: (f32, f32) = (1.25, 0.1);
-/// Limits the commands of a servo, cycle by cycle.
+/// Limits the commands of a servo, tick by tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Guard {
     settings: GuardSettings,
@@ -43,7 +43,7 @@ pub struct Guarded {
 }
 
 impl Guard {
-    /// Creates the guard of a servo, for cycles of `dt_s`.
+    /// Creates the guard of a servo, for ticks of `dt_s`.
     ///
     /// # Errors
     /// [`SettingError`] names the invalid setting.
@@ -53,8 +53,8 @@ impl Guard {
         Ok(Self { settings, dt_s, sent: None })
     }
 
-    /// Checks a command and returns the permitted one. Call it once per cycle and servo, with the servo's last
-    /// reading. O(1).
+    /// Checks a command and returns the permitted one. Call it once per tick and servo, with the servo's last reading.
+    /// O(1).
     pub fn check(
         &mut self,
         command: Command,

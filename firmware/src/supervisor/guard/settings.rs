@@ -84,9 +84,11 @@ impl VoltageLimits {
         told_v.unwrap_or(self.supply_v).max(LEAST_SUPPLY * self.supply_v)
     }
 
-    /// Returns the part of the supply with which the servo coasts, and the minimum and maximum permitted part.
-    /// `effort` is the permitted part of its current; while shorted, a motor may brake with its full current.
-    /// `is_blind` is whether its drive may have faded out and shorted the motor, whatever the current.
+    /// Returns parts of the supply voltage: the part at which no current flows, so that the servo coasts, and the
+    /// minimum and maximum permitted part. `effort` is the permitted part of the maximum current for driving. For
+    /// braking, down to a shorted winding, the maximum current is always permitted. `is_blind` is whether the drive may
+    /// have faded its voltage to zero for want of readings, which shorts the motor: the current of such braking is not
+    /// limited.
     pub(super) fn parts(
         &self,
         velocity_rad_s: f32,

@@ -45,7 +45,7 @@ fn servos_by_current_are_without_torque_100_ms_after_their_controller_died() {
     assert_eq!(test_rig.servos_on(), SERVOS);
 }
 
-/// Their motors are shorted: the arm sinks slowly and does not fall.
+/// The motors of these servos are shorted: the arm sinks slowly and does not fall.
 #[test]
 fn servos_by_voltage_brake_100_ms_after_their_controller_died() {
     let mut test_rig = playing(Kind::Voltage);

@@ -24,7 +24,7 @@ struct Seen {
     not_believed: u32,
 }
 
-/// Lets servo 0 jump by an angle for a time, in equal rigs that `make` creates.
+/// Lets the encoder of servo 0 jump by an angle for a time, in equal rigs that `make` creates.
 fn jump(make: impl Fn() -> TestRig, jump_deg: f64, for_s: f64) -> Seen {
     let run = |jumps: bool, disarmed_in: Option<usize>| {
         let mut test_rig = make();

@@ -62,7 +62,7 @@ pub(crate) struct Planted {
     pub(crate) position_rad: Option<f32>,
     /// Position to which the encoder runs, as fast as a pushed servo may move, rad.
     pub(crate) runs_to_rad: Option<f32>,
-    /// Amplitude of a swing at 16 Hz, with 0.3 A, rad.
+    /// Amplitude of a swing at 17 Hz, with a current of 0.3 A, rad.
     pub(crate) swing_rad: Option<f32>,
     pub(crate) current_a: Option<f32>,
     pub(crate) celsius: Option<f32>,
@@ -73,9 +73,9 @@ pub(crate) struct Planted {
     pub(crate) is_unknown: bool,
 }
 
-/// Ticks of a swing: 16 Hz at 400 ticks per second.
+/// Ticks of a period of the swing: 17 Hz at 400 ticks per second.
 const SWING_TICKS: u32 = 24;
-/// Maximum way of a running position in a tick, and by how much it grows from tick to tick, rad.
+/// Maximum movement of a running position in a tick, and the maximum increase of this movement from tick to tick, rad.
 const RUNS_RAD: (f32, f32) = (0.06, 0.008);
 
 /// A bus with planted errors.
@@ -317,7 +317,7 @@ impl TestRig {
         (seconds * f64::from(self.kind.rate_hz())).round() as u32
     }
 
-    /// Runs until a state is reached, at most for a time in s.
+    /// Runs until a state is reached. Fails after a time in s.
     pub(crate) fn until(&mut self, state: State, seconds: f64) {
         for _ in 0..self.ticks_of(seconds) {
             if self.state() == state {

@@ -19,8 +19,8 @@ fn mend(test_rig: &mut TestRig) {
     test_rig.bench.servos_mut()[WHO].stick_torque(false);
 }
 
-/// Checks that the fault is reported for this servo and refuses to arm, and that a command clears it after it has
-/// ended.
+/// Checks that the fault is reported for this servo and prevents arming, and that a command clears the fault after its
+/// condition has ended.
 fn is_refused_until_mended(mut test_rig: TestRig) {
     let kind = test_rig.kind;
     test_rig.until(State::Faulted, 1.0);

@@ -13,7 +13,7 @@ use sinew_rig::toml_file;
 /// A rig type with room for Poppy Humanoid.
 pub(crate) type Board = BoardRig<40, 40, 8>;
 
-/// A rig with the positions of its servos' joints in `q`.
+/// A rig, with the indices in `q` of its servos' joints.
 pub(crate) struct Figure {
     pub(crate) name: &'static str,
     pub(crate) mechanism: Mechanism,
@@ -103,7 +103,7 @@ impl Figure {
     }
 }
 
-/// Computes the torque of gravity on a rig's joints.
+/// Calculator of the torques that gravity exerts on a rig's joints.
 pub(crate) struct Weights {
     dynamics: InverseDynamics,
     places: Vec<usize>,

@@ -23,11 +23,11 @@ const TICKS: u32 = 250;
 /// Number of last ticks over which positions are averaged: within the play of its gear, a shaft without load moves to
 /// and fro.
 const MEAN_TICKS: u32 = 50;
-/// Maximum difference between the means of a shaft at rest: the play of an STS3215, the largest.
+/// Maximum difference between the means of a shaft at rest: the play of an STS3215, which has the largest.
 const REST_RAD: f64 = 0.0175;
 const MOST_SERVOS: usize = 8;
 
-/// Ratio of the rig as built to its model.
+/// Ratios of properties of the rig as built to those of its model.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AsBuilt {
     pub(crate) masses: f64,

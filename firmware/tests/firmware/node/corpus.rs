@@ -13,7 +13,7 @@ fn settings() {
     assert!(read.contains(&true) && read.contains(&false));
 }
 
-/// The corpus contains something in every state, and every kind of message.
+/// The corpus contains messages in every state, and every kind of message.
 #[test]
 fn node() {
     let mut said = BTreeSet::new();

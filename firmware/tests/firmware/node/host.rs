@@ -26,7 +26,7 @@ pub(crate) struct Host {
     heard: Option<u16>,
     pub(crate) outcome: Option<Outcome>,
     pub(crate) summaries: Vec<Summary>,
-    pub(crate) parts: [u32; 4],
+    pub(crate) parts: [u32; 5],
     pub(crate) faults: Vec<FaultRecord>,
     /// Messages to another program.
     pub(crate) others: Vec<ToHost>,
@@ -54,7 +54,7 @@ impl Host {
             heard: None,
             outcome: None,
             summaries: Vec::new(),
-            parts: [0; 4],
+            parts: [0; 5],
             faults: Vec::new(),
             others: Vec::new(),
             cut: Vec::new(),
@@ -149,6 +149,7 @@ impl Host {
                         SnapshotPart::Pose { .. } => 1,
                         SnapshotPart::Dofs { .. } => 2,
                         SnapshotPart::Servos { .. } => 3,
+                        SnapshotPart::Targets { .. } => 4,
                     };
                     self.parts[part] += 1;
                 }

@@ -1,5 +1,5 @@
-//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. The second table of the
-//! page `docs/fault-matrix.md`.
+//! Every fault in every state again, for a whole node: in process, and as an image in QEMU. This is the second table of
+//! the page `docs/fault-matrix.md`.
 //!
 //! These tests create a fault where an image can detect it: in the bytes of its bus and its host link, at its pins,
 //! by its clock. The tests of the first table create it between bus and controller.
@@ -343,7 +343,8 @@ fn is_cleared(world: &mut World, fault: Fault) {
     panic!("{fault} is not cleared: {:?}", world.state());
 }
 
-/// Measures all cells of these faults and states, in a new world with such a board for each fault.
+/// Measures all cells of these faults and states. For each fault it makes a new world, with a new board from
+/// `emulated`.
 fn cells(
     emulated: fn() -> Option<Emulated>,
     is_wanted: impl Fn(Fault, State) -> bool + Sync,
@@ -400,7 +401,7 @@ fn the_second_table_is_what_happens_in_process() {
     is_the_page(|| None);
 }
 
-/// Returns a state for each fault that can be shown: the one that the faults before use least.
+/// Returns a state for each fault that can be shown: the state that was chosen least often for the earlier faults.
 fn share() -> Vec<(Fault, State)> {
     let mut times = [0; State::COUNT];
     let mut share = Vec::new();

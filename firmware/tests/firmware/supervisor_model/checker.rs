@@ -1,4 +1,4 @@
-//! The search and the rules. It knows only the table of faults of the supervisor's internals.
+//! The search and the rules. They use nothing of the supervisor's internals except the table of faults.
 
 use std::collections::{HashSet, VecDeque};
 use std::fmt;

@@ -30,7 +30,7 @@ pub(crate) struct Events {
 }
 
 impl Events {
-    /// Creates all events with none of these faults at the same time, one, two, or all.
+    /// Creates all events: with none of these faults present at the same time, with one, with two, and with all.
     pub(crate) fn new(faults: &[Fault]) -> Self {
         // The order is fixed, so that a step that breaks two rules reports the same rule in every run.
         let mut sets = vec![FaultSet::EMPTY];

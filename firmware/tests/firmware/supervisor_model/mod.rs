@@ -2,10 +2,11 @@
 //!
 //! Clocks are modelled as before or after each time-out, at any moment. Faults with the same row in the table are the
 //! same to the supervisor: one represents each kind. At a time there are none, one, two, or all of the kinds; each
-//! other fault is checked alone.
+//! other fault is checked alone. Sessions of two programs have a model of their own: `takeover`.
 
 mod checker;
 mod events;
+mod takeover;
 
 use checker::{Counts, check};
 use events::{Events, kinds};
@@ -157,7 +158,7 @@ fn a_deaf_host_whose_rig_is_armed_uncleared_is_found() {
     assert_eq!(rule, "after a fault nothing is armed that was not cleared");
 }
 
-/// Nobody sees the rig, but somebody holds it.
+/// The host is deaf, so nobody watches the rig, but a person holds it in the hands.
 #[test]
 fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
     let rule = mistake(|mode, event| {
@@ -171,7 +172,7 @@ fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
-/// Such a rig swings up until the supply sags.
+/// A rig that its servos cannot hold swings up until the supply sags.
 #[test]
 fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
     let rule = mistake(|mode, event| mode.next(&Event { overload: None, ..*event }));

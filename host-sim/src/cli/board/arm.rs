@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_link::message::{Command, Refusal};
+use sinew_host_util::command::note;
+use sinew_link::message::{Command, Refusal, State};
 use sinew_performance::play::RigParts;
 
 /// Longest wait for a rig to become ready to be armed.
@@ -20,6 +21,16 @@ pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> 
     let here = board.about().rig;
     ensure!(here != 0, "the board has no rig: {HELP}");
     ensure!(here == own, "the board has rig {here:08x}, the file's is {own:08x}: {HELP}");
+    Ok(())
+}
+
+/// Ends what a program that was ended left: a rig that is led by hand with torque off, and cannot be armed.
+pub(in crate::cli) fn end_by_hand<L: Line>(
+    board: &mut Board<L>,
+    state: State,
+) -> anyhow::Result<()> {
+    note(format_args!("the rig was still {state}, for a program that was ended"));
+    board.ask(Command::Stop)?;
     Ok(())
 }
 

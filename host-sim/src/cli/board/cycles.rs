@@ -4,7 +4,8 @@ use sinew_board_client::{ClientError, Line};
 use sinew_host_util::command::table;
 use sinew_link::message::{Applied, Command, Cycles, Health};
 
-/// Reads the counts since the last read. The board then starts to count from zero.
+/// Reads the counts since the last read. The board then starts to count from zero. Returns `None` if the board answers
+/// something else.
 ///
 /// # Errors
 /// The board's refusal, or an error of the host link.
@@ -17,7 +18,7 @@ pub(super) fn read<L: Line>(
     }
 }
 
-/// Formats minimum, mean, maximum and jitter of each part; `None` if the board counts no cycles.
+/// Formats minimum, mean, maximum and jitter of each part. Returns `None` if the board counts no cycles.
 pub(super) fn spreads(health: &Health) -> Option<String> {
     if health.cycles_hz == 0 {
         return None;

@@ -18,7 +18,8 @@ const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
 
 /// Write firmware into a board, through its debugger and `probe-rs`.
 ///
-/// Fails while the rig is armed, or if the firmware has another version of the host link than this program.
+/// Fails while the rig is armed, and for an image that is not Sinew's firmware, or whose host link has another major
+/// version than this program.
 #[derive(Debug, clap::Args)]
 pub(super) struct FlashArgs {
     /// Image to flash: the name of a board, such as `nucleo_f446re`, or an ELF file. `cargo xtask firmware` builds the

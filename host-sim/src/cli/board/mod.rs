@@ -6,6 +6,8 @@ mod doctor;
 mod faults;
 mod flash;
 mod monitor;
+#[cfg(unix)]
+mod moves;
 mod port;
 mod settings;
 #[cfg(unix)]
@@ -13,7 +15,9 @@ mod simulate;
 mod text;
 mod upload;
 
-pub(super) use arm::{READY, arm, check_rig};
+pub(super) use arm::{READY, arm, check_rig, end_by_hand};
+#[cfg(unix)]
+pub(super) use moves::await_limp;
 pub(super) use port::{PortBoard, SilenceArg, open};
 pub(super) use text::{named, tell_faults};
 pub(super) use upload::{put, put_show};
@@ -27,8 +31,8 @@ use text::remedy;
 
 /// Flash, check, watch and simulate controller boards, upload rigs and shows, and read faults.
 ///
-/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without it, the command uses the USB
-/// port where a board answers.
+/// The board is at a serial port: `--port PORT` names it, such as /dev/ttyACM0. Without this option, the command uses
+/// the USB port where a board answers.
 #[derive(Debug, Args)]
 pub(super) struct BoardCommands {
     #[command(subcommand)]
@@ -42,6 +46,10 @@ enum Command {
     Flash(flash::FlashArgs),
     Upload(upload::UploadArgs),
     Monitor(monitor::MonitorArgs),
+    #[cfg(unix)]
+    Home(moves::HomeArgs),
+    #[cfg(unix)]
+    Jog(moves::JogArgs),
     Faults(faults::FaultsArgs),
     Settings(settings::SettingsArgs),
     Doctor(doctor::DoctorArgs),
@@ -55,6 +63,10 @@ pub(super) fn run(args: &BoardCommands) -> anyhow::Result<ExitCode> {
         Command::Flash(args) => flash::run(args),
         Command::Upload(args) => upload::run(args),
         Command::Monitor(args) => monitor::run(args),
+        #[cfg(unix)]
+        Command::Home(args) => moves::home(args),
+        #[cfg(unix)]
+        Command::Jog(args) => moves::jog(args),
         Command::Faults(args) => faults::run(args),
         Command::Settings(args) => settings::run(args),
         Command::Doctor(args) => doctor::run(args),

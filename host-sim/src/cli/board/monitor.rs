@@ -13,7 +13,7 @@ use crate::cli::stop::Stop;
 /// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
 ///
 /// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. At the end it
-/// prints the durations of ticks, bus, host link and the loop's periods.
+/// prints a table of times: of ticks, of the exchange with servos, of the host link, and from tick to tick.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]

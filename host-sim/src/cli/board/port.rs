@@ -51,6 +51,12 @@ fn silence(text: &str) -> Result<f64, String> {
 const AUTO: &str = "auto";
 
 impl BoardPort {
+    /// Returns the port that is named.
+    #[cfg(unix)]
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.port.as_deref().filter(|path| *path != Path::new(AUTO))
+    }
+
     /// Opens the port.
     pub(super) fn open(&self) -> anyhow::Result<PortBoard> {
         open(self.port.as_deref(), "--port")

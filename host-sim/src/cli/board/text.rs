@@ -5,7 +5,7 @@ use sinew_firmware::supervisor::Fault;
 use sinew_host_util::command::note;
 use sinew_link::message::FaultRecord;
 
-/// Returns the fault with a number, if this program knows it.
+/// Returns the fault with this number. Returns `None` if this program does not know the number.
 fn known(number: u8) -> Option<Fault> {
     Fault::ALL.into_iter().find(|fault| fault.number() == number)
 }
@@ -15,7 +15,7 @@ pub(in crate::cli) fn named(number: u8) -> String {
     known(number).map_or_else(|| format!("fault {number}"), |fault| fault.to_string())
 }
 
-/// Returns the condition of a fault, and its remedy.
+/// Returns the condition of a fault, and its remedy; `None` if this program does not know the number.
 pub(in crate::cli) fn remedy(number: u8) -> Option<String> {
     known(number).map(|fault| format!("{}; to do: {}", fault.when(), fault.remedy()))
 }

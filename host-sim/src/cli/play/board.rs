@@ -11,7 +11,7 @@ use sinew_link::message::{Command, FaultRecord, Feed, State, Summary, TelemetryP
 use sinew_performance::play::RigParts;
 use sinew_show::Show;
 
-use crate::cli::board::{READY, arm, check_rig, named, open, put_show, tell_faults};
+use crate::cli::board::{READY, arm, check_rig, end_by_hand, named, open, put_show, tell_faults};
 use crate::cli::stop::Stop;
 
 /// Time between two checks of the state.
@@ -125,11 +125,16 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
-    /// Sends the next command for the state, or returns how the performance ended.
+    /// Sends the next command for the present state. Returns the exit code if the performance has ended, otherwise
+    /// `None`.
     fn go_on(&mut self) -> anyhow::Result<Option<ExitCode>> {
         let Some(state) = self.board.state() else { return Ok(None) };
         match (self.phase, state) {
             (_, State::Faulted) => return Ok(Some(self.faulted())),
+            (Phase::Ready, State::Calibrating | State::Teaching) => {
+                end_by_hand(self.board, state)?;
+                self.before = self.board.log.summaries;
+            }
             (Phase::Ready, _) => self.arm(state)?,
             (Phase::Arming, State::Holding) => {
                 self.command(Command::Play(Feed::Show), Phase::Playing)?;

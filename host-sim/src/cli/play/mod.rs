@@ -5,7 +5,7 @@ mod live;
 mod notes;
 mod nucleo;
 mod real_time;
-mod show;
+pub(super) mod show;
 mod sim;
 
 use std::path::{Path, PathBuf};

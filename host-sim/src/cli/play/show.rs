@@ -12,7 +12,28 @@ use sinew_rig::Mechanism;
 use sinew_show::Show;
 
 use super::Args;
-use crate::cli::performance::ON_STAND;
+use crate::cli::performance::{ON_STAND, PerformanceArgs};
+use crate::cli::unit_args::UnitArgs;
+
+/// Reads a show file. Returns `None` for a file of another kind, which may be a clip.
+///
+/// # Errors
+/// A file whose name ends with `.show` is not a show, or a show is damaged.
+pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
+    let is_named = path.extension().is_some_and(|extension| extension == "show");
+    match sinew_mocap::read::bytes(path) {
+        Err(error) if is_named => bail!("{}: {error}", path.display()),
+        Ok(bytes) if Kind::of(path, &bytes) == Some(Kind::Show) => {
+            Show::open(&bytes).with_context(|| path.display().to_string())?;
+            Ok(Some(bytes))
+        }
+        Ok(bytes) if is_named => {
+            let found = Kind::found(Kind::of(path, &bytes));
+            bail!("{}: expected a show of `sinew bake --rig`, found {found}", path.display());
+        }
+        _ => Ok(None),
+    }
+}
 
 /// Share of the joints' way from which a fit changed nothing that is worth a word.
 const UNCHANGED: f64 = 0.98;
@@ -42,7 +63,7 @@ fn tell_fit(
         }
     }
     if let Some(why) = likeness.strange() {
-        note(format_args!("warning: this is nobody's motion: {why}"));
+        note(format_args!("warning: the fitted motion is far from the clip: {why}"));
     }
     if is_changed {
         for line in performance.helps(mechanism)? {
@@ -50,6 +71,24 @@ fn tell_fit(
         }
     }
     Ok(())
+}
+
+/// Bakes a clip into a show of a rig, fitted to the rig.
+pub(in crate::cli) fn bake(
+    (rig, rig_crc): (&LoadedRig, u32),
+    clip: &Path,
+    on_rig: &PerformanceArgs,
+    mapping: Option<&Path>,
+    seconds: Option<f64>,
+    units: UnitArgs,
+) -> anyhow::Result<Vec<u8>> {
+    let mut on_rig = on_rig.clone();
+    on_rig.fit = true;
+    let mut performance = on_rig.perform(rig, clip, mapping, seconds, (ON_STAND, units))?;
+    let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
+    let (baked, _) = performance.bake(&rig.mechanism, &choices)?;
+    tell_fit(&performance, &baked, &rig.mechanism)?;
+    Ok(baked.written.bytes)
 }
 
 impl Args {
@@ -62,29 +101,15 @@ impl Args {
         bare: u32,
     ) -> anyhow::Result<Vec<u8>> {
         let path = Path::new(&self.show);
-        let read = sinew_mocap::read::bytes(path);
-        if let Err(error) = &read
-            && path.extension().is_some_and(|extension| extension == "show")
-        {
-            bail!("{}: {error}", path.display());
-        }
-        let bytes = match read {
-            Ok(bytes) if Kind::of(path, &bytes) == Some(Kind::Show) => {
-                Show::open(&bytes).with_context(|| path.display().to_string())?;
-                Some(bytes)
-            }
-            Ok(bytes) if path.extension().is_some_and(|extension| extension == "show") => {
-                let found = Kind::found(Kind::of(path, &bytes));
-                bail!("{}: expected a show of `sinew bake --rig`, found {found}", path.display());
-            }
-            _ => None,
-        };
-        let Some(bytes) = bytes else {
-            return self.bake(rig, parts.rig_crc());
+        let Some(bytes) = read(path)? else {
+            let rig = (rig, parts.rig_crc());
+            let mapping = self.mapping.as_deref();
+            return bake(rig, path, &self.on_rig, mapping, self.seconds, self.units);
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");
         let clip_only = clip_only.or(self.seconds.map(|_| "--seconds"));
-        if let Some(option) = clip_only.or(self.on_rig.of_clips()).or(self.units.given()) {
+        let clip_only = clip_only.or(self.on_rig.of_clips()).or(self.on_rig.of_own());
+        if let Some(option) = clip_only.or(self.units.given()) {
             bail!("{option}: is of clips, and {} is a show", path.display());
         }
         let show = Show::open(&bytes)?;
@@ -96,17 +121,5 @@ impl Args {
             parts.take_shows_of(bare);
         }
         Ok(bytes)
-    }
-
-    fn bake(&self, rig: &LoadedRig, rig_crc: u32) -> anyhow::Result<Vec<u8>> {
-        let mut on_rig = self.on_rig.clone();
-        on_rig.fit = true;
-        let (clip, mapping) = (Path::new(&self.show), self.mapping.as_deref());
-        let mut performance =
-            on_rig.perform(rig, clip, mapping, self.seconds, (ON_STAND, self.units))?;
-        let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
-        let (baked, _) = performance.bake(&rig.mechanism, &choices)?;
-        tell_fit(&performance, &baked, &rig.mechanism)?;
-        Ok(baked.written.bytes)
     }
 }

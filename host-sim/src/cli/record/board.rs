@@ -13,7 +13,7 @@ use sinew_performance::rig::LoadedRig;
 use sinew_performance::teach::{Mode, ReceivedError, check_servos, rows};
 use sinew_retarget::feasibility::RigMotion;
 
-use crate::cli::board::{PortBoard, READY, arm, check_rig, open, tell_faults};
+use crate::cli::board::{PortBoard, READY, arm, check_rig, end_by_hand, open, tell_faults};
 use crate::cli::stop::Stop;
 
 /// Poses per second. A hand's motion has nothing above 6 Hz.
@@ -84,6 +84,9 @@ impl TeachSession {
             let waits = self.board.now().saturating_sub(begun) < READY;
             match (mode, self.state) {
                 (Mode::Limp, Some(State::Limp)) => self.ask(Command::Teach, waits)?,
+                (_, Some(state @ (State::Calibrating | State::Teaching))) => {
+                    end_by_hand(&mut self.board, state)?;
+                }
                 (Mode::Float, Some(State::Limp)) => {
                     arm(&mut self.board, waits)?;
                 }
@@ -125,7 +128,8 @@ impl TeachSession {
     fn stop_and_wait(&mut self) -> anyhow::Result<()> {
         if !matches!(self.state, Some(State::Limp | State::Off | State::Faulted) | None) {
             self.board.ask(Command::Stop)?;
-            let times = self.stop.times();
+            // A first signal ends the leading, or comes on the way down; a second one ends the program.
+            let times = self.stop.times().max(1);
             while !matches!(self.look()?, Some(State::Limp | State::Off | State::Faulted)) {
                 if self.stop.times() > times {
                     bail!(
@@ -147,7 +151,8 @@ impl TeachSession {
         }
     }
 
-    /// Receives messages until there is a summary that is newer than this call, and returns the state.
+    /// Receives messages until there is a summary that is newer than this call, or until a second signal asks this
+    /// program to end. Returns the last known state.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {

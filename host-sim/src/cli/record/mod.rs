@@ -33,12 +33,12 @@ use crate::cli::output::OutputPath;
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
 /// By default torque is off: hold the rig. With --float the rig carries its own weight by its model, and stays about
-/// where you leave it; for this every servo must have a current mode. The measured motion is low-pass filtered, and
-/// rest at its beginning and end is cut; both are reported.
+/// where you leave it; for this every servo must accept an effort (be driven by current or voltage). The measured
+/// motion is low-pass filtered, and rest at its beginning and end is cut; both are reported.
 ///
-/// In the simulator a scripted hand leads: a spring and a damper at each joint. At the end the command reports how
-/// far the result is from the hand's path. With a board you lead, from the line `lead it` until Ctrl-C; then the rig
-/// moves to its rest pose, and torque is off before the command ends.
+/// In the simulator a scripted hand leads the rig, by a spring and a damper at each joint. At the end the command
+/// reports how far the result is from the hand's path. With a board you lead the rig, from the line `lead it` until
+/// Ctrl-C. Then a rig with torque is lowered, and torque is off before the command ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]

@@ -45,7 +45,7 @@ pub(super) struct LoopArgs {
     #[arg(long, value_name = "TICKS", default_value_t = 1, value_parser = latency_ticks)]
     latency_ticks: usize,
 
-    /// Bandwidth of the observer, in rad/s. Default: computed from the gears.
+    /// Bandwidth of the observer, in rad/s. Default: computed for each joint from the stiffness of its gear.
     #[arg(long, value_name = "RAD_S", value_parser = bandwidth_rad_s)]
     bandwidth_rad_s: Option<f64>,
 }

@@ -33,7 +33,8 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     repair_inertia: bool,
 
-    /// Reverse the axes of these joints, which `sinew rig check` reports as mirrored wrongly. Ranges stay.
+    /// Reverse the axes of these joints. `sinew rig check` names joints whose axis is not the mirror image of the other
+    /// side's. Ranges stay as they are.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     turn_axis: Vec<String>,
 

@@ -18,10 +18,10 @@ use super::rig::find_rate;
 
 /// Find the range of each joint by hand, and write it into the rig file.
 ///
-/// For one drive after the other: torque is switched off, you move the joint from stop to stop, and Enter stores the
-/// ends. Then you put the joint at its home, and Enter stores the servo's offset. Torque stays off, also if Ctrl-C or
-/// an error ends the command. Only `range_deg` and `offset_deg` of the servos are changed; everything else in the file
-/// stays as you wrote it.
+/// The command goes from drive to drive. Enter switches torque off; you move the joint from stop to stop, and Enter
+/// stores the ends. Then you put the joint at its home, and Enter stores the servo's offset (`s` and Enter skip it).
+/// Torque stays off, also if Ctrl-C or an error ends the command. Only `range_deg` and `offset_deg` of the servos are
+/// changed; everything else in the file stays as you wrote it.
 #[derive(Debug, clap::Args)]
 pub(super) struct CalibrateArgs {
     /// The rig.toml to read and to change.

@@ -51,7 +51,7 @@ pub(super) struct LineArgs {
     #[arg(long, value_name = "MS", global = true, value_parser = wait_ms)]
     timeout_ms: Option<u64>,
 
-    /// Number of questions without an answer after which a servo counts as silent.
+    /// Number of unanswered questions after which a servo counts as silent.
     #[arg(long, value_name = "N", global = true, default_value_t = 3, value_parser = tries)]
     tries: u32,
 

@@ -65,7 +65,7 @@ pub(super) fn identify(line: &LineArgs, args: &IdentifyArgs) -> anyhow::Result<E
     Ok(ExitCode::SUCCESS)
 }
 
-/// Reboot a servo: torque goes off; hardware errors, and values outside of EEPROM, are lost.
+/// Reboot a servo. Torque goes off, hardware errors are cleared, and values outside of EEPROM are lost.
 #[derive(Debug, clap::Args)]
 pub(super) struct RebootArgs {
     /// The servo's id.

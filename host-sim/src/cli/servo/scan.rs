@@ -17,7 +17,7 @@ pub(super) struct ScanArgs {
     #[arg(long, value_name = "ID", default_value_t = 252, value_parser = clap::value_parser!(u8).range(0..=252))]
     max_id: u8,
 
-    /// Ask every id at every rate, also at rates where nothing answers a question to all ids. It takes some minutes.
+    /// Ask every id at every rate, even where no servo answers a broadcast ping. It takes some minutes.
     #[arg(long)]
     thorough: bool,
 

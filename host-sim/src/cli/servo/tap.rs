@@ -26,8 +26,8 @@ use crate::cli::rig::read;
 ///
 /// The servo repeats this cycle: it moves slowly, its torque steps up, it brakes and moves back. Meanwhile its joint
 /// rings. The size of the motion and the torque are printed before the servo moves. Put the rig in its home pose, and
-/// fix all other joints of the servo's limb: the parts on the servo must be stiff. Their inertia is computed from the
-/// rig file.
+/// fix all other joints of the servo's limb: the parts on the servo must be stiff. The inertia of these parts is
+/// computed from the rig file.
 ///
 /// The command asks before the servo moves. At Ctrl-C and at each error the servo brakes, and all its registers are
 /// restored; torque is off again if it was off before. `gear_stiffness_nm_rad` and `gear_damping_nm_s` are written for
@@ -47,7 +47,7 @@ pub(super) struct TapArgs {
     #[arg(short, long, value_name = "FILE", conflicts_with = "dry_run")]
     output: Option<OutputPath>,
 
-    /// Print only; write no file.
+    /// Tap the servo, which moves, and print the results, but write no file.
     #[arg(long)]
     dry_run: bool,
 

@@ -51,6 +51,9 @@ pub(super) fn run(line: &LineArgs, args: &WatchArgs) -> anyhow::Result<ExitCode>
         let begin = Instant::now();
         let states: Vec<_> =
             servos.iter().map(|(name, servo)| (name, servo, look(&mut client, servo))).collect();
+        if states.iter().any(|(.., state)| matches!(state, Err(ServiceError::Stopped))) {
+            break;
+        }
         if is_terminal {
             let text = page(&states);
             // Moves back to the first line and clears the old table.

@@ -5,6 +5,8 @@ mod calibrate;
 #[cfg(unix)]
 mod ended;
 #[cfg(unix)]
+mod killed;
+#[cfg(unix)]
 mod on_bus;
 #[cfg(unix)]
 mod process;

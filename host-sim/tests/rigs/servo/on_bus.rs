@@ -36,7 +36,7 @@ impl Bus {
     }
 
     /// Simulates the servos of a rig of `sinew rig new`.
-    fn of_new_arm(joints: &str, more: &[&str]) -> Self {
+    pub(super) fn of_new_arm(joints: &str, more: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let (rig, link) = (folder.path().join("rig.toml"), Self::link(folder.path()));
         let rig = rig.to_str().unwrap();
@@ -46,7 +46,7 @@ impl Bus {
         Self { folder, child }
     }
 
-    fn rig(&self) -> PathBuf {
+    pub(super) fn rig(&self) -> PathBuf {
         self.folder.path().join("rig.toml")
     }
 

@@ -114,7 +114,7 @@ fn a_face_performs_by_pulses() {
     let [rig, csv, show, recorded] = ["face.toml", "talk.csv", "talk.show", "talk.parquet"]
         .map(|name| path(folder.path(), name));
     done(&["rig", "new", "--face", "-o", &rig]);
-    std::fs::write(&csv, "time,jaw,eye_turn_left\n0,0,0\n0.5,-0.3,0.2\n1,0,0\n").unwrap();
+    std::fs::write(&csv, "time,jaw_rad,eye_turn_left_rad\n0,0,0\n0.5,-0.3,0.2\n1,0,0\n").unwrap();
     done(&["bake", &csv, "--rig", &rig, "--fit", "-o", &show]);
     let [table, told] = done(&["play", &show, "--rig", &rig, "--record", &recorded]);
     assert!(told.contains("14 servos on pulses of a PCA9685"), "{told}");

@@ -169,7 +169,7 @@ fn a_clip_is_tracked_and_three_errors_are_told() {
     let table = std::fs::read_to_string(&csv).unwrap();
     let header = table.lines().next().unwrap();
     // A rig with feet travels.
-    assert!(header.starts_with("time,root_x,") && header.contains(",l_knee"), "{header}");
+    assert!(header.starts_with("time,root_x,") && header.contains(",l_knee_deg"), "{header}");
     let bvh = path(folder.path(), "toy.bvh");
     done(&["clip", "export", "kicks_01", "--rig", &rig, "--base", "stand", "-o", &bvh]);
     let methods = ["--methods", "recommended", "--seconds", "2"];

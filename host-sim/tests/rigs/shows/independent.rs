@@ -8,7 +8,8 @@ use sinew_show::{Player, Show};
 
 /// Time between the positions that are differenced, s. Rounding to f32 adds errors of 0.02 rad/s².
 const H_S: f64 = 4e-3;
-/// Error of differences with that step, as a share, besides the rounding: the third derivative over 24 h².
+/// Margin on each limit, as a share: in addition to rounding, differences with this step have an error in proportion to
+/// the square of the step.
 const ROOM: f64 = 0.01;
 
 /// Refuses a show that exceeds a limit at any of 500 instants per second; for a loop also across its seam.

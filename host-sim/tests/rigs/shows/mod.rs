@@ -4,6 +4,7 @@ mod emulated;
 mod face;
 mod humanoid;
 mod independent;
+mod keys;
 mod loops;
 #[cfg(unix)]
 mod play;
@@ -44,7 +45,7 @@ fn whole_us(time_s: f64) -> u64 {
     us
 }
 
-/// Returns whether a report of `bake` names no excess; what is left of a motion may be nobody's.
+/// Returns whether a report of `bake` names no excess; the motion may still be far from the clip.
 fn within_limits(report: &str) -> bool {
     !report.contains("EXCEEDED")
         && (report.contains("No limit is exceeded") || report.contains("is within all limits"))

@@ -1,5 +1,5 @@
-//! A fuzz target for flash contents that a host may write, and a target for all messages that a host may send in
-//! every state. Each runs the corpus, then inputs of bolero.
+//! A fuzz target for flash contents that a host may write, and a target for all messages that a host may send in every
+//! state. Each runs the corpus, then inputs that bolero generates.
 
 #![expect(dead_code, reason = "tests of the node use the rest")]
 #![expect(
@@ -47,7 +47,7 @@ fn settings() {
     });
 }
 
-/// A run takes seconds of the rig's time: allow minutes for a run.
+/// One input takes seconds of simulated time, so allow minutes for a run.
 #[test]
 fn node() {
     inputs::node().for_each(|bytes| {

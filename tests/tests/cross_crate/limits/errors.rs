@@ -98,7 +98,8 @@ impl Pair {
         Difference::between(&self.desired.bodies[body], &self.measured.bodies[body])
     }
 
-    /// Returns the error of a body by Linear Compensation. `None` for a half turn, within the precision of f32.
+    /// Returns the error of a body by Linear Compensation. Returns `None` if f32 cannot distinguish the turn from a
+    /// half turn, and the core did not report one.
     fn turned(&self, body: usize, aim: Aim, status: AimStatus) -> Option<Turned> {
         let of = |difference| Some(Turned { difference, left_out_rad: 0.0 });
         let Aim::Child(child) = aim else { return of(self.world(body)) };

@@ -26,7 +26,7 @@ fn cases() -> u64 {
     }
 }
 
-/// Number of cases between two progress lines; they take about 15 s.
+/// Number of cases between two progress lines; so many cases take about 15 s.
 const TOLD: u64 = 500;
 
 /// Compares all cases in one way and prints their table.

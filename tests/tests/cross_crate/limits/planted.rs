@@ -43,7 +43,7 @@ fn a_right_rig_is_within_its_limits() {
 }
 
 /// In 99 of 100 rigs a force has a limit of 2e-5 of the largest force or less (the table of `cargo xtask limits`). An
-/// error of five times that is found in every rig.
+/// error that is five times as large is found in every rig.
 #[test]
 fn a_mass_off_by_a_ten_thousandth_is_found() {
     assert_eq!(found_in(|body| body.inertia.mass_kg *= 1.000_1), 60);

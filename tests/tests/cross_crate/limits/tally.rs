@@ -35,9 +35,9 @@ pub(crate) struct Quantity {
 }
 
 impl Row {
-    /// Returns the largest allowed ratio for this number of comparisons. One number in 1 / 4e-9 exceeds λ = 8 by
-    /// chance (Student's distribution with 32 degrees of freedom), and the tail falls with the 20th power or faster.
-    /// One row in a hundred may reach the result.
+    /// Returns the largest allowed ratio for this number of comparisons. A share of 4e-9 of all numbers exceeds λ = 8
+    /// by chance (Student's distribution with 32 degrees of freedom), and the tail falls with the 20th power or faster.
+    /// By chance, at most one row in a hundred exceeds the result.
     fn allowed(&self) -> f64 {
         let expected = 4e-9 * self.compared as f64;
         (expected / 0.01).powf(1.0 / 20.0).max(1.0)

@@ -12,7 +12,7 @@ use sinew_core::{BodySet, BodyState, Transform, Twist, kinematics, math};
 use sinew_test_support::property;
 use sinew_test_support::rig::{CAPACITY, figures};
 
-/// Bodies of a figure that is larger than the paper's 18.
+/// Maximum number of bodies of a figure: more than the paper's 18.
 const MOST: usize = 24;
 
 /// About ten roundings of 1.2e-7 in f32.
@@ -76,8 +76,8 @@ impl Wahba {
         DQuat::from_vec4(longest.expect("four columns").normalize())
     }
 
-    /// Returns the smallest curvature of the cost at a turn, relative to its scale: how well the best turn is
-    /// defined.
+    /// Returns approximately the smallest curvature of the cost at a turn, relative to its scale: how well the best
+    /// turn is defined.
     fn definite(&self, turn: DQuat) -> f64 {
         let c = self.profile() * DMat3::from_quat(turn.inverse());
         let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
@@ -108,7 +108,7 @@ fn turn_of(error: &StateError, desired: &BodyState, measured: &BodyState) -> DQu
     turned * desired.pose.rotation.as_dquat().inverse()
 }
 
-/// Returns the rotation vector of the shorter turn.
+/// Returns the rotation vector of the shorter of the two turns that a quaternion describes.
 fn rotation_vector(turn: DQuat) -> DVec3 {
     (if turn.w < 0.0 { -turn } else { turn }).to_scaled_axis()
 }
@@ -121,7 +121,8 @@ fn all(arms: &[Vec3], desired: &BodyState, measured: &BodyState) -> (StateError,
     compensate_all(arms.iter().copied(), Compensation::default(), desired, measured)
 }
 
-/// Returns the turn for arms whose body is shifted by `shift`. Neither body is turned.
+/// Returns the turn for arms whose body is shifted by `shift`. The desired and the measured body have the same
+/// orientation.
 fn turn(arms: &[Vec3], shift: Vec3) -> (Vec3, AimStatus) {
     let (error, status) = all(arms, &state(Quat::IDENTITY, shift), &BodyState::WORLD);
     (error.angular_rad, status)

@@ -12,8 +12,8 @@ use sinew_test_support::rounded::Rounded;
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// Largest error of f32, relative to the largest value of the rig: about ten roundings of 6e-8 for each joint of a
-/// chain of up to 128, most of which cancel.
+/// Largest error of f32, relative to the largest value of the rig: in a chain of up to 128 joints each joint has about
+/// ten roundings of 6e-8, and most of them cancel.
 const RELATIVE: f64 = 5e-6;
 
 /// Error of the reference's numerical derivatives, relative to the largest value, at 30 rad/s: the end of a long

@@ -482,7 +482,8 @@ proptest! {
     }
 }
 
-/// Returns lists of poses as frames, one after the other. Frames before the first continue its first step backwards.
+/// A source whose frames are lists of poses, one after the other. Frames before the first continue its first step
+/// backwards.
 struct AsPoses<'a> {
     frames: &'a [&'a [Transform]],
     before: Vec<Transform>,
@@ -619,7 +620,7 @@ fn coordinates(tree: &Tree<N>) -> impl Strategy<Value = Coordinates> + use<> {
     })
 }
 
-/// Returns sets of coordinates as frames, one after the other.
+/// A source whose frames are sets of coordinates, one after the other.
 struct InCoordinates<'a>(&'a [Coordinates]);
 
 impl FrameSource for InCoordinates<'_> {
@@ -1019,8 +1020,8 @@ fn huge_speeds_and_masses_are_told_from_those_that_f32_can_do() {
     }
 }
 
-/// Resolved acceleration divides by a value with the sixth power of the rig's length. If it overflows, the result
-/// must not look as if no motion were needed.
+/// Resolved acceleration divides by a value that grows with the sixth power of the rig's length. If it overflows, the
+/// result must not look as if no motion were needed.
 #[test]
 fn a_joint_whose_resistance_overflows_is_not_taken_for_one_at_rest() {
     let mut refused = 0;

@@ -315,7 +315,7 @@ fn points_on_a_grid_come_to_the_cylinders() {
 }
 
 /// Returns the corners of a tube of `sides` times `rings` rectangles, each with its area: every rectangle is two
-/// triangles, and a corner has a third of the triangles around it.
+/// triangles, and a third of a triangle's area belongs to each of its corners.
 fn tube(sides: u16, rings: u16, radius_m: f32, length_m: f32) -> Vec<(Vec3, f32)> {
     let chord_m = 2.0 * radius_m * (math::PI / f32::from(sides)).sin();
     let rectangle_m2 = chord_m * length_m / f32::from(rings);

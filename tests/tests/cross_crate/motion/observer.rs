@@ -1,4 +1,4 @@
-//! The observer: its filter, its learning, its prediction, and behaviour that is forbidden.
+//! The observer: its filter, its learning, its prediction, and behaviour that it must never show.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -19,7 +19,8 @@ struct Case {
     with_root: bool,
 }
 
-/// Rigs of all sizes. The second pose has the coordinates of the next joint of the same kind.
+/// Rigs of 1 to `most` bodies, each with two poses: in the second, each joint has the coordinates that the next joint
+/// has in the first.
 fn cases(most: usize) -> impl Strategy<Value = Case> {
     (rigs(most, Joints::Mixed), vec(0.1f32..2.0, most), any::<bool>()).prop_map(
         |(rig, mut weights, with_root)| {

@@ -13,7 +13,8 @@ use sinew_test_support::reference::Pose;
 use sinew_test_support::rig::{CAPACITY, Coordinates, Joints, Rig, rigs};
 use sinew_test_support::subtree_form::SubtreeForm;
 
-/// Largest number of bodies in rigs whose dense problems are solved often.
+/// Largest number of bodies in most of the random rigs of this file. Many properties solve each case again with dense
+/// matrices, which takes too long for more bodies.
 const MOST: usize = 24;
 
 /// Largest number of sweeps per call.
@@ -48,8 +49,8 @@ impl Case {
         self.next(sweeps, &mut workspace)
     }
 
-    /// Returns the result after sweeps until the pose is stationary, or a maximum number of calls: some rigs improve
-    /// by only 1 % per call.
+    /// Returns the result of repeated calls: until the pose is stationary, or up to a maximum number of calls, since
+    /// some rigs improve by only 1 % per call.
     fn settled(&self) -> Vec<Transform> {
         let mut workspace = Box::new(ProjectionWorkspace::new());
         let mut last = self.next(MANY, &mut workspace);
@@ -173,7 +174,7 @@ fn largest_distance(poses: &[Transform], dense: &[Pose]) -> f64 {
 }
 
 /// Precision of f32 for a pose that is a product of about twenty others: four hundred roundings of 6e-8, partly
-/// cancelling, are 1e-6. Ten times more for rigs with less stable optima.
+/// cancelling, are 1e-6. The limit is ten times larger, for rigs with less stable optima.
 const SMALL: f64 = 1e-5;
 
 /// Largest excess of the cost over the minimum by rounding. It is proportional to the rounding where joints are

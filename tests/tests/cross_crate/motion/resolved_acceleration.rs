@@ -72,7 +72,7 @@ fn plant(rig: &Rig, dt_s: f64) -> ArticulatedPlant {
     ArticulatedPlant::new(&mechanism, &start, dt_s, 1).expect("a tree with a state for each body")
 }
 
-/// Drives the plant with the controller's torques for its measured states.
+/// Returns the controller's torques for the measured states, as a drive of the plant in these poses.
 fn drive(
     controller: &TorqueController<CAPACITY>,
     targets: &JointTargets<CAPACITY>,

@@ -21,9 +21,9 @@ use sinew_test_support::rig::{CAPACITY, Joints, Rig, rigs_with_rotors};
 
 const GRAVITY: Vec3 = Vec3::new(1.3, -9.4, 2.2);
 
-/// Largest error of f32 compared with the golden numbers, relative to the largest value of the state: two roundings
-/// of 6e-8, the rest of about ten after cancellation, for each joint of a chain of up to sixteen. The largest error
-/// so far is 9e-7; the documented limit is 2e-5.
+/// Largest error of f32 compared with the golden numbers, relative to the largest value of the state: in a chain of up
+/// to sixteen joints each joint has about ten roundings of 6e-8, of which two remain after cancellation. The largest
+/// error so far is 9e-7; the documented limit is 2e-5.
 const GOLDEN: f64 = 2e-6;
 
 /// Largest error of a tick and forward dynamics together, relative to the largest value of the rig: twice that of
@@ -177,7 +177,7 @@ fn matrix<const N: usize>(tree: &Tree<N>, joints: &[JointState]) -> DMatrix<f64>
     DMatrix::from_row_slice(size, size, &out).cast()
 }
 
-/// Returns the symmetric matrix with a lower triangle, given by rows.
+/// Returns the symmetric matrix whose lower triangle is given by rows.
 fn whole(lower: &[f64], size: usize) -> DMatrix<f64> {
     assert_eq!(lower.len(), size * (size + 1) / 2);
     DMatrix::from_fn(size, size, |row, column| {

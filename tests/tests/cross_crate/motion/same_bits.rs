@@ -73,7 +73,7 @@ fn code(text: &str) -> Vec<(usize, &str)> {
         .collect()
 }
 
-/// `str::split_once` that returns the whole line if there is no separator.
+/// A variant of `str::split_once` that returns the whole line if there is no separator.
 mod str {
     pub(super) fn split<'a>(separator: &str, line: &'a str) -> &'a str {
         line.split_once(separator).map_or(line, |(before, _)| before)

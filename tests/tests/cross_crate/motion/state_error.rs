@@ -12,7 +12,7 @@ use sinew_test_support::rig::{CAPACITY, Rig, figures};
 use sinew_test_support::rounded::Rounded;
 use sinew_verification::rounding::{Difference, Rotation, Vector};
 
-/// Bodies of a figure that is larger than the paper's 18.
+/// Maximum number of bodies of a figure: more than the paper's 18.
 const MOST: usize = 24;
 
 /// Largest difference between two ways of computing a rotation or a position of such a figure, rad or m: about ten

@@ -33,7 +33,7 @@ fn pose() -> impl Strategy<Value = Transform> {
     (rotation(), vector(2.0)).prop_map(|(rotation, way)| Transform::new(rotation, way))
 }
 
-/// Frames that differ from each other by up to 0.2 rad and 5 cm.
+/// Frames, each turned by up to 0.17 rad and moved by up to 9 cm from the previous one.
 fn frames() -> impl Strategy<Value = Vec<Transform>> {
     (pose(), vec((vector(0.1), vector(0.05), any::<bool>()), 3..12)).prop_map(|(first, steps)| {
         let mut frames = vec![first];

@@ -13,7 +13,7 @@ use super::measure::Poses;
 use super::robots::{MIXED, OP3, POPPY, robot};
 use super::run::Rig;
 
-/// Maximum speed of a joint, deg/s: the setting's default.
+/// Maximum speed of a joint, deg/s: the default of the setting `lower_rad_s`.
 const MOST_DEG_S: f64 = 30.0;
 /// Interval over which speeds are computed, s; and a shorter one, in which a joint falls through the play of its
 /// gear.
@@ -23,7 +23,7 @@ const BURST_S: f64 = 0.02;
 const MOST_S: f64 = 18.01;
 /// Time for which the rig is watched after torque is off, s.
 const AFTER_S: f64 = 2.0;
-/// Time for which a pose is held before the rig is lowered, and maximum time to reach it, s.
+/// Time for which a pose is held before the rig is lowered, maximum time to reach it, s, and number of poses.
 const HELD_S: f64 = 1.0;
 const REACHED_S: f64 = 40.0;
 const POSES: u32 = 10;

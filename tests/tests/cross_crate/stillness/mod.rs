@@ -1,4 +1,4 @@
-//! Tests of rigs that stand still.
+//! Tests of rigs that stand still, that follow clips or slow motions, and that are lowered.
 
 mod classes;
 mod creep;

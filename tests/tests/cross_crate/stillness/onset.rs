@@ -18,7 +18,7 @@ const STEPS: u32 = 30;
 /// Windup of the gear by a load, rad, so that its teeth touch. The load is applied at once; this push starts the
 /// oscillation.
 const WINDUP_RAD: f64 = 1e-3;
-/// Initial distance from its target of a joint without a load, rad.
+/// Initial distance of a joint without a load from its target, rad.
 const AWAY_RAD: f64 = 2e-4;
 /// A smaller oscillation is noise of f32, rad.
 const NOISE_RAD: f64 = 2e-6;

@@ -11,11 +11,11 @@ use super::run::{Rig, Run};
 
 /// The largest peak-to-peak motion on a worse gear, deg.
 const SWING_DEG: f64 = 0.6;
-/// The starter arm's XL330 are simulated a quarter stiffer than their model: they lift the arm too far, at most by
-/// this beyond the effect of friction and play, deg.
+/// The starter arm's XL330 are simulated a quarter stiffer than their model: they lift the arm too far. This is the
+/// largest excess besides the effect of friction and play, deg.
 const LIFTED_DEG: f64 = 0.3;
-/// Because of the damping of its load, Poppy's trunk is less stiff than its gear would allow: it rests at most this
-/// much farther from its target, deg.
+/// Because of the damping of its load, Poppy's trunk is less stiff than its gear would allow: it rests farther from its
+/// target, at most by this, deg.
 const TRUNK_DEG: f64 = 0.05;
 
 /// Returns worse gears: half the stiffness, twice the play and a third of the damping, alone and together.

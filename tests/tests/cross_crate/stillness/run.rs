@@ -12,8 +12,9 @@ use sinew_show::write::Settings;
 
 /// The old starter arm, which oscillated.
 const OLD_ARM: &str = include_str!("../../../support/rigs/arm_62ff7e0.toml");
-/// Longest time of a run besides its motion, s: to arm, to move to the first pose, to stop.
-const BESIDE_S: u32 = 30;
+/// Longest time of a run besides its motion, s: arming (1 s), the way to the first pose, the way to rest (10 s at most)
+/// and lowering (18 s at most).
+const BESIDE_S: u32 = 60;
 
 /// A rig that is driven by current wherever possible.
 pub(super) struct Rig {

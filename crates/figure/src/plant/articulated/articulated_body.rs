@@ -72,7 +72,7 @@ impl Articulated {
         self.torque_bias += torque + child.arm_m.cross(force);
     }
 
-    /// Adds a child that transmits everything that its bearings carry.
+    /// Adds a child whose joint has bearings: the child transmits the loads on the bearings, too.
     #[inline]
     pub(super) fn carry_all(&mut self, child: &World, passed: &Self) {
         let turned = times_skew_transposed(passed.coupling, child.arm_m);

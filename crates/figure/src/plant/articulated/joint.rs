@@ -10,7 +10,7 @@ use super::bounds::{Bounds, Mode};
 use super::spatial::{InParent, MAX_DOFS, MotionAxis, World};
 use crate::plant::{JointModel, Link as Given, Pose};
 
-/// The response of a joint's dofs to the acceleration of its parent there: `rates = alone - dragged · (α, a)`.
+/// The response of a joint's dofs to the acceleration of the parent at the joint: `rates = alone - dragged · (α, a)`.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct DofResponse {
     pub(super) alone: [f64; MAX_DOFS],

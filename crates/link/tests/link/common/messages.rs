@@ -255,7 +255,7 @@ pub(crate) fn summary(r: &mut Random) -> Summary {
 }
 
 pub(crate) fn dof(r: &mut Random) -> Dof {
-    Dof { effort: r.finite(), limiter: r.maybe(limit) }
+    Dof { effort: r.finite(), limiter: r.maybe(limit), target: 0 }
 }
 
 pub(crate) fn servo(r: &mut Random) -> Servo {
@@ -269,11 +269,12 @@ pub(crate) fn servo(r: &mut Random) -> Servo {
 
 fn part(r: &mut Random) -> SnapshotPart {
     let first = r.bits() as u8;
-    match r.below(4) {
+    match r.below(5) {
         0 => SnapshotPart::Summary(summary(r)),
         1 => SnapshotPart::Pose { first, q: r.list(Random::finite) },
         2 => SnapshotPart::Dofs { first, dofs: r.list(dof) },
-        _ => SnapshotPart::Servos { first, servos: r.list(servo) },
+        3 => SnapshotPart::Servos { first, servos: r.list(servo) },
+        _ => SnapshotPart::Targets { first, offsets: r.list(|r| r.bits() as i16) },
     }
 }
 

@@ -58,8 +58,8 @@ pub(super) struct Servos<'s, 'm, P> {
     pub(super) buses: &'s RefCell<Buses>,
     pub(super) failed: &'s Cell<Option<EncodeError>>,
     pub(super) lines: &'s mut [Line<Branch<'m, P>>],
-    /// Rates of the lines, bit/s; `None` for a line with a PCA9685. That chip is not a servo: it would write a packet
-    /// to its registers.
+    /// Rates of the lines, bit/s; `None` for a line with a PCA9685. That chip is not a servo: it would take the bytes
+    /// of a packet as values for its registers.
     pub(super) bauds: &'s [Option<u32>],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,

@@ -14,7 +14,7 @@ pub enum BoardError {
     /// A line cannot be created.
     #[error(transparent)]
     Parts(#[from] PartsError),
-    /// The flash cannot be read.
+    /// The flash cannot be read or written.
     #[error("the board's flash cannot be used: {0}")]
     Flash(String),
     /// The rig's compact form does not fit.

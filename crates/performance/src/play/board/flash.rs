@@ -83,7 +83,7 @@ impl Chip {
         Ok(Self { bytes: Rc::new(RefCell::new(bytes)), file })
     }
 
-    /// Passes the bytes of a range to `look`.
+    /// Passes the bytes of a range to `look`. Returns `None` if the range is not within the flash.
     pub(super) fn look<R>(&self, range: Range<u32>, look: impl FnOnce(&[u8]) -> R) -> Option<R> {
         let bytes = self.bytes.borrow();
         bytes.get(range.start as usize..range.end as usize).map(look)

@@ -5,13 +5,13 @@
 //!                     └─ Chip (flash, a file keeps it)
 //! ```
 //! In simulated time the board is a [`Line`](sinew_board_client::Line) of the client. In real time
-//! [`SimulatedBoard::serve`] connects it to a pseudo-terminal.
+//! [`SimulatedBoard::serve`] connects it to a pseudo-terminal, or by [`pipe`] to a client in this program.
 
 mod bus;
 mod error;
 mod flash;
 mod node;
-#[cfg(unix)]
+mod pipe;
 mod serve;
 mod simulated;
 #[cfg(test)]
@@ -20,4 +20,6 @@ mod wiring;
 
 pub use error::BoardError;
 pub use flash::Chip;
+pub use pipe::{BoardEnd, HostEnd, pipe};
+pub use serve::HostSide;
 pub use simulated::SimulatedBoard;

@@ -1,10 +1,11 @@
-//! Serves a simulated board in real time, on a serial port of this machine.
+//! Serves a simulated board in real time, to a host at its other side.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use sinew_servo_sim::load::Plant;
+#[cfg(unix)]
 use sinew_servo_sim::port::Port;
 
 use super::SimulatedBoard;
@@ -16,32 +17,68 @@ const BYTE: u128 = 10_000_000_000;
 /// Longest output that waits for a program to read it, bytes. Further output is lost.
 const ROOM: usize = 1 << 16;
 
+/// A line between a simulated board and its host, as the board sees it.
+pub trait HostSide {
+    /// Returns the rate of the line, bit/s.
+    ///
+    /// # Errors
+    /// An I/O error if the line has failed.
+    fn baud(&self) -> io::Result<u32>;
+
+    /// Reads bytes of the host, without waiting. Returns their number, or 0.
+    ///
+    /// # Errors
+    /// An I/O error if the line has failed.
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize>;
+
+    /// Writes bytes for the host, without waiting. Returns the number of bytes for which there was room.
+    ///
+    /// # Errors
+    /// An I/O error if the line has failed.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
+}
+
+#[cfg(unix)]
+impl HostSide for &Port {
+    fn baud(&self) -> io::Result<u32> {
+        Port::baud(self)
+    }
+
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        Port::read(self, into)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        Port::write(self, bytes)
+    }
+}
+
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves programs at a port in real time until `stop` is true. `before` is called before each tick, to act on
-    /// the rig. In a tick no more bytes pass, each way, than a line of the port's rate carries: more wait, so that a
-    /// program that is too fast for a board is too fast here.
+    /// Serves a host in real time until `stop` is true. `before` is called before each tick, to act on the rig. In a
+    /// tick, at most as many bytes pass in each direction as a line of the host's rate carries. Further bytes wait, so
+    /// that a program that sends too fast for a real board sends too fast here, too.
     ///
     /// # Errors
     /// An I/O error of reading or writing.
     pub fn serve(
         &mut self,
-        port: &Port,
+        mut host: impl HostSide,
         stop: &AtomicBool,
         mut before: impl FnMut(&mut Self),
     ) -> io::Result<()> {
         let (mut bytes, mut due) = ([0; 4096], Instant::now());
         let [mut input, mut output] = [Share::default(); 2];
         while !stop.load(Ordering::Relaxed) {
-            let (baud, tick) = (port.baud()?, self.tick_time());
+            let (baud, tick) = (host.baud()?, self.tick_time());
             let most = input.grow(baud, tick).min(bytes.len());
-            let count = port.read(&mut bytes[..most])?;
+            let count = host.read(&mut bytes[..most])?;
             input.take(count);
             self.give(&bytes[..count]);
             let before_us = self.now_us();
             before(self);
             self.tick();
             let most = output.grow(baud, tick).min(self.said.len());
-            let taken = port.write(&self.said.make_contiguous()[..most])?;
+            let taken = host.write(&self.said.make_contiguous()[..most])?;
             output.take(taken);
             self.said.drain(..taken);
             self.said.truncate(ROOM);

@@ -9,6 +9,8 @@ use sinew_firmware::node::{Next, RIG_SCHEMA};
 use sinew_firmware::supervisor::State;
 use sinew_link::message::{About, Capacities, Release, Version};
 use sinew_servo_sim::bench::Branch;
+use sinew_servo_sim::device::Servo;
+use sinew_servo_sim::fault::Fault;
 use sinew_servo_sim::line::{Line, LineDevice as _, run_all};
 use sinew_servo_sim::load::Plant;
 use sinew_servo_sim::plant::{Hand, RigPlant};
@@ -22,7 +24,7 @@ use crate::play::bus::Buses;
 use crate::play::simulated_lines::lines;
 use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pulses};
 
-/// Steps of the background task per tick. They take 64 bytes each.
+/// Steps of the background task per tick. A step takes at most 64 of the bytes that came.
 const STEPS: u32 = 8;
 /// Name of the approver that is stored with the rig of a simulated board.
 const APPROVER: &str = "simulated board";
@@ -174,6 +176,16 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
     }
 
+    /// Sets the faults of the servos, which have the rig's numbers; times are since power-on.
+    pub fn set_faults(&mut self, faults: impl IntoIterator<Item = Fault>) {
+        let place = |fault: Fault| Fault { servo: self.parts.place_on_bench(fault.servo), ..fault };
+        let faults = faults.into_iter().map(place).collect();
+        // Without a line there are no servos.
+        if let Some(line) = self.lines.first_mut() {
+            line.servos.bench_mut().faults = faults;
+        }
+    }
+
     /// Returns the number of restarts.
     pub fn starts(&self) -> u32 {
         self.starts
@@ -182,6 +194,15 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
     /// Returns the length of a tick.
     pub(super) fn tick_time(&self) -> Duration {
         Duration::from_micros(self.parts.tick_us().into())
+    }
+}
+
+impl<P: Plant> SimulatedBoard<'_, P> {
+    /// Calls `look` with all servos; not at all without a line.
+    pub fn look_at_servos(&self, look: impl FnOnce(&[Servo<'_>])) {
+        if let Some(line) = self.lines.first() {
+            look(line.servos.bench().servos());
+        }
     }
 }
 

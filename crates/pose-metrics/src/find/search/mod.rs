@@ -132,8 +132,8 @@ impl<'a, const N: usize> Search<'a, N> {
         Self { measuring, query, clips, closed: vec![0..0; clips.len()], slack_m }
     }
 
-    /// Excludes places of a clip from the moments, such as the source of the query itself. A place close to an excluded
-    /// place that is nearer to the query is not a moment either.
+    /// Excludes places of a clip from the moments, such as the source of the query itself. Another place is not a
+    /// moment, either, if an excluded place close to it is nearer to the query.
     #[must_use]
     pub fn without(mut self, clip: usize, poses: Range<usize>) -> Self {
         self.closed[clip] = poses;

@@ -22,7 +22,7 @@
     rows.forEach((row, index) => row.classList.toggle("now", marks.has(index)));
     for (const { button, excess } of items) button.classList.toggle("now", isAt(time)(excess));
   });
-  const { draw, approach } = stageOn(document.getElementById("stage"), everywhere(), show);
+  const { draw, approach } = stageOn(RIG, document.getElementById("stage"), everywhere(), show);
   approach();
 
   const { rows, choose } = joints((index) => {

@@ -30,7 +30,7 @@ const takePose = (time, kind = "measured") => {
     const last = events.filter((button) => Number(button.dataset.at) <= time + 1e-9).at(-1) ?? events[0];
     for (const button of events) button.classList.toggle("now", button === last);
   });
-  const { draw, approach } = stageOn(document.getElementById("stage"), everywhere(), show);
+  const { draw, approach } = stageOn(RIG, document.getElementById("stage"), everywhere(), show);
   approach();
 
   const { choose } = joints((index) => {

@@ -9,17 +9,36 @@ const shade = (share) => {
   return `rgb(${r.toFixed(0)} ${g.toFixed(0)} ${b.toFixed(0)})`;
 };
 
-// `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`. `approach` brings the camera as near
-// as all points are still in view.
-const stageOn = (canvas, points, show) => {
+// Yaw and pitch with which the camera begins, rad.
+const FRONT = [0.7, 0.25];
+
+// `rig`: from `kinematicsOf`. `points`: all that is to be in view. `show`: asks for a new drawing, with `draw`.
+// `approach` brings the camera as near as all points are still in view.
+const stageOn = (rig, canvas, points, show) => {
+  const { bodies, dofs, values, axisOf } = rig;
   const context = canvas.getContext("2d");
-  const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  // Colours of the page's style; they are read once in a drawing.
+  let colors = {};
+  const color = (name) =>
+    colors[name] ??= getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   const box = points.reduce(
     ([low, high], p) => [low.map((x, i) => Math.min(x, p[i])), high.map((x, i) => Math.max(x, p[i]))],
     [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]]);
   const home = times(add(...box), 0.5);
   const size = Math.max(norm(sub(box[1], box[0])), 0.02);
-  const camera = { yaw: 0.7, pitch: 0.25, distance: 2.4 * size };
+  const camera = { yaw: FRONT[0], pitch: FRONT[1], distance: 2.4 * size };
+  const solids = bodies.map((body) => (body.shapes ?? []).map((shape) => solidOf(shape, size)));
+  const hasSolids = solids.some((own) => own.length > 0);
+  // Beside solids the mark of a joint is small, and smaller where joints are near each other: marks would hide them.
+  const places = rig.solve();
+  const markScales = dofs.map((dof, index) => {
+    if (!hasSolids) return 1;
+    const away = dofs.map((other, at) =>
+      at === index ? Infinity : norm(sub(places[other.body].p, places[dof.body].p)));
+    return Math.min(Math.max(Math.min(...away) / (0.15 * size), 0.2), 0.6);
+  });
+  // Places at which joints were drawn.
+  let marks = [];
   const ground = box[0][1];
 
   let width = 0, height = 0, middle = home;
@@ -62,7 +81,7 @@ const stageOn = (canvas, points, show) => {
     const { p } = poses[dof.body];
     const start = Math.abs(axis[1]) < 0.9 ? cross(axis, [0, 1, 0]) : cross(axis, [1, 0, 0]);
     const across = times(start, 1 / norm(start));
-    const now = values[RIG.dofs.indexOf(dof)];
+    const now = values[dofs.indexOf(dof)];
     const at = (angle) => {
       const way = angle - now;
       return project(add(p, times(add(times(across, Math.cos(way)), times(cross(axis, across), Math.sin(way))), radius)));
@@ -94,18 +113,60 @@ const stageOn = (canvas, points, show) => {
       }
     }
   };
-  // From where to where each body reaches.
-  const bones = (poses) => RIG.bodies.flatMap((body, index) => {
+  // The normal as the camera sees it: right, up, towards the camera.
+  const seenNormal = ([x, y, z]) => {
+    const [sy, cy, sp, cp] = [Math.sin(camera.yaw), Math.cos(camera.yaw), Math.sin(camera.pitch), Math.cos(camera.pitch)];
+    return [x * cy - z * sy, -x * sp * sy + y * cp - z * sp * cy, x * cp * sy + y * sp + z * cp * cy];
+  };
+  const polygon = (corners) => {
+    context.beginPath();
+    corners.forEach(({ x, y }, i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+    context.closePath();
+  };
+  // The faces that look towards the camera.
+  const faces = (poses) => solids.flatMap((own, body) => own.flatMap(({ faces: all, color: paint }) => {
+    const { q, p } = poses[body];
+    return all.flatMap(({ corners, normal }) => {
+      const at = corners.map((corner) => project(add(p, rotate(q, corner))));
+      // Corners run clockwise on the canvas, whose y points down, if the face looks away.
+      let area = 0;
+      at.forEach((a, i) => { const b = at[(i + 1) % at.length]; area += a.x * b.y - b.x * a.y; });
+      if (area >= 0) return [];
+      const style = litColor(paint, seenNormal(rotate(q, normal)));
+      const depth = at.reduce((sum, point) => sum + point.depth, 0) / at.length;
+      return [{ depth, paint: () => {
+        polygon(at);
+        context.fillStyle = style;
+        context.fill();
+        // The seams between faces.
+        context.strokeStyle = style;
+        context.lineWidth = 0.8 * ratio();
+        context.stroke();
+      } }];
+    });
+  }));
+  // Outlines of the solids of bodies that are elsewhere in `others` than in `poses`.
+  const outlines = (others, poses) => solids.flatMap((own, body) => {
+    const { q, p } = others[body];
+    const turned = Math.abs(q.reduce((sum, x, i) => sum + x * poses[body].q[i], 0));
+    if (norm(sub(p, poses[body].p)) < 0.004 * size && turned > 0.9998) return [];
+    return own.map(({ faces: all }) =>
+      hullOf(all.flatMap(({ corners }) => corners.map((corner) => project(add(p, rotate(q, corner)))))));
+  });
+  // From where to where each body reaches; a body with solids shows this by them.
+  const bones = (poses) => bodies.flatMap((body, index) => {
+    if (solids[index].length > 0) return [];
     const from = poses[index].p;
-    const to = RIG.bodies.map((_, child) => child).filter((child) => RIG.bodies[child].parent === index)
+    const to = bodies.map((_, child) => child).filter((child) => bodies[child].parent === index)
       .map((child) => poses[child].frame.p);
     const own = [...body.tips_m, ...(to.length + body.tips_m.length === 0 ? [times(body.center_m, 1.6)] : [])];
     to.push(...own.map((tip) => add(from, rotate(poses[index].q, tip))));
     return to.map((end) => [from, end]);
   });
   // `shares`: of what each joint can give. `marked`: joints with a ring. `way`: how far the camera goes with the rig.
-  // `sent`: poses that are drawn as thin lines.
-  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null } = {}) => {
+  // `sent`, `ghost`: poses that are drawn as thin lines, and as broken ones.
+  const draw = (poses, shares, { chosen = -1, marked = () => false, way = [0, 0, 0], sent = null, ghost = null } = {}) => {
+    colors = {};
     middle = add(home, way);
     measure();
     if (width === 0) return;
@@ -122,35 +183,62 @@ const stageOn = (canvas, points, show) => {
         line(a, b, color("paper"), thick * a.scale);
       } });
     }
-    for (const [from, to] of sent ? bones(sent) : []) {
-      const [a, b] = [project(from), project(to)];
-      // In front of what it is in.
-      parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => line(a, b, color("world"), 1.5 * ratio()) });
+    parts.push(...faces(poses));
+    // Joints inside of solids are still seen: they are drawn last.
+    const last = [];
+    for (const [lines, style, dashes] of [[sent, "world", []], [ghost, "egocentric", [5, 4]]]) {
+      for (const [from, to] of lines ? bones(lines) : []) {
+        const [a, b] = [project(from), project(to)];
+        // In front of what it is in.
+        parts.push({ depth: (a.depth + b.depth) / 2 - thick, paint: () => {
+          context.setLineDash(dashes.map((x) => x * ratio()));
+          line(a, b, color(style), 1.5 * ratio());
+          context.setLineDash([]);
+        } });
+      }
+      for (const hull of lines ? outlines(lines, poses) : []) {
+        last.push({ depth: 0, paint: () => {
+          polygon(hull);
+          context.setLineDash(dashes.map((x) => x * ratio()));
+          context.strokeStyle = color(style);
+          context.lineWidth = 1.2 * ratio();
+          context.stroke();
+          context.setLineDash([]);
+        } });
+      }
     }
-    RIG.dofs.forEach((dof, index) => {
+    marks = dofs.map((dof) => project(poses[dof.body].p));
+    dofs.forEach((dof, index) => {
+      // A driven base has no axes.
+      if (bodies[dof.body].kind === "free") return;
       const axis = axisOf(dof, poses);
       const { p } = poses[dof.body];
-      const half = (dof.slides ? 0.05 : 0.03) * size;
+      const scale = markScales[index];
+      const half = scale * (dof.slides ? 0.05 : 0.03) * size;
       const [a, b] = [-half, half].map((way) => project(add(p, times(axis, way))));
       const style = shade(shares[index]);
-      parts.push({ depth: project(p).depth - 0.02 * size, paint: () => {
+      const wide = scale * 1.7 * thick;
+      (hasSolids ? last : parts).push({ depth: project(p).depth - 0.02 * size, paint: () => {
         if (index === chosen && !dof.slides) arc(dof, poses, 0.14 * size);
-        line(a, b, color(index === chosen ? "focus" : "text"), 1.7 * thick * a.scale + 2 * ratio());
-        line(a, b, style, 1.7 * thick * a.scale);
+        line(a, b, color(index === chosen ? "focus" : "text"), wide * a.scale + 2 * ratio());
+        line(a, b, style, wide * a.scale);
         if (marked(index)) ring(project(p), 0.05 * size, color("alert"));
       } });
     });
-    parts.sort((a, b) => b.depth - a.depth);
-    for (const part of parts) part.paint();
+    for (const layer of [parts, last]) layer.sort((a, b) => b.depth - a.depth);
+    for (const part of [...parts, ...last]) part.paint();
   };
 
   // ---- Camera ----
+  let isMoved = false;
   const turnView = (yaw, pitch) => {
+    isMoved = true;
     camera.yaw += yaw;
     camera.pitch = Math.min(Math.max(camera.pitch + pitch, -1.5), 1.5);
     show();
   };
   const zoom = (factor) => {
+    isMoved = true;
     camera.distance = Math.min(Math.max(camera.distance * factor, 0.4 * size), 20 * size);
     show();
   };
@@ -171,7 +259,24 @@ const stageOn = (canvas, points, show) => {
     }[event.key];
     if (done) { event.preventDefault(); done(); }
   });
+  // Returns the joint that was drawn nearest to a place of the canvas, -1 if none is near.
+  const jointAt = (x, y) => {
+    const far = marks.map((at) => Math.hypot(at.x / ratio() - x, at.y / ratio() - y));
+    const near = far.indexOf(Math.min(...far));
+    return far[near] < 28 ? near : -1;
+  };
+  const front = () => {
+    [camera.yaw, camera.pitch] = FRONT;
+    approach();
+    isMoved = false;
+    show();
+  };
+  // Fits the rig into a canvas of another size, unless the reader has moved the camera.
+  const fit = () => {
+    if (!isMoved) approach();
+    show();
+  };
   addEventListener("resize", show);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
-  return { draw, approach };
+  return { draw, approach, front, fit, jointAt };
 };

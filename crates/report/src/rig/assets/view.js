@@ -84,7 +84,7 @@
     });
   };
 
-  const { draw } = stageOn(document.getElementById("stage"), pointsOf(solve()), show);
+  const { draw } = stageOn(RIG, document.getElementById("stage"), pointsOf(solve()), show);
 
   // ---- Motion: each joint in turn through its range, then all joints together ----
   let since = null;

@@ -121,7 +121,7 @@ impl<'a> Fitting<'a> {
                 .excesses
                 .iter()
                 .filter(|excess| is_fast(excess))
-                .map(|excess| self.limits.dofs[excess.dof].joint)
+                .map(|excess| self.limits.ties.leader_of(self.limits.dofs[excess.dof].joint))
                 .filter(|joint| !self.ended[*joint])
                 .collect();
             if wanted.is_empty() {
@@ -142,6 +142,7 @@ impl<'a> Fitting<'a> {
                     None => self.ended[joint] = true,
                 }
             }
+            self.rows.iter_mut().for_each(|row| self.limits.ties.follow(row));
             // A low-pass only reduces existing excesses, and only those of joints that it may still change,
             // therefore only their samples are checked here. The rounds check everything.
             (report, looks) = self.excesses_of_rows(Some(&looks))?;
@@ -157,12 +158,14 @@ impl<'a> Fitting<'a> {
                 smooth::smooth(self.mechanism, joint, given, rows, sigma, f64::INFINITY);
             }
         }
+        self.rows.iter_mut().for_each(|row| self.limits.ties.follow(row));
     }
 
     /// Checks the rows, at all samples or at some. Returns the report, and the samples near which joints that may
     /// still be smoothed are too fast or too strong.
     fn excesses_of_rows(&mut self, at: Option<&[usize]>) -> Result<(Report, Vec<usize>), FitError> {
-        let may_be_smoothed = |limits: &DofLimits| !self.ended[limits.joint];
+        let leader = |joint: usize| self.limits.ties.leader_of(joint);
+        let may_be_smoothed = |limits: &DofLimits| !self.ended[leader(limits.joint)];
         let watched: Vec<bool> = self.limits.dofs.iter().map(may_be_smoothed).collect();
         let no_rows = Rows::of(0, &[]);
         let rows = std::mem::replace(&mut self.rows, no_rows);
@@ -220,6 +223,7 @@ impl<'a> Fitting<'a> {
         let look = looking.at(&curve, given_s.as_deref())?;
         drop((curve, given_s));
         let ScanResult { report, pace, mut share } = look;
+        let ties = &self.limits.ties;
         if report.excesses.is_empty() {
             self.still = Some(still);
             return Ok(Round::Within);
@@ -234,6 +238,16 @@ impl<'a> Fitting<'a> {
         report.excesses.iter().filter(|excess| is_fast(excess)).for_each(|excess| {
             self.fast[excess.dof] = true;
         });
+        // A follower is drawn towards home by its leader.
+        for tie in ties.each() {
+            let own = std::mem::take(&mut share[tie.body]);
+            if share[tie.leader].is_empty() {
+                share[tie.leader] = own;
+            } else {
+                let of_leader = share[tie.leader].iter_mut().zip(own);
+                of_leader.for_each(|(leader, own)| *leader = leader.min(own));
+            }
+        }
         self.course.slow_down(0, &pace);
         let is_lowered = self.lower(&share);
         if !self.widen(&report) && !is_lowered {
@@ -278,8 +292,8 @@ impl<'a> Fitting<'a> {
         is_lowered
     }
 
-    /// Increases the distance from range ends that the curve exceeds: between rows at an end, it overshoots.
-    /// Returns whether any was increased.
+    /// Increases the margin at range ends that the curve exceeds: between two rows at an end of a range, the curve
+    /// overshoots. Returns whether any was increased.
     fn widen(&mut self, report: &Report) -> bool {
         let is_range = |excess: &&Excess| matches!(excess.kind, Kind::Range | Kind::LinkedRange);
         let mut is_crowded = false;

@@ -72,18 +72,19 @@ impl Within {
             let [least, most] = linked.range;
             let rest = linked.other_factor * row[other];
             let sum = linked.factor * row[own] + rest;
-            // Equal ends tie the joints: there is no margin.
+            // Equal ends leave no margin.
             let room = self.room[linked.body] * linked.factor.abs();
             let room = room.min(MOST_ROOM * (most - least));
             let kept = sum.max(least + room).min(most - room);
             if (kept - sum).abs() > 1e-12 {
                 let change = ((kept - sum) / linked.factor).abs();
                 row[own] = (kept - rest) / linked.factor;
-                // Ties are computed in every row, therefore only changes by limits are recorded.
+                // Equal ends are restored in every row, therefore only changes by others are recorded.
                 if most > least && change > room + 1e-9 {
                     self.clamped[linked.body] = self.clamped[linked.body].max(change);
                 }
             }
         }
+        limits.ties.follow(row);
     }
 }

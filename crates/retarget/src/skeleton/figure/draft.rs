@@ -12,6 +12,9 @@ use super::note::Note;
 use crate::skeleton::found::Found;
 use crate::{Landmark, Side};
 
+/// Factor on the confidence in a body whose bone has no length.
+const NO_LENGTH: f64 = 0.6;
+
 /// A proposed body.
 pub(super) struct Proposed {
     pub part: BodyJoints,
@@ -232,6 +235,17 @@ impl<'a> Draft<'a> {
             .map_or((0.0, String::new()), |Found { confidence, reason, .. }| {
                 (*confidence, reason.clone())
             });
+        let end_joint = match &end {
+            End::Joint(name) => self.body.skeleton.find(name),
+            _ => None,
+        };
+        let (confidence, reason) = match end_joint {
+            Some(joint) if self.at_one_place(origin, joint) => (
+                confidence * NO_LENGTH,
+                format!("from `{}` to `{}` it has no length", self.name(origin), self.name(joint)),
+            ),
+            _ => (confidence, reason),
+        };
         let part = BodyJoints { origin: self.name(origin), rotation: self.name(rotation), end };
         Proposed {
             part,

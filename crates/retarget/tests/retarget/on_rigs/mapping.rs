@@ -1,6 +1,8 @@
 //! Tests of mappings: written, read, and applied to a rig and a clip.
 
 use glam::{DQuat, DVec3};
+use proptest::prelude::*;
+use sinew_mocap::{Clip, JointSample, Skeleton, SkeletonJoint};
 use sinew_retarget::mapping::{Curve, Mapping, Performance, Point};
 use sinew_retarget::performer::Performer;
 use sinew_retarget::rig::RigMatch;
@@ -122,6 +124,76 @@ fn a_face_follows_curves_alone() {
         let expected = (0.5 * (k as f64).min(40.0)).to_radians().min(0.3);
         assert!((q[0] - expected).abs() < 1e-12, "{k}: {} {expected}", q[0]);
         assert!(q[1].abs() < 1e-12);
+    }
+}
+
+/// Returns a clip whose one joint has the given angles about y, deg, and the positions of a rig's joint by a curve.
+fn driven(points: [[f64; 2]; 2], angles_deg: &[f64]) -> Vec<f64> {
+    let free = Link {
+        joint_name: "lever".to_owned(),
+        ..Link::on(Some(0), JointModel::Revolute(DVec3::X), DVec3::ZERO)
+    };
+    let base = Link::on(None, JointModel::Fixed, DVec3::ZERO);
+    let mechanism = Mechanism { bodies: vec![base, free], linked: Vec::new() };
+    let text = format!(
+        "[performance]\nspeed_deg_s = 1e6\n[[curve]]\nclip = \"dial\"\naxis = [0, 1, 0]\nrig = \"lever\"\n\
+         points_deg = {points:?}\n"
+    );
+    let dial = SkeletonJoint {
+        name: "dial".to_owned(),
+        parent: None,
+        offset_m: DVec3::ZERO,
+        end_sites_m: Vec::new(),
+    };
+    let sample = |(k, angle): (usize, &f64)| {
+        let rotation = DQuat::from_rotation_y(angle.to_radians());
+        // Both signs of a quaternion are one rotation.
+        let rotation = if k % 3 == 1 { -rotation } else { rotation };
+        vec![JointSample { rotation, position_m: DVec3::ZERO }]
+    };
+    let clip = Clip {
+        name: "dial".to_owned(),
+        skeleton: Skeleton { joints: vec![dial] },
+        frame_time_s: 1.0 / 60.0,
+        frames: angles_deg.iter().enumerate().map(sample).collect(),
+    };
+    let mut rows = vec![vec![0.0]; clip.frames.len()];
+    let curves = Mapping::read(&text).unwrap().curves(&mechanism, &clip.skeleton).unwrap();
+    curves.put(&clip, &mut rows);
+    rows.into_iter().map(|row| row[0].to_degrees()).collect()
+}
+
+#[test]
+fn an_even_turn_through_half_a_turn_is_even() {
+    let angles: Vec<f64> = (0..121).map(|k| 150.0 + 0.5 * f64::from(k)).collect();
+    let lever = driven([[100.0, -60.0], [240.0, 60.0]], &angles);
+    for (k, (lever, angle)) in lever.iter().zip(&angles).enumerate() {
+        let expected = -60.0 + 120.0 * (angle - 100.0) / 140.0;
+        assert!((lever - expected).abs() < 1e-9, "{k}: {lever} {expected}");
+    }
+}
+
+proptest! {
+    /// A random walk of an angle, with any number of turns, gives the positions of its angles with turns, if the
+    /// first angle is within half a turn of the middle of the points.
+    #[test]
+    fn random_turns_are_followed(
+        middle in -400.0..400.0_f64,
+        half_width in 20.0..2000.0_f64,
+        first in -175.0..175.0_f64,
+        steps in prop::collection::vec(-170.0..170.0_f64, 2..80),
+    ) {
+        let walk = steps.iter().scan(middle + first, |angle, step| {
+            let now = *angle;
+            *angle += step;
+            Some(now)
+        });
+        let angles: Vec<f64> = walk.collect();
+        let points = [[middle - half_width, -50.0], [middle + half_width, 70.0]];
+        for (angle, lever) in angles.iter().zip(driven(points, &angles)) {
+            let share = ((angle - points[0][0]) / (2.0 * half_width)).clamp(0.0, 1.0);
+            prop_assert!((lever - (-50.0 + 120.0 * share)).abs() < 1e-6, "{angle}: {lever}");
+        }
     }
 }
 

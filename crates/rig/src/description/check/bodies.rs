@@ -2,7 +2,7 @@
 
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
-use crate::description::{Body, InertiaMatrix};
+use crate::description::{Body, BodyShape, InertiaMatrix, ShapeKind};
 
 /// Tolerance for rounding, as a fraction of the trace. It is half the tolerance of `sinew-core`
 /// ([`sinew_core::Inertia::validate`]), so that an accepted inertia is accepted there too, in f32 and after bodies
@@ -24,7 +24,49 @@ pub(super) fn check(part: Part<'_>, body: &Body) -> Result<(), DescriptionError>
             return Err(part.refuse(&at, "mass_kg above 0 beside a box", "a box without mass"));
         }
     }
+    for (index, shape) in body.shapes.iter().enumerate() {
+        check_shape(part, index, shape)?;
+    }
     body.inertia_kg_m2.as_ref().map_or(Ok(()), |inertia| check_inertia(part, body, inertia))
+}
+
+/// Refuses a solid that lacks a length of its kind, or has one that its kind does not have.
+fn check_shape(part: Part<'_>, index: usize, shape: &BodyShape) -> Result<(), DescriptionError> {
+    let at = |key| [Step::Key("shape"), Step::Index(index), Step::Key(key)];
+    let size = shape.size_m.as_ref().map(<[f64; 3]>::as_slice);
+    let [radius, length] =
+        [&shape.radius_m, &shape.length_m].map(|x| x.as_ref().map(std::slice::from_ref));
+    let (kind, needs) = match shape.kind {
+        ShapeKind::Box => ("box", [true, false, false]),
+        ShapeKind::Sphere => ("sphere", [false, true, false]),
+        ShapeKind::Cylinder => ("cylinder", [false, true, true]),
+        ShapeKind::Capsule => ("capsule", [false, true, true]),
+    };
+    let keys = [("size_m", size), ("radius_m", radius), ("length_m", length)];
+    for ((key, values), is_needed) in keys.into_iter().zip(needs) {
+        match values {
+            Some(values) if is_needed => {
+                for value in values {
+                    part.number(&at(key), *value, Sign::Positive)?;
+                }
+            }
+            Some(_) => {
+                return Err(part.refuse(&at(key), format!("no such length of a {kind}"), "one"));
+            }
+            None if is_needed => {
+                return Err(part.refuse(&at(key), format!("the length of a {kind}"), "nothing"));
+            }
+            None => {}
+        }
+    }
+    part.numbers(&at("position_m"), &shape.position_m, Sign::Any)?;
+    part.unit_length_at(&at("rotation_xyzw"), &shape.rotation_xyzw)?;
+    let color = shape.color_rgb.unwrap_or_default();
+    if color.iter().all(|share| (0.0..=1.0).contains(share)) {
+        return Ok(());
+    }
+    let found = crate::number::list_text(&color);
+    Err(part.refuse(&at("color_rgb"), "three numbers from 0 to 1", found))
 }
 
 fn check_inertia(

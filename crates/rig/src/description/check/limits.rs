@@ -5,7 +5,7 @@ use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// Tolerance for rounding of a sum of two products, rad or m. Far below any motion that matters.
+/// Tolerance for rounding of a sum of two products, rad or m. It is far below any motion that matters.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(

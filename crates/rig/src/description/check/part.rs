@@ -133,8 +133,16 @@ impl<'a> Part<'a> {
         key: &'static str,
         vector: &[f64],
     ) -> Result<(), DescriptionError> {
-        let at = [Step::Key(key)];
-        self.numbers(&at, vector, Sign::Any)?;
+        self.unit_length_at(&[Step::Key(key)], vector)
+    }
+
+    /// Refuses a vector at a place in the part whose length is not 1.
+    pub(super) fn unit_length_at(
+        self,
+        at: &[Step],
+        vector: &[f64],
+    ) -> Result<(), DescriptionError> {
+        self.numbers(at, vector, Sign::Any)?;
         let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         if (length - 1.0).abs() <= UNIT_TOLERANCE {
             return Ok(());
@@ -150,7 +158,7 @@ impl<'a> Part<'a> {
             number::list_text(vector),
             number::text(number::rounded(length))
         );
-        Err(self.refuse(&at, expected, found))
+        Err(self.refuse(at, expected, found))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::description::{
-    Address, Base, Body, Drive, DriveKind, InertiaMatrix, Joint, JointType, LinkedLimit, Servo,
-    ServoModel, SourcedValue, Supply,
+    Address, Base, Body, BodyShape, Drive, DriveKind, InertiaMatrix, Joint, JointType, LinkedLimit,
+    Servo, ServoModel, SourcedValue, Supply,
 };
 
 fn body(name: &str) -> Body {
@@ -337,6 +337,24 @@ fn inertias_are_those_of_bodies() {
     };
     refused(|rig| only_box(rig, 0.0, [1.0; 3]), "body[0].box_m", "without mass");
     refused(|rig| only_box(rig, 1.0, [1.0, -1.0, 1.0]), "body[0].box_m[1]", "from 0");
+}
+
+#[test]
+fn shapes_have_the_lengths_of_their_kinds() {
+    fn shape(rig: &mut Description, shape: BodyShape) {
+        rig.bodies[0].shapes.push(shape);
+    }
+    let at = |key: &str| format!("body[0].shape[0].{key}");
+    let ball = BodyShape::sphere(1.0);
+    let none = BodyShape { radius_m: None, ..ball.clone() };
+    refused(|rig| shape(rig, none), &at("radius_m"), "the length of a sphere");
+    let long = BodyShape { length_m: Some(1.0), ..ball.clone() };
+    refused(|rig| shape(rig, long), &at("length_m"), "no such length of a sphere");
+    refused(|rig| shape(rig, BodyShape::sphere(0.0)), &at("radius_m"), "above 0");
+    let turned = ball.clone().at([0.0; 3], [0.0; 4]);
+    refused(|rig| shape(rig, turned), &at("rotation_xyzw"), "length 1");
+    let bright = ball.colored([2.0, 0.0, 0.0]);
+    refused(|rig| shape(rig, bright), &at("color_rgb"), "from 0 to 1");
 }
 
 #[test]

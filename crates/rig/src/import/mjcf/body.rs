@@ -12,8 +12,9 @@ use super::model::Model;
 use super::names::Names;
 use super::parts::Parts;
 use super::pose::Pose;
+use super::shapes;
 use crate::description::mass::Mass;
-use crate::description::{Description, Joint, JointType};
+use crate::description::{Body, Description, Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::imported;
 use crate::import::note::NoteKind;
@@ -98,7 +99,10 @@ fn read_body<'a, 'd>(
         }
         Some(parent) => hang(&name, joints, parent, pose, names, description, notes),
     };
-    description.bodies.push(mass.seen_from(DQuat::IDENTITY, -shift_m).body(&name));
+    description.bodies.push(Body {
+        shapes: shapes::of_body(&parts, shift_m, model),
+        ..mass.seen_from(DQuat::IDENTITY, -shift_m).body(&name)
+    });
     inside(parts.bodies, Some(&name), shift_m, model, notes)
 }
 

@@ -96,6 +96,28 @@ impl<'a, 'd> Defaults<'a, 'd> {
     }
 }
 
+impl<'a, 'd> Defaults<'a, 'd> {
+    /// Returns an element after its class's defaults for any of these tags, in the order in which later ones override
+    /// earlier ones.
+    pub(super) fn in_order(
+        &self,
+        node: Node<'a, 'd>,
+        tags: &[&str],
+    ) -> Result<Vec<Node<'a, 'd>>, ImportError> {
+        let mut class = Some(self.named(node, "class", MAIN)?);
+        let mut nodes = vec![node];
+        while let Some(Class { around, elements }) = class.map(|class| &self.classes[class]) {
+            for element in elements {
+                let is_one = |child: &Node<'_, '_>| tags.contains(&child.tag_name().name());
+                nodes.extend(element.children().rev().filter(is_one));
+            }
+            class = *around;
+        }
+        nodes.reverse();
+        Ok(nodes)
+    }
+}
+
 /// An element with its defaults.
 pub(super) struct Element<'a, 'd> {
     /// The element itself, then the defaults of its class, then those of the enclosing classes.
@@ -146,24 +168,24 @@ impl<'a, 'd> Element<'a, 'd> {
         limited: &str,
         auto_limits: bool,
     ) -> Result<Option<[f64; 2]>, ImportError> {
-        let range = self.vector(name)?;
-        let is_limited = match self.text(limited) {
-            Some("true") => true,
-            Some("false") => false,
-            None | Some("auto") => auto_limits && range.is_some(),
+        let range = match xml::any_numbers(self.at(name), name, 2)?.as_deref() {
+            None => None,
+            Some([least, most]) => Some([*least, *most]),
             Some(_) => {
-                return Err(xml::refuse_value(self.at(limited), limited, "true, false or auto"));
+                let expected = "two numbers, the least and the most";
+                return Err(xml::refuse_value(self.at(name), name, expected));
             }
         };
-        if !is_limited {
-            return Ok(None);
-        }
-        match range {
-            Some([least, most]) if least < most => Ok(Some([least, most])),
-            _ => {
+        let rises = range.filter(|[least, most]| least < most);
+        match self.text(limited) {
+            Some("false") => Ok(None),
+            // MuJoCo takes a range that does not rise, such as `0 0`, as no range.
+            None | Some("auto") => Ok(rises.filter(|_| auto_limits)),
+            Some("true") => rises.map(Some).ok_or_else(|| {
                 let expected = "two numbers, the least and the most";
-                Err(xml::refuse_value(self.at(name), name, expected))
-            }
+                xml::refuse_value(self.at(name), name, expected)
+            }),
+            Some(_) => Err(xml::refuse_value(self.at(limited), limited, "true, false or auto")),
         }
     }
 }

@@ -7,8 +7,8 @@ use roxmltree::Node;
 use super::super::note::{Notes, list};
 use super::super::tie::Tie;
 use super::super::xml;
-use super::joint;
 use super::model::Model;
+use super::{joint, tendon};
 use crate::description::{Description, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
@@ -49,6 +49,7 @@ pub(super) fn read<'a, 'd>(
                 }
             }
             "joint" => ties.extend(tie(root, node, model, description, notes)?),
+            "tendon" => ties.extend(tendon::tie(root, node, model, description, notes)?),
             _ => {
                 notes.add_of(NoteKind::LeftOut, "equalities that are not of bodies or joints", tag);
             }
@@ -91,32 +92,14 @@ fn tie<'a, 'd>(
     let mut references = [0.0; 2];
     for (slot, (name, attribute)) in references.iter_mut().zip([(joint, "joint1"), (of, "joint2")])
     {
-        let Some(found) = find(root, name) else {
+        let Some(element) = joint::find(root, name, model)? else {
             return Err(xml::refuse_value(node, attribute, "a joint of the file"));
         };
         let kind = description.joints.iter().find(|joint| joint.name == name);
         let kind = kind.map_or(JointType::Fixed, |joint| joint.kind);
-        let element = model.defaults.element(found, &["joint"], class_around(found, model)?)?;
         *slot = joint::reference(&element, kind, model)?;
     }
     let [reference, reference_of] = references;
     let offset = factor(0) + reference - factor(1) * reference_of;
     Ok(Some(Tie { joint: joint.to_owned(), of: of.to_owned(), multiplier: factor(1), offset }))
-}
-
-fn find<'a, 'd>(root: Node<'a, 'd>, name: &str) -> Option<Node<'a, 'd>> {
-    xml::children(root, "worldbody")
-        .flat_map(|world| world.descendants())
-        .find(|node| node.has_tag_name("joint") && node.attribute("name") == Some(name))
-}
-
-/// Returns the default class that the enclosing bodies and frames give an element.
-fn class_around<'a, 'd>(
-    node: Node<'a, 'd>,
-    model: &Model<'a, 'd, '_>,
-) -> Result<usize, ImportError> {
-    match node.ancestors().find(|outer| outer.has_attribute("childclass")) {
-        Some(outer) => model.defaults.named(outer, "childclass", super::defaults::MAIN),
-        None => Ok(super::defaults::MAIN),
-    }
 }

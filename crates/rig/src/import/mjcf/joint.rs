@@ -1,10 +1,11 @@
 //! Reads joints of an MJCF.
 
 use glam::{DQuat, DVec3};
+use roxmltree::Node;
 
 use super::super::note::Notes;
-use super::super::xml;
-use super::defaults::Element;
+use super::super::{none, xml};
+use super::defaults::{Element, MAIN};
 use super::model::Model;
 use super::pose::Pose;
 use crate::description::{Joint, JointType};
@@ -49,23 +50,20 @@ pub(super) fn read(
     let anchor = element.vector("pos")?.map_or(DVec3::ZERO, DVec3::from_array);
     let anchor_m = frame.position_m + frame.rotation * anchor;
     joint.rotor_inertia = Some(element.not_negative("armature")?).filter(|inertia| *inertia > 0.0);
-    joint.friction = element.not_negative("frictionloss")?;
-    joint.damping = xml::numbers(element.at("damping"), "damping", 3)?
-        .and_then(|numbers| numbers.first().copied())
-        .unwrap_or(0.0);
-    if joint.damping < 0.0 {
-        return Err(xml::refuse_value(
-            element.at("damping"),
-            "damping",
-            "a number of zero or more",
-        ));
-    }
+    joint.friction =
+        none::damping(element.at("frictionloss"), "frictionloss", 1, &joint.name, notes)?;
+    joint.damping = none::damping(element.at("damping"), "damping", 3, &joint.name, notes)?;
     if element.not_negative("stiffness")? > 0.0 {
         notes.add_of(NoteKind::LeftOut, "springs of joints (stiffness)", &joint.name);
     }
-    let range: Option<[f64; 2]> = element.range("range", "limited", model.auto_limits)?;
-    let forces = element.range("actuatorfrcrange", "actuatorfrclimited", model.auto_limits)?;
-    joint.effort = forces.map(|[least, most]| least.abs().max(most.abs()));
+    let range = element.range("range", "limited", model.auto_limits)?;
+    if range.is_none() && element.text("range").is_some_and(is_flat) {
+        let text = "a range whose ends are equal stands for none: the rig has none there";
+        notes.add_of(NoteKind::LeftOut, text, &joint.name);
+    }
+    let range = range.and_then(|range| none::range("the range", range, &joint.name, notes));
+    joint.effort = forces(element, &joint.name, model, notes)?
+        .map(|[least, most]| least.abs().max(most.abs()));
     let mut zero = Pose::IDENTITY;
     let in_rad = |range: [f64; 2]| range.map(|angle| model.angles.rad(angle));
     if kind == JointType::Spherical {
@@ -90,6 +88,25 @@ pub(super) fn read(
     Ok(MjcfJoint { joint, anchor_m, zero })
 }
 
+/// Returns whether the two numbers of a range are equal.
+fn is_flat(range: &str) -> bool {
+    let mut ends = range.split_whitespace();
+    let (least, most) = (ends.next(), ends.next());
+    let number = |end: Option<&str>| end.and_then(|end| end.parse::<f64>().ok());
+    number(least).zip(number(most)).is_some_and(|(least, most)| (most - least).abs() <= 0.0)
+}
+
+/// Returns the range of the joint's force from all its actuators, N m or N.
+pub(super) fn forces(
+    element: &Element<'_, '_>,
+    name: &str,
+    model: &Model<'_, '_, '_>,
+    notes: &mut Notes,
+) -> Result<Option<[f64; 2]>, ImportError> {
+    let forces = element.range("actuatorfrcrange", "actuatorfrclimited", model.auto_limits)?;
+    Ok(forces.and_then(|forces| none::range("actuatorfrcrange", forces, name, notes)))
+}
+
 /// Returns whether a joint permits all motion.
 pub(super) fn is_free(element: &Element<'_, '_>) -> bool {
     element.node().has_tag_name("freejoint") || element.text("type") == Some("free")
@@ -103,4 +120,28 @@ pub(super) fn reference(
 ) -> Result<f64, ImportError> {
     let reference = element.number("ref")?.unwrap_or(0.0);
     Ok(if kind == JointType::Revolute { model.angles.rad(reference) } else { reference })
+}
+
+/// Finds a joint by its name, with its defaults.
+pub(super) fn find<'a, 'd>(
+    root: Node<'a, 'd>,
+    name: &str,
+    model: &Model<'a, 'd, '_>,
+) -> Result<Option<Element<'a, 'd>>, ImportError> {
+    let found = xml::children(root, "worldbody")
+        .flat_map(|world| world.descendants())
+        .find(|node| node.has_tag_name("joint") && node.attribute("name") == Some(name));
+    let element = |node| model.defaults.element(node, &["joint"], class_around(node, model)?);
+    found.map(element).transpose()
+}
+
+/// Returns the default class that the enclosing bodies and frames give an element.
+fn class_around<'a, 'd>(
+    node: Node<'a, 'd>,
+    model: &Model<'a, 'd, '_>,
+) -> Result<usize, ImportError> {
+    match node.ancestors().find(|outer| outer.has_attribute("childclass")) {
+        Some(outer) => model.defaults.named(outer, "childclass", MAIN),
+        None => Ok(MAIN),
+    }
 }

@@ -133,7 +133,7 @@ fn of_geoms(
 }
 
 /// Returns the solid of a geom and its pose; `None` for a geom that is not a solid, such as a mesh.
-fn solid(
+pub(super) fn solid(
     geom: &Element<'_, '_>,
     model: &Model<'_, '_, '_>,
 ) -> Result<Option<(Solid, Pose)>, ImportError> {

@@ -1,16 +1,20 @@
 //! Reads MJCF, the format of MuJoCo: nested bodies, with classes of defaults.
 
 mod actuator;
+mod actuator_force;
 mod body;
 mod compiler;
 mod defaults;
 mod equality;
+mod include;
 mod joint;
 mod mass;
 mod model;
 mod names;
 mod parts;
 mod pose;
+mod shapes;
+mod tendon;
 
 use std::collections::BTreeMap;
 
@@ -29,8 +33,20 @@ use defaults::Defaults;
 use model::Model;
 use pose::Angles;
 
+pub use include::LoadPart;
+
+/// Reads an MJCF with parts in other files.
+pub(super) fn read_with_parts(
+    text: &str,
+    options: &Options,
+    load: LoadPart<'_>,
+) -> Result<Imported, ImportError> {
+    read(&include::expand(text, load)?, options)
+}
+
 pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
-    let document = xml::document(text)?;
+    let text = xml::with_declaration_first(text);
+    let document = xml::document(&text)?;
     let root = document.root_element();
     if !root.has_tag_name("mujoco") {
         let found = format!("`{}`", root.tag_name().name());
@@ -55,6 +71,7 @@ pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportErro
     model.masses.settle(&mut description, &mut notes);
     actuator::read(root, &model, &mut description, &mut notes)?;
     let ties = equality::read(root, &model, &description, &mut notes)?;
+    tendon::limits(root, &model, &mut description, &mut notes)?;
     tie::tie(&ties, &mut description, &mut notes);
     imported::tell_massless(&description, &mut notes);
     tell_unread(root, &mut notes);
@@ -97,7 +114,7 @@ fn gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<Option<DVec3>, Impor
 
 /// Adds notes on sections without meaning for a rig, counted by name.
 fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
-    const READ: [&str; 9] = [
+    const READ: [&str; 10] = [
         "compiler",
         "option",
         "default",
@@ -107,6 +124,7 @@ fn tell_unread(root: Node<'_, '_>, notes: &mut Notes) {
         "asset",
         "visual",
         "statistic",
+        "tendon",
     ];
     let mut unread: BTreeMap<&str, usize> = BTreeMap::new();
     for section in root.children().filter(Node::is_element) {

@@ -7,7 +7,7 @@ use roxmltree::Node;
 
 use super::super::note::Notes;
 use super::super::tie::Tie;
-use super::super::xml;
+use super::super::{none, xml};
 use super::limits;
 use crate::description::{Joint, JointType};
 use crate::import::error::ImportError;
@@ -86,8 +86,8 @@ impl<'a, 'd> UrdfJoint<'a, 'd> {
         };
         let is_driven = !matches!(kind, JointType::Fixed | JointType::Free);
         if let Some(dynamics) = xml::child(node, "dynamics")?.filter(|_| is_driven) {
-            joint.damping = xml::not_negative(dynamics, "damping")?.unwrap_or(0.0);
-            joint.friction = xml::not_negative(dynamics, "friction")?.unwrap_or(0.0);
+            joint.damping = none::damping(dynamics, "damping", 1, name, notes)?;
+            joint.friction = none::damping(dynamics, "friction", 1, name, notes)?;
         }
         limits::read(node, &mut joint, notes)?;
         let mimic = xml::child(node, "mimic")?.map(|mimic| read_mimic(mimic, name)).transpose()?;

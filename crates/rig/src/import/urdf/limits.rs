@@ -3,7 +3,7 @@
 use roxmltree::Node;
 
 use super::super::note::Notes;
-use super::super::xml;
+use super::super::{none, xml};
 use crate::description::{Joint, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
@@ -35,7 +35,7 @@ pub(super) fn read(
         }
         return Ok(());
     };
-    let (lower, upper) = (xml::number(limit, "lower")?, xml::number(limit, "upper")?);
+    let (lower, upper) = (xml::any_number(limit, "lower")?, xml::any_number(limit, "upper")?);
     if !continuous && let Some(range) = range(limit, lower, upper, joint, notes)? {
         if slides {
             joint.range_m = Some(range);
@@ -71,6 +71,16 @@ fn range(
         return Ok(None);
     }
     let (least, most) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
+    let is_zero = least.abs() <= 0.0 && most.abs() <= 0.0;
+    if is_zero && lower.is_some() && upper.is_some() {
+        let text =
+            "`lower` and `upper` are both 0, which stands for none: the range is open in the rig";
+        notes.add_of(NoteKind::LeftOut, text, &joint.name);
+        return Ok(None);
+    }
+    if [least, most].into_iter().any(none::is_endless) {
+        return Ok(none::range("the range", [least, most], &joint.name, notes));
+    }
     if lower.is_none() || upper.is_none() {
         let text = "`limit` gives one end of the range: the other is 0, URDF's default";
         notes.add_of(NoteKind::Filled, text, &joint.name);
@@ -86,7 +96,7 @@ fn range(
     Ok(Some([least, most]))
 }
 
-/// Reads a limit of speed or effort. Zero, infinity and very large values mean "no limit".
+/// Reads a limit of speed or effort. Zero, -1, infinity and very large values mean "no limit".
 fn largest(
     limit: Node<'_, '_>,
     name: &'static str,
@@ -94,7 +104,9 @@ fn largest(
     notes: &mut Notes,
 ) -> Result<Option<f64>, ImportError> {
     let Some(text) = limit.attribute(name) else { return Ok(None) };
-    let value: Option<f64> = text.trim().parse().ok().filter(|value: &f64| *value >= 0.0);
+    // Exporters write -1 where they know no limit.
+    let is_none = |value: f64| value >= 0.0 || (value + 1.0).abs() <= 0.0;
+    let value: Option<f64> = text.trim().parse().ok().filter(|value| is_none(*value));
     let value = value.ok_or_else(|| xml::refuse_value(limit, name, "a number of zero or more"))?;
     if value > 0.0 && value < PLACEHOLDER {
         return Ok(Some(value));

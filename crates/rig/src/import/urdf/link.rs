@@ -8,6 +8,7 @@ use super::super::note::{Notes, list};
 use super::super::solid::Solid;
 use super::super::xml;
 use super::joint::origin;
+use super::shapes;
 use crate::description::Body;
 use crate::description::mass::Mass;
 use crate::import::error::ImportError;
@@ -27,7 +28,9 @@ pub(super) fn bodies(
     for link in links {
         let name = link.attribute("name").unwrap_or_default();
         match mass_properties(*link, balance, points, notes) {
-            Ok(mass) => bodies.push(mass.body(name)),
+            Ok(mass) => {
+                bodies.push(Body { shapes: shapes::of_link(*link), ..mass.body(name) });
+            }
             Err(error) => refused.push((error, name)),
         }
     }
@@ -146,7 +149,9 @@ fn fill(
 
 /// Returns the solid of a `collision` or `visual` and its pose; `None` for a mesh or an empty element.
 #[expect(clippy::type_complexity, reason = "a solid and its pose, used once")]
-fn solid(shape: Node<'_, '_>) -> Result<Option<(Solid, (DVec3, glam::DQuat))>, ImportError> {
+pub(super) fn solid(
+    shape: Node<'_, '_>,
+) -> Result<Option<(Solid, (DVec3, glam::DQuat))>, ImportError> {
     let Some(geometry) = xml::child(shape, "geometry")? else { return Ok(None) };
     let Some(node) = geometry.children().find(Node::is_element) else { return Ok(None) };
     let length = |name| {

@@ -5,6 +5,7 @@ mod joint;
 mod limits;
 mod link;
 mod loops;
+mod shapes;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -22,7 +23,8 @@ use crate::import::imported;
 use joint::UrdfJoint;
 
 pub(super) fn read(text: &str, options: &Options) -> Result<Imported, ImportError> {
-    let document = xml::document(text)?;
+    let text = xml::with_declaration_first(text);
+    let document = xml::document(&text)?;
     let robot = document.root_element();
     if !robot.has_tag_name("robot") {
         let found = format!("`{}`", robot.tag_name().name());

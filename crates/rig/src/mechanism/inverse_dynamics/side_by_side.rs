@@ -1,6 +1,6 @@
-//! The core's inverse dynamics of several instants side by side. Each instant gets the operations of the core in
-//! the core's order, so that the results are equal bit by bit. They take a third of the time. A fit of a motion
-//! spends most of its time here.
+//! The core's inverse dynamics of several instants side by side. Each instant gets the operations of the core in the
+//! core's order, so that the results are equal bit by bit. This takes a third of the time. A fit of a motion spends
+//! most of its time here.
 
 use std::array::from_fn;
 use std::ops::Range;

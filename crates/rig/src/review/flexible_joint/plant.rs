@@ -52,8 +52,8 @@ impl FlexibleJoint {
         self.rotor_inertia + self.load_inertia
     }
 
-    /// Returns the step of the state `[load, load speed, rotor, rotor speed]` over a time in which the torque on
-    /// the rotor is held. Exact: uses the exponential of the equations of motion.
+    /// Returns the step of the state `[load, load speed, rotor, rotor speed]` over a time in which the torque on the
+    /// rotor is held. The step is exact: it uses the exponential of the equations of motion.
     pub(super) fn step(&self, time_s: f64) -> Step {
         let Self { rotor_inertia, load_inertia, stiffness, gear_damping, damping } = *self;
         let load = [stiffness, gear_damping].map(|x| x / load_inertia);

@@ -78,7 +78,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
             "mass_kg = 0.5",
             "colour = 1",
             "line 8, column 1: body[1].colour: expected one of the keys name, mass_kg, center_of_mass_m, box_m, \
-             inertia_kg_m2, found an unknown one",
+             inertia_kg_m2, shape, found an unknown one",
         ),
         (
             "servos = [\"left\"]",

@@ -1,7 +1,7 @@
 //! Valid random rigs, with numbers as people write them.
 
 use crate::description::{
-    Address, Base, Body, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
+    Address, Base, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
     LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
 };
 
@@ -128,7 +128,20 @@ fn body(r: &mut Random, index: usize) -> Body {
             _ => {}
         }
     }
+    body.shapes = (0..r.below(3)).map(|_| shape(r)).collect();
     body
+}
+
+fn shape(r: &mut Random) -> BodyShape {
+    let (radius_m, length_m) = (r.positive(), r.positive());
+    let shape = match r.below(4) {
+        0 => BodyShape::cuboid([radius_m, length_m, r.positive()]),
+        1 => BodyShape::sphere(radius_m),
+        2 => BodyShape::cylinder(radius_m, length_m),
+        _ => BodyShape::capsule(radius_m, length_m),
+    };
+    let color_rgb = r.perhaps(|_| [1.0, 0.5, 0.0]);
+    BodyShape { color_rgb, ..shape.at(r.numbers(), r.rotation()) }
 }
 
 fn joint(r: &mut Random, index: usize, parent: &str, child: &str) -> Joint {

@@ -46,8 +46,8 @@ pub struct Bus<const SERVOS: usize> {
     registers_are_due: bool,
     /// Index of the servo whose watchdog was read last.
     watched: usize,
-    /// After supply and temperature there was no time to read registers: in the next tick, the registers are read
-    /// first.
+    /// Whether there was no time left for registers after supply and temperature. If so, the registers are read first
+    /// in the next tick.
     slow_waits: bool,
 }
 

@@ -14,8 +14,8 @@ pub use models::{Current, Family, MODELS, Model};
 use crate::table::{Access, Area, Item, Range, Sign, Unit};
 use items::ITEMS;
 
-/// Returns the register that begins at an address, and the models that have it. For use at build time; without the
-/// values that differ by model.
+/// Returns the register that begins at an address, and the models that have it. It is for use at build time, and leaves
+/// out the values that differ by model.
 #[expect(
     clippy::indexing_slicing,
     clippy::arithmetic_side_effects,

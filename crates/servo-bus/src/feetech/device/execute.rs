@@ -7,7 +7,8 @@ use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
 use crate::table::{Access, Item};
 
-/// Time slot of one id for the answers to a broadcast ping, us. On a real line these answers collide.
+/// Delay of a simulated answer to a broadcast ping, us per id, so that answers do not overlap. Answers of real servos
+/// may collide.
 const PING_SLOT_US: u32 = 1_000;
 
 impl Device<'_> {

@@ -54,7 +54,7 @@ impl Family {
         }
     }
 
-    /// Returns the register at an address. For use at build time; without the values that differ by model.
+    /// Returns the register at an address. It is for use at build time, and leaves out the values that differ by model.
     #[expect(
         clippy::indexing_slicing,
         clippy::arithmetic_side_effects,

@@ -36,7 +36,7 @@ fn answer(spoil: impl Fn(usize, &mut [u8])) -> Vec<u8> {
     said
 }
 
-/// A kind of damage: its name, and a function that damages a servo's part.
+/// A kind of damage: its name, and a function that damages one servo's section of the packet.
 type Spoil = (&'static str, fn(&mut [u8]));
 
 const SPOILT: [Spoil; 4] = [

@@ -2,8 +2,8 @@
 //!
 //! Damage that looks like a header with a length makes a parser wait for that many bytes, at most as many as it holds.
 //! When their check is wrong, or when the line falls silent, the parser examines all of them again. Whole packets among
-//! them are therefore late, but not lost. Only if a false header and the bytes after it have a right check by chance,
-//! the parser takes them for a packet: `reference` finds these places.
+//! them are therefore late, but not lost. The parser takes a false header and the bytes after it for a packet only if
+//! their check is right by chance: `reference` finds these places.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -8,7 +8,7 @@ use sinew_storage::{Area, BoardTable};
 /// Words of 4 bytes, as in the F446.
 const WORD: usize = 4;
 
-/// Bits only fall until a sector is erased, and no word is written twice: the contract of [`NorFlash`].
+/// A flash with the contract of [`NorFlash`]: bits only fall until a sector is erased, and no word is written twice.
 ///
 /// Writing a word has two points at which power can fail: before it, and within it, after some bits have fallen. An
 /// erase has five: before it, and within it in four ways.

@@ -1,5 +1,5 @@
 //! Image for QEMU's `mps2-an386` (Cortex-M4F): ticks of rigs with servos, as their owners run them, and ticks of the
-//! same rigs with ball joints. Separate from the image `kernels`, so that inlining there does not change.
+//! same rigs with ball joints. It is separate from the image `kernels`, so that inlining there does not change.
 
 #![no_std]
 #![no_main]

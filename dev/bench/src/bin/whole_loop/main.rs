@@ -24,7 +24,7 @@ macro_rules! arm {
     };
 }
 
-/// A size of rig, so that its tick is identified by its number of servos only.
+/// A rig's number of servos as a type: it alone identifies the rig's tick.
 struct Servos<const N: usize>;
 
 trait Of {

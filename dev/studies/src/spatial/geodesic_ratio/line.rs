@@ -39,8 +39,8 @@ fn vector(rotation: DQuat) -> DVec3 {
     (if rotation.w < 0.0 { -rotation } else { rotation }).to_scaled_axis()
 }
 
-/// Returns start and step of the shortest line between the vectors of two rotations. Each rotation has a second
-/// vector, with the opposite direction.
+/// Returns start and step of the shortest line between the vectors of two rotations. Each rotation except the identity
+/// has a second vector, with the opposite direction.
 fn shortest(from: DVec3, to: DVec3) -> (DVec3, DVec3) {
     let direct = (from, to - from);
     if from.length().max(to.length()) < FRAC_PI_2 {

@@ -16,7 +16,7 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Adds a line. `todo`: what the user should do, unless the verdict is ok.
+    /// Adds a line. `todo` is the remedy; it is printed unless the verdict is ok.
     pub(super) fn add(&mut self, verdict: Verdict, what: &str, found: &str, todo: &str) {
         let word = match verdict {
             Verdict::Ok => "ok",

@@ -81,7 +81,7 @@ pub(super) fn look(
     Ok(is_limp && board.needs(1).is_ok())
 }
 
-/// Returns the CRC by which a board identifies a rig.
+/// Returns the CRC by which a board identifies a rig. Returns `None` if the rig has no compact form.
 fn crc(parts: &RigParts) -> Option<u32> {
     let bytes = parts.compact_rig().ok()?;
     bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc))

@@ -1,4 +1,4 @@
-//! A fuzz target for each decoder of the host link: it runs the corpus, then inputs of bolero.
+//! A fuzz target for each decoder of the host link: it runs the corpus, then inputs that bolero generates.
 
 #[expect(dead_code, reason = "fuzzing uses a part")]
 #[path = "../../../../../crates/link/tests/link/common/mod.rs"]

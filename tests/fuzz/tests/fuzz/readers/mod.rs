@@ -1,5 +1,5 @@
 //! Runs every reader of files with its corpus, and with damaged copies of the corpus. A reader must read a file or
-//! refuse it with a message. The targets also accept inputs of bolero.
+//! refuse it with a message. The targets also accept inputs that bolero generates.
 
 mod targets;
 

@@ -176,8 +176,8 @@ fn tell_dynamixel(bytes: &[u8]) {
     assert!(status.answers(id, 3));
 }
 
-/// An answer to a fast read with some bytes changed. The first input bytes choose the servos, the last ones the
-/// changes. The reader keeps the data before the first wrong checksum.
+/// Reads the answer to a fast read, in which some bytes are changed. The first input bytes choose the servos, and the
+/// last ones choose the changes. The reader keeps the data before the first wrong checksum.
 pub(crate) fn fast_answer(bytes: &[u8]) {
     let [count, length, rest @ ..] = bytes else { return };
     let (count, length) = (1 + u16::from(count & 7), u16::from(length & 15));

@@ -1,4 +1,4 @@
-//! A fuzz target for each decoder of the servo bus: it runs the corpus, then inputs of bolero.
+//! A fuzz target for each decoder of the servo bus: it runs the corpus, then inputs that bolero generates.
 
 mod decoders;
 #[path = "../../../../../crates/servo-bus/tests/servo_bus/reference/mod.rs"]

@@ -17,7 +17,7 @@ fn replay() {
     }
 }
 
-/// Runs pairs of streams through all decoders, with a byte changed, lost or doubled.
+/// Runs all decoders on pairs of streams in which a byte is changed, lost or doubled.
 #[test]
 fn replay_with_changes() {
     let streams = streams();

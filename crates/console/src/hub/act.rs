@@ -1,0 +1,241 @@
+//! Motions that go on until they are over: a joint that follows a slider, a journey, a show; and arming.
+
+use std::time::Duration;
+
+use sinew_board_client::Line;
+use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
+
+use super::journey::Journey;
+use super::pose::wanted;
+use super::slider::Slider;
+use super::{Hub, Refused};
+use crate::message::Level;
+use crate::server::PageId;
+
+/// Interval of speeds and poses for the board.
+const EVERY: Duration = Duration::from_millis(20);
+/// Longest time of a feed's start.
+const START: Duration = Duration::from_secs(1);
+/// Longest wait for a rig to become ready to be armed, and the time between two attempts.
+pub(super) const READY: Duration = Duration::from_secs(10);
+pub(super) const AGAIN: Duration = Duration::from_millis(100);
+
+/// A motion.
+#[derive(Debug)]
+pub(super) enum Act {
+    Slider(Feeding<Slider>),
+    Journey(Feeding<Journey>),
+    Show(Playing),
+}
+
+/// A motion that the hub feeds.
+#[derive(Debug)]
+pub(super) struct Feeding<M> {
+    pub(super) motion: M,
+    /// Number of summaries before the board followed the feed; `None` until it does.
+    follows: Option<u32>,
+    begun: Duration,
+    due: Duration,
+}
+
+/// A show on the board.
+#[derive(Debug)]
+pub(super) struct Playing {
+    /// Whether the show begins again when it is over.
+    repeats: bool,
+    /// Whether the show is a loop of one round: it is held at the end of the round.
+    ends: bool,
+    before: u32,
+    show_ms: u32,
+}
+
+/// A wish to arm, until the board allows it.
+#[derive(Debug)]
+pub(super) struct Arming {
+    pub(super) page: PageId,
+    pub(super) id: Option<u64>,
+    until: Duration,
+    due: Duration,
+}
+
+impl Act {
+    /// Whether the motion ends when its page is gone.
+    pub(super) fn dies_with_its_page(&self) -> bool {
+        !matches!(self, Self::Show(_))
+    }
+}
+
+impl<M> Feeding<M> {
+    pub(super) fn new(motion: M, now: Duration) -> Self {
+        Self { motion, follows: None, begun: now, due: now }
+    }
+}
+
+impl<L: Line> Hub<'_, L> {
+    /// Ends the motion: the rig stands where it is.
+    pub(super) fn hold(&mut self) -> Result<String, Refused> {
+        self.act = None;
+        match self.ask(Command::Hold) {
+            Ok(_) => Ok("the rig stands".to_owned()),
+            // Nothing moves: it stands already.
+            Err(Refused::Board(Refusal::State(State::Off | State::Limp | State::Faulted))) => {
+                Ok("torque is off".to_owned())
+            }
+            Err(refused) => Err(refused),
+        }
+    }
+
+    /// Begins a show.
+    pub(super) fn begin_show(&mut self, repeats: bool, is_loop: bool) -> Result<(), Refused> {
+        self.ask(Command::Play(Feed::Show))?;
+        let (before, ends) = (self.board.log.summaries, is_loop && !repeats);
+        self.act = Some(Act::Show(Playing { repeats, ends, before, show_ms: 0 }));
+        Ok(())
+    }
+
+    /// Goes on with the motion.
+    pub(super) fn go_on(&mut self) {
+        let ended = match self.act.take() {
+            None => return,
+            Some(Act::Slider(feeding)) => self.go_on_slider(feeding),
+            Some(Act::Journey(feeding)) => self.go_on_journey(feeding),
+            Some(Act::Show(playing)) => self.go_on_show(playing),
+        };
+        if let Err(refused) = ended {
+            let text = self.text(&refused);
+            self.event(Level::Warning, &text);
+        }
+    }
+
+    fn go_on_slider(&mut self, mut feeding: Feeding<Slider>) -> Result<(), Refused> {
+        let now = self.now();
+        if feeding.motion.is_silent(now) {
+            return self.hold().map(|_| ());
+        }
+        if now >= feeding.due {
+            feeding.due = now + EVERY;
+            let commanded = self.wanted(feeding.motion.coordinate);
+            let velocity = feeding.motion.velocity(commanded, now);
+            let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
+            self.send(Stream::Jog { dof, velocity })?;
+        }
+        if self.follow(&mut feeding, Feed::Jog)? {
+            self.act.get_or_insert(Act::Slider(feeding));
+        } else {
+            self.barred = Some(now);
+        }
+        Ok(())
+    }
+
+    fn go_on_journey(&mut self, mut feeding: Feeding<Journey>) -> Result<(), Refused> {
+        let now = self.now();
+        let commanded = wanted(self.scene, &self.board.log);
+        if feeding.motion.is_over(commanded.as_deref(), now) {
+            self.hold()?;
+            self.arrived = true;
+            self.event(Level::Info, "the rig is there");
+            return Ok(());
+        }
+        if now >= feeding.due {
+            feeding.due = now + EVERY;
+            let q = feeding.motion.at(now).into_iter().collect();
+            let sent_us = u32::try_from(now.as_micros() & u128::from(u32::MAX)).unwrap_or(0);
+            self.send(Stream::Live(LiveFrame { sent_us, q }))?;
+        }
+        if self.follow(&mut feeding, Feed::Live)? {
+            self.act.get_or_insert(Act::Journey(feeding));
+        }
+        Ok(())
+    }
+
+    /// Lets the board follow a feed that has begun. Returns whether the motion goes on.
+    fn follow<M>(&mut self, feeding: &mut Feeding<M>, feed: Feed) -> Result<bool, Refused> {
+        if let Some(before) = feeding.follows {
+            // By a summary that is newer than the command.
+            let is_over = self.board.log.summaries >= before + 2 && self.state() != State::Playing;
+            return Ok(!is_over);
+        }
+        match self.ask(Command::Play(feed)) {
+            Ok(_) => feeding.follows = Some(self.board.log.summaries),
+            // The first of its messages have not arrived.
+            Err(Refused::Board(Refusal::FeedSilent(_)))
+                if self.now().saturating_sub(feeding.begun) < START => {}
+            Err(refused) => return Err(refused),
+        }
+        Ok(true)
+    }
+
+    fn go_on_show(&mut self, mut playing: Playing) -> Result<(), Refused> {
+        let is_new = self.board.log.summaries >= playing.before + 2;
+        let show_ms = self.board.log.summary.map_or(0, |summary| summary.show_ms);
+        let is_round = is_new && show_ms < playing.show_ms;
+        if is_new {
+            playing.show_ms = show_ms;
+        }
+        match self.state() {
+            State::Playing if is_round && playing.ends => {
+                self.hold()?;
+                self.event(Level::Info, "the show is over");
+            }
+            _ if !is_new => self.act = Some(Act::Show(playing)),
+            State::Playing => self.act = Some(Act::Show(playing)),
+            State::Holding if playing.repeats && self.closing.is_none() => {
+                self.begin_show(playing.repeats, false)?;
+            }
+            State::Holding => self.event(Level::Info, "the show is over"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, stream: Stream) -> Result<(), Refused> {
+        self.board.stream(stream).map_err(|error| {
+            let text = error.to_string();
+            self.lose(error);
+            Refused::Other(text)
+        })
+    }
+
+    /// Begins to arm as soon as the board allows it.
+    pub(super) fn begin_arming(&mut self, page: PageId, id: Option<u64>) {
+        let now = self.now();
+        self.arming = Some(Arming { page, id, until: now + READY, due: now });
+        self.go_on_arming();
+    }
+
+    /// Tries to arm, and answers the page.
+    pub(super) fn go_on_arming(&mut self) {
+        let now = self.now();
+        let Some(arming) = self.arming.take_if(|arming| now >= arming.due) else { return };
+        let answer = match self.ask(Command::Arm) {
+            Err(refused) if passes(&refused) && now < arming.until => {
+                self.arming = Some(Arming { due: now + AGAIN, ..arming });
+                return;
+            }
+            Ok(_) => Ok("torque comes on".to_owned()),
+            Err(refused) => Err(refused),
+        };
+        if let Err(refused) = &answer {
+            let text = self.text(refused);
+            self.event(Level::Error, &format!("not armed: {text}"));
+        }
+        if let Some(id) = arming.id {
+            self.answer(arming.page, id, answer);
+        }
+    }
+}
+
+/// Whether a refusal to arm may pass by itself.
+pub(super) fn passes(refused: &Refused) -> bool {
+    matches!(
+        refused,
+        Refused::Board(
+            Refusal::Moving { .. }
+                | Refusal::RegistersUnread
+                | Refusal::NotMeasured
+                | Refusal::StopUntested
+                | Refusal::Busy
+                | Refusal::State(State::Off),
+        )
+    )
+}

@@ -1,0 +1,180 @@
+//! Commands that come by the Unix socket, and a hub that executes a single one.
+
+use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
+use std::time::Duration;
+
+use sinew_board_client::{ClientError, Line};
+use sinew_link::message::{Command, State};
+
+use super::act::{AGAIN, Act, READY, passes};
+use super::{Hub, Refused};
+use crate::local::{Reply, Request};
+
+/// Speed of deg in rad, and of mm in m.
+const UNITS: [f64; 2] = [std::f64::consts::PI / 180.0, 1e-3];
+
+/// A command that waits for the end of its motion.
+#[derive(Debug)]
+pub(super) struct Waiting {
+    command: u64,
+    answer: SyncSender<Reply>,
+}
+
+impl<L: Line> Hub<'_, L> {
+    /// Executes a command of another program. A motion is answered at its end.
+    pub(super) fn take_request(
+        &mut self,
+        command: u64,
+        request: &Request,
+        answer: SyncSender<Reply>,
+    ) {
+        let done = match request {
+            Request::Stop => {
+                self.end_all();
+                let text = "the rig goes to its rest pose, then torque is off";
+                self.ask(Command::Stop).map(|_| text.to_owned())
+            }
+            Request::EStop => {
+                self.end_all();
+                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+            }
+            Request::Home | Request::Jog { .. } => match self.move_for(request) {
+                Ok(()) => {
+                    self.waiting = Some(Waiting { command, answer });
+                    self.tell_roles();
+                    return;
+                }
+                Err(refused) => Err(refused),
+            },
+        };
+        self.reply(&answer, done);
+    }
+
+    fn reply(&self, answer: &SyncSender<Reply>, done: Result<String, Refused>) {
+        let (ok, text) = match done {
+            Ok(text) => (true, text),
+            Err(refused) => (false, format!("refused: {}", self.text(&refused))),
+        };
+        // Nobody waits if the command has ended.
+        let _: Result<(), TrySendError<Reply>> = answer.try_send(Reply { ok, text });
+    }
+
+    /// Begins a motion of another program, unless something moves already.
+    fn move_for(&mut self, request: &Request) -> Result<(), Refused> {
+        if self.lost.is_some() || self.closing.is_some() {
+            return Err(Refused::because("the board does not answer, or the console ends"));
+        }
+        if self.act.is_some() || self.state() == State::Playing {
+            return Err(Refused::because("the rig moves: hold it first"));
+        }
+        let mut to = self.scene.home.clone();
+        if let Request::Jog { joint, by } = request {
+            let dof = self.scene.dofs.iter().find(|dof| dof.name == *joint).ok_or_else(|| {
+                let names: Vec<&str> = self.scene.dofs.iter().map(|dof| &*dof.name).collect();
+                Refused::Other(format!(
+                    "there is no joint `{joint}`; there are {}",
+                    names.join(", ")
+                ))
+            })?;
+            let coordinate =
+                dof.coordinate.ok_or_else(|| Refused::because("it is a ball joint"))?;
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a board has f32, and the range limits it"
+            )]
+            let by = (by * UNITS[usize::from(dof.slides)]) as f32;
+            let [least, most] = dof.range;
+            for (k, own) in to.iter_mut().enumerate() {
+                let now = self.wanted(k).or_else(|| self.board.log.q.get(k).copied());
+                *own = now.ok_or_else(|| Refused::because("the pose is not known yet"))?;
+            }
+            let goal = to[coordinate] + by;
+            if !(least..=most).contains(&goal) && dof.limited || !goal.is_finite() {
+                return Err(Refused::because("this is beyond the range of the joint"));
+            }
+            to[coordinate] = goal;
+        }
+        self.travel(&to).map(|_| ())
+    }
+
+    /// Answers a command whose motion is over, and holds the rig if the command is gone.
+    pub(super) fn go_on_waiting(&mut self) {
+        let Some(waiting) = &self.waiting else { return };
+        if !matches!(self.act, Some(Act::Journey(_))) {
+            let answer = waiting.answer.clone();
+            let done = if self.arrived {
+                Ok("the rig is there".to_owned())
+            } else {
+                Err(Refused::Other(format!("the motion was ended: the rig is {}", self.state())))
+            };
+            self.reply(&answer, done);
+            self.waiting = None;
+            self.tell_roles();
+        }
+    }
+
+    /// Ends the motion of a command that is gone.
+    pub(super) fn forget_waiting(&mut self, command: u64) {
+        if self.waiting.take_if(|waiting| waiting.command == command).is_some() {
+            let _ = self.hold();
+            self.tell_roles();
+        }
+    }
+
+    /// Executes a single command on a board without a console: for a motion it arms the rig, and stops it afterwards.
+    pub(crate) fn execute(
+        mut self,
+        request: &Request,
+        stops: &dyn Fn() -> u32,
+    ) -> Result<Reply, ClientError> {
+        self.begin()?;
+        let (answer, answers) = sync_channel(1);
+        if matches!(request, Request::Home | Request::Jog { .. })
+            && let Err(refused) = self.arm_now(stops)
+        {
+            let text = format!("refused: {}", self.text(&refused));
+            return Ok(Reply { ok: false, text });
+        }
+        self.take_request(0, request, answer);
+        let mut reply = None;
+        while reply.is_none() && stops() == 0 {
+            self.turn()?;
+            reply = answers.try_recv().ok();
+        }
+        // An e-stop has no more to do.
+        while *request != Request::EStop && self.close(stops().max(1)).is_none() {
+            self.turn()?;
+        }
+        Ok(reply.unwrap_or_else(|| Reply { ok: false, text: "stopped by a signal".to_owned() }))
+    }
+
+    /// Arms the rig, as soon as the board allows it, and waits until it holds.
+    fn arm_now(&mut self, stops: &dyn Fn() -> u32) -> Result<(), Refused> {
+        let end = self.now() + READY;
+        while let Err(refused) = self.ask(Command::Arm) {
+            if !passes(&refused) || self.now() >= end || stops() > 0 {
+                return Err(refused);
+            }
+            self.wait(AGAIN)?;
+        }
+        let before = self.board.log.summaries;
+        while self.board.log.summaries < before + 2 || self.state() == State::Arming {
+            self.wait(Duration::ZERO)?;
+        }
+        match self.state() {
+            State::Holding => Ok(()),
+            state => Err(Refused::Other(format!("the rig is {state}"))),
+        }
+    }
+
+    /// Lets time pass.
+    fn wait(&mut self, time: Duration) -> Result<(), Refused> {
+        let end = self.now() + time;
+        loop {
+            self.turn().map_err(|error| Refused::Other(error.to_string()))?;
+            if self.now() >= end {
+                return Ok(());
+            }
+        }
+    }
+}

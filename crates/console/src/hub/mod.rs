@@ -1,0 +1,324 @@
+//! The hub: one thread that alone owns the session with the board, and answers all pages.
+//!
+//! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
+//!   journey, a show.
+//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
+//!   slots and ghosts. `upload`: a show on its way to the board.
+//! - `tell`: what pages are told. `local`: commands of this user in other terminals.
+
+mod act;
+mod commands;
+mod journey;
+mod local;
+mod pose;
+mod shows;
+mod slider;
+mod tell;
+mod upload;
+mod wheel;
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+use sinew_board_client::{Board, ClientError, Line};
+use sinew_firmware::node::SETTING_NAMES;
+use sinew_firmware::supervisor::SOFT_MOST_RAD_S;
+use sinew_link::message::{Applied, Command, Refusal, State, TelemetryParts};
+
+use crate::message::{Level, PageCommand};
+use crate::scene::Scene;
+use crate::server::{Outbox, PageId, ToHub};
+use act::{Act, Arming};
+use local::Waiting;
+use shows::Shows;
+use tell::Told;
+use upload::Upload;
+use wheel::Wheel;
+
+pub use shows::OwnShow;
+
+/// Pictures per second that the hub asks of the board.
+pub(crate) const RATE_HZ: f32 = 30.0;
+/// Longest wait for the board in a turn of the hub: a page's message waits as long.
+const TURN: Duration = Duration::from_millis(4);
+/// Maximum number of pages' messages in a turn: the board must not wait for them.
+const MESSAGES: usize = 32;
+/// Interval of attempts to find a board that does not answer, and their duration.
+const AGAIN: Duration = Duration::from_millis(500);
+const PATIENCE: Duration = Duration::from_millis(200);
+/// Maximum time from a stop until torque is off.
+const STOP_MOST: Duration = Duration::from_mins(1);
+
+/// The way in which a hub ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// Torque is off.
+    Stopped,
+    /// At once, by a second signal: the board lowers the rig on its own.
+    AtOnce,
+}
+
+/// A page that has shown the token.
+struct Page {
+    out: Outbox,
+    may_drive: bool,
+}
+
+pub(crate) struct Hub<'a, L> {
+    board: &'a mut Board<L>,
+    scene: &'a Scene,
+    is_unattended: bool,
+    pages: BTreeMap<PageId, Page>,
+    wheel: Wheel,
+    act: Option<Act>,
+    arming: Option<Arming>,
+    shows: Shows,
+    upload: Option<Upload>,
+    ghost: Option<Vec<f32>>,
+    /// Maximum speed of a slider, rad/s.
+    soft_rad_s: f32,
+    line_rate_hz: f32,
+    /// Time of the next attempt to find a board that does not answer.
+    lost: Option<Duration>,
+    /// An error after which the port is of no use.
+    failed: Option<ClientError>,
+    told: Told,
+    /// Time at which a rig whose driver is silent is lowered.
+    lower_at: Option<Duration>,
+    /// Time of the last motion of a slider that was still held after the rig was told to hold: the slider must be
+    /// released first.
+    barred: Option<Duration>,
+    /// Command in another terminal whose motion goes on.
+    waiting: Option<Waiting>,
+    /// Whether the last journey has reached its end.
+    arrived: bool,
+    /// Time at which the rig was told to stop for the end of the program.
+    closing: Option<Duration>,
+}
+
+impl<'a, L: Line> Hub<'a, L> {
+    pub(crate) fn new(board: &'a mut Board<L>, scene: &'a Scene, is_unattended: bool) -> Self {
+        Self {
+            told: Told::new(board.now()),
+            board,
+            scene,
+            is_unattended,
+            pages: BTreeMap::new(),
+            wheel: Wheel::default(),
+            act: None,
+            arming: None,
+            shows: Shows::default(),
+            upload: None,
+            ghost: None,
+            soft_rad_s: SOFT_MOST_RAD_S,
+            line_rate_hz: RATE_HZ,
+            lost: None,
+            failed: None,
+            lower_at: None,
+            barred: None,
+            waiting: None,
+            arrived: false,
+            closing: None,
+        }
+    }
+
+    /// Runs until the rig is stopped after a signal.
+    pub(crate) fn run(
+        mut self,
+        shows: Vec<OwnShow>,
+        inbox: &Receiver<ToHub>,
+        stops: &dyn Fn() -> u32,
+    ) -> Result<Ended, ClientError> {
+        self.begin()?;
+        for show in shows {
+            self.put_own(show)?;
+        }
+        loop {
+            for message in inbox.try_iter().take(MESSAGES) {
+                self.take(message);
+            }
+            self.turn()?;
+            if let Some(ended) = self.close(stops()) {
+                return Ok(ended);
+            }
+        }
+    }
+
+    /// Begins a session: telemetry, settings, slots.
+    fn begin(&mut self) -> Result<(), ClientError> {
+        let setting =
+            self.board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
+        self.line_rate_hz = setting.rate_hz;
+        let key = SETTING_NAMES.iter().position(|name| *name == "soft_rad_s");
+        let key = key.and_then(|place| u16::try_from(place + 1).ok()).unwrap_or_default();
+        self.soft_rad_s = self.board.setting(key).unwrap_or(SOFT_MOST_RAD_S);
+        self.read_slots()
+    }
+
+    /// Receives from the board, and goes on with what goes on.
+    ///
+    /// # Errors
+    /// The port is of no use any more.
+    fn turn(&mut self) -> Result<(), ClientError> {
+        if let Some(due) = self.lost {
+            if self.board.now() >= due {
+                self.find_again();
+            } else {
+                std::thread::sleep(TURN);
+            }
+        } else {
+            if let Err(error) = self.board.step(TURN) {
+                self.lose(error);
+            }
+            self.watch_driver();
+            self.go_on();
+            self.go_on_arming();
+            self.go_on_upload();
+            self.go_on_waiting();
+        }
+        self.tell();
+        self.failed.take().map_or(Ok(()), Err)
+    }
+
+    fn now(&self) -> Duration {
+        self.board.now()
+    }
+
+    fn state(&self) -> State {
+        self.board.state().unwrap_or(State::Off)
+    }
+
+    fn take(&mut self, message: ToHub) {
+        match message {
+            ToHub::Joined { page, out, may_drive } => self.join(page, out, may_drive),
+            ToHub::Said { page, message } => {
+                let now = self.now();
+                self.wheel.hear(page, now);
+                let answer = self.obey(page, message.id, message.command);
+                if let (Some(id), Some(answer)) = (message.id, answer) {
+                    self.answer(page, id, answer);
+                }
+            }
+            ToHub::Content { page, bytes } => self.take_content(page, bytes.into()),
+            ToHub::Left { page } => self.leave(page),
+            ToHub::Asked { command, request, answer } => {
+                self.take_request(command, &request, answer);
+            }
+            ToHub::Gone { command } => self.forget_waiting(command),
+        }
+    }
+
+    fn leave(&mut self, page: PageId) {
+        self.pages.remove(&page);
+        self.forget_upload(page);
+        if self.wheel.is_at(page) {
+            let now = self.now();
+            self.wheel.free(now);
+            // A show goes on for a moment: the page may be loading again.
+            if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
+                let _ = self.hold();
+            }
+            self.arming = None;
+            self.tell_roles();
+        }
+    }
+
+    /// Holds a show whose driver is silent, then lowers the rig.
+    fn watch_driver(&mut self) {
+        let now = self.now();
+        if !self.wheel.is_silent(now) || self.is_unattended || self.waiting.is_some() {
+            self.lower_at = None;
+            return;
+        }
+        if self.act.is_some() && self.lower_at.is_none() && self.closing.is_none() {
+            self.event(
+                Level::Warning,
+                "nobody is at the wheel: the rig holds, and is lowered in 3 s",
+            );
+            let _ = self.hold();
+            self.lower_at = Some(now + wheel::LOWER_AFTER);
+        }
+        if self.lower_at.is_some_and(|at| now >= at) {
+            self.lower_at = None;
+            let _ = self.ask(Command::Disarm);
+        }
+    }
+
+    /// Sends a command to the board.
+    fn ask(&mut self, command: Command) -> Result<Applied, Refused> {
+        match self.board.ask(command) {
+            Ok(applied) => Ok(applied),
+            Err(ClientError::Refused(refusal)) => Err(Refused::Board(refusal)),
+            Err(error) => {
+                let text = error.to_string();
+                self.lose(error);
+                Err(Refused::Other(text))
+            }
+        }
+    }
+
+    /// Handles a board that does not answer.
+    fn lose(&mut self, error: ClientError) {
+        self.act = None;
+        self.give_up(&error.to_string());
+        if self.lost.is_none() {
+            self.event(Level::Error, &error.to_string());
+        }
+        self.lost = Some(self.now());
+        if matches!(error, ClientError::Line(_)) {
+            self.failed = Some(error);
+        }
+    }
+
+    fn find_again(&mut self) {
+        match self.board.reconnect(PATIENCE).and_then(|()| self.begin()) {
+            Ok(()) => {
+                self.lost = None;
+                self.told = Told::new(self.now());
+                self.event(Level::Info, "the board answers again");
+                self.tell_heads();
+            }
+            Err(ClientError::Line(error)) => self.failed = Some(ClientError::Line(error)),
+            Err(_) => self.lost = Some(self.now() + AGAIN),
+        }
+    }
+
+    /// Stops the rig at the first signal. Returns how the hub ends, once it does.
+    fn close(&mut self, stops: u32) -> Option<Ended> {
+        if stops == 0 {
+            return None;
+        }
+        let now = self.now();
+        let since = *self.closing.get_or_insert(now);
+        if since == now {
+            self.event(
+                Level::Warning,
+                "the program ends: the rig goes to its rest pose, then torque is off",
+            );
+            (self.act, self.arming) = (None, None);
+            let _ = self.ask(Command::Stop);
+            self.told.before = self.board.log.summaries;
+        }
+        let is_new = self.board.log.summaries >= self.told.before + 2;
+        let is_off = matches!(self.state(), State::Off | State::Limp | State::Faulted);
+        if is_new && is_off {
+            return Some(Ended::Stopped);
+        }
+        (stops > 1 || self.lost.is_some() || now.saturating_sub(since) > STOP_MOST)
+            .then_some(Ended::AtOnce)
+    }
+}
+
+/// A reason why something is not done.
+#[derive(Debug, Clone, PartialEq)]
+enum Refused {
+    Board(Refusal),
+    Other(String),
+}
+
+impl Refused {
+    fn because(text: &str) -> Self {
+        Self::Other(text.to_owned())
+    }
+}

@@ -1,0 +1,159 @@
+//! Shows on the board: what is in its slots, and poses of shows whose bytes this program knows.
+
+use std::sync::Arc;
+
+use sinew_board_client::{ClientError, Line, item};
+use sinew_firmware::node::SHOW_SCHEMA;
+use sinew_link::message::{Command, Item, Kind};
+use sinew_show::{Player, Show};
+
+use super::{Hub, Refused};
+use crate::message::{CueMark, Slot, ToPage};
+
+/// Name of the approver that a board stores with a show of the console.
+pub(super) const APPROVER: &str = "sinew console";
+/// Maximum number of coordinates of a show.
+const COORDS: usize = 192;
+
+/// A show that this program has read.
+#[derive(Debug, Clone)]
+pub struct OwnShow {
+    /// Name for lists.
+    pub name: String,
+    /// The show's bytes.
+    pub bytes: Arc<[u8]>,
+}
+
+/// The board's slots, and the shows that this program knows.
+#[derive(Debug, Default)]
+pub(super) struct Shows {
+    slots: Vec<Slot>,
+    known: Vec<(Item, OwnShow)>,
+    /// Index in `known` of the show of each slot.
+    bytes: Vec<(u8, usize)>,
+    /// Slot that was loaded last.
+    pub(super) loaded: Option<u8>,
+}
+
+impl Shows {
+    /// Remembers a show, so that its name and poses are known wherever it is stored.
+    pub(super) fn know(&mut self, item: Item, show: OwnShow) {
+        if !self.known.iter().any(|(known, _)| known.hash == item.hash) {
+            self.known.push((item, show));
+        }
+    }
+
+    /// Describes the slots.
+    fn set(&mut self, items: &[Option<Item>]) {
+        (self.slots, self.bytes) = (Vec::new(), Vec::new());
+        for (slot, item) in items.iter().enumerate() {
+            let (Some(item), Ok(slot)) = (item, u8::try_from(slot)) else { continue };
+            let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
+            let [a, b, c, d, ..] = item.hash;
+            let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
+            let unknown = Slot { index: slot, name, duration_s: None, cues: Vec::new() };
+            let found = known.and_then(|index| {
+                self.bytes.push((slot, index));
+                describe(slot, &self.known[index].1)
+            });
+            self.slots.push(found.unwrap_or(unknown));
+        }
+        self.loaded = self.loaded.filter(|slot| self.slots.iter().any(|own| own.index == *slot));
+    }
+
+    /// Returns the list as a message.
+    pub(super) fn json(&self) -> String {
+        ToPage::Shows { slots: &self.slots, loaded: self.loaded }.json()
+    }
+
+    pub(super) fn has(&self, slot: u8) -> bool {
+        self.slots.iter().any(|own| own.index == slot)
+    }
+
+    /// Returns the bytes of a slot's show.
+    fn bytes(&self, slot: u8) -> Option<Arc<[u8]>> {
+        let (_, index) = self.bytes.iter().find(|(own, _)| *own == slot)?;
+        Some(Arc::clone(&self.known[*index].1.bytes))
+    }
+}
+
+fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
+    let show = Show::open(&own.bytes).ok()?;
+    let rate_hz = show.rate().hz();
+    let cues = show.cues();
+    let cues =
+        cues.map(|cue| CueMark { t: cue.sample as f32 / rate_hz, name: cue.name.to_owned() });
+    let duration_s = Some(show.duration_s());
+    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect() })
+}
+
+/// Returns the pose of a show at a time.
+fn pose(bytes: &[u8], t: f64, coordinates: usize) -> Option<Vec<f32>> {
+    let show = Show::open(bytes).ok()?;
+    let t = t.clamp(0.0, f64::from(show.duration_s()));
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the show")]
+    let at = show.position_at_us((t * 1e6) as u64);
+    let mut player = Player::<COORDS>::new(show).ok()?;
+    let (mut q, mut qd, mut qdd) = ([0.0; COORDS], [0.0; COORDS], [0.0; COORDS]);
+    player.state_at(at, &mut q, &mut qd, &mut qdd).ok()?;
+    Some(q.get(..coordinates)?.to_vec())
+}
+
+impl<L: Line> Hub<'_, L> {
+    /// Reads what the slots contain.
+    pub(super) fn read_slots(&mut self) -> Result<(), ClientError> {
+        let items = self.board.shows()?;
+        self.shows.set(&items);
+        Ok(())
+    }
+
+    /// Puts a show of the command line on the board, unless it is there.
+    pub(super) fn put_own(&mut self, show: OwnShow) -> Result<(), ClientError> {
+        let rig = self.board.about().rig;
+        let item = item(Kind::Show, SHOW_SCHEMA, &show.bytes, rig, APPROVER)?;
+        if self.board.slot_of(&item)?.is_none() {
+            self.board.upload(&item, &show.bytes, &mut |_| {})?;
+        }
+        self.shows.know(item, show);
+        self.read_slots()
+    }
+
+    /// Plays the show of a slot.
+    pub(super) fn play(&mut self, slot: u8, repeats: bool) -> Result<String, Refused> {
+        if !self.shows.has(slot) {
+            return Err(Refused::because("there is no show in this slot"));
+        }
+        self.act = None;
+        self.load(slot)?;
+        self.ghost = None;
+        let is_loop = self
+            .shows
+            .bytes(slot)
+            .is_some_and(|bytes| Show::open(&bytes).is_ok_and(|show| show.is_loop()));
+        self.begin_show(repeats, is_loop)?;
+        Ok("the rig goes to the show's first pose, and plays".to_owned())
+    }
+
+    fn load(&mut self, slot: u8) -> Result<(), Refused> {
+        self.ask(Command::LoadShow { slot })?;
+        self.shows.loaded = Some(slot);
+        self.tell_shows();
+        Ok(())
+    }
+
+    /// Shows the pose of a show at a time as a ghost, or takes the ghost away. Without a slot, the show is the loaded
+    /// one.
+    pub(super) fn seek(&mut self, t: Option<f64>, slot: Option<u8>) -> Result<String, Refused> {
+        self.ghost = None;
+        let Some(t) = t else { return Ok(String::new()) };
+        let slot = slot.or(self.shows.loaded).or(self.shows.bytes.first().map(|(slot, _)| *slot));
+        let bytes = slot.and_then(|slot| self.shows.bytes(slot));
+        let bytes = bytes.ok_or_else(|| {
+            Refused::because(
+                "the poses of this show are not known: give its file to `sinew console`",
+            )
+        })?;
+        self.ghost = pose(&bytes, t, self.scene.home.len());
+        Ok(String::new())
+    }
+}

@@ -1,0 +1,114 @@
+//! A joint that follows a slider: from the slider's goal to the speed that the board is told.
+
+use std::time::Duration;
+
+/// Speed for each rad that the joint is from its goal, 1/s: it decelerates towards the goal.
+const PER_S: f32 = 8.0;
+/// Distance at which the goal is reached, rad or m.
+const THERE: f32 = 2e-4;
+/// Longest time for which a speed counts: as long as the board uses it.
+const VALID_S: f32 = 0.2;
+/// Time after which a joint at rest stands where the board says. Before it, the board blends into the jog.
+const SETTLED: Duration = Duration::from_millis(1500);
+/// Time without a message of the page after which the joint stops.
+const SILENT: Duration = Duration::from_millis(150);
+
+/// A slider that is held.
+#[derive(Debug, Clone)]
+pub(super) struct Slider {
+    /// Index of the dof.
+    pub(super) dof: usize,
+    /// Index of its coordinate in a pose.
+    pub(super) coordinate: usize,
+    goal: f32,
+    range: [f32; 2],
+    most: f32,
+    /// Position that the board commands, by the speeds that it was told.
+    at: f32,
+    velocity: f32,
+    told: Duration,
+    fed: Duration,
+    /// Time since which the joint is at its goal.
+    still: Duration,
+}
+
+impl Slider {
+    /// Begins at a commanded position. `most`: the maximum speed, rad/s or m/s.
+    pub(super) fn new(
+        (dof, coordinate): (usize, usize),
+        at: f32,
+        (range, most): ([f32; 2], f32),
+        now: Duration,
+    ) -> Self {
+        let at = at.clamp(range[0], range[1]);
+        let (velocity, goal) = (0.0, at);
+        Self { dof, coordinate, goal, range, most, at, velocity, told: now, fed: now, still: now }
+    }
+
+    /// Sets the goal. A page repeats it while the slider is held.
+    pub(super) fn feed(&mut self, goal: f32, now: Duration) {
+        (self.goal, self.fed) = (goal.clamp(self.range[0], self.range[1]), now);
+    }
+
+    /// Returns whether the page has been silent for too long.
+    pub(super) fn is_silent(&self, now: Duration) -> bool {
+        now.saturating_sub(self.fed) >= SILENT
+    }
+
+    /// Returns the speed from now on. `commanded`: the position that the board says it commands.
+    pub(super) fn velocity(&mut self, commanded: Option<f32>, now: Duration) -> f32 {
+        let since_s = now.saturating_sub(self.told).as_secs_f32().min(VALID_S);
+        self.at = (self.at + self.velocity * since_s).clamp(self.range[0], self.range[1]);
+        self.told = now;
+        if now.saturating_sub(self.still) >= SETTLED
+            && let Some(commanded) = commanded.filter(|at| at.is_finite())
+        {
+            (self.at, self.still) = (commanded, now);
+        }
+        let far = self.goal - self.at;
+        self.velocity = (far * PER_S).clamp(-self.most, self.most);
+        if far.abs() <= THERE {
+            self.velocity = 0.0;
+        } else {
+            self.still = now;
+        }
+        self.velocity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    #[test]
+    fn a_slider_leads_to_its_goal_within_speed_and_range() {
+        let mut slider = Slider::new((0, 0), 0.0, ([-1.0, 0.5], 0.35), ms(0));
+        let mut at = 0.0_f32;
+        for k in 0..300 {
+            slider.feed(2.0, ms(20 * k));
+            let velocity = slider.velocity(None, ms(20 * k));
+            assert!(velocity.abs() <= 0.35 && velocity >= 0.0);
+            at += 0.02 * velocity;
+        }
+        assert!((at - 0.5).abs() < 1e-3, "{at}");
+    }
+
+    #[test]
+    fn a_joint_at_rest_is_where_the_board_says() {
+        let mut slider = Slider::new((0, 0), 0.2, ([-1.0, 1.0], 0.35), ms(0));
+        slider.feed(0.2, ms(0));
+        assert!(slider.velocity(Some(0.19), ms(20)).abs() < 1e-6);
+        assert!(slider.velocity(Some(0.19), ms(1600)) > 0.05);
+    }
+
+    #[test]
+    fn a_page_that_falls_silent_is_noticed() {
+        let mut slider = Slider::new((0, 0), 0.0, ([-1.0, 1.0], 0.35), ms(0));
+        slider.feed(0.5, ms(100));
+        assert!(!slider.is_silent(ms(249)) && slider.is_silent(ms(250)));
+    }
+}

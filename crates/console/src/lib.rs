@@ -1,0 +1,36 @@
+//! The console: a page in a browser that shows a rig, moves it and stops it.
+//!
+//! ```text
+//! page ─ WebSocket ─> server (threads) ─┐
+//!                                       ├─> Hub (one thread, owns the Board) ─ link ─> node
+//! other commands ─ Unix socket ─────────┘
+//! ```
+//!
+//! - [`Console::open`] opens the page's port and makes the token of the address. [`Console::run`] is the hub: it
+//!   owns the session with the board until the program is told to end.
+//! - [`Scene`] describes the rig for the page.
+//!
+//! The rules of safety are in `server` (who is let in), `hub/wheel` (who drives) and `hub/jog` (motions that end
+//! with their page).
+//!
+//! # Files
+//! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
+//! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
+//! - `hub/`: the loop, commands, sliders, shows, uploads.
+//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
+
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+mod console;
+mod frame;
+mod hub;
+pub mod local;
+mod message;
+mod page;
+mod scene;
+mod server;
+
+pub use console::{Console, Options, execute};
+pub use hub::{Ended, OwnShow};
+pub use scene::{Scene, Source};

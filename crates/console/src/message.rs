@@ -1,0 +1,149 @@
+//! Text messages between page and hub: JSON objects with a `type`. Angles are in rad, lengths in m.
+
+use serde::{Deserialize, Serialize};
+
+/// A message of a page, with the number under which it wants an answer.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(crate) struct FromPage {
+    pub(crate) id: Option<u64>,
+    #[serde(flatten)]
+    pub(crate) command: PageCommand,
+}
+
+/// A command of a page. Hold, stop and e-stop are for all pages, the rest is for the page at the wheel.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub(crate) enum PageCommand {
+    /// The page's proof that it knows the token: its first message.
+    Hello {
+        token: String,
+    },
+    /// The page lives.
+    Ping {
+        t: f64,
+    },
+    /// The rig holds where it is.
+    Hold,
+    /// The rig goes to its rest pose, is lowered, then limp.
+    Stop,
+    /// Torque off at once.
+    EStop,
+    /// The page takes the wheel, or gives it back.
+    Wheel {
+        take: bool,
+    },
+    Arm,
+    /// The rig is lowered where it is.
+    Lower,
+    Home,
+    /// All latched faults are cleared.
+    Clear,
+    Play {
+        slot: u8,
+        #[serde(default, rename = "loop")]
+        is_loop: bool,
+    },
+    /// A moment of the show as a ghost; `None` takes the ghost away.
+    Seek {
+        t: Option<f64>,
+        slot: Option<u8>,
+    },
+    /// The rig goes to the pose of a moment of the show.
+    Follow {
+        t: f64,
+        slot: Option<u8>,
+    },
+    /// The goal of a slider, repeated while the slider is held.
+    Jog {
+        dof: usize,
+        goal: f64,
+    },
+    /// The slider was let go.
+    Release {
+        #[serde(rename = "dof")]
+        _dof: usize,
+    },
+    /// The next binary message is a show.
+    Upload {
+        name: String,
+        slot: Option<u8>,
+    },
+}
+
+/// A text message of the hub.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "lowercase")]
+pub(crate) enum ToPage<'a> {
+    Shows { slots: &'a [Slot], loaded: Option<u8> },
+    Role { driver: bool, other: Option<&'static str> },
+    Event { t: f64, level: Level, text: &'a str, fault: Option<u8>, joint: Option<&'a str> },
+    Answer { id: u64, ok: bool, text: &'a str },
+    Progress { what: &'static str, done: f32 },
+    Pong { t: f64 },
+}
+
+/// The importance of an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Level {
+    Info,
+    Warning,
+    Fault,
+    Error,
+}
+
+/// A slot of the board with a show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Slot {
+    #[serde(rename = "slot")]
+    pub(crate) index: u8,
+    pub(crate) name: String,
+    /// Duration, s; `None` if this program does not know the show's bytes.
+    pub(crate) duration_s: Option<f32>,
+    pub(crate) cues: Vec<CueMark>,
+}
+
+/// A cue of a show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct CueMark {
+    /// Time from the start, s.
+    pub(crate) t: f32,
+    pub(crate) name: String,
+}
+
+impl ToPage<'_> {
+    /// Returns the message as JSON.
+    pub(crate) fn json(&self) -> String {
+        // Numbers that are not finite become `null`.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_are_those_of_the_page() {
+        let read = |text: &str| serde_json::from_str::<FromPage>(text);
+        let jog = read(r#"{"type":"jog","dof":2,"goal":0.5,"id":7}"#).unwrap();
+        assert_eq!(jog, FromPage { id: Some(7), command: PageCommand::Jog { dof: 2, goal: 0.5 } });
+        assert_eq!(read(r#"{"type":"estop"}"#).unwrap().command, PageCommand::EStop);
+        let play = read(r#"{"type":"play","slot":0,"loop":true}"#).unwrap().command;
+        assert_eq!(play, PageCommand::Play { slot: 0, is_loop: true });
+        assert_eq!(
+            read(r#"{"type":"seek","t":null}"#).unwrap().command,
+            PageCommand::Seek { t: None, slot: None }
+        );
+        for bad in [
+            r#"{"type":"jog","dof":-1,"goal":0}"#,
+            r#"{"type":"jog","dof":1,"goal":1e999}"#,
+            "{}",
+            "[]",
+        ] {
+            assert!(read(bad).is_err(), "{bad}");
+        }
+        let role = ToPage::Role { driver: true, other: None }.json();
+        assert_eq!(role, r#"{"type":"role","driver":true,"other":null}"#);
+    }
+}

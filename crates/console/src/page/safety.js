@@ -1,0 +1,85 @@
+// The commands that switch torque, and those that take motion away.
+
+import { byId, setDisabled, write } from "./dom.js";
+
+const ARM_MS = 1000;
+
+const isTyping = (target) => target.matches?.("input:not([type=range]):not([type=checkbox]), textarea");
+
+// `ask` sends a command, `report` shows what became of it.
+export const safety = (ask, report) => {
+  const buttons = Object.fromEntries(
+    ["hold", "arm", "home", "stop", "lower", "estop"].map((name) => [name, byId(name)]));
+  const holdListeners = [];
+
+  const send = async (type) => report(type, await ask({ type }));
+  const hold = () => {
+    if (buttons.hold.disabled) return;
+    for (const listener of holdListeners) listener();
+    send("hold");
+  };
+  // A press is enough: a finger that slips off must not cost the hold.
+  buttons.hold.addEventListener("pointerdown", (event) => { if (event.button === 0) hold(); });
+  // A click without a pointer is a key, or a screen reader.
+  buttons.hold.addEventListener("click", (event) => { if (event.detail === 0) hold(); });
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !event.repeat) { event.preventDefault(); hold(); }
+    // A space that scrolls the page, or presses what has the focus by chance, is a surprise beside a rig.
+    if (event.key === " " && !isTyping(event.target) && event.target.type !== "checkbox"
+      && !event.target.matches?.("button, select, summary")) event.preventDefault();
+  }, true);
+  for (const name of ["home", "stop", "lower", "estop"]) buttons[name].addEventListener("click", () => send(name));
+
+  // ---- Arming: a gesture of a second ----
+  const { arm } = buttons;
+  let since = null, frame = 0;
+  const cancel = () => {
+    since = null;
+    cancelAnimationFrame(frame);
+    arm.style.setProperty("--done", "0");
+    arm.classList.remove("held");
+  };
+  const tick = (now) => {
+    if (since === null) return;
+    if (arm.disabled) { cancel(); return; }
+    const done = Math.min((now - since) / ARM_MS, 1);
+    arm.style.setProperty("--done", String(done));
+    if (done < 1) { frame = requestAnimationFrame(tick); return; }
+    cancel();
+    send("arm");
+  };
+  const begin = () => {
+    if (since !== null || arm.disabled) return;
+    since = performance.now();
+    arm.classList.add("held");
+    frame = requestAnimationFrame(tick);
+  };
+  arm.addEventListener("pointerdown", (event) => { if (event.button === 0) { arm.setPointerCapture(event.pointerId); begin(); } });
+  for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) arm.addEventListener(end, cancel);
+  arm.addEventListener("pointermove", (event) => {
+    const { left, right, top, bottom } = arm.getBoundingClientRect();
+    const isInside = left <= event.clientX && event.clientX <= right && top <= event.clientY && event.clientY <= bottom;
+    if (since !== null && !isInside) cancel();
+  });
+  arm.addEventListener("contextmenu", (event) => event.preventDefault());
+  // Enter arms when it is held as long; Space never does.
+  arm.addEventListener("keydown", (event) => {
+    if (event.key === "Enter") { event.preventDefault(); begin(); }
+    if (event.key === " ") event.preventDefault();
+  });
+  arm.addEventListener("keyup", (event) => {
+    if (event.key === " ") event.preventDefault();
+    cancel();
+  });
+  addEventListener("blur", cancel);
+  document.addEventListener("visibilitychange", cancel);
+  holdListeners.push(cancel);
+
+  return {
+    onHold: (listener) => holdListeners.push(listener),
+    allow: (may) => {
+      for (const [name, button] of Object.entries(buttons)) setDisabled(button, !may[name]);
+      write(byId("hold-text"), may.hold ? "stands still at once" : "no connection: does nothing");
+    },
+  };
+};

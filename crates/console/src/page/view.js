@@ -1,0 +1,88 @@
+// The rig in 3D: measured as solid bodies, wanted as lines, the show's ghost as broken lines.
+
+import { byId, effort, make, position, write } from "./dom.js";
+import { kinematicsOf, shade, stageOn } from "./renderer.js";
+
+const LEGEND = [["solid", "measured"], ["wanted", "wanted"], ["ghost", "ghost of the show"]];
+const LOADS = [[0, "no load"], [0.5, "half"], [1, "all that it holds for long"]];
+
+const legend = (hasLoads) => {
+  const items = LEGEND.map(([name, text]) => make("span", {}, make("i", { className: `key ${name}` }), text));
+  for (const [share, text] of hasLoads ? LOADS : []) {
+    const dot = make("i", { className: "key dot" });
+    dot.style.background = shade(share);
+    items.push(make("span", {}, dot, text));
+  }
+  byId("legend").replaceChildren(...items);
+};
+
+// Points that the rig reaches when each joint alone goes a third of the way to its ends.
+const reach = (rig) => rig.dofs.flatMap((dof, index) => dof.range.flatMap((end) => {
+  rig.values[index] = dof.home + (end - dof.home) / 3;
+  const points = rig.pointsOf(rig.solve());
+  rig.values[index] = dof.home;
+  return points;
+}));
+
+// `choose`: called with the joint that is clicked on.
+export const view = (head, choose) => {
+  // A new canvas has no listeners of an earlier rig.
+  const old = byId("stage");
+  const canvas = old.cloneNode();
+  old.replaceWith(canvas);
+  const rig = kinematicsOf(head);
+  const hasLoads = head.dofs.some((dof) => dof.effort > 0);
+  legend(hasLoads);
+
+  let frame = null, chosen = -1, isAsked = false, swings = new Set();
+  const shares = () => head.dofs.map((dof, index) =>
+    frame && dof.effort > 0 ? Math.abs(frame.effort[index]) / dof.effort : null);
+  const posesAt = (coordinates) => {
+    rig.take(coordinates);
+    return rig.solve();
+  };
+  const paint = () => {
+    isAsked = false;
+    if (!frame) { stage.draw(rig.solve(), shares(), { chosen }); return; }
+    const { measured, wanted, ghost } = frame;
+    const ghostPoses = ghost && posesAt(ghost);
+    const sent = wanted.some(Number.isFinite)
+      ? posesAt(wanted.map((x, i) => Number.isFinite(x) ? x : measured[i])) : null;
+    // A servo without an encoder is where it was sent.
+    const poses = posesAt(measured.map((x, i) => Number.isFinite(x) ? x : wanted[i]));
+    const isDriven = head.bodies[0]?.kind === "free";
+    const way = isDriven ? [poses[0].p[0] - home[0].p[0], 0, poses[0].p[2] - home[0].p[2]] : [0, 0, 0];
+    stage.draw(poses, shares(), {
+      chosen, sent, ghost: ghostPoses, way,
+      marked: (index) => frame.limit[index] !== null && frame.limit[index] !== undefined || swings.has(index),
+    });
+    const dof = head.dofs[chosen];
+    write(byId("picked"), dof
+      ? `${dof.name}: ${position(dof, rig.values[chosen])}, range ${position(dof, dof.range[0])} to ${position(dof, dof.range[1])}`
+        + (dof.effort > 0 ? `, ${effort(dof, frame.effort[chosen])} of ${effort(dof, dof.effort)}` : "")
+      : "Click on a joint to choose it.");
+  };
+  const show = () => {
+    if (isAsked) return;
+    isAsked = true;
+    requestAnimationFrame(paint);
+  };
+  const home = rig.solve();
+  const stage = stageOn(rig, canvas, [...rig.pointsOf(home), ...reach(rig)], show);
+  new ResizeObserver(stage.fit).observe(canvas);
+  byId("front").onclick = () => { stage.front(); };
+
+  // A click that turns nothing chooses a joint.
+  let pressed = null;
+  canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
+  canvas.addEventListener("pointerup", (event) => {
+    if (!pressed || Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > 4) return;
+    const joint = stage.jointAt(event.offsetX, event.offsetY);
+    if (joint >= 0) choose(joint);
+  });
+  show();
+  return {
+    take: (now, swinging) => { frame = now; swings = swinging; show(); },
+    choose: (joint) => { chosen = joint; show(); },
+  };
+};

@@ -1,0 +1,223 @@
+//! The rig as the page draws and names it.
+
+use serde::Serialize;
+use sinew_firmware::supervisor::Fault;
+use sinew_link::message::{Limit, State};
+use sinew_performance::play::{Drive, RigParts};
+use sinew_report::rig::bodies;
+use sinew_rig::Mechanism;
+use sinew_rig::mechanism::{JointModel, Link};
+use sinew_rig::servo::Address;
+
+/// Range of a slider for a joint without a range: rad, and m.
+const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
+/// All limits, by number.
+const LIMITS: [Limit; 14] = [
+    Limit::Range,
+    Limit::Speed,
+    Limit::Acceleration,
+    Limit::Effort,
+    Limit::Current,
+    Limit::Offset,
+    Limit::Supply,
+    Limit::Heat,
+    Limit::Stale,
+    Limit::NotFinite,
+    Limit::Room,
+    Limit::SoftStart,
+    Limit::Maintenance,
+    Limit::Link,
+];
+
+/// Kind of the board at the other side of the hub.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// A board that this program simulates.
+    Simulated,
+    /// A board at a port.
+    Board,
+}
+
+/// A rig, as the page needs it.
+#[derive(Debug)]
+pub struct Scene {
+    /// Text that describes the rig: the message `head`, but for the rates.
+    head: String,
+    pub(crate) rig_crc: u32,
+    pub(crate) dofs: Vec<SceneDof>,
+    /// Name of the dof of each servo.
+    pub(crate) joints: Vec<Option<String>>,
+    /// Home pose, as coordinates.
+    pub(crate) home: Vec<f32>,
+    /// Index of the first coordinate and number of coordinates of each joint.
+    pub(crate) blocks: Vec<(usize, usize)>,
+}
+
+/// A dof with its slider.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct SceneDof {
+    pub(crate) name: String,
+    pub(crate) body: usize,
+    pub(crate) axis: usize,
+    pub(crate) slides: bool,
+    pub(crate) range: [f32; 2],
+    pub(crate) limited: bool,
+    pub(crate) home: f32,
+    /// Maximum speed, rad/s or m/s; `None` without a limit.
+    pub(crate) speed: Option<f32>,
+    /// Maximum effort, N m or N; `None` without a limit.
+    pub(crate) effort: Option<f32>,
+    /// Index in the pose; `None` for a ball joint.
+    pub(crate) coordinate: Option<usize>,
+}
+
+#[derive(Serialize)]
+struct Head<'a> {
+    r#type: &'static str,
+    rig: &'a str,
+    source: Source,
+    commands: bool,
+    bodies: Vec<sinew_report::rig::Body<'a>>,
+    dofs: &'a [SceneDof],
+    servos: Vec<SceneServo<'a>>,
+    states: Vec<String>,
+    faults: std::collections::BTreeMap<u8, FaultText>,
+    limits: [&'static str; LIMITS.len()],
+    rate_hz: f32,
+}
+
+#[derive(Serialize)]
+struct SceneServo<'a> {
+    name: &'a str,
+    id: u8,
+    line: &'a str,
+    dof: Option<usize>,
+    class: &'static str,
+}
+
+#[derive(Serialize)]
+struct FaultText {
+    name: &'static str,
+    means: &'static str,
+    r#do: &'static str,
+}
+
+impl Scene {
+    /// Describes a rig. `rate_hz`: pictures per second that the hub asks of the board.
+    pub fn new(name: &str, mechanism: &Mechanism, parts: &RigParts, source: Source) -> Self {
+        let dofs = dofs(mechanism, parts);
+        let of_servo = |servo: usize| {
+            let drives = parts.compact().drives();
+            let drive = drives
+                .iter()
+                .find(|drive| drive.servos.iter().any(|s| usize::from(*s) == servo))?;
+            drive.dofs.first().map(|dof| usize::from(*dof))
+        };
+        let servos = parts.servos.iter().enumerate().map(|(index, part)| SceneServo {
+            name: &part.own.name,
+            id: match part.own.address {
+                Address::Id(id) | Address::Channel(id) => id,
+            },
+            line: &part.own.bus,
+            dof: of_servo(index),
+            class: class(part.drive),
+        });
+        let faults = Fault::ALL.map(|fault| {
+            let text = FaultText { name: fault.name(), means: fault.when(), r#do: fault.remedy() };
+            (fault.number(), text)
+        });
+        let head = Head {
+            r#type: "head",
+            rig: name,
+            source,
+            commands: true,
+            bodies: bodies(mechanism),
+            dofs: &dofs,
+            servos: servos.collect(),
+            states: State::ALL.map(|state| format!("{state:?}")).to_vec(),
+            faults: faults.into(),
+            limits: LIMITS.map(Limit::name),
+            rate_hz: crate::hub::RATE_HZ,
+        };
+        let mut first = 0;
+        let blocks = mechanism.bodies.iter().map(|link| {
+            let count = link.joint.kind().coordinate_count();
+            first += count;
+            (first - count, count)
+        });
+        Self {
+            head: serde_json::to_string(&head).unwrap_or_default(),
+            rig_crc: parts.rig_crc(),
+            joints: (0..parts.servos.len())
+                .map(|servo| of_servo(servo).map(|dof| dofs[dof].name.clone()))
+                .collect(),
+            home: mechanism.home().into_iter().map(single).collect(),
+            blocks: blocks.collect(),
+            dofs,
+        }
+    }
+
+    /// Returns the message that describes the rig. `line_rate_hz`: pictures per second that the line carries.
+    pub(crate) fn head(&self, line_rate_hz: f32) -> String {
+        let mut text = self.head.clone();
+        text.pop();
+        text + &format!(",\"line_rate_hz\":{line_rate_hz}}}")
+    }
+
+    /// Returns the numbers of coordinates, dofs and servos.
+    pub(crate) fn counts(&self) -> [usize; 3] {
+        [self.home.len(), self.dofs.len(), self.joints.len()]
+    }
+}
+
+fn class(drive: Drive) -> &'static str {
+    match drive {
+        Drive::Current => "current",
+        Drive::Voltage => "pwm",
+        Drive::Position => "position",
+        Drive::Pulses => "pulse",
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a page and a board have f32")]
+fn single(number: f64) -> f32 {
+    number as f32
+}
+
+fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
+    let (mut dofs, mut coordinate) = (Vec::new(), 0);
+    let of_board = parts.compact().dofs();
+    for (body, link) in mechanism.bodies.iter().enumerate() {
+        let kind = link.joint.kind();
+        let is_ball = kind.coordinate_count() != kind.dof_count();
+        for axis in 0..kind.dof_count() {
+            let index = dofs.len();
+            let slides = parts.slides[index];
+            let range = range(link, axis);
+            let most = FREE[usize::from(slides)];
+            dofs.push(SceneDof {
+                name: parts.names[index].clone(),
+                body,
+                axis,
+                slides,
+                range: range.unwrap_or([-most, most]),
+                limited: range.is_some(),
+                home: of_board[index].home,
+                speed: Some(of_board[index].speed).filter(|speed| speed.is_finite()),
+                effort: Some(of_board[index].effort).filter(|effort| effort.is_finite()),
+                coordinate: (!is_ball).then_some(coordinate + axis),
+            });
+        }
+        coordinate += kind.coordinate_count();
+    }
+    dofs
+}
+
+/// Returns the range of an axis. A ball joint has one for all directions.
+fn range(link: &Link, axis: usize) -> Option<[f32; 2]> {
+    let is_ball = link.joint == JointModel::Spherical;
+    let [least, most] = *link.ranges.get(if is_ball { 0 } else { axis })?;
+    let range = if is_ball { [-most, most] } else { [least, most] };
+    range.iter().all(|end| end.is_finite()).then(|| range.map(single))
+}

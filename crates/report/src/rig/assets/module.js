@@ -1,0 +1,1 @@
+export { kinematicsOf, stageOn, shade };

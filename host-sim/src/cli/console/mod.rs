@@ -1,0 +1,241 @@
+//! `sinew console`: a page that shows a rig, moves it and stops it.
+
+mod simulated;
+
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::{Context as _, bail};
+use sinew_board_client::{Board, ClientError, Line};
+use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, local};
+use sinew_host_util::command::{note, print};
+use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
+use sinew_performance::rig::LoadedRig;
+use sinew_rig::new;
+use sinew_rig::servo::Address;
+use sinew_servo_sim::fault::{Fault, FaultOrder};
+use sinew_show::Show;
+
+use super::board::{check_rig, open};
+use super::driven::DrivenArgs;
+use super::performance::PerformanceArgs;
+use super::play::show;
+use super::rig::read;
+use super::stack::with_stack;
+use super::stop::Stop;
+use super::target::Target;
+use super::unit_args::UnitArgs;
+
+/// Number of joints of the arm that is used if no rig is given.
+const JOINTS: usize = 6;
+
+/// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
+///
+/// It prints the address of the page, with a secret token, and serves the page until Ctrl-C. The page needs no network.
+/// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
+/// six joints.
+///
+/// One page drives; all pages may hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
+/// and torque is switched off. A second Ctrl-C ends at once.
+#[derive(Debug, clap::Args)]
+pub(super) struct ConsoleArgs {
+    /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
+    /// does it.
+    #[arg(value_name = "SHOW|CLIP")]
+    shows: Vec<String>,
+
+    /// The rig: rig.toml, URDF or MJCF. Default: the arm of `sinew rig new --arm 6`.
+    #[arg(long, value_name = "RIG")]
+    rig: Option<PathBuf>,
+
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
+    #[arg(long, value_name = "[JOINT=]KIND")]
+    servo: Vec<ServoChoice>,
+
+    #[command(flatten)]
+    driven: DrivenArgs,
+
+    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
+    /// as /dev/ttyACM0, or the USB port where a board answers (`auto`).
+    #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
+    target: Target,
+
+    /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
+    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or its joint; the time is that since the start. May
+    /// be repeated.
+    #[arg(long, value_name = "FAULT")]
+    fault: Vec<FaultOrder>,
+
+    /// Serve the page also at this address of the machine, such as 192.168.1.5 or 192.168.1.5:8080. Everybody who has
+    /// the token may then watch and stop the rig from other machines. The connection is not encrypted.
+    #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
+    listen: Option<SocketAddr>,
+
+    /// Let pages on other machines drive the rig, too. Default: they may watch, hold and stop.
+    #[arg(long, requires = "listen")]
+    allow_drive: bool,
+
+    /// Let a show continue while no page drives. Default: the rig holds after 2 s, and is lowered 3 s later.
+    #[arg(long)]
+    unattended: bool,
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let bare = text.parse::<IpAddr>().map(|ip| SocketAddr::new(ip, 0));
+    bare.or_else(|_| text.parse()).map_err(|_| {
+        "expected an address of this machine, such as 192.168.1.5 or [::1]:8080".to_owned()
+    })
+}
+
+impl ConsoleArgs {
+    /// Refuses options that have no effect on the target.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        if self.target == Target::Nucleo {
+            bail!(
+                "--target nucleo: the emulated board is slower than real time; use `sim` or a port"
+            );
+        }
+        if let Target::Port(_) = self.target {
+            self.target.refuse(&self.driven.given(), "the simulated board")?;
+            self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "the simulated board")?;
+            if self.rig.is_none() {
+                bail!("--target {}: --rig RIG names the rig that the board has", self.target);
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the rig in the file, or the desk arm.
+    fn rig(&self) -> anyhow::Result<LoadedRig> {
+        let mut rig = if let Some(path) = &self.rig {
+            read(path)?
+        } else {
+            let description = new::arm(JOINTS)?;
+            let mechanism = description.mechanism()?;
+            LoadedRig { description, mechanism, world: None, notes: Vec::new(), doubts: Vec::new() }
+        };
+        if put_servos(&mut rig.description, &self.servo).with_context(|| self.name())? > 0 {
+            rig.mechanism = rig.description.mechanism()?;
+        }
+        Ok(rig)
+    }
+
+    fn name(&self) -> String {
+        self.rig.as_deref().unwrap_or(Path::new("the desk arm")).display().to_string()
+    }
+
+    /// Returns the faults of the simulated servos.
+    fn faults(&self, parts: &RigParts) -> anyhow::Result<Vec<Fault>> {
+        let resolve = |order: &FaultOrder| {
+            let is_it = |(index, part): (usize, &ServoPart)| {
+                let (Address::Id(id) | Address::Channel(id)) = part.own.address;
+                let of_joint = parts.first_servo.iter().position(|first| *first == Some(index));
+                order.servo == part.own.name
+                    || order.servo == id.to_string()
+                    || of_joint.is_some_and(|joint| order.servo == parts.names[joint])
+            };
+            let servo = parts.servos.iter().enumerate().position(is_it);
+            let servo =
+                servo.with_context(|| format!("--fault: there is no servo `{}`", order.servo))?;
+            Ok(order.of(servo))
+        };
+        self.fault.iter().map(resolve).collect()
+    }
+
+    /// Reads the shows, and bakes the clips.
+    fn shows(&self, rig: &LoadedRig, parts: &RigParts) -> anyhow::Result<Vec<OwnShow>> {
+        let own = |name: &String| {
+            let path = Path::new(name);
+            let crc = parts.rig_crc();
+            let bytes = if let Some(bytes) = show::read(path)? {
+                bytes
+            } else {
+                let on_rig = PerformanceArgs::default();
+                show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?
+            };
+            Show::open(&bytes)?.check_rig(crc).with_context(|| name.clone())?;
+            let stem = path.file_stem().unwrap_or(path.as_os_str());
+            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into() })
+        };
+        self.shows.iter().map(own).collect()
+    }
+}
+
+/// Serves the page until a signal ends it.
+pub(super) fn run(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
+    with_stack(|| serve(args))
+}
+
+fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
+    args.check()?;
+    let rig = args.rig()?;
+    let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
+    let parts = parts.with_context(|| args.name())?;
+    let shows = args.shows(&rig, &parts)?;
+    let faults = args.faults(&parts)?;
+    let stop = Stop::new()?;
+    let serve = |source| Served { args, rig: &rig, parts: &parts, source, stop: &stop };
+    match &args.target {
+        Target::Port(port) => {
+            let mut board = open(Some(port), "--target")?;
+            check_rig(&board, &parts)?;
+            serve(Source::Board).on(&mut board, shows)
+        }
+        Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
+            serve(Source::Simulated).on(board, shows)
+        }),
+    }
+}
+
+/// Everything that a console needs, except its board.
+struct Served<'a> {
+    args: &'a ConsoleArgs,
+    rig: &'a LoadedRig,
+    parts: &'a RigParts,
+    source: Source,
+    stop: &'a Stop,
+}
+
+impl Served<'_> {
+    fn on<L: Line>(self, board: &mut Board<L>, shows: Vec<OwnShow>) -> anyhow::Result<ExitCode> {
+        let Self { args, rig, parts, source, stop } = self;
+        let options = Options {
+            listen: args.listen,
+            allow_drive: args.allow_drive,
+            unattended: args.unattended,
+        };
+        let console = Console::open(options).context("the page's port")?;
+        let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, source);
+        for address in console.addresses() {
+            print(&format!("{address}\n"))?;
+        }
+        if let Some(listen) = args.listen.filter(|listen| !listen.ip().is_loopback()) {
+            let may = if args.allow_drive { "watch, stop and drive" } else { "watch and stop" };
+            let whole = listen.ip().is_unspecified();
+            let at = if whole { ", at any address of this machine" } else { "" };
+            note(format_args!(
+                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
+            ));
+        }
+        note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
+        let name = match &args.target {
+            Target::Port(port) => local::name_of_port(port),
+            Target::Sim | Target::Nucleo => format!("simulated-{}", std::process::id()),
+        };
+        match console.run(board, &scene, (&name, shows), &|| stop.times()) {
+            Ok(Ended::Stopped) => {
+                note(format_args!("torque is off"));
+                Ok(ExitCode::SUCCESS)
+            }
+            Ok(Ended::AtOnce) => {
+                note(format_args!(
+                    "ended at once: the board holds the pose, and lowers the rig after 2 s"
+                ));
+                Ok(ExitCode::FAILURE)
+            }
+            Err(ClientError::Refused(why)) => bail!("the controller refused: {why}"),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
