@@ -39,7 +39,7 @@ const REFUSED: [(&str, &str); 12] = [
     ("Velocity P Coefficient", "all but 0"),
     ("Velocity I Coefficient", "all but 0"),
     ("Angular Resolution", "all but 1: several turns in coarser counts"),
-    ("Operating Mode", "3, steps (Feetech)"),
+    ("Operating Mode", "3: steps"),
 ];
 
 /// The reason of a register that neither list has.
@@ -344,7 +344,10 @@ fn section(title: &str, kinds: &[&str]) -> String {
         let why = why.unwrap_or(UNEXPLAINED);
         let _ = writeln!(out, "| {name} ({address}) | kept, without an effect | {why} |");
     }
-    let is_partly = |(_, name): &(u16, &str)| reason(&REFUSED, name).is_some();
+    // A Dynamixel's Operating Mode is at another address.
+    let is_partly = |(address, name): &(u16, &str)| {
+        reason(&REFUSED, name).is_some() && (*name != "Operating Mode" || *address == 33)
+    };
     for (address, name) in names(Fate::Refused) {
         let why = reason(&REFUSED, name);
         let why = why.unwrap_or(UNEXPLAINED);
