@@ -55,6 +55,8 @@ for name in NAMES:
     bus.write('Operating_Mode', name, OperatingMode.POSITION.value)
 go(1500)
 homings = bus.set_half_turn_homings()
+# A servo takes its offset in its next tick, and gravity turns a joint without torque.
+time.sleep(0.05)
 middle = bus.sync_read('Present_Position', normalize=False)
 least, most = go(1000), go(3000)
 calibration = {
@@ -65,7 +67,7 @@ bus.write_calibration(calibration)
 wrong = []
 if not bus.is_calibrated:
     wrong.append(('is_calibrated', bus.read_calibration()))
-if any(abs(place - 2047) > 2 for place in middle.values()):
+if any(abs(place - 2047) > 60 for place in middle.values()):
     wrong.append(('middle', middle))
 bus.disconnect(disable_torque=False)
 
