@@ -130,8 +130,8 @@ const DYNAMIXEL: [(u16, RequiredValue); 20] = [
     (dxl::BUS_WATCHDOG, RequiredValue::TorqueOff(DYNAMIXEL_WATCHDOG as i32)),
 ];
 
-/// Feetech: a count of speed is a count of position per second, goals without a speed are fastest, positions stay within
-/// a turn, and nothing is reversed (the rig's `direction` reverses).
+/// Feetech: a count of speed is a count of position per second, goals without a speed are fastest, positions stay
+/// within a turn, and nothing is reversed (the rig's `direction` reverses).
 const STS_PHASE: RequiredValue =
     RequiredValue::Bits { raw: phase::SHIPPED, mask: phase::MEANING as i32 };
 

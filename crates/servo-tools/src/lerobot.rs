@@ -133,8 +133,8 @@ pub fn taken(rig: &Description, calibrations: &Calibrations) -> Result<Taken, Se
     Ok(taken)
 }
 
-/// Returns the calibration that `LeRobot` would have of a rig's servos with an id, in the order of the rig file. A servo
-/// without `range_deg` has its whole turn, and without `homing_offset_deg` an offset of 0. A Feetech with
+/// Returns the calibration that `LeRobot` would have of a rig's servos with an id, in the order of the rig file. A
+/// servo without `range_deg` has its whole turn, and without `homing_offset_deg` an offset of 0. A Feetech with
 /// `direction = -1` is one that `LeRobot` reverses.
 ///
 /// # Errors

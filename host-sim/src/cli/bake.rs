@@ -25,10 +25,10 @@ use super::unit_args::UnitArgs;
 /// follow, at which time, and by how much.
 ///
 /// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s, at any distances, or `time_ms`;
-/// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column stays
-/// at home; an empty field is no key. The column `easing` names the way to the next row, and a row `easing` below the
-/// header that of each joint: step, linear, ease in, ease out, ease both, or cubic (default). Evenly spaced rows of 10
-/// Hz and more, without easing, are a recording.
+/// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column
+/// stays at home; an empty field is no key. The column `easing` names the way to the next row, and a row `easing` below
+/// the header that of each joint: step, linear, ease in, ease out, ease both, or cubic (default). Evenly spaced rows of
+/// 10 Hz and more, without easing, are a recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the

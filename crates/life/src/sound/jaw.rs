@@ -97,7 +97,8 @@ impl Jaw {
         Self { joint: joint.to_owned(), closed_rad, open_rad, speed, acceleration, range_rad }
     }
 
-    /// Takes a jaw from a rig: closed at home (0.3 deg towards open), and open at four fifths of the way to the farther end of its range.
+    /// Takes a jaw from a rig: closed at home (0.3 deg towards open), and open at four fifths of the way to the farther
+    /// end of its range.
     ///
     /// # Errors
     /// [`JawError::NoJoint`] if the rig has no such hinge.

@@ -158,8 +158,8 @@ pub fn inverse_dynamics(
     Ok(out)
 }
 
-/// Columns of a row's numbers, by coordinate and by dof; `None` for rates of a kind that the table does not have, and for
-/// joints that follow others.
+/// Columns of a row's numbers, by coordinate and by dof; `None` for rates of a kind that the table does not have, and
+/// for joints that follow others.
 struct Columns {
     q: Vec<Option<usize>>,
     qd: Vec<Option<usize>>,

@@ -160,8 +160,8 @@ impl Sweep {
         self.parameters.iter().map(|parameter| parameter.name.as_str())
     }
 
-    /// Returns heat maps: one for each mean metric and each complete grid of two parameters, the largest grids first. If
-    /// there is no complete grid, returns rows over one parameter.
+    /// Returns heat maps: one for each mean metric and each complete grid of two parameters, the largest grids first.
+    /// If there is no complete grid, returns rows over one parameter.
     pub(super) fn grids(&self) -> Vec<Grid> {
         let mut fields = self.fields();
         fields.sort_by_key(|field| std::cmp::Reverse(field.cells.len()));

@@ -19,8 +19,8 @@ fn to_z_up() -> DQuat {
 /// with the joint's name and unit, deg or mm.
 ///
 /// A hinge has the column `NAME_deg`, a slide `NAME_mm`; other joints have `NAME.0_deg`, `NAME.1_deg` (universal) or
-/// `NAME.x` to `NAME.w` (ball, unit quaternion). A driven base has `root_x root_y root_z root_qw root_qx root_qy root_qz`: the pose of its body, in m, in
-/// a world with z up, which is the convention of robot programs.
+/// `NAME.x` to `NAME.w` (ball, unit quaternion). A driven base has `root_x root_y root_z root_qw root_qx root_qy
+/// root_qz`: the pose of its body, in m, in a world with z up, which is the convention of robot programs.
 pub fn csv(mechanism: &Mechanism, motion: &RigMotion, start_s: f64) -> String {
     let mut text = String::from("time");
     let columns = columns(mechanism);

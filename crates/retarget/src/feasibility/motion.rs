@@ -87,8 +87,8 @@ impl RigMotion {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s
     }
 
-    /// Moves the followers of all rows to where their leaders put them. Returns the largest change of each follower that
-    /// changed, rad or m, by its body.
+    /// Moves the followers of all rows to where their leaders put them. Returns the largest change of each follower
+    /// that changed, rad or m, by its body.
     pub fn follow(&mut self, ties: &Ties) -> Vec<(usize, f64)> {
         /// Rounding of tables with six digits.
         const ROUNDING: f64 = 1e-5;

@@ -143,8 +143,8 @@ impl<'a> Body<'a> {
         self.is_zero(self.lengths[joint])
     }
 
-    /// Returns whether a joint is a helper of no length: it is at the place of a joint that carries other bones too, and
-    /// carries a bone itself. CMU's `LHipJoint`, between `Hips` and `LeftUpLeg`, is one.
+    /// Returns whether a joint is a helper of no length: it is at the place of a joint that carries other bones too,
+    /// and carries a bone itself. CMU's `LHipJoint`, between `Hips` and `LeftUpLeg`, is one.
     pub(super) fn is_helper(&self, joint: usize) -> bool {
         let is_on = |joint: usize| self.parent(joint).filter(|_| self.is_at_parent(joint));
         let Some(parent) = is_on(joint) else { return false };

@@ -1,8 +1,9 @@
 //! Finds the rig's poses that are nearest to a performance, frame by frame, within ranges and speeds.
 //!
 //! Directions and twists of limbs are compared, and orientations of pelvis, chest, head and feet; rest poses are
-//! never compared, and positions only for root, feet, and the hand of a rig that is one arm. Each sweep is a Gauss-Newton step in joint coordinates,
-//! whose bounds are respected within the step (an active set), not applied afterwards.
+//! never compared, and positions only for root, feet, and the hand of a rig that is one arm. Each sweep is a
+//! Gauss-Newton step in joint coordinates, whose bounds are respected within the step (an active set), not applied
+//! afterwards.
 
 mod aim;
 mod bake;

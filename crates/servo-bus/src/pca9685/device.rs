@@ -30,8 +30,8 @@ impl Device {
         device
     }
 
-    /// Executes one I2C write: the first byte is the register; the others are values for it and, with auto-increment, for
-    /// the registers that follow.
+    /// Executes one I2C write: the first byte is the register; the others are values for it and, with auto-increment,
+    /// for the registers that follow.
     pub fn write(&mut self, bytes: &[u8]) {
         let Some((register, values)) = bytes.split_first() else { return };
         self.pointer = *register;

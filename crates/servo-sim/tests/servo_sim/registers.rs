@@ -1,5 +1,5 @@
-//! For each register of each simulated table: whether it is simulated, kept without an effect, or refused. Each is found
-//! by trying: values are written over the bus, and motion, answers and all other registers are compared.
+//! For each register of each simulated table: whether it is simulated, kept without an effect, or refused. Each is
+//! found by trying: values are written over the bus, and motion, answers and all other registers are compared.
 //! `INSTA_UPDATE=always` with this test writes `docs/simulated-registers.md`.
 
 use std::collections::{BTreeMap, BTreeSet};

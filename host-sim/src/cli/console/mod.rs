@@ -56,8 +56,8 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this rig, such
-    /// as /dev/ttyACM0, or the USB port where a board answers (`auto`).
+    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this
+    /// rig, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
     target: Target,
 

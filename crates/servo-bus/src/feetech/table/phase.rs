@@ -1,7 +1,7 @@
 //! Bits of the register Phase (18) of STS and SMS servos.
 //!
-//! Source: Feetech's memory table, "servo phase". Bits 1, 5 and 6 describe the servo's own electronics: brushes, bridge,
-//! PWM frequency.
+//! Source: Feetech's memory table, "servo phase". Bits 1, 5 and 6 describe the servo's own electronics: brushes,
+//! bridge, PWM frequency.
 
 /// Torque of the motor is reversed.
 pub const REVERSED_MOTOR: u8 = 1;
