@@ -118,7 +118,7 @@ impl Clients {
         let sinew = self.programs.join("sinew");
         let mut server = Command::new(&sinew);
         server.args(["servo", "simulate", "--pty", &link]);
-        server.args(["--kind", "sts3215", "--ids", "1,2,3,4,5,6"]);
+        server.args(["--kind", "sts3215", "--ids", "1,2,3,4,5,6", "--load", "none"]);
         let _server = Server::start("sinew servo simulate", server, &link)?;
         let mut client = self.python("lerobot_calibration.py");
         client.arg(&link).arg(&sinew).arg(lerobot);

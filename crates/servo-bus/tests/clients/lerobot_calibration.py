@@ -55,7 +55,7 @@ for name in NAMES:
     bus.write('Operating_Mode', name, OperatingMode.POSITION.value)
 go(1500)
 homings = bus.set_half_turn_homings()
-# A servo takes its offset in its next tick, and gravity turns a joint without torque.
+# A servo takes its offset in its next tick.
 time.sleep(0.05)
 middle = bus.sync_read('Present_Position', normalize=False)
 least, most = go(1000), go(3000)
