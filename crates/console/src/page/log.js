@@ -8,7 +8,8 @@ const SWINGS_MS = 3000;
 
 export const log = (ask, report) => {
   const list = byId("events"), panel = byId("faults");
-  let head = null, unread = 0, shown = null;
+  // `shown` is undefined while the panel may differ from the fault, and null if no fault is shown.
+  let head = null, unread = 0, shown;
   const jointOf = new Map();
   const swings = new Map();
   const clear = make("button", { type: "button", className: "clear" }, "Clear faults");
@@ -30,13 +31,13 @@ export const log = (ask, report) => {
   };
 
   return {
-    setHead: (now) => { head = now; shown = null; },
+    setHead: (now) => { head = now; shown = undefined; },
     read: () => { unread = 0; setHidden(byId("unread"), true); },
     add: (event) => {
       if (event.fault !== null && event.fault !== undefined && event.joint) jointOf.set(event.fault, event.joint);
       const dof = head?.dofs.findIndex(({ name }) => name === event.joint) ?? -1;
       if (event.fault === SWING && dof >= 0) swings.set(dof, performance.now());
-      shown = null;
+      shown = undefined;
       note(event);
     },
     // Joints that were reported to swing a short while ago.
