@@ -27,7 +27,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", default_value_t = 300.0)]
     seconds: f64,
 
-    /// Seed of all draws. The same seed makes the same loop.
+    /// Seed of all draws. Equal seeds make equal loops.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 

@@ -34,7 +34,7 @@ pub struct Ties {
 }
 
 impl Mechanism {
-    /// Returns the ties of the mechanism. Of several ties of one joint, the first counts; ties in a circle count as
+    /// Returns the ties of the mechanism. If a joint has several ties, the first counts; ties in a circle count as
     /// limits. O(ties²).
     pub fn ties(&self) -> Ties {
         let mut ties: Vec<Tie> = Vec::new();

@@ -150,7 +150,7 @@ fn feetech(id: u8, body: &[u8]) -> Vec<u8> {
     packet
 }
 
-/// What was seen in a script.
+/// Observations during a script.
 #[derive(PartialEq)]
 struct Seen {
     trace: Vec<i64>,
@@ -318,7 +318,7 @@ fn section(title: &str, kinds: &[&str]) -> String {
     for kind in kinds {
         for (register, fate) in fates(kind) {
             let known = *all.entry(register).or_insert(fate);
-            // What one model does and another does not is simulated where it can be.
+            // A register that one model simulates and another keeps counts as simulated.
             all.insert(register, known.min(fate));
         }
     }
