@@ -271,8 +271,9 @@ mod tests {
         clip.cut(4.0);
         let taken = retarget_clip(&mechanism, &clip, None, false).unwrap();
         let [mean, most] = taken.hand_error.unwrap();
-        println!("{:.1} % of the arm in the mean, {:.1} % at most", 100.0 * mean, 100.0 * most);
-        // The largest distance is a moment in which the arm turns round at its speed, past its own upright axis.
+        println!("mean {:.1} % of the arm, largest {:.1} %", 100.0 * mean, 100.0 * most);
+        // Guards against regressions, a little above what was measured (5.0 % and 69.5 %). The largest distance is in
+        // a moment in which the arm turns round at its maximum speed, past its own upright axis.
         assert!(mean < 0.08 && most < 0.8, "{mean} {most}");
     }
 }

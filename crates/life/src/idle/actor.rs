@@ -22,10 +22,10 @@ pub(super) struct Actor {
     pub(super) body: usize,
     /// Index of the joint's coordinate.
     pub(super) place: usize,
-    /// Middle of the motion, rad or m. Of a lid: open.
+    /// Middle of the motion, rad or m. For a lid: the open position.
     pub(super) middle: f64,
     /// Change of the coordinate at the value 1, rad or m. Negative if the axis points against that of the first joint
-    /// of the role. Of a lid: the way to closed.
+    /// of the role. For a lid: the way to the closed position.
     pub(super) amplitude: f64,
     speed: f64,
     acceleration: f64,
