@@ -176,6 +176,9 @@ impl PerformanceArgs {
                 None => format!("{name} on {}", rig.description.name),
             })?;
         tell(name, rig, &retargeted);
+        if !self.fit {
+            tell_speed(name, rig, &retargeted);
+        }
         tell_jumps(name, rig, &retargeted.motion);
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
@@ -243,6 +246,20 @@ fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     if taken.curves > 0 {
         note(format_args!("{name} on {rig}: {} joint(s) follow by curves", taken.curves));
     }
+}
+
+/// Prints the joint of an arm that would have to be faster than it can, most of all: the path of a hand has priority
+/// over its time.
+fn tell_speed(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
+    let Some((joint, asked, limit)) = taken.too_fast(&rig.mechanism) else { return };
+    let slides = matches!(rig.mechanism.bodies[joint].joint, JointModel::Prismatic(_));
+    let (unit, factor) = if slides { ("mm/s", 1e3) } else { ("deg/s", 1_f64.to_radians().recip()) };
+    note(format_args!(
+        "note: {name}: `{}` would move at up to {:.0} {unit}, and its limit is {:.0} {unit}: --fit slows the motion down",
+        rig.mechanism.bodies[joint].joint_name,
+        asked * factor,
+        limit * factor
+    ));
 }
 
 fn cutoff(text: &str) -> Result<f64, String> {

@@ -3,6 +3,7 @@
 mod attack;
 #[path = "../common/mod.rs"]
 mod common;
+mod driven_ties;
 mod field;
 mod foreign;
 mod kills;
