@@ -303,8 +303,9 @@ mod tests {
         let (mechanism, taken) = punches(10.0);
         let [mean, most] = taken.hand_error.unwrap();
         println!("mean {:.1} % of the arm, largest {:.1} %", 100.0 * mean, 100.0 * most);
-        // Guards against regressions, a little above what was measured.
-        assert!(mean < 0.08 && most < 0.8, "{mean} {most}");
+        // Guards against regressions, a little above what was measured (0.4 % and 11.2 %). The largest distance is in a
+        // moment in which the arm turns round at its maximum speed, past its own upright axis.
+        assert!(mean < 0.01 && most < 0.15, "{mean} {most}");
         // A slow arm goes along the same path, and says that it is too slow.
         let (of_slow, slow) = punches(1.0);
         assert_eq!((&slow.motion, slow.hand_error), (&taken.motion, taken.hand_error));
@@ -312,49 +313,5 @@ mod tests {
         assert!(asked > limit && (limit - 1.0).abs() < 1e-12, "{asked} {limit}");
         let (_, as_fast, _) = taken.too_fast(&mechanism).unwrap_or((0, 10.0, 10.0));
         assert!(as_fast <= 12.1, "{as_fast}");
-    }
-
-    /// Scratch: before, between, after.
-    #[test]
-    #[ignore = "scratch"]
-    fn scratch_before() {
-        let rigs = std::env::var("SCRATCH_RIGS").unwrap();
-        let clips = std::env::var("SCRATCH_CLIPS").unwrap();
-        for rig in rigs.split(',') {
-            let text = std::fs::read_to_string(rig).unwrap();
-            let mechanism = sinew_rig::toml_file::read(&text).unwrap().mechanism().unwrap();
-            for path in clips.split(',') {
-                let mirror = path.starts_with('!');
-                let path = path.trim_start_matches('!');
-                let file = ClipFile::new(Path::new(path));
-                let clip = PreparedClip::read(&file, ClipSettings::default()).unwrap();
-                let after = retarget_clip(&mechanism, &clip, None, mirror).unwrap();
-                let roles = Roles::of(&mechanism, &clip, None).unwrap();
-                let rig_match = roles.rig.unwrap();
-                let performer = Performer::of(&clip.clip, &roles.joints).unwrap();
-                let mut settings = roles.settings;
-                settings.is_mirrored ^= mirror;
-                settings.arms = sinew_retarget::solve::Limb::Both;
-                settings.tilt_rad =
-                    best_tilt(&mechanism, &rig_match, &clip.clip, &performer, &settings);
-                let old = solve::bake(&mechanism, &rig_match, &clip.clip, &performer, &settings);
-                settings.arms = sinew_retarget::solve::Limb::Path;
-                let wanted = solve::bake(&mechanism, &rig_match, &clip.clip, &performer, &settings);
-                let mut before =
-                    taken(&mechanism, RigMotion { dt_s: old.frame_time_s, rows: old.q }, wanted);
-                let [a, b] = before.hand_error_of(&mechanism).unwrap();
-                before.motion.rows.clear();
-                let [c, d] = after.hand_error.unwrap();
-                println!(
-                    "SCRATCH {} {}: before 39 {:.1} % mean {:.1} % most; now {:.1} % mean {:.1} % most",
-                    Path::new(rig).file_stem().unwrap().display(),
-                    clip.clip.name,
-                    100.0 * a,
-                    100.0 * b,
-                    100.0 * c,
-                    100.0 * d
-                );
-            }
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! Tests with foreign files: from many makers, recorded and hostile.
 
+mod arms;
 mod attack;
 #[path = "../common/mod.rs"]
 mod common;

@@ -47,7 +47,8 @@ impl Additions {
         }
         for (place, side) in Side::ALL.into_iter().enumerate() {
             if let Some(names) = self.hips {
-                put_before(&mut dialect, names[place], find(&dialect, Landmark::Hip(side)));
+                let hip = find(&dialect, Landmark::Hip(side));
+                put_before(&mut dialect, names[place], hip);
             }
         }
         for (side, word) in [(Side::Left, "Left"), (Side::Right, "Right")] {
