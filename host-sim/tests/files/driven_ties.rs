@@ -22,8 +22,8 @@ const RACK_M_RAD: f64 = 0.02;
 
 /// A kind of servo that is `motor` times as strong as an XM430, with `gear` times its ratio.
 fn model(name: &str, motor: f64, gear: f64) -> ServoModel {
-    let mut model = ServoModel::built_in("XM430-W350-T").expect("it is built in");
-    model.name = name.to_owned();
+    let xm430 = ServoModel::built_in("XM430-W350-T").expect("it is built in");
+    let mut model = ServoModel { name: name.to_owned(), ..xm430 };
     model.stall_current_a.value *= motor;
     model.torque_constant_nm_a.value *= gear;
     model.no_load_speed_rad_s.value /= gear;
