@@ -1,4 +1,5 @@
-//! The program or company that wrote a file: from texts in the file, or from joint names that only one program uses.
+//! Finds the program or company that wrote a file: from texts in the file, or from joint names that only one program
+//! uses.
 
 use std::path::Path;
 
