@@ -41,7 +41,7 @@ pub struct RetargetedClip {
     pub limb_targets: Vec<Vec<BakedLimb>>,
 }
 
-/// Error of a clip that cannot be retargeted to a rig.
+/// The reason why a clip cannot be retargeted to a rig.
 #[derive(Debug, Error)]
 pub enum RetargetError {
     /// No arm, leg or head was found in the rig.
@@ -217,7 +217,8 @@ impl RetargetedClip {
         })
     }
 
-    /// Returns mean and largest distance of a hand over all frames, as shares of the arm.
+    /// Returns mean and largest distance of the hands over all frames, as shares of the arm; `None` if no hand is
+    /// followed.
     fn hand_error_of(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
         if self.hands.is_empty() {
             return None;

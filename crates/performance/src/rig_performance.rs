@@ -21,7 +21,7 @@ use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
 use super::table::fitted;
 
-/// Lowest rate at which a motion is checked for what would help, Hz.
+/// Lowest rate of the check that finds which changes of the rig would preserve more of a motion, Hz.
 const HELP_HZ: f64 = 100.0;
 
 /// Choices for the changes of a motion before its use.
@@ -195,7 +195,8 @@ impl RigPerformance {
         Likeness { limbs_deg: limbs.mean_and_most(), hands: hands.mean_and_most(), way }
     }
 
-    /// Describes what would leave more of the motion than a fit did, one sentence for each kind of limit.
+    /// Describes which changes of the rig would preserve more of the motion than the fit did, one line for each kind of
+    /// limit.
     ///
     /// # Errors
     /// The motion cannot be checked.

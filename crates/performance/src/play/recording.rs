@@ -152,7 +152,7 @@ impl Recording {
         kept.iter().find(|note| note.key == key)?.value.as_deref()
     }
 
-    /// Whether the recording was written to its end.
+    /// Returns whether the recording was written to its end.
     pub fn is_whole(&self) -> bool {
         self.note(UNFINISHED).is_none()
     }

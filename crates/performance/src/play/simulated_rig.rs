@@ -89,7 +89,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self
     }
 
-    /// Runs a tick. The host link is alive in each tick.
+    /// Runs a tick, in which the host link counts as alive.
     pub fn tick(&mut self, command: Option<Command>) {
         let tick_us = u64::from(self.parts.tick_us());
         let inputs = Inputs {
@@ -158,7 +158,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.permission()
     }
 
-    /// Whether the show ran in the last tick.
+    /// Returns whether the show ran in the last tick.
     pub fn runs(&self) -> bool {
         let permission = self.permission();
         permission.source == Source::Feed(Feed::Show) && permission.runs

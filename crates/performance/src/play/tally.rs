@@ -110,8 +110,8 @@ impl Tally {
         self.ticks
     }
 
-    /// Returns the errors of revolute joints with a drive; with `None`, of all drives. `None` if there is no such
-    /// joint, or nothing was played.
+    /// Returns the errors of revolute joints whose servos have this drive; with `None`, of all revolute joints. Returns
+    /// `None` if there is no such joint, or nothing was played.
     pub fn errors(&self, parts: &RigParts, drive: Option<Drive>) -> Option<Errors> {
         let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, dof: 0, at_s: 0.0 };
         for (dof, sums) in self.dofs.iter().enumerate() {
