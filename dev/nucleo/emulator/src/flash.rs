@@ -61,7 +61,7 @@ impl Eraser {
         self.sector = None;
     }
 
-    /// Whether an erase is in progress: the core stops.
+    /// Returns whether an erase is in progress; the core stands still until it ends.
     pub fn is_busy(&self) -> bool {
         self.sector.is_some()
     }
