@@ -268,7 +268,8 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// Limits a torque in place, like `apply`. `slides` is whether the joint may have a force.
+    /// Limits a torque in place, like `apply`. If `slides` is false, the joint cannot slide, and its force is assumed
+    /// to be zero.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;

@@ -56,7 +56,7 @@ pub struct Joint {
     pub range_rad: Vec<[f64; 2]>,
     /// Minimum and maximum position of a prismatic joint, m.
     pub range_m: Option<[f64; 2]>,
-    /// Home position of a revolute joint. Default: zero, or the end of the range that is nearest to zero.
+    /// Home position of a revolute joint, rad. Default: zero, or the end of the range that is nearest to zero.
     pub home_rad: Option<f64>,
     /// Home position of a prismatic joint, m. Default as for `home_rad`.
     pub home_m: Option<f64>,
