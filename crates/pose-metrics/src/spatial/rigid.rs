@@ -17,8 +17,9 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// Removes the joints whose local rotation is equal in all `poses`, which contain a rotation for each joint.
-    /// The joint called `always` is kept.
+    /// Removes the joints whose local rotation is equal in all `poses`, which contain a rotation for each joint. The
+    /// root, the joint called `always` and the ends of moving bones are kept. If fewer than two joints remained without
+    /// these ends, all are kept.
     pub fn new<'p>(
         skeleton: &Skeleton,
         poses: impl IntoIterator<Item = &'p Vec<DQuat>>,
