@@ -249,7 +249,8 @@ impl TorqueLimit {
         self.force_n
     }
 
-    /// Limits a wrench to the bounds, and reports which bound was reached.
+    /// Limits a wrench to the bounds, and reports which bound it exceeded. A wrench that is not finite becomes zero,
+    /// with [`LimitReason::NotFinite`].
     ///
     /// ```
     /// use sinew_core::{Wrench, control::{LimitReason, TorqueLimit}, glam::Vec3};

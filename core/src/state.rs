@@ -175,7 +175,8 @@ impl BodyState {
         }
     }
 
-    /// Returns the state of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
+    /// Returns the state of the joint between `parent` and this body: [`Self::seen_from`], with the velocity in body
+    /// axes.
     ///
     /// ```
     /// use sinew_core::{BodyState, Transform, glam::Vec3};

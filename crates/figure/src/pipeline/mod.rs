@@ -125,7 +125,7 @@ pub enum Notice {
 /// The error of clips that cannot be read or prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file that is not a motion.
+    /// A file that cannot be read as a motion.
     #[error(transparent)]
     Read(#[from] format::Error),
     /// Paths that do not name clips.
@@ -412,7 +412,7 @@ fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
 
 /// Returns the notice about a rate that is not the file's. `own_s` is the file's time between frames.
 fn rate_notice(own_s: Option<f64>, frame_time_s: f64) -> Option<Notice> {
-    /// Writers round rates, by less than this share.
+    /// Maximum difference due to rounding by the program that wrote the file, as a share of the rate.
     const ROUNDING: f64 = 1e-3;
     let rate_hz = frame_time_s.recip();
     match own_s.map(f64::recip) {

@@ -126,8 +126,9 @@ impl Curve {
         )
     }
 
-    /// Finds the pose of a wanted position, in the first piece that reaches it; `share_of` returns the share of the
-    /// piece's width. Beyond the curve, returns its nearest end.
+    /// Finds the pose of a wanted position in the first piece for which `reached` is true; `share_of` returns the share
+    /// of the piece's width. Beyond the curve, returns its nearest end: the first end if `before` is true for it,
+    /// otherwise the last.
     fn pose(
         &self,
         wanted: f32,

@@ -13,7 +13,7 @@ use super::super::{none, xml};
 pub(super) const TAGS: [&str; 7] =
     ["position", "motor", "general", "velocity", "intvelocity", "damper", "cylinder"];
 
-/// A gain or a bias: constant, and factors of length (rad or m) and speed.
+/// The terms of a gain or a bias: a constant, a factor of the length (rad or m), and a factor of the speed.
 type Terms = [f64; 3];
 
 /// Values of an actuator.

@@ -97,8 +97,8 @@ impl<'a, 'd> Defaults<'a, 'd> {
 }
 
 impl<'a, 'd> Defaults<'a, 'd> {
-    /// Returns an element after its class's defaults for any of these tags, in the order in which later ones override
-    /// earlier ones.
+    /// Returns the defaults of an element's class for any of these tags, followed by the element itself. Later ones
+    /// override earlier ones.
     pub(super) fn in_order(
         &self,
         node: Node<'a, 'd>,
