@@ -16,7 +16,7 @@ pub struct TimedPose {
 pub struct TelemetryLog {
     /// Tick of the newest frame.
     pub tick: u32,
-    /// Newest summary.
+    /// Newest summary; `None` before the first one.
     pub summary: Option<Summary>,
     /// Newest measured pose: the rig's coordinates.
     pub q: Vec<f32>,

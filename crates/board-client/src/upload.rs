@@ -113,7 +113,7 @@ impl<L: Line> Board<L> {
             .collect()
     }
 
-    /// Returns the slot that has a show with this content for this rig.
+    /// Returns the first slot that has a show with this content for this rig, or `None`.
     ///
     /// # Errors
     /// As in [`Self::ask`].

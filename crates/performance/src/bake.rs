@@ -112,7 +112,7 @@ impl Baked {
 pub struct ShowMarks {
     /// Rows of the motion, with names.
     pub cues: Vec<(u32, String)>,
-    /// Time code of the first row.
+    /// Time code of the first row; `None` for a show without time code.
     pub time_code: Option<TimeCode>,
     /// Pairs of a row of the motion and a row of the motion before it was slowed down: see [`course`].
     pub course: Vec<(u32, u32)>,

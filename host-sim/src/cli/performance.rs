@@ -84,14 +84,14 @@ pub(super) const ON_STAND: Defaults = Defaults { cutoff_hz: 6.0, travels: false 
 pub(super) const FOR_OTHERS: Defaults = Defaults { cutoff_hz: 0.0, travels: true };
 
 impl PerformanceArgs {
-    /// Returns the name of a given option that applies to clips only.
+    /// Returns the name of the first given option that applies to clips only, or `None`.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
         [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Returns the name of a given option that applies only to a rig's own motions.
+    /// Returns the name of a given option that applies only to a rig's own motions, or `None`.
     pub(super) fn of_own(&self) -> Option<&'static str> {
         self.unit.map(|_| "--unit")
     }

@@ -31,7 +31,7 @@ pub(super) struct Shows {
     known: Vec<(Item, OwnShow)>,
     /// For each slot whose show is in `known`: the slot, and the index in `known`.
     bytes: Vec<(u8, usize)>,
-    /// Slot that was loaded last.
+    /// Slot that was loaded last; `None` if none was loaded.
     pub(super) loaded: Option<u8>,
 }
 

@@ -50,7 +50,7 @@ impl Role {
         NAMES.iter().map(|(role, _, _)| *role)
     }
 
-    /// Returns the role with this name, such as `eye-turn`.
+    /// Returns the role with this name, such as `eye-turn`; `None` if there is no such role.
     pub fn named(name: &str) -> Option<Self> {
         NAMES.iter().find(|(_, known, _)| *known == name).map(|(role, _, _)| *role)
     }

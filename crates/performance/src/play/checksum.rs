@@ -83,7 +83,8 @@ pub(super) fn fits(file: &mut File, [begin, end]: [u64; 2]) -> io::Result<bool> 
     Ok(text(sum.chain_update(&bytes)).as_bytes() == told)
 }
 
-/// Returns the position of the checksum in an end: after the last field with its name.
+/// Returns the position of the checksum in the end of a file: after the last field with its name. `None` if there is no
+/// such field.
 fn place(end: &[u8]) -> Option<usize> {
     let before = [KEY.as_bytes(), &BETWEEN].concat();
     let found = end.windows(before.len()).rposition(|window| window == before)?;

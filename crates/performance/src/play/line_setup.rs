@@ -116,7 +116,7 @@ impl LineSetup {
         }
     }
 
-    /// Returns a servo of the line by its place.
+    /// Returns a servo of the line by its place; `None` beyond the last servo.
     pub(super) fn servo(&self, place: usize) -> Option<LineServo> {
         Some(match self {
             Self::Dynamixel(setups, _) => LineServo::Dynamixel((*setups.get(place)?).into()),

@@ -19,7 +19,7 @@ pub(super) const PULSES: Pulses = Pulses { oscillator_hz: OSCILLATOR_HZ, rate_hz
 const HEAD_LEN: u32 = 2;
 const CHANNEL_LEN: u32 = 4;
 
-/// Returns the channel of a servo that is driven by pulses.
+/// Returns the channel of a servo that is driven by pulses; `None` for other servos.
 pub(super) fn channel(address: Address) -> Option<u8> {
     match address {
         Address::Channel(channel) => Some(channel),

@@ -243,7 +243,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         1e-6 * (self.ticks * u64::from(self.parts.tick_us())) as f64
     }
 
-    /// Returns the number of incomplete ticks, and the reason for the last one.
+    /// Returns the number of incomplete ticks, and the reason for the last one; `None` if there was none.
     pub fn incomplete(&self) -> (u64, Option<Incomplete>) {
         (self.incomplete, self.last)
     }

@@ -27,7 +27,7 @@ pub struct DofLimits {
     pub acceleration: f64,
     /// Maximum effort, N m or N.
     pub effort: f64,
-    /// Continuous effort, if servos are known.
+    /// Continuous effort of the servos; `None` without servos.
     pub heat: Option<Heat>,
 }
 

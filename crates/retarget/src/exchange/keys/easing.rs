@@ -19,7 +19,8 @@ pub enum Easing {
 }
 
 impl Easing {
-    /// Reads the name of an easing, in any case; words may be joined by `-` or `_`.
+    /// Reads the name of an easing, in any case, with or without "ease" before it; words may be joined by `-` or `_`.
+    /// Returns `None` for an unknown name.
     pub(super) fn named(text: &str) -> Option<Self> {
         let words = text.trim().to_lowercase().replace(['-', '_'], " ");
         match words.strip_prefix("ease ").unwrap_or(&words) {

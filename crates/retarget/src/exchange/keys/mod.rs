@@ -45,7 +45,7 @@ pub struct KeyedMotion {
     pub motion: RigMotion,
     /// Time of the first row, s.
     pub start_s: f64,
-    /// Number of rows, if they are keys and not a recording.
+    /// Number of rows, if they are keys; `None` for a recording.
     pub keys: Option<usize>,
     /// For each joint with changes that are faster than its maximum speed: the fastest such change.
     pub jumps: Vec<Jump>,
@@ -86,7 +86,7 @@ impl std::fmt::Display for Jump {
 struct Keyed {
     place: usize,
     unit: Option<Unit>,
-    /// Easing of its column, from the row below the header.
+    /// Easing of its column, from the row below the header; `None` if there is no such row, or its field is empty.
     easing: Option<Easing>,
     track: Track,
 }
