@@ -177,7 +177,7 @@ impl Baker<'_> {
     /// Writes a show of a rig's motion.
     ///
     /// # Errors
-    /// [`BakeError`] if the motion exceeds the bounds of the format.
+    /// [`BakeError`] if the format cannot express the motion or its rate, or the motion is not one of the rig.
     pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
         let once = |motion: &RigMotion, marks: &ShowMarks| {
             let content = Content::of(self.mechanism, motion, marks)?;

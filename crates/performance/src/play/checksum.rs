@@ -22,7 +22,7 @@ const BLOCK: usize = 1 << 16;
 pub(super) struct Summed<W> {
     writer: W,
     sum: Sha256,
-    /// Whether writing has ended.
+    /// Whether writing has ended; further bytes are ignored.
     pub(super) is_over: bool,
 }
 

@@ -38,7 +38,7 @@ pub struct SimulatedRig<'a, P> {
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
     ticks: u64,
-    /// Number of ticks that were not complete: the watchdog was not fed.
+    /// Number of ticks that were not complete; in these a board would not feed its watchdog.
     incomplete: u64,
     last: Option<Incomplete>,
     peer: Option<Rc<RefCell<dyn PeerController>>>,

@@ -175,7 +175,7 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         let report = self.sim.report();
         each(self.sim.time_s(), report.state);
         match report.answer {
-            // Registers are still being read.
+            // The rig is not ready yet: for example, its registers are still being read.
             Some(Err(Refused::RegistersUnread | Refused::StopUntested | Refused::NotMeasured)) => {}
             Some(Err(why)) => return Err(TeachSessionError::Refused(why)),
             _ => {}

@@ -176,7 +176,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
     }
 
-    /// Sets the faults of the servos, which have the rig's numbers; times are since power-on.
+    /// Sets the faults of the servos. A servo is given by its index in the rig; times are since power-on.
     pub fn set_faults(&mut self, faults: impl IntoIterator<Item = Fault>) {
         let place = |fault: Fault| Fault { servo: self.parts.place_on_bench(fault.servo), ..fault };
         let faults = faults.into_iter().map(place).collect();
@@ -186,7 +186,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         }
     }
 
-    /// Returns the number of restarts.
+    /// Returns the number of starts, including the first.
     pub fn starts(&self) -> u32 {
         self.starts
     }
