@@ -12,7 +12,7 @@ pub enum Quantity {
     Angle,
     /// A position of a slide.
     Length,
-    /// A number of a quaternion, which has no unit.
+    /// A number whose column has no unit: of a quaternion, or of the base's pose.
     Pure,
 }
 

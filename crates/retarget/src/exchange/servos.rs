@@ -74,7 +74,7 @@ pub enum ServoTrackError {
         /// Id or channel of both.
         number: u8,
     },
-    /// Positions belong to servos that the rig does not have, or their number differs.
+    /// Positions belong to a servo that the rig does not have.
     #[error("servo {found}: expected the ids or channels of the rig: {expected}")]
     UnknownServo {
         /// Number of the servo.
@@ -168,8 +168,8 @@ impl Numbering {
 /// Computes the positions of a rig's servos during a motion.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, a drive refuses a position, or a position
-/// is not finite.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a drive
+/// refuses a position, or a position is not finite.
 pub fn tracks(
     rig: &Description,
     mechanism: &Mechanism,
@@ -216,8 +216,8 @@ pub fn tracks(
 /// Computes the rig's motion from servo positions; joints without servos stay at home.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo has no position in a row, or a drive refuses a position.
-/// Tracks of other servos are ignored.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a servo has
+/// no position in a row, or a drive refuses a position. Tracks of other servos are ignored.
 pub fn motion(
     rig: &Description,
     mechanism: &Mechanism,

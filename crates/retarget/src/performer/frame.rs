@@ -39,7 +39,8 @@ impl PerformerFrame {
         (self.points_m[to]? - self.points_m[from]?).try_normalize()
     }
 
-    /// Returns the way from the first to the last landmark of a limb, divided by the length of the limb.
+    /// Returns the way from the first to the last landmark of a limb, divided by the length of the limb; `None` if a
+    /// landmark is missing, or the limb has no length.
     pub fn reach(&self, [top, middle, end]: [Landmark; 3]) -> Option<DVec3> {
         let [top, middle, end] = [top, middle, end].map(|landmark| self.points_m[landmark]);
         let (top, middle, end) = (top?, middle?, end?);

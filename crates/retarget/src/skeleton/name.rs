@@ -99,7 +99,7 @@ impl Name {
         self.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(part, _)| *part)
     }
 
-    /// Returns whether the name contains no part of a body.
+    /// Returns whether the name has no known meaning.
     pub(super) fn is_silent(&self) -> bool {
         self.parts.is_empty() && self.kind == Kind::Body
     }

@@ -20,7 +20,7 @@ const HIPS_S: [f64; 2] = [1.6, 0.3];
 const SPEED_S: f64 = 0.03;
 const RAMP_S: f64 = 0.05;
 
-/// Converts a performance to a rig as it arrives: one sweep per frame, without allocation.
+/// Converts a performance to a rig as it arrives: after the first frame with one sweep per frame, without allocation.
 #[derive(Debug, Clone)]
 pub struct Live {
     solver: Solver,
