@@ -57,7 +57,7 @@ impl<P: Performance> Page<'_, P> {
     /// Returns the page as one HTML text that includes all scripts and data. O(duration · bodies).
     ///
     /// # Errors
-    /// [`CheckError`] if the rig is larger than the core's capacity, or a time is outside the performance.
+    /// [`CheckError`] if the rig is larger than the core's capacity, or an instant is invalid for the rig.
     pub fn html(&self) -> Result<String, CheckError> {
         let drawn = Drawn::of(self.mechanism, self.limits, self.report);
         let json = drawn.json(self.mechanism, self.performance)?;
