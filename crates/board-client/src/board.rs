@@ -298,7 +298,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the state from the newest telemetry.
+    /// Returns the state in the newest summary, or `None` if none has arrived.
     pub fn state(&self) -> Option<State> {
         self.log.summary.map(|summary| summary.state)
     }
@@ -320,7 +320,8 @@ impl<L: Line> Board<L> {
         Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
     }
 
-    /// Reads the log of faults: the first since they were cleared, then from the latest back.
+    /// Reads the log of faults: the first fault since faults were cleared, then the others from the latest to the
+    /// earliest.
     ///
     /// # Errors
     /// As in [`Self::ask`].

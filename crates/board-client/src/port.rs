@@ -15,7 +15,7 @@ pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Time for a controller to answer on a port where servos are expected.
 const GLANCE: Duration = Duration::from_millis(400);
-/// Time for any servo to answer.
+/// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
 /// Opens a port, and a session with its controller.
@@ -35,7 +35,8 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the only port with a controller among the candidates: `None` stands for all USB ports.
+/// Opens the only port with a controller among the candidates, and returns it with the session. With `None` the
+/// candidates are all USB ports.
 ///
 /// # Errors
 /// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
@@ -73,7 +74,8 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     found.pop().ok_or_else(|| ClientError::NoneFound(none()))
 }
 
-/// Returns `true` if a controller answers at a port: for programs that look for servos.
+/// Returns `true` if a controller answers at a port, even if its link version does not fit. Programs that look for
+/// servos leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }

@@ -20,7 +20,7 @@ pub struct TelemetryLog {
     pub summary: Option<Summary>,
     /// Newest pose: the rig's coordinates.
     pub q: Vec<f32>,
-    /// All poses since this field was set, for recording; `None` disables it.
+    /// All poses that have arrived since this field was set to a list; with `None` poses are not recorded.
     pub poses: Option<Vec<TimedPose>>,
     /// Newest data of dofs.
     pub dofs: Vec<Dof>,
@@ -38,7 +38,7 @@ pub struct TelemetryLog {
 }
 
 impl TelemetryLog {
-    /// Returns the number of the newest frame.
+    /// Returns the number of the newest frame, or `None` if none has arrived.
     pub(crate) fn heard(&self) -> Option<u16> {
         self.next.map(|next| next.wrapping_sub(1))
     }

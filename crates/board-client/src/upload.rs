@@ -7,7 +7,7 @@ use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Locati
 
 use crate::{Board, ClientError, Line};
 
-/// Maximum time of a board's restart, unless it is slow to erase flash.
+/// Maximum wait for a board to answer after its restart. A board that is slow to erase flash may exceed this time.
 const RESTART: Duration = Duration::from_secs(10);
 
 /// Returns the item that describes a content. `rig`: the CRC of the rig that the content belongs to, 0 for any rig.
@@ -59,8 +59,8 @@ impl<L: Line> Board<L> {
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
 
-    /// Sends a command of an upload, first `BeginUpload`. Returns the next command, or `None` after the last. For
-    /// callers that do other things between two blocks.
+    /// Sends one command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
+    /// It is for callers that do other work between two blocks.
     ///
     /// # Errors
     /// As in [`Self::upload`].

@@ -142,7 +142,7 @@ impl MemoryMap {
     }
 }
 
-/// Converts rev/min to rad/s: 2 pi / 60.
+/// Speed of 1 rev/min in rad/s: 2 pi / 60.
 pub(crate) const RAD_S_PER_RPM: f32 = core::f32::consts::TAU / 60.0;
 
 impl Item {

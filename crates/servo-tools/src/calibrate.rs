@@ -246,7 +246,7 @@ pub fn offsets(
         .collect())
 }
 
-/// Rounds to 0.01 deg: no hand finds an end better.
+/// Rounds to 0.01 deg: a hand does not find the end of a range more exactly.
 fn hundredths(degrees: f64) -> f64 {
     (degrees * 100.0).round() / 100.0
 }

@@ -321,7 +321,7 @@ pub(crate) fn packet(
     Ok(out)
 }
 
-/// Returns the reason why a Dynamixel refuses. A Feetech reports none.
+/// Returns the error number of a Dynamixel's reply, or `None` if it has none. A Feetech never reports a reason.
 fn error_code(protocol: Protocol, error: u8) -> Option<ErrorCode> {
     match protocol {
         Protocol::Dynamixel => StatusError::from_byte(error).code(),

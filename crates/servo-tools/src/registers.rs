@@ -92,7 +92,8 @@ pub fn write<E: Exchange>(
     Ok(reading(&item, raw))
 }
 
-/// Returns the command to use instead of a plain write, for registers that could lose the servo or its settings.
+/// Returns the command to use instead of a plain write, or why there is none, for registers that could lose the servo
+/// or its settings. Returns `None` for other registers.
 fn elsewhere(servo: &Servo, item: &Item) -> Option<String> {
     let id = servo.id;
     if item.address == servo.table.address(Role::Id) {
@@ -148,7 +149,8 @@ fn counts<E: Exchange>(
     }
 }
 
-/// Returns the allowed values of a register whose range contains values without a meaning.
+/// Returns the allowed values of a register whose range contains invalid or harmful values. Returns `None` if the whole
+/// range is allowed.
 fn choices(servo: &Servo, item: &Item) -> Option<&'static [i32]> {
     match &servo.table {
         Table::Dynamixel(_) if item.address == dxl::OPERATING_MODE => {

@@ -97,7 +97,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Loads another show, or none. A refused show is not kept.
+    /// Loads another show; `None` loads no show. A refused show is not kept.
     pub(super) fn load<const BODIES: usize, const SERVOS: usize>(
         &mut self,
         bytes: Option<&'a [u8]>,
@@ -123,7 +123,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Sets another show that was checked already, or none.
+    /// Sets another show that was checked already; `None` sets no show.
     pub(super) fn put(&mut self, show: Option<ShowFrames<'a, COORDS>>, plays: bool) {
         self.uploaded |= show.is_some();
         (self.show, self.ticks) = (show, 0);
@@ -135,7 +135,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
     }
 
-    /// Returns the fault of the show that played. It is returned only once.
+    /// Returns the fault of the show that played, if there is one. Each fault is returned only once.
     pub(super) fn take_fault(&mut self) -> Option<Fault> {
         self.fault.take()
     }
@@ -160,7 +160,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         Feeds { show, live: self.has_live, jog: jog.is_some() }
     }
 
-    /// Returns the position in the show.
+    /// Returns the position in the show, or `None` without a show.
     pub(super) fn position(&self) -> Option<Position> {
         self.show.as_ref().map(|frames| self.at(frames))
     }
@@ -200,13 +200,13 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Returns the goal at rest, for a rig that is lowered.
+    /// Sets the speeds and accelerations of the goal to zero, and returns the goal, for a rig that is lowered.
     pub(super) fn lower(&mut self) -> &mut Pose<DOFS, COORDS> {
         self.goal.rest();
         &mut self.goal
     }
 
-    /// Sets the goal to the measured pose, for a rig that is led by hand.
+    /// Sets the positions of the goal to the measured pose, and returns the goal, for a rig that is led by hand.
     pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<DOFS, COORDS> {
         self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);
         &self.goal

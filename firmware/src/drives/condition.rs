@@ -5,7 +5,7 @@ use sinew_servo_bus::{Effort, Feedback, Health, ServoBus};
 use super::{InputError, Limit};
 use crate::SettingError;
 
-/// The last readings of a servo's bus.
+/// The measured condition of a servo: its last readings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Condition {
     /// The last reading of position, velocity and effort; `None` if there never was one.

@@ -15,8 +15,9 @@ pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS
     seq: u16,
     /// Sequence number after the newest frame that the host has acknowledged.
     heard: u16,
-    /// Time of the last new or complete acknowledgement, µs. `spoke_us` is the time of the host's last message.
-    /// Only differences of these times are used.
+    /// Time of the last message that acknowledged a new frame, or that arrived when all frames were acknowledged or
+    /// after a long silence, µs. `spoke_us` is the time of the host's last message. Only differences of these times are
+    /// used.
     heard_us: u32,
     spoke_us: u32,
 }

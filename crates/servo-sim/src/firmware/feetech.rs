@@ -61,7 +61,8 @@ impl Settings {
         if self.has(phase::REVERSED_MOTOR) { -1.0 } else { 1.0 }
     }
 
-    /// Returns whether positions stay within one turn: a move has limits unless both are 0.
+    /// Returns whether goals are limited to a range within one turn: in mode 0, if the minimum position is below the
+    /// maximum.
     fn is_single_turn(&self) -> bool {
         let [least, most] = self.position_limits;
         self.mode == 0 && least < most

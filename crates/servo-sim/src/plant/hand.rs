@@ -49,7 +49,7 @@ impl Grip {
 }
 
 impl Holds {
-    /// Returns the force of the hand, and how it decreases with speed.
+    /// Returns the force of the hand, and the decrease of the force per unit of speed.
     pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
         let Grip { dof, coordinate, stiffness } = self.grip;
         let (at, speed) = (q[coordinate], qd[dof]);

@@ -232,7 +232,8 @@ impl RigPlant {
         Ok(())
     }
 
-    /// Sets the additional inertia of each motion, so that none is lighter at home than a horn on each servo.
+    /// Sets the additional inertia of each motion, so that at home no motion has less inertia than a horn on each of
+    /// its servos.
     fn take_extra(&mut self) {
         for way in 0..self.joints.len() {
             let moved = self.inertia(way, way);
@@ -404,8 +405,8 @@ fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     list.iter().map(own).collect()
 }
 
-/// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
-/// pulls.
+/// Returns the force of a stop, and the decrease of the force per unit of speed. Returns `None` if the stop does not
+/// push; it never pulls.
 fn stop(
     dt_s: f64,
     stiffness: f64,

@@ -58,14 +58,15 @@ impl<const K: usize> FaultLog<K> {
         self.since = self.since.saturating_add(1);
     }
 
-    /// Records that faults were cleared: the next fault becomes the first. Until then the stored one stays.
+    /// Records that faults were cleared: the next fault becomes the first. Until then the log keeps the previous first
+    /// fault.
     pub fn clear(&mut self) {
         self.since = 0;
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before they were
-    /// cleared.
+    /// Returns the first fault since faults were cleared. If no fault has occurred since then, returns the previous
+    /// first fault.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }
