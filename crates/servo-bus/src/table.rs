@@ -85,6 +85,38 @@ pub enum Range {
     Within(u16, u16),
 }
 
+/// A register of which a simulated servo obeys only some values. It refuses the others, because a program could believe
+/// that it has an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Restriction {
+    /// First address of the register.
+    pub address: u16,
+    /// Values that the simulated servo obeys.
+    pub obeys: Obeys,
+}
+
+/// The values of a register that a simulated servo obeys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Obeys {
+    /// This value only.
+    Only(i32),
+    /// Every value except this one.
+    AllBut(i32),
+}
+
+impl Restriction {
+    /// Returns whether one of `restrictions` refuses this value of the register at `address`. A list, not a function
+    /// that the caller gives: a board's image then has no indirect call.
+    pub(crate) fn refuse(restrictions: &[Self], address: u16, value: i32) -> bool {
+        restrictions.iter().filter(|restriction| restriction.address == address).any(
+            |restriction| match restriction.obeys {
+                Obeys::Only(only) => value != only,
+                Obeys::AllBut(refused) => value == refused,
+            },
+        )
+    }
+}
+
 /// The unit of one count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {

@@ -6,7 +6,7 @@ pub(crate) mod error;
 mod feetech;
 pub(crate) mod limits;
 mod on_line;
-mod refused;
+mod restrictions;
 
 use std::collections::VecDeque;
 

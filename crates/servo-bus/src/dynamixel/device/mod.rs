@@ -17,7 +17,7 @@ use super::status::ErrorCode;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
 pub use event::Event;
-pub use memory::{Memory, Refuses};
+pub use memory::Memory;
 use servo::{Answers, Servo};
 
 /// A simulated servo on a bus line. `N` is the length of the longest packet that it can receive or send.

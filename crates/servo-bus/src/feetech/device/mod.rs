@@ -7,6 +7,7 @@ use heapless::{Deque, Vec};
 use super::parser::Parser;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
+use crate::table::Restriction;
 
 /// An event that the simulation of a servo may want to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,11 +50,8 @@ pub struct Device<'m> {
     answer: Vec<u8, LONGEST>,
     due_us: Option<u32>,
     events: Deque<Event, 8>,
-    refuses: Refuses,
+    restrictions: &'static [Restriction],
 }
-
-/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
-pub type Refuses = fn(address: u8, value: i32) -> bool;
 
 #[derive(Debug, Clone, Copy)]
 struct Turn {
@@ -76,15 +74,15 @@ impl<'m> Device<'m> {
             answer: Vec::new(),
             due_us: None,
             events: Deque::new(),
-            refuses: |_, _| false,
+            restrictions: &[],
         };
         device.reset_all(id);
         device
     }
 
     /// Sets which values a controller cannot write: a register then keeps its value, and no answer says so.
-    pub fn refuse(&mut self, refuses: Refuses) {
-        self.refuses = refuses;
+    pub fn restrict(&mut self, restrictions: &'static [Restriction]) {
+        self.restrictions = restrictions;
     }
 
     /// Returns the value of a register, or 0 if the servo has no register at `address`.
