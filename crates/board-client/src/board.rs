@@ -112,10 +112,7 @@ impl<L: Line> Board<L> {
         self.silence = silence;
     }
 
-    /// Returns the description of the controller.
-    ///
-    /// # Panics
-    /// Never, because the controller has answered a greeting.
+    /// Returns the description of the controller from its answer to the greeting.
     pub fn about(&self) -> About {
         const NOBODY: About = About {
             protocol: Version::CURRENT,
@@ -320,8 +317,9 @@ impl<L: Line> Board<L> {
         Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
     }
 
-    /// Reads the log of faults: the first fault since faults were cleared, then the others from the latest to the
-    /// earliest.
+    /// Reads the log of faults: the first fault since faults were cleared, then the stored faults from the latest to
+    /// the earliest, then the last warning. If no fault has occurred since then, the log contains only the warning, if
+    /// there is one.
     ///
     /// # Errors
     /// As in [`Self::ask`].

@@ -113,7 +113,7 @@ impl<L: Line> Board<L> {
             .collect()
     }
 
-    /// Returns the slot of a show with this content for this rig.
+    /// Returns the slot of a show with this content for this rig, or `None` if no slot has it.
     ///
     /// # Errors
     /// As in [`Self::ask`].

@@ -64,8 +64,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(Self { client, servo, was_on, before: Vec::new(), motion: None, is_over: false })
     }
 
-    /// Guards a servo that is moved by at most `most_deg_s`, deg/s. Refuses if the servo has a fault, moves, or was
-    /// left by a program that was killed. Sets its watchdog, if it has one.
+    /// Guards a servo that is moved by at most `most_deg_s`, deg/s. Refuses if the servo has a fault, or a program that
+    /// was killed has left its torque on. Sets its watchdog, if it has one.
     pub(crate) fn begin_move(
         client: &'c mut Client<E>,
         servo: &'c Servo,
@@ -126,7 +126,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(())
     }
 
-    /// Writes a register and verifies the value.
+    /// Stores the present value of a register, then writes the register and verifies the new value. Before a change of
+    /// mode, also stores the registers that it resets.
     pub(crate) fn change(&mut self, item: &Item, raw: i32) -> Result<(), ServiceError> {
         let is_mode =
             matches!(self.servo.table, Table::Dynamixel(_)) && item.address == dxl::OPERATING_MODE;
@@ -255,8 +256,8 @@ impl<E: Exchange> Drop for Guard<'_, E> {
 
 impl Motion {
     /// Returns the servo to its state before the move: with torque off if it was off, otherwise at the position that it
-    /// held. A servo that refuses its goal would continue with full torque: its torque is switched off, even if it held
-    /// something.
+    /// held, or at its present position if its encoder has jumped. A servo that refuses its goal would continue with
+    /// full torque: its torque is switched off, even if it held something.
     fn calm<E: Exchange>(
         &self,
         client: &mut Client<E>,

@@ -62,10 +62,12 @@ fn reading(item: &Item, raw: i32) -> Reading {
 }
 
 /// Writes a register by name, and returns its value afterwards. Refuses if the number is out of range, the register is
-/// read-only or has its own command, or the register is in EEPROM and torque is on.
+/// read-only or has its own command, or the register is in EEPROM and torque is on; refuses a goal position of a
+/// Feetech while its torque is off.
 ///
 /// # Errors
-/// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number.
+/// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number;
+/// [`ServiceError::State`] for the goal position of a Feetech without torque.
 pub fn write<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

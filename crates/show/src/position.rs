@@ -18,7 +18,7 @@ impl Rate {
         self.samples as f32 / self.seconds as f32
     }
 
-    /// Returns the progress of a show of this rate in `dt_s`, at most 8 s.
+    /// Returns the progress of a show of this rate in the time `dt_s`, which counts as at most 8 s.
     pub(crate) fn pace(self, dt_s: f32) -> Pace {
         // 2^40: multiplication by a power of two is exact, and 2^43 times 2^20 fits.
         const UNIT: f32 = 1_099_511_627_776.0;

@@ -97,7 +97,8 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Loads another show; `None` loads no show. A refused show is not kept.
+    /// Loads another show; `None` loads no show. A refused show is not kept. `plays` is whether the previous show is
+    /// being played: then it ends, and a refused show is a fault.
     pub(super) fn load<const BODIES: usize, const SERVOS: usize>(
         &mut self,
         bytes: Option<&'a [u8]>,
@@ -140,7 +141,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         self.fault.take()
     }
 
-    /// Reads the stream's target. Returns whether all of its numbers are finite.
+    /// Reads the stream's target. Returns whether there is none, or all of its numbers are finite.
     pub(super) fn listen(&mut self, now_us: u64, live: &mut impl LiveSource) -> bool {
         let [q, qd, qdd] = self.live.all_mut();
         self.has_live = live.target(now_us, q, qd, qdd);

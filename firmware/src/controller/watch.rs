@@ -253,8 +253,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// Checks the distance of the measured dofs from the commands (`report`), at the commanded speeds `qd`, and
-    /// whether they swing. `is_held` is whether they have their full effort.
+    /// Checks the distance of the measured dofs from the commands (`report`), at the commanded speeds `qd`, and whether
+    /// they swing. `is_held` is whether they have their full effort. Returns the mean and the largest distance.
     pub(super) fn dofs(
         &mut self,
         own: &[BoardDof],

@@ -9,7 +9,7 @@
 //! | class | for | uses | method | minimum rate |
 //! | --- | --- | --- | --- | --- |
 //! | [`CurrentDrive`] | servos in current mode | both efforts | effort and friction over torque constant | 200 Hz |
-//! | [`VoltageDrive`] | servos in PWM mode | both efforts | voltage for that current plus back-EMF, over supply | 200 Hz |
+//! | [`VoltageDrive`] | servos in PWM mode | both efforts | (voltage for that current + back-EMF) / supply | 200 Hz |
 //! | [`PositionDrive`] | servos by position | target, feed-forward effort | target, effort over stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
 //! # Why a position servo gets no feedback effort

@@ -232,8 +232,8 @@ impl RigPlant {
         Ok(())
     }
 
-    /// Sets the additional inertia of each motion, so that at home no motion has less inertia than a horn on each of
-    /// its servos.
+    /// Sets the additional inertia of each motion. With it, no motion has less inertia at home than a horn on each of
+    /// its servos. A joint without servos gets the inertia of its rotor, and at least [`LEAST_INERTIA`] in total.
     fn take_extra(&mut self) {
         for way in 0..self.joints.len() {
             let moved = self.inertia(way, way);

@@ -20,7 +20,7 @@ const MOVES: i32 = 3;
 /// Step by which the torque limit grows every [`RAMP`] until the servo creeps, as a part of the full torque.
 const RAMP_PART: f64 = 0.005;
 const RAMP: Duration = Duration::from_millis(8);
-/// Maximum torque that friction may take, as a part of the full torque.
+/// Maximum torque for friction, in addition to that for gravity, as a part of the full torque.
 const MOST_CREEP: f64 = 0.4;
 /// Maximum time to brake, with as much torque as the tap itself.
 const MOST_BRAKE: Duration = Duration::from_millis(400);

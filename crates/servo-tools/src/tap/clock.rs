@@ -37,7 +37,7 @@ impl Clock {
         })
     }
 
-    /// Reads as fast as line and servo allow.
+    /// Reads until the time `end`, as fast as line and servo allow, and appends the measurements that are new.
     pub(super) fn read_until<E: Exchange>(
         &self,
         client: &mut Client<E>,

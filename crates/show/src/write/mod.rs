@@ -200,7 +200,7 @@ impl<'a> Writer<'a> {
         Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
     }
 
-    /// Recomputes the channels that do not fulfil the requested shares.
+    /// Recomputes the channels that do not fulfil the requested shares, and those of the joints that follow them.
     fn refine(&mut self, longest: i32, blocks: i32) -> Result<(), WriteError> {
         let Self { motion, settings, block, .. } = *self;
         let per_sample = per_sample(&motion);

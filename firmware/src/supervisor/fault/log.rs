@@ -76,8 +76,8 @@ impl<const K: usize> FaultLog<K> {
         self.last.iter().flatten().copied()
     }
 
-    /// Returns the records that are new compared with an earlier copy of this log, in the order in which they
-    /// occurred.
+    /// Returns the records that are new compared with an earlier copy of this log, in the order in which they occurred,
+    /// and between them the news that faults were cleared.
     pub(crate) fn news<'l>(&'l self, before: &'l Self) -> impl Iterator<Item = FaultNews> + 'l {
         let is_new = |record: &&FaultRecord| !before.last.contains(&Some(**record));
         let (since, older) = self.last.split_at_checked(self.since).unwrap_or((&self.last, &[]));
