@@ -92,7 +92,7 @@ impl<L: Line> Board<L> {
         }))
     }
 
-    /// Returns the item that is stored at a location.
+    /// Returns the item that is stored at a location, or `None` if there is none.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -103,7 +103,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the item in each slot for shows.
+    /// Returns the item in each slot for shows; `None` for an empty slot.
     ///
     /// # Errors
     /// As in [`Self::ask`].

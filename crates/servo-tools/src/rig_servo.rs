@@ -29,12 +29,12 @@ pub struct RigServo {
 }
 
 impl RigServo {
-    /// Returns the registers of the servo's kind, or `None` for a kind that only the rig file describes.
+    /// Returns the registers of the servo's kind, or `None` for a kind without a known table.
     pub fn table(&self) -> Option<Table> {
         Table::named_model(&self.model.name, u8::MAX)
     }
 
-    /// Returns the servo's protocol, if its kind is known.
+    /// Returns the servo's protocol, or `None` for a kind without a known table.
     pub fn protocol(&self) -> Option<Protocol> {
         self.table().map(|table| table.protocol())
     }

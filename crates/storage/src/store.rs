@@ -89,7 +89,7 @@ impl<F: NorFlash> Store<F> {
         &self.board
     }
 
-    /// Returns the flash.
+    /// Ends the store, and returns the flash.
     pub fn close(self) -> F {
         self.flash
     }

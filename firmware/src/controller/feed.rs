@@ -179,7 +179,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }
 
-    /// Returns the first pose of the show, at rest.
+    /// Returns the first pose of the show, at rest, or `None` without a show.
     pub(super) fn first(&mut self) -> Option<&[f32]> {
         self.goal.take(self.show.as_mut()?.frame(-1));
         Some(self.goal.q())

@@ -22,7 +22,7 @@ impl Condition {
         Self::new(bus.feedback(servo), bus.health(servo).unwrap_or_default())
     }
 
-    /// Creates a condition from a reading.
+    /// Creates a condition from a reading and the servo's health.
     pub(crate) fn new(feedback: Option<Feedback>, health: Health) -> Self {
         Self { feedback, temperature_c: health.temperature_c, supply_v: health.voltage_v }
     }

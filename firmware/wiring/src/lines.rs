@@ -63,7 +63,7 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
         planned.inspect_err(|why| self.failed = Some(*why)).ok()?
     }
 
-    /// Passes bytes from servos to a line's bus. Returns whether the reply is complete.
+    /// Passes bytes from servos to a line's bus. Returns whether the reply is complete, or there is no such line.
     pub fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
         self.buses.get_mut(line).is_none_or(|bus| bus.reply(bytes))
     }

@@ -66,7 +66,7 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
         if bytes.is_empty() { Ok(wiring) } else { Err(WiringError::Bytes) }
     }
 
-    /// Returns the controller's settings.
+    /// Returns the controller's settings: the default ones, with this wiring's tracker.
     pub fn settings(&self) -> ControllerSettings {
         ControllerSettings { tracker: self.tracker, ..ControllerSettings::default() }
     }

@@ -34,7 +34,8 @@ pub(super) struct Holds {
 }
 
 impl Grip {
-    /// Returns the grip on a dof, or `None` for a ball joint, which hands cannot guide.
+    /// Returns the grip on a dof. Returns `None` for a ball joint or the free base, which hands cannot guide, and if
+    /// there is no such dof.
     pub(super) fn new(mechanics: &Mechanics, dof: usize) -> Option<Self> {
         let bodies = &mechanics.mechanism.bodies;
         let body = (0..bodies.len()).find(|at| mechanics.dofs_of(*at).contains(&dof))?;

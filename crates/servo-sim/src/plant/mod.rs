@@ -262,8 +262,8 @@ impl RigPlant {
         sum
     }
 
-    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide
-    /// ball joints.
+    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide ball
+    /// joints and the free base.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.hands.retain(|holds| holds.grip.dof != dof);
         let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };

@@ -47,7 +47,7 @@ pub struct Written {
 /// Writes a show of a motion, with few knots for the given error bounds.
 ///
 /// # Errors
-/// [`WriteError`] with the invalid part of the motion or the settings.
+/// [`WriteError`] with the invalid part of the motion or the settings, or as in [`Writer::write`].
 pub fn write(motion: &Motion<'_>, settings: &Settings) -> Result<Written, WriteError> {
     Writer::new(*motion, *settings)?.write()
 }

@@ -73,7 +73,8 @@ impl Derated {
     const NOT_FINITE: Self =
         Self { share: 0.0, reason: Some(Concern::NotFinite), fault: Some(Fault::NotFinite) };
 
-    /// Returns the stricter of two results.
+    /// Combines two results: the smaller share, with the reason and the fault of the stricter result, or those of the
+    /// other result if it has none.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let (less, more) = if other.share < self.share { (other, self) } else { (self, other) };

@@ -99,7 +99,7 @@ impl Winding {
 mod tests {
     use super::*;
 
-    /// Returns the seconds until a current is a fault, up to an hour.
+    /// Returns the seconds until a current is a fault, or `None` if it is not within an hour.
     fn lasts_s(current_a: f32, dt_s: f32) -> Option<f32> {
         let mut winding = Winding::new(WindingSettings::of_stall(1.0), dt_s).unwrap();
         let mut at_s = (1_u32..).map(|tick| tick as f32 * dt_s).take_while(|at| *at < 3600.0);

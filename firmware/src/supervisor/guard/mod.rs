@@ -133,7 +133,7 @@ impl Guard {
         read.age_ticks as f32 * self.dt_s
     }
 
-    /// Returns the maximum speed of the servo, rad/s.
+    /// Returns the maximum speed of the servo, rad/s: its own, or the permitted speed if that is lower.
     fn speed(&self, permission: &Permission) -> f32 {
         let allowed = permission.speed_rad_s.map(|speed| speed * self.settings.gear);
         allowed.map_or(self.settings.speed_rad_s, |speed| speed.min(self.settings.speed_rad_s))
