@@ -1,9 +1,10 @@
 //! Guards servos that a tool changes: whatever ends the tool, the servo's previous state is restored, or the tool
 //! reports that it is not.
 //!
-//! A tool changes registers through its [`Guard`], which stores the previous values. At the end of the tool, after an
-//! error and after a signal, the guard restores all of them. If torque was off before, it is switched off first. While
-//! a servo moves, the guard checks temperature, errors, torque, and whether the reported position is possible.
+//! A tool changes registers through its [`Guard`], which stores the previous values. The guard restores all of them
+//! after an error or a signal, and at the end of each tool whose changes are only temporary. If torque was off before,
+//! it is switched off first. While a servo moves, the guard checks temperature, errors, torque, and whether the
+//! reported position is possible.
 //!
 //! A program that was killed cannot restore anything. For this case, a servo with a bus watchdog has its watchdog set
 //! during a move, and stops by itself; and every servo that can limit its torque has it limited. [`left`](crate::left)

@@ -26,7 +26,7 @@ fn model(name: &str) -> &'static Model {
     MODELS.iter().find(|model| model.name == name).unwrap()
 }
 
-/// Runs one tick. Returns the number of questions after the readings. `damage` changes the replies.
+/// Runs one tick. Returns the number of questions after the readings. `damage` changes the replies to these questions.
 fn tick<D: BusDevice>(
     bus: &mut impl ServoBus,
     device: &mut D,

@@ -99,7 +99,7 @@ struct Bench<'m> {
 }
 
 impl Bench<'_> {
-    /// Sends a packet to an id, and notes the answer.
+    /// Reads a register of the servo with this id, or writes `value` to it, and notes the answer.
     fn ask(&mut self, id: u8, item: &Item, value: Option<i32>) {
         let bytes = item.bytes(value.unwrap_or(0), ByteOrder::Little);
         let data = &bytes[..usize::from(item.size)];

@@ -10,7 +10,8 @@
 //! | [`Overrun`] | rig | more than 3 ticks in 500 |
 //! | [`Swing`] | dof | 0.15 deg rms above about 12 Hz, and 3 % of its maximum effort: a warning, not a fault |
 //!
-//! A NaN or infinite input is a fault at once, [`Fault::NotFinite`], and does not change the detector.
+//! A NaN or infinite input is a fault at once, [`Fault::NotFinite`], and does not change the detector. [`Swing`]
+//! reports no fault: such an input resets its measurement.
 //!
 //! When a detector finds a fault, [`LEAST_SHARE`] of the effort is left: the reaction decides how the rig is lowered,
 //! and a servo without effort would let it fall.

@@ -64,7 +64,7 @@ impl Host {
         }
     }
 
-    /// Sends a new hello.
+    /// Makes the host send a new hello in its next step.
     pub(crate) fn greet(&mut self) {
         self.nonce = self.nonce.wrapping_add(1);
         self.welcome = None;
