@@ -159,8 +159,8 @@ impl<L: Line> Board<L> {
     /// Sends a command until it is answered. Returns its result.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
-    /// [`ClientError::Line`].
+    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`]; [`ClientError::Unexpected`] if
+    /// the previous command has no answer yet; others as in [`Self::step`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }
@@ -228,8 +228,8 @@ impl<L: Line> Board<L> {
         self.version().minor >= ACKNOWLEDGED_SINCE
     }
 
-    /// Ends the session of a host that receives nothing: sends `Stop`, then nothing more. The board then moves its
-    /// rig to the rest pose, or holds, and lowers it on its own.
+    /// Ends the session if telemetry is on and nothing was received for too long: sends `Stop`, and then nothing more
+    /// except an emergency stop. The board then moves its rig to the rest pose, or holds, and lowers it on its own.
     fn watch(&mut self) -> Result<(), ClientError> {
         let told_hz = if self.is_driven && self.acknowledges() {
             self.telemetry_hz.max(TELEMETRY_LEAST_HZ)

@@ -22,7 +22,7 @@ const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 ///
 /// # Errors
 /// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
-/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`].
+/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
 pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     match greet(path, PATIENCE) {
         Err(ClientError::NoController) => match servos(path)? {
@@ -39,8 +39,8 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
 /// candidates are all USB ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
-/// found; others as in [`open`].
+/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were found;
+/// [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
 pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {

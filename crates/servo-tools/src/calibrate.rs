@@ -74,7 +74,7 @@ impl Calibration {
     /// Switches torque off, and starts at the present positions.
     ///
     /// # Errors
-    /// The errors of [`Client::read_bytes`].
+    /// The errors of [`Client::read_bytes`], and [`NotKept`](crate::Registers::NotKept) if torque stays on.
     pub fn begin<E: Exchange>(
         client: &mut Client<E>,
         servos: &[(RigServo, Servo)],

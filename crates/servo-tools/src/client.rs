@@ -207,7 +207,9 @@ impl<E: Exchange> Client<E> {
     /// Reads bytes and the error byte of a servo. Repeats the question after silence or damage.
     ///
     /// # Errors
-    /// [`ServiceError::Silent`], [`ServiceError::Mute`], [`ServiceError::Noise`] or [`ServiceError::Refused`].
+    /// [`ServiceError::Silent`], [`ServiceError::Mute`], [`ServiceError::Noise`] or [`ServiceError::Refused`], by the
+    /// answer of the servo; [`ServiceError::Line`] or [`ServiceError::Passing`] if the line failed;
+    /// [`ServiceError::Stopped`] after a signal.
     pub fn read_bytes(
         &mut self,
         id: u8,

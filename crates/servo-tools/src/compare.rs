@@ -111,7 +111,9 @@ pub struct Applied {
 /// off.
 ///
 /// # Errors
-/// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left.
+/// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left;
+/// [`ServiceError::NotRestored`] if the registers could not be restored after an error; the errors of
+/// [`Client::read_bytes`].
 pub fn apply<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

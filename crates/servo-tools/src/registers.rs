@@ -67,7 +67,7 @@ fn reading(item: &Item, raw: i32) -> Reading {
 ///
 /// # Errors
 /// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number;
-/// [`ServiceError::State`] for the goal position of a Feetech without torque.
+/// [`ServiceError::State`] for the goal position of a Feetech without torque; the errors of [`Client::read_bytes`].
 pub fn write<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -94,8 +94,8 @@ pub fn write<E: Exchange>(
     Ok(reading(&item, raw))
 }
 
-/// Returns the command to use instead of a plain write, or why there is none, for registers that could lose the servo
-/// or its settings. Returns `None` for other registers.
+/// Returns the command to use instead of a plain write, or the reason why there is none, for registers whose change
+/// could make the servo unreachable or lose its settings. Returns `None` for other registers.
 fn elsewhere(servo: &Servo, item: &Item) -> Option<String> {
     let id = servo.id;
     if item.address == servo.table.address(Role::Id) {

@@ -26,10 +26,10 @@ pub struct Store<F> {
     run: u32,
 }
 
-/// Condition of the log when it was opened.
+/// Condition of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Condition {
-    /// There never was a log: the first item creates it.
+    /// There never was a log: the first item, or [`Store::tidy`], creates it.
     New,
     /// The log is in order.
     Good,

@@ -57,7 +57,7 @@ pub struct Begun {
 }
 
 /// The control loop of a rig with at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. It
-/// contains all of its memory: put it in a static.
+/// contains all of its memory, and is therefore large.
 #[derive(Debug)]
 pub struct MotionController<
     'a,
@@ -254,7 +254,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     /// the other show is refused; if it is playing, the rig holds. O(size).
     ///
     /// # Errors
-    /// [`ShowError`] if the show cannot be read, or is for another rig. While a show plays this is also a fault.
+    /// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range. While a show plays
+    /// this is also a fault.
     pub fn load_show(&mut self, bytes: Option<&'a [u8]>) -> Result<(), ShowError> {
         let plays = plays_show(self.state, self.permission.source);
         self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)

@@ -261,7 +261,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
 /// Opens a rig's show in place, and checks all of it for ticks of `dt_s`. For the background task: O(size).
 ///
 /// # Errors
-/// [`ShowError`] if the show cannot be read, or is for another rig.
+/// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range.
 pub fn open_show<
     'a,
     const BODIES: usize,

@@ -144,7 +144,7 @@ impl NodeSettings {
     /// Reads settings. Settings that are missing in the bytes keep their current values.
     ///
     /// # Errors
-    /// [`SettingsError`] names the invalid setting.
+    /// [`SettingsError`] names the invalid setting, or the number of bytes if it is wrong.
     pub fn read(&self, bytes: &[u8]) -> Result<Self, SettingsError> {
         let mut read = self.clone();
         let (all, rest) = bytes.as_chunks::<EACH>();

@@ -51,7 +51,7 @@ pub(super) struct Plan {
 
 /// Torque of the acceleration before the step, as a part of the full torque.
 const PRELOAD: f64 = 0.1;
-/// Time of creeping, in expected periods, limited to the times [`MEET_S`], s.
+/// Minimum duration of creeping: this many expected periods, within the bounds [`MEET_S`], s.
 const MEET_PERIODS: f64 = 2.0;
 const MEET_S: [f64; 2] = [0.04, 0.15];
 /// Duration of the acceleration: this many expected periods, within the bounds [`PRELOAD_S`], s.

@@ -4,8 +4,9 @@ use super::{Concern, Derated, check_dt};
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Heat at which a warning starts, and heat above which the effort is reduced; the fault is at 1.
+/// Heat at which a warning starts. The fault is at 1.
 const WARN: f32 = 0.8;
+/// Heat above which the effort is reduced.
 const DERATE: f32 = 0.9;
 
 /// Thermal limits of a motor.
