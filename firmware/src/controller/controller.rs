@@ -254,8 +254,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     /// the other show is refused; if it is playing, the rig holds. O(size).
     ///
     /// # Errors
-    /// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range. While a show plays
-    /// this is also a fault.
+    /// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range. While a show
+    /// plays this is also a fault.
     pub fn load_show(&mut self, bytes: Option<&'a [u8]>) -> Result<(), ShowError> {
         let plays = plays_show(self.state, self.permission.source);
         self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)

@@ -35,7 +35,8 @@ pub(super) struct Plan {
     pub(super) gravity_part: f64,
     /// Minimum friction at the shaft, N m.
     friction_nm: f64,
-    /// Minimum time of creeping before the acceleration, s.
+    /// Time from the first motion of creeping to the acceleration, in which the teeth come to rest on each other, s; up
+    /// to twice as long in a tap.
     pub(super) meet_s: f64,
     /// Time of the acceleration before the step, s.
     pub(super) preload_s: f64,
@@ -51,7 +52,7 @@ pub(super) struct Plan {
 
 /// Torque of the acceleration before the step, as a part of the full torque.
 const PRELOAD: f64 = 0.1;
-/// Minimum duration of creeping: this many expected periods, within the bounds [`MEET_S`], s.
+/// Minimum time for the teeth to come to rest: this many expected periods, within the bounds [`MEET_S`], s.
 const MEET_PERIODS: f64 = 2.0;
 const MEET_S: [f64; 2] = [0.04, 0.15];
 /// Duration of the acceleration: this many expected periods, within the bounds [`PRELOAD_S`], s.
