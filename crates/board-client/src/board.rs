@@ -114,10 +114,7 @@ impl<L: Line> Board<L> {
         self.silence = silence;
     }
 
-    /// Returns the description of the controller.
-    ///
-    /// # Panics
-    /// Never, because the controller has answered a greeting.
+    /// Returns the description of the controller from its answer to the greeting.
     pub fn about(&self) -> About {
         const NOBODY: About = About {
             protocol: Version::CURRENT,
@@ -164,8 +161,8 @@ impl<L: Line> Board<L> {
     /// Sends a command, repeatedly if necessary, until it is answered. Returns its result.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] if the board did not execute it; [`ClientError::SessionOver`],
-    /// [`ClientError::NoAnswer`], [`ClientError::Deaf`], [`ClientError::Line`].
+    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`]; [`ClientError::Unexpected`] if
+    /// the previous command has no answer yet; others as in [`Self::step`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }
@@ -234,8 +231,8 @@ impl<L: Line> Board<L> {
         self.version().minor >= ACKNOWLEDGED_SINCE
     }
 
-    /// Checks when the last message arrived. If it was too long ago, sends `Stop`, and then nothing more. The board
-    /// then moves its rig to the rest pose, or holds, and lowers it on its own.
+    /// Ends the session if telemetry is on and nothing was received for too long: sends `Stop`, and then nothing more
+    /// except an emergency stop. The board then moves its rig to the rest pose, or holds, and lowers it on its own.
     fn watch(&mut self) -> Result<(), ClientError> {
         let told_hz = if self.is_driven && self.acknowledges() {
             self.telemetry_hz.max(TELEMETRY_LEAST_HZ)
@@ -301,7 +298,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the state from the newest summary; `None` before the first.
+    /// Returns the state in the newest summary, or `None` if none has arrived.
     pub fn state(&self) -> Option<State> {
         self.log.summary.map(|summary| summary.state)
     }
@@ -323,7 +320,9 @@ impl<L: Line> Board<L> {
         Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
     }
 
-    /// Reads the log of faults: the first fault since the last clear, then the others, the latest first.
+    /// Reads the log of faults: the first fault since faults were cleared, then the stored faults from the latest to
+    /// the earliest, then the last warning. If no fault has occurred since then, the log contains only the warning, if
+    /// there is one.
     ///
     /// # Errors
     /// As in [`Self::ask`].

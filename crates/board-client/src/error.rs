@@ -41,10 +41,10 @@ pub enum ClientError {
         /// Baud rate, bit/s.
         baud: u32,
     },
-    /// No port was given, and no port has a controller.
+    /// None of the tried ports has a controller.
     #[error("no controller was found at {0}")]
     NoneFound(String),
-    /// No port was given, and several ports have a controller.
+    /// Several of the tried ports have a controller.
     #[error("several controllers were found: {0}")]
     Several(String),
     /// The controller refuses a session.

@@ -7,8 +7,8 @@
 //!
 //! - [`Line`] sends and receives bytes, and has a clock; [`SerialBoard`] is a line on a serial port.
 //! - [`Board`] is a session on a line. [`Board::ask`] sends a command until it is answered. [`Board::step`] receives
-//!   messages and sends a heartbeat every 50 ms. A host that drives a rig and receives
-//!   nothing for 1 s sends `Stop`, and then nothing more.
+//!   messages and sends a heartbeat every 50 ms. A host with telemetry that receives nothing for 1 s (6 s while torque
+//!   is off, longer at a low telemetry rate) sends `Stop`, and then nothing more.
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.

@@ -15,14 +15,14 @@ pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Time for a controller to answer on a port that probably has servos.
 const GLANCE: Duration = Duration::from_millis(400);
-/// Time for any servo to answer.
+/// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
 /// Opens a port, and a session with the controller at it.
 ///
 /// # Errors
-/// [`ClientError::Port`] if the port cannot be opened, or another program uses it; [`ClientError::Servos`] if servos
-/// answer instead of a controller; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
+/// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
+/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
 pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     match greet(path, PATIENCE) {
         Err(ClientError::NoController) => match servos(path)? {
@@ -35,11 +35,12 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the only candidate that has a controller. `None` stands for all USB ports.
+/// Opens the only port with a controller among the candidates, and returns it with the session. With `None` the
+/// candidates are all USB ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
-/// controller; others as in [`open`].
+/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were found;
+/// [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
 pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {
@@ -73,8 +74,8 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     found.pop().ok_or_else(|| ClientError::NoneFound(none()))
 }
 
-/// Returns `true` if a controller answers at a port, also one that refuses a session. Programs that look for servos
-/// then leave this port out.
+/// Returns `true` if a controller answers at a port, even if its link version does not fit. Programs that look for
+/// servos leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }

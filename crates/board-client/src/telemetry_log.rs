@@ -20,7 +20,7 @@ pub struct TelemetryLog {
     pub summary: Option<Summary>,
     /// Newest measured pose: the rig's coordinates.
     pub q: Vec<f32>,
-    /// All poses that arrived since this field was set to `Some`, for recording. `None`: poses are not collected.
+    /// All poses that have arrived since this field was set to a list; with `None` poses are not recorded.
     pub poses: Option<Vec<TimedPose>>,
     /// Newest data of dofs.
     pub dofs: Vec<Dof>,
@@ -39,7 +39,7 @@ pub struct TelemetryLog {
 }
 
 impl TelemetryLog {
-    /// Returns the number of the newest frame; `None` before the first.
+    /// Returns the number of the newest frame, or `None` if none has arrived.
     pub(crate) fn heard(&self) -> Option<u16> {
         self.next.map(|next| next.wrapping_sub(1))
     }

@@ -7,7 +7,7 @@ use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Locati
 
 use crate::{Board, ClientError, Line};
 
-/// Maximum time until a board that restarts answers.
+/// Maximum wait for a board to answer after its restart. A board that is slow to erase flash may exceed this time.
 const RESTART: Duration = Duration::from_secs(10);
 
 /// Returns the description of a content, for storage on a board. `rig`: CRC of the rig to which the content belongs, 0
@@ -59,8 +59,8 @@ impl<L: Line> Board<L> {
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
 
-    /// Sends a command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
-    /// Callers can do other things between two blocks.
+    /// Sends one command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
+    /// It is for callers that do other work between two blocks.
     ///
     /// # Errors
     /// As in [`Self::upload`].
@@ -92,7 +92,7 @@ impl<L: Line> Board<L> {
         }))
     }
 
-    /// Returns the item that is stored at a location, or `None`.
+    /// Returns the item that is stored at a location, or `None` if there is none.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -103,7 +103,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns, for each slot for shows, its item or `None`.
+    /// Returns the item in each slot for shows; `None` for an empty slot.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -113,7 +113,7 @@ impl<L: Line> Board<L> {
             .collect()
     }
 
-    /// Returns the first slot that has a show with this content for this rig, or `None`.
+    /// Returns the slot of a show with this content for this rig, or `None` if no slot has it.
     ///
     /// # Errors
     /// As in [`Self::ask`].
