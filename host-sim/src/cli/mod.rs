@@ -148,7 +148,7 @@ pub(crate) fn main() -> ExitCode {
     })
 }
 
-/// Prints help, or the error in the command line. If a name is an old one, prints its new name.
+/// Prints help, or the error in the command line. If a name is an old one, prints its new name instead of the error.
 fn refuse(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
         std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();

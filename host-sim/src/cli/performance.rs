@@ -1,4 +1,5 @@
-//! Options and steps that `bake`, `export` and `evaluate --rig --clips` share: a clip on a rig.
+//! Options and steps of commands that make a motion of a rig from a clip or from a file of the rig's own motion, such
+//! as `bake` and `export`.
 
 use std::path::Path;
 
@@ -109,7 +110,8 @@ impl PerformanceArgs {
         Ok(rig)
     }
 
-    /// Retargets a clip to a rig.
+    /// Retargets a clip to a rig, or reads a file of the rig's own motion, and prints notes on it. Fits the motion and
+    /// makes it a loop if the options ask for this.
     pub(super) fn perform(
         &self,
         rig: &LoadedRig,

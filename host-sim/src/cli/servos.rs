@@ -116,7 +116,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
 }
 
 impl ServosArgs {
-    /// Returns the supply of the servos: the option, else the supply in the rig's file.
+    /// Returns the supply of the servos: the option, else the supply in the rig's file; `None` if there is neither.
     fn supply(&self, rig: Option<&LoadedRig>) -> Option<Supply> {
         let of_rig = || {
             let supply = rig?.description.supply?;

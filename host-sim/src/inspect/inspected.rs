@@ -61,7 +61,8 @@ pub(crate) struct Inspected {
     pub up: &'static str,
     /// Reason for this axis.
     pub up_reason: String,
-    /// Height of the body if it stands upright, otherwise the extent along the up axis, m.
+    /// Height of the body if it stands upright, otherwise the extent along the up axis, m; `None` if the unit is
+    /// unknown.
     pub height_m: Option<f64>,
     /// Largest extent across the up axis, m; `None` if the unit is unknown.
     pub span_m: Option<f64>,

@@ -97,7 +97,8 @@ fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     }
 }
 
-/// Checks that torque is off. A board that does not answer has no firmware that could hold a rig.
+/// Checks that torque is off. A board that does not answer has no firmware that could hold a rig; a board with another
+/// version of the host link cannot be asked.
 fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
     let mut board = match port.open() {
         Ok(board) => board,

@@ -120,7 +120,7 @@ impl PlaceArgs {
     }
 }
 
-/// Waits until torque is off.
+/// Waits until torque is off. Fails after a minute, or at a signal that asks this program to end.
 pub(in crate::cli) fn await_limp<L: Line>(board: &mut Board<L>, stop: &Stop) -> anyhow::Result<()> {
     board.telemetry(10.0, TelemetryParts::SUMMARY)?;
     let end = board.now() + STOP_MOST;

@@ -90,7 +90,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses options that have no effect on the target.
+    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
             bail!(

@@ -34,8 +34,10 @@ struct Performance<'b, L> {
     /// Number of summaries received before the last command was executed. Only newer ones count.
     before: u32,
     begun: Duration,
-    /// Time when the show began; and the longest time that it may take.
+    /// Time when the show began; `None` before.
     played: Option<Duration>,
+    /// Time after which a loop is stopped; `None` for a loop that plays until Ctrl-C, and for a show that ends by
+    /// itself.
     most: Option<Duration>,
     state: Option<State>,
     faults: usize,

@@ -42,7 +42,7 @@ pub(super) fn led(
     let mut session = TeachSession { board, stop: Stop::new()?, state: None, bar: bar()? };
     let led = session.run(mode, seconds);
     session.bar.finish_and_clear();
-    // In any case the rig is limp before this function ends, unless there is a second Ctrl-C.
+    // Also after an error, the rig is stopped, and this function waits until it is limp. A second Ctrl-C ends the wait.
     let stopped = session.limp();
     let ended = led.and(stopped);
     let mut poses = session.board.log.poses.take().unwrap_or_default();
@@ -152,7 +152,7 @@ impl TeachSession {
     }
 
     /// Receives messages until there is a summary that is newer than this call, or until a second signal asks this
-    /// program to end. Returns the last known state.
+    /// program to end. Returns the last known state. Fails if the board reports a fault other than a warning.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {

@@ -102,7 +102,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     friction_scale: Option<f64>,
 
-    /// File to write: `.show` or `.csv`. May be given twice.
+    /// File to write: `.show` or `.csv`. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<OutputPath>,
 }
