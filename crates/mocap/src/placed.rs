@@ -21,8 +21,9 @@ const CORRECTIONS: usize = 20;
 /// Computes the rotations of a motion in which no joint except the root turns although joints move. Returns a note; or
 /// `None` for any other motion, which is unchanged.
 ///
-/// A joint gets the smallest rotation relative to its parent that points its bones at the joints beyond. Positions do
-/// not change. Rotations about the bones' own axes remain unknown.
+/// A joint gets the smallest rotation relative to its parent that points its bones at the joints beyond. Positions in
+/// the world do not change. Rotations about the bones' own axes remain unknown. A frame in which a joint has no sample
+/// becomes a gap of all joints.
 pub(crate) fn turn(skeleton: &mut Skeleton, frames: &mut Frames) -> Option<String> {
     let first: Vec<JointSample> =
         frames.iter().find_map(|frame| frame.iter().copied().collect::<Option<_>>())?;
