@@ -11,8 +11,8 @@
 //!   is off, longer at a low telemetry rate) sends `Stop`, and then nothing more.
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
-//! - [`BoardServos`]: the controller passes packets on while its rig is limp.
-//! - [`port`]: finds ports with a controller, and identifies ports without one.
+//! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.
+//! - [`port`]: finds the port of a controller, and recognizes a port that has servos instead.
 //!
 //! ```no_run
 //! use sinew_board_client::port;
@@ -25,8 +25,8 @@
 //! ```
 //!
 //! # Files
-//! - `board`, `upload`: a session; items that a board stores.
-//! - `line`, `port`: bytes to and from a board; serial ports with a board.
+//! - `board`: a session. `upload`: items that a board stores.
+//! - `line`: bytes to and from a board. `port`: serial ports with a board.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.
