@@ -161,8 +161,8 @@ impl<L: Line> Board<L> {
     /// Sends a command, repeatedly if necessary, until it is answered. Returns its result.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`]; [`ClientError::Unexpected`] if
-    /// the previous command has no answer yet; others as in [`Self::step`].
+    /// [`ClientError::Refused`] if the board did not execute it; [`ClientError::SessionOver`];
+    /// [`ClientError::Unexpected`] if the previous command has no answer yet; others as in [`Self::step`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }
@@ -298,7 +298,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the state in the newest summary, or `None` if none has arrived.
+    /// Returns the state from the newest summary; `None` before the first.
     pub fn state(&self) -> Option<State> {
         self.log.summary.map(|summary| summary.state)
     }

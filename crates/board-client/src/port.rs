@@ -21,8 +21,8 @@ const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 /// Opens a port, and a session with the controller at it.
 ///
 /// # Errors
-/// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
-/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
+/// [`ClientError::Port`] if the port cannot be opened, or another program uses it; [`ClientError::Servos`] if servos
+/// answer instead of a controller; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
 pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     match greet(path, PATIENCE) {
         Err(ClientError::NoController) => match servos(path)? {
@@ -35,12 +35,12 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the only port with a controller among the candidates, and returns it with the session. With `None` the
-/// candidates are all USB ports.
+/// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
+/// ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were found;
-/// [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
+/// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
 pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {
@@ -74,8 +74,8 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     found.pop().ok_or_else(|| ClientError::NoneFound(none()))
 }
 
-/// Returns `true` if a controller answers at a port, even if its link version does not fit. Programs that look for
-/// servos leave this port out.
+/// Returns `true` if a controller answers at a port, also one that refuses a session. Programs that look for servos
+/// then leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }

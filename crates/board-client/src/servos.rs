@@ -23,7 +23,7 @@ pub struct BoardServos<L> {
 }
 
 impl<L: Line> BoardServos<L> {
-    /// Creates access to a bus line, at the line's own rate. `line` is the index of the line; 0 is the first.
+    /// Creates access to a bus line, first at the line's own rate. `line`: index, 0 for the first.
     ///
     /// # Errors
     /// [`ClientError::Old`] if the firmware does not pass packets on.
@@ -80,8 +80,8 @@ impl<L: Line> BoardServos<L> {
 }
 
 impl<L: Line> Exchange for BoardServos<L> {
-    /// Sends bytes to the servos through the controller, which listens for at most 20 ms after the last sent byte.
-    /// Later bytes are lost.
+    /// Passes bytes on and receives the answer. The controller listens for at most 20 ms after the last sent byte;
+    /// later bytes are lost.
     fn exchange(
         &mut self,
         bytes: &[u8],

@@ -39,7 +39,7 @@ pub struct TelemetryLog {
 }
 
 impl TelemetryLog {
-    /// Returns the number of the newest frame, or `None` if none has arrived.
+    /// Returns the number of the newest frame; `None` before the first.
     pub(crate) fn heard(&self) -> Option<u16> {
         self.next.map(|next| next.wrapping_sub(1))
     }

@@ -59,8 +59,8 @@ impl<L: Line> Board<L> {
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
 
-    /// Sends one command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
-    /// It is for callers that do other work between two blocks.
+    /// Sends a command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
+    /// Callers can do other things between two blocks.
     ///
     /// # Errors
     /// As in [`Self::upload`].
@@ -113,7 +113,7 @@ impl<L: Line> Board<L> {
             .collect()
     }
 
-    /// Returns the slot of a show with this content for this rig, or `None` if no slot has it.
+    /// Returns the first slot that has a show with this content for this rig, or `None` if no slot has it.
     ///
     /// # Errors
     /// As in [`Self::ask`].

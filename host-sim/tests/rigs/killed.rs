@@ -103,7 +103,9 @@ impl Desk {
             let is_there = self.board.until(|now| now == state, Duration::from_secs(30));
             thread::sleep(after);
             self.board.begin();
-            if is_there && self.board.seen().state() == state {
+            let now = self.board.seen().state();
+            // A board whose settings change restarts: its rig is off, then limp.
+            if is_there && (now == state || !now.is_on() && !state.is_on()) {
                 return program;
             }
             // A busy machine kept the program from the link, and the rig is held.
