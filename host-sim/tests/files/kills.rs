@@ -1,5 +1,5 @@
 //! Commands that are ended while they write: each file must be the old one or the new one, and the next run removes
-//! what is left. The first table of the page `docs/hostile.md`.
+//! what is left. See the section "Files" of the page `docs/hostile.md`.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,5 +1,5 @@
 //! Programs that are ended while they have a board's rig: the last table of the page `docs/fault-matrix.md`, and the
-//! last table of the page `docs/hostile.md`. The tests look at the servos in each tick.
+//! section "Boards" of the page `docs/hostile.md`. The tests look at the servos in each tick.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::process::{Child, Stdio};

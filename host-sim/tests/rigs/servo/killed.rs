@@ -1,5 +1,5 @@
 //! Every command of `sinew servo` at a port, ended as a process: the servo is as before or as asked, or the next
-//! command reports what is left. The second table of the page `docs/hostile.md`.
+//! command reports what is left. See the section "Servos" of the page `docs/hostile.md`.
 
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
