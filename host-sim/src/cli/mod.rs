@@ -109,7 +109,7 @@ impl Command {
         }
     }
 
-    /// Checks what the parser cannot: keys and values of `--set`, and options that the target excludes.
+    /// Checks what the parser cannot check: keys and values of `--set`, and options that the target excludes.
     fn check(&self) -> anyhow::Result<()> {
         match self {
             Self::Play(args) => args.check(),

@@ -1,5 +1,5 @@
 //! Shows of clips on rigs: the node of boards, as an Arm image in QEMU, sends the same bytes as the controller in
-//! process.
+//! this process.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ impl Case {
         Played { table: tally.table(&sim, director.raised()), states }
     }
 
-    /// Plays in process, then in QEMU: table, hash and states must be equal. Returns the hash, and the numbers of
+    /// Plays in this process, then in QEMU: table, hash and states must be equal. Returns the hash, and the numbers of
     /// compared ticks and packets.
     fn is_same_in_qemu(&self) -> (String, [u64; 2]) {
         let image: PathBuf = std::env::var_os(IMAGE)

@@ -47,7 +47,7 @@ pub struct Page<'a, P> {
     pub performance: &'a P,
     /// Changes made by a fit, one per line; `None` if there was no fit.
     pub fitted: Option<&'a str>,
-    /// Reason why the motion is not the performer's, if it is not.
+    /// Reason why the motion no longer looks like the performer's, if so.
     pub strange: Option<&'a str>,
     /// Further remarks about the show, one per line.
     pub summary: &'a str,

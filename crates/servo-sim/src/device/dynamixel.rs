@@ -69,8 +69,8 @@ impl<'m> Dynamixel<'m> {
         self.reset_goals(encoder);
     }
 
-    /// Resets the goals so that nothing moves, with full current allowed. It is a guess that a start and a change of
-    /// mode do this.
+    /// Resets the goals so that nothing moves. Except in current mode, the full current is then allowed. It is a guess
+    /// that a start and a change of mode do this.
     fn reset_goals(&mut self, encoder: i32) {
         let sensed = Sensed { position: encoder, ..Sensed::default() };
         let position = self.firmware.position(&sensed);

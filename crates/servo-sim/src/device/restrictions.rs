@@ -1,5 +1,6 @@
-//! Values of registers that a real servo obeys and the simulated servo does not: it refuses them, so that no program
-//! is tried on a servo that seems to obey. The page of [registers](../../../docs/simulated-registers.md) has all others.
+//! Values of registers that a real servo obeys and the simulated servo does not. The simulated servo refuses them: if
+//! it accepted them, a program would be tested on a servo that only seems to obey. The page of [simulated
+//! registers](../../../docs/simulated-registers.md) lists the effects of all registers.
 
 use sinew_servo_bus::table::{Obeys, Restriction};
 

@@ -35,10 +35,10 @@ pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
     }
 }
 
-/// Share of the joints' way from which a fit changed nothing that is worth a word.
+/// Share of the joints' way above which a fit counts as almost no change.
 const UNCHANGED: f64 = 0.98;
 
-/// Prints what the fit of a clip did, and what would leave more of the motion.
+/// Prints the changes that the fit of a clip made, and what would preserve more of the motion.
 fn tell_fit(
     performance: &RigPerformance,
     baked: &Baked,

@@ -16,13 +16,13 @@ use sinew_retarget::feasibility::RigMotion;
 use crate::cli::board::{PortBoard, READY, arm, check_rig, end_by_hand, open, tell_faults};
 use crate::cli::stop::Stop;
 
-/// Poses per second. A hand's motion has nothing above 6 Hz.
+/// Poses per second. Motion by hand has almost no parts above 6 Hz.
 const RATE_HZ: f32 = 100.0;
 /// Time between two checks of the state.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Returns the motion that was measured from the start of `teaching` or `floating` to Ctrl-C, or for `seconds`; with
-/// it the error that ended it early, if any.
+/// Returns the motion that was measured from the start of `teaching` or `floating` to Ctrl-C, or for `seconds`; and the
+/// error that ended it early, if any.
 pub(super) fn led(
     port: &Path,
     silence: Duration,
@@ -117,7 +117,7 @@ impl TeachSession {
         }
     }
 
-    /// Brings the rig to rest, and waits until it is limp. Poses during this time are not part of the motion.
+    /// Brings the rig to rest, and waits until it is limp. The motion does not contain poses from this time.
     fn limp(&mut self) -> anyhow::Result<()> {
         let poses = self.board.log.poses.take();
         let limp = self.stop_and_wait();

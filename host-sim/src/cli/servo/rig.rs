@@ -180,7 +180,7 @@ fn words(compared: &[Compared]) -> String {
     }
 }
 
-/// Prints what a difference means for the rig, if it means more than itself.
+/// Prints the consequence of a difference for the rig, if there is a special one.
 fn tell_consequence(name: &str, difference: &Difference) {
     if let Some(consequence) = difference.consequence() {
         note(format_args!("{name}: {} is {}: {consequence}", difference.name, difference.has.raw));

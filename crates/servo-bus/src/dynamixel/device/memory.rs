@@ -71,7 +71,8 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Writes bytes with the rules for a controller: all of them, or none and an error.
+    /// Writes bytes with the rules for a controller: all of them, or none and an error. A write to Operating Mode
+    /// resets gains and goals.
     pub(super) fn write(&mut self, address: u16, data: &[u8]) -> Result<(), ErrorCode> {
         self.check(address, data)?;
         for (byte, to) in data.iter().zip(address..) {

@@ -97,7 +97,8 @@ impl Device<'_> {
         }
     }
 
-    /// Writes bytes. Ignores read-only bytes without an error.
+    /// Writes bytes. Ignores bytes of read-only registers and refused values, without an error. A goal position
+    /// switches torque on, and 128 in Torque Enable makes the present position the middle.
     fn write(&mut self, first: u8, data: &[u8]) {
         let is_open = self.get(self.table.model.family.lock()) == 0;
         for (to, byte) in (u16::from(first)..).zip(data) {

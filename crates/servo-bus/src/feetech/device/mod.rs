@@ -102,13 +102,13 @@ impl<'m> Device<'m> {
         }
     }
 
-    /// Returns the current baud rate, bits per second.
+    /// Returns the current baud rate, bits per second; 1,000,000 if its register has an unknown code.
     pub fn baud(&self) -> u32 {
         let code = usize::try_from(self.get(address::BAUD)).ok();
         code.and_then(|code| BAUDS.get(code)).copied().unwrap_or(1_000_000)
     }
 
-    /// Returns the oldest event that was not yet returned.
+    /// Returns the oldest event that was not yet returned, or `None` if there is none.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }
