@@ -1,5 +1,5 @@
 //! Commands that are ended while they write: each file must be the old one or the new one, and the next run removes
-//! unfinished files. Prints the first table of the page `docs/hostile.md`.
+//! unfinished files. Prints a table; `docs/hostile.md` has its sums.
 
 use std::collections::BTreeMap;
 use std::fs;

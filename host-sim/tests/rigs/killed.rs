@@ -1,5 +1,5 @@
 //! Programs that are ended while they use a board's rig. Prints the last table of the page `docs/fault-matrix.md`, and
-//! the last table of the page `docs/hostile.md`. The tests check the servos in each tick.
+//! the number of ended runs for the page `docs/hostile.md`. The tests check the servos in each tick.
 
 use std::os::unix::fs::PermissionsExt as _;
 use std::process::{Child, Stdio};

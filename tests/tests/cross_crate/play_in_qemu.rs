@@ -128,7 +128,7 @@ fn an_arm_says_in_qemu_what_it_says_in_process() {
 }
 
 /// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, the whole clips are
-/// played, and rows of docs/boards.md are printed. Otherwise, since emulators are slow, each robot and clip is played
+/// played, and their hashes are printed. Otherwise, since emulators are slow, each robot and clip is played
 /// once, for some seconds: longer than the 4 s of a show's block.
 #[test]
 #[ignore = "needs SINEW_DATA, and the image that `cargo xtask node` builds"]

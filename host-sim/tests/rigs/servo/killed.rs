@@ -1,5 +1,5 @@
 //! Every command of `sinew servo` at a port, ended as a process: the servo is as before or as commanded, or the next
-//! command reports what is left. Prints the second table of the page `docs/hostile.md`.
+//! command reports what is left. Prints a table; `docs/hostile.md` has its sums.
 
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
