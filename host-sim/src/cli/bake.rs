@@ -98,6 +98,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     };
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
+    on_rig.has_clock = args.time_code.is_some();
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
@@ -117,7 +118,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let likeness = performance.likeness(mechanism);
     let strange = likeness.strange();
     let head = head(args, &rig, &performance, &baked, likeness);
-    let done = performance.fit_summary();
+    let done = performance.fit_summary(mechanism);
     if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
@@ -149,13 +150,9 @@ fn head(
     likeness: Likeness,
 ) -> String {
     let written = &baked.written;
-    let given_s = performance.clip.motion.duration_s();
-    let slower = if baked.duration_s > given_s {
-        format!(" (the clip: {given_s:.2} s)")
-    } else {
-        String::new()
-    };
     let likeness = likeness.line(performance.clip.limbs);
+    let headline = performance.headline(&rig.mechanism);
+    let headline = headline.map_or_else(String::new, |line| line + "\n");
     let cue = |(name, given_s): &(String, f64)| {
         let show_s = performance.time_s(*given_s);
         format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")
@@ -166,7 +163,7 @@ fn head(
     let code = clock(&baked.written.bytes);
     let minutes = |kb: usize| format!("{:.1} min in {kb} kB", baked.minutes_in(1000 * kb));
     format!(
-        "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
+        "{}: {} on {}, {:.2} s, {} degrees of freedom\n{headline}{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
         args.output.display(),
         performance.name,

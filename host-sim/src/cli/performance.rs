@@ -58,6 +58,23 @@ pub(super) struct PerformanceArgs {
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
 
+    /// Fit, and keep the time: nothing becomes slower; where a limit is met, the motion becomes smaller or rounder at
+    /// that time. Default: true for a show with a time code, otherwise false. `--keep-time=false` lets `--fit` slow
+    /// such a show down.
+    #[arg(
+        long,
+        value_name = "BOOL",
+        requires = "rig",
+        num_args = 0..=1,
+        default_missing_value = "true",
+        require_equals = true
+    )]
+    keep_time: Option<bool>,
+
+    /// Whether the show runs beside something that has a clock. Then a fit keeps the time by default.
+    #[arg(skip)]
+    pub(super) has_clock: bool,
+
     /// Unit of the columns of a CSV of joint coordinates whose header has none. Default: a header without units is
     /// refused.
     #[arg(long, value_enum, requires = "rig")]
@@ -96,6 +113,20 @@ impl PerformanceArgs {
         self.unit.map(|_| "--unit")
     }
 
+    /// Returns whether the motion is fitted.
+    pub(super) fn fits(&self) -> bool {
+        self.fit || self.keep_time == Some(true)
+    }
+
+    /// Returns the changes of a motion that the options ask for.
+    pub(super) fn choices(&self) -> MotionChoices {
+        MotionChoices {
+            fit: self.fits(),
+            keep_time: self.keep_time.unwrap_or(self.has_clock),
+            loop_blend_s: self.blend_s,
+        }
+    }
+
     /// Reads a rig, and holds its base as the options say.
     pub(super) fn rig(&self, path: &Path, defaults: Defaults) -> anyhow::Result<LoadedRig> {
         let mut rig = read(path)?;
@@ -118,13 +149,13 @@ impl PerformanceArgs {
         seconds: Option<f64>,
         (defaults, units): (Defaults, UnitArgs),
     ) -> anyhow::Result<RigPerformance> {
-        let choices = MotionChoices { fit: self.fit, loop_blend_s: self.blend_s };
+        let choices = self.choices();
         if let Some(kind) = OwnMotion::of(path) {
             ensure!(
                 mapping.is_none()
                     && seconds.is_none()
                     && self.of_clips().or(units.given()).is_none(),
-                "{}: {} are the rig's own: only --fit and --base have an effect on them, and --unit on a CSV",
+                "{}: {} are the rig's own: only --fit, --keep-time and --base have an effect on them, and --unit on a CSV",
                 path.display(),
                 kind.name()
             );

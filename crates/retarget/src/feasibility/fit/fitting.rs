@@ -354,7 +354,7 @@ impl<'a> Fitting<'a> {
         Fit {
             motion: RigMotion { dt_s: self.dt_s, rows: rows.lists() },
             given_s,
-            keeps_time: false,
+            settings: self.settings,
             slowest: least(&self.course.pace),
             lowered: lowered
                 .map(|(joint, share)| {
@@ -373,6 +373,7 @@ impl<'a> Fitting<'a> {
                 room: self.within.room,
                 caps: Vec::new(),
                 is_curved: Vec::new(),
+                starts_slowly: Vec::new(),
             },
         }
     }

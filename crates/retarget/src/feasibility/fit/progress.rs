@@ -12,9 +12,11 @@ pub struct Progress {
     pub(super) pace: Vec<f64>,
     pub(super) share: Vec<Vec<f64>>,
     pub(super) room: Vec<f64>,
-    /// Of a fit that keeps the time: limits of each joint at each row, and joints with a curve of their own.
+    /// Of a fit that keeps the time: limits of each joint at each row, joints with a curve of their own, and joints that
+    /// began at speed.
     pub(super) caps: Vec<Caps>,
     pub(super) is_curved: Vec<bool>,
+    pub(super) starts_slowly: Vec<bool>,
 }
 
 impl Progress {

@@ -19,11 +19,21 @@ pub struct FitSettings {
     /// Whether the motion keeps its time: where a limit is met, it is made smaller or rounder there, and nowhere
     /// slower.
     pub keep_time: bool,
+    /// Whether a motion that keeps its time begins at rest, if it has to be changed. A controller lets a show that
+    /// begins at speed run slower at first, and the show is late from then on.
+    pub from_rest: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0, keep_time: false }
+        Self {
+            change: 0.05,
+            share: 0.95,
+            room: 0.005,
+            rate_hz: 200.0,
+            keep_time: false,
+            from_rest: false,
+        }
     }
 }
 
@@ -34,8 +44,8 @@ pub struct Fit {
     pub motion: RigMotion,
     /// Time in the given motion of every row of the new motion, s; used to shift cues.
     pub given_s: Vec<f64>,
-    /// Whether the fit kept the time of the motion.
-    pub keeps_time: bool,
+    /// Settings of the fit.
+    pub settings: FitSettings,
     /// Joints whose angles were low-passed.
     pub smoothed: Vec<SmoothedJoint>,
     /// Minimum share of the given speed, and its time in the given motion, s.

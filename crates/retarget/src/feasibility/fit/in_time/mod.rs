@@ -13,6 +13,7 @@ mod tests;
 use std::ops::Range;
 
 use sinew_rig::Mechanism;
+use sinew_rig::mechanism::JointModel;
 
 use super::course::lessen;
 use super::error::FitError;
@@ -22,7 +23,7 @@ use super::progress::Progress;
 use super::rest::Rest;
 use super::result::{Fit, FitSettings, LoweredJoint};
 use super::within::Within;
-use crate::feasibility::curve::Curve;
+use crate::feasibility::curve::{Curve, Instant, Performance as _};
 use crate::feasibility::efforts::Efforts;
 use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::Limits;
@@ -35,6 +36,9 @@ use nearest::{CurveLimits, nearest};
 
 /// Factor on the motion of a hot drive in each round.
 const COOLING: f64 = 0.97;
+/// Largest speed at the beginning of a motion that begins at rest, rad/s or m/s: below what a controller lets a show
+/// begin with, also through a gear.
+const AT_REST: f64 = 0.02;
 /// First share of its limits for each number of a ball joint's quaternion: their speeds add up. A quaternion changes
 /// half as fast as the joint turns.
 const OF_QUATERNION: f64 = 0.5 * 0.7;
@@ -56,6 +60,8 @@ pub(super) struct Keeping<'a> {
     caps: Vec<Caps>,
     /// Joints that need a curve of their own.
     is_curved: Vec<bool>,
+    /// Joints whose motion began at speed.
+    starts_slowly: Vec<bool>,
     /// Curves found so far, a list for each coordinate; `None` if the joint has changed since.
     curves: Vec<Option<Vec<Vec<f64>>>>,
     efforts: Efforts,
@@ -82,6 +88,7 @@ impl<'a> Keeping<'a> {
             share: vec![Vec::new(); count],
             caps: vec![Caps::default(); count],
             is_curved: vec![false; count],
+            starts_slowly: vec![false; count],
             curves: vec![None; count],
             efforts: Efforts::asked_by(mechanism, limits).map_err(CheckError::Tree)?,
         })
@@ -89,8 +96,9 @@ impl<'a> Keeping<'a> {
 
     /// Continues from the changes of an earlier fit of the motion.
     pub(super) fn go_on_from(&mut self, before: &Progress) {
-        let Progress { share, room, caps, is_curved, .. } = before.clone();
-        (self.share, self.within.room, self.caps, self.is_curved) = (share, room, caps, is_curved);
+        let Progress { share, room, caps, is_curved, starts_slowly, .. } = before.clone();
+        (self.share, self.within.room, self.caps) = (share, room, caps);
+        (self.is_curved, self.starts_slowly) = (is_curved, starts_slowly);
     }
 
     /// Performs one round: finds where the motion exceeds a limit, and makes it smaller or rounder there.
@@ -106,8 +114,14 @@ impl<'a> Keeping<'a> {
             rows: self.given.count,
         };
         let mut found = scan.of(&curve)?;
-        if found.report.excesses.is_empty() {
+        let begins = self.begins_at_speed(&curve);
+        if found.report.excesses.is_empty() && begins.is_empty() {
             return Ok(Round::Within);
+        }
+        for joint in begins {
+            self.starts_slowly[joint] = true;
+            self.is_curved[joint] = true;
+            self.curves[joint] = None;
         }
         let ties = &self.limits.ties;
         let excesses = std::mem::take(&mut found.report.excesses);
@@ -148,6 +162,21 @@ impl<'a> Keeping<'a> {
         }
         let least = self.share.iter().flatten().copied().fold(1.0, f64::min);
         Ok(if least < LEAST_SHARE { Round::Hopeless } else { Round::Nearer })
+    }
+
+    /// Returns the joints that begin faster than permitted, and have no limit for it yet.
+    fn begins_at_speed(&self, curve: &Curve) -> Vec<usize> {
+        let mut instant = Instant::default();
+        curve.at(0.0, &mut instant);
+        let dofs = self.limits.dofs.iter().zip(&instant.qd);
+        let fast = dofs.filter(|(_, speed)| self.settings.from_rest && speed.abs() > AT_REST);
+        let mut joints: Vec<usize> =
+            fast.map(|(dof, _)| self.limits.ties.leader_of(dof.joint)).collect();
+        // A base is not changed.
+        let is_changed = |joint: &usize| self.mechanism.bodies[*joint].joint != JointModel::Free;
+        joints.retain(|joint| !self.starts_slowly[*joint] && is_changed(joint));
+        joints.dedup();
+        joints
     }
 
     /// Returns the present motion as a curve.
@@ -197,13 +226,19 @@ impl<'a> Keeping<'a> {
             let caps = if of_caps.is_empty() { &none[..] } else { of_caps };
             caps.iter().map(|cap| cap.min(most) * scale * unit).collect()
         };
+        let mut speed = own(&caps.speed, dof.speed, self.dt_s);
+        if self.starts_slowly[joint] {
+            // The first two differences decide the speed at the first row.
+            let slow = 0.5 * AT_REST * scale * self.dt_s;
+            speed.iter_mut().take(2).for_each(|speed| *speed = speed.min(slow));
+        }
         CurveLimits {
             range: if is_scalar {
                 self.within.inner(joint, dof.range)
             } else {
                 [f64::NEG_INFINITY, f64::INFINITY]
             },
-            speed: own(&caps.speed, dof.speed, self.dt_s),
+            speed,
             acceleration: own(&caps.acceleration, dof.acceleration, self.dt_s * self.dt_s),
         }
     }
@@ -233,7 +268,7 @@ impl<'a> Keeping<'a> {
         Fit {
             motion: RigMotion { dt_s: self.dt_s, rows: rows.lists() },
             given_s: (0..count).map(|row| row as f64 * self.dt_s).collect(),
-            keeps_time: true,
+            settings: self.settings,
             slowest: (1.0, 0.0),
             clamped: clamped.map(|(joint, change)| (name(joint), *change)).collect(),
             lightened: lightened.map(|(joint, by)| (name(joint), by)).collect(),
@@ -247,6 +282,7 @@ impl<'a> Keeping<'a> {
                 room: self.within.room,
                 caps: self.caps,
                 is_curved: self.is_curved,
+                starts_slowly: self.starts_slowly,
             },
         }
     }

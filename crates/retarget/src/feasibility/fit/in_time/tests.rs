@@ -6,15 +6,21 @@ use sinew_rig::review::Servos;
 use crate::feasibility::tests::{arm, exceeds_nothing, swing};
 use crate::feasibility::{Fit, FitError, FitSettings, Heat, Kind, Limits, RigMotion, fit, refit};
 
-const IN_TIME: FitSettings =
-    FitSettings { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0, keep_time: true };
+const IN_TIME: FitSettings = FitSettings {
+    change: 0.05,
+    share: 0.95,
+    room: 0.005,
+    rate_hz: 200.0,
+    keep_time: true,
+    from_rest: false,
+};
 
 /// Fits in time; checks that the time is kept and that no limit is exceeded.
 #[track_caller]
 fn kept(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) -> Fit {
     let fitted = fit(mechanism, limits, motion, IN_TIME).unwrap();
     exceeds_nothing(mechanism, limits, &fitted.motion);
-    assert!(fitted.keeps_time && fitted.slowest.0 >= 1.0);
+    assert!(fitted.settings.keep_time && fitted.slowest.0 >= 1.0);
     assert!((fitted.motion.duration_s() - motion.duration_s()).abs() < 1e-9);
     fitted
 }
@@ -48,6 +54,19 @@ fn a_motion_that_is_too_fast_becomes_smaller_in_time() {
     assert!((0.4..0.6).contains(&way) && alike > 0.97, "{way} {alike}");
     let [way, alike] = left(&fitted, &motion, 1);
     assert!((0.75..0.95).contains(&way) && alike > 0.99, "{way} {alike}");
+}
+
+#[test]
+fn a_motion_that_begins_at_speed_may_begin_at_rest() {
+    let arm = arm(20.0);
+    // The shoulder begins at 1.8 rad/s.
+    let (limits, motion) = swing(&arm, 0.7, 0.4);
+    let settings = FitSettings { from_rest: true, ..IN_TIME };
+    let fitted = fit(&arm, &limits, &motion, settings).unwrap();
+    exceeds_nothing(&arm, &limits, &fitted.motion);
+    let first = |motion: &RigMotion| (motion.rows[1][0] - motion.rows[0][0]) / motion.dt_s;
+    assert!(first(&motion) > 1.5 && first(&fitted.motion).abs() < 0.4, "{}", first(&fitted.motion));
+    assert!(left(&fitted, &motion, 0)[1] > 0.99);
 }
 
 #[test]
