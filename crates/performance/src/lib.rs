@@ -14,6 +14,7 @@
 
 mod bake;
 mod clip;
+mod layers;
 mod left;
 mod likeness;
 mod own_motion;
@@ -28,6 +29,7 @@ pub mod text;
 
 pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
+pub use layers::{LayerChoice, LayerMode, LayeredMotion};
 pub use left::JointLeft;
 pub use likeness::Likeness;
 pub use own_motion::OwnMotion;

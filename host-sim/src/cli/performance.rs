@@ -9,8 +9,8 @@ use sinew_mocap::files::ClipFile;
 use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::text;
 use sinew_performance::{
-    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
-    read_mapping, retarget_clip,
+    ClipSettings, LayerChoice, LayeredMotion, MotionChoices, OwnMotion, PreparedClip,
+    RetargetedClip, RigPerformance, read_mapping, retarget_clip,
 };
 use sinew_retarget::exchange::HeaderUnits;
 use sinew_retarget::feasibility::RigMotion;
@@ -79,6 +79,10 @@ pub(super) struct PerformanceArgs {
     /// refused.
     #[arg(long, value_enum, requires = "rig")]
     unit: Option<UnitArg>,
+
+    /// Layers to put on the motion.
+    #[arg(skip)]
+    pub(super) layers: Vec<LayerChoice>,
 
     /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
@@ -159,11 +163,7 @@ impl PerformanceArgs {
                 path.display(),
                 kind.name()
             );
-            let units = self.unit.map(|unit| match unit {
-                UnitArg::Deg => HeaderUnits::Degrees,
-                UnitArg::Rad => HeaderUnits::Si,
-            });
-            let mut read = kind.read(rig, path, units)?;
+            let mut read = kind.read(rig, path, self.header_units())?;
             let name = ClipFile::new(path).name;
             if let Some(keys) = read.keys {
                 note(format_args!(
@@ -176,8 +176,8 @@ impl PerformanceArgs {
             }
             tell_followers(&name, rig, &mut read.motion);
             tell_jumps(&name, rig, &read.motion);
-            let clip = RetargetedClip::own(read.motion);
-            return RigPerformance::new(rig, &name, read.start_s, clip, choices);
+            let (motion, start_s) = self.layered(rig, read.motion, read.start_s, read.is_loop)?;
+            return RigPerformance::new(rig, &name, start_s, RetargetedClip::own(motion), choices);
         }
         if let Some(option) = self.of_own() {
             bail!(
@@ -199,7 +199,7 @@ impl PerformanceArgs {
         for line in &clip.notes {
             note(format_args!("note: {name}: {line}"));
         }
-        let retargeted = retarget_clip(&rig.mechanism, &clip, mapping.as_ref(), self.mirror)
+        let mut retargeted = retarget_clip(&rig.mechanism, &clip, mapping.as_ref(), self.mirror)
             .with_context(|| match file {
                 Some(file) => {
                     format!("{name} on {} by {}", rig.description.name, file.display())
@@ -211,7 +211,36 @@ impl PerformanceArgs {
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
         drop(clip);
+        let (motion, start_s) = self.layered(rig, retargeted.motion, start_s, false)?;
+        retargeted.motion = motion;
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+
+    /// Returns the unit of columns without a unit.
+    fn header_units(&self) -> Option<HeaderUnits> {
+        self.unit.map(|unit| match unit {
+            UnitArg::Deg => HeaderUnits::Degrees,
+            UnitArg::Rad => HeaderUnits::Si,
+        })
+    }
+
+    /// Puts the layers on a motion. Returns it with the time of its first row, s.
+    fn layered(
+        &self,
+        rig: &LoadedRig,
+        motion: RigMotion,
+        start_s: f64,
+        is_loop: bool,
+    ) -> anyhow::Result<(RigMotion, f64)> {
+        if self.layers.is_empty() {
+            return Ok((motion, start_s));
+        }
+        let below = LayeredMotion { motion, start_s, is_loop };
+        let (layered, lines) = below.with(rig, &self.layers, self.header_units())?;
+        for line in lines {
+            note(format_args!("{line}"));
+        }
+        Ok((layered.motion, layered.start_s))
     }
 }
 

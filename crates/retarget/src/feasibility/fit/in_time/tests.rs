@@ -46,14 +46,14 @@ fn a_motion_within_all_limits_stays() {
 
 #[test]
 fn a_motion_that_is_too_fast_becomes_smaller_in_time() {
-    // The shoulder asks for 8.8 of 4 rad/s and 110 of 60 rad/s2, the elbow for half of it.
+    // The shoulder asks for 8.8 of 4 rad/s and 110 of 60 rad/s2, the elbow for 4.4 rad/s and 55 rad/s2.
     let arm = arm(20.0);
     let (limits, motion) = swing(&arm, 0.7, 2.0);
     let fitted = kept(&arm, &limits, &motion);
     let [way, alike] = left(&fitted, &motion, 0);
     assert!((0.4..0.6).contains(&way) && alike > 0.97, "{way} {alike}");
     let [way, alike] = left(&fitted, &motion, 1);
-    assert!((0.75..0.95).contains(&way) && alike > 0.99, "{way} {alike}");
+    assert!(way > 0.9 && alike > 0.99, "{way} {alike}");
 }
 
 #[test]
