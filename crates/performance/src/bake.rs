@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
-    CheckError, Curve, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError,
-    MotionError, Performance, Report, RigMotion, check, rate_at_rows, refit,
+    CheckError, Curve, Excess, Fit, FitError, Instant, Kind, Limits, LoopError, MotionError,
+    Performance, Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{JointModel, Link};
+use sinew_rig::mechanism::JointModel;
 
 /// Way of a joint below which it counts as still, rad or m.
 const STILL: f64 = 5e-3;
@@ -43,7 +43,7 @@ impl JointLeft {
             let parts: Vec<(String, Vec<usize>)> = if own.len() == range.len() {
                 own.into_iter().zip(range.map(|k| vec![k])).collect()
             } else {
-                vec![(name(link), range.collect())]
+                vec![(link.joint_name.clone(), range.collect())]
             };
             let of =
                 |(name, numbers): (String, Vec<usize>)| Self::of(name, &numbers, motion, given);
@@ -122,10 +122,6 @@ pub(super) fn headline(
     (!is_whole).then(|| format!("{what}: {fitted_s:.1} s, {percent:.0} % of the way is left{far}"))
 }
 
-fn name(link: &Link) -> String {
-    link.joint_name.clone()
-}
-
 /// Returns some numbers of a row. A quaternion gets the sign that makes its last number positive.
 fn at(row: &[f64], numbers: &[usize]) -> Vec<f64> {
     let mut at: Vec<f64> = numbers.iter().map(|k| row[*k]).collect();
@@ -133,7 +129,9 @@ fn at(row: &[f64], numbers: &[usize]) -> Vec<f64> {
         && at.len() == 4
         && w < 0.0
     {
-        at.iter_mut().for_each(|x| *x = -*x);
+        for x in &mut at {
+            *x = -*x;
+        }
     }
     at
 }
@@ -168,6 +166,7 @@ fn correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
+    use sinew_rig::mechanism::Link;
 
     use super::*;
 

@@ -166,7 +166,7 @@ impl Layer {
         let slack = 1e-6;
         let comes = if self.start_s <= begin_s + slack { 1.0 } else { smooth(since_s / FADE_S) };
         let left_s = self.curve.duration_s() - since_s;
-        let goes = if self.is_loop || self.end_s() >= end_s - FADE_S * 0.1 {
+        let goes = if self.is_loop || self.end_s() >= end_s - slack {
             1.0
         } else {
             smooth(left_s / FADE_S)
