@@ -4,12 +4,12 @@ use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
 
-use crate::hub::{Ended, Hub, OwnShow};
+use crate::hub::{Ended, Hub, Owner, OwnShow};
 use crate::local::{Door, Reply, Request};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
@@ -28,17 +28,26 @@ pub struct Options {
     pub unattended: bool,
 }
 
-/// Executes a single command on a board that has no console: a motion arms the rig, and stops it afterwards.
+/// Executes a single command on a board that has no hub: a motion arms the rig, and stops it afterwards. Other
+/// terminals, which know the board by `name`, may stop the rig meanwhile.
 ///
 /// # Errors
 /// [`ClientError`] if the board does not answer.
 pub fn execute<L: Line>(
     board: &mut Board<L>,
     scene: &Scene,
-    request: &Request,
+    (name, request): (&str, &Request),
     stops: &dyn Fn() -> u32,
 ) -> Result<Reply, ClientError> {
-    Hub::new(board, scene, false).execute(request, stops)
+    let (requests, inbox) = sync_channel(WAITING);
+    let _door = open_door(name, requests)?;
+    let owner = Owner::Drives("board");
+    Hub::new(board, scene, (owner, false), inbox).execute(request, stops)
+}
+
+fn open_door(name: &str, hub: SyncSender<ToHub>) -> Result<Door, ClientError> {
+    Door::open(name, hub)
+        .map_err(|error| ClientError::Impatient(format!("the socket for other commands: {error}")))
 }
 
 /// An open console. Pages may come, and wait for the hub.
@@ -95,10 +104,9 @@ impl Console {
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
-        let door = Door::open(name, shared.hub.clone()).map_err(|error| {
-            ClientError::Impatient(format!("the socket for other commands: {error}"))
-        })?;
-        let ended = Hub::new(board, scene, options.unattended).run(shows, &inbox, stops);
+        let door = open_door(name, shared.hub.clone())?;
+        let owner = (Owner::Console, options.unattended);
+        let ended = Hub::new(board, scene, owner, inbox).run(shows, stops);
         drop(door);
         shared.is_over.store(true, Ordering::Relaxed);
         // A connection wakes each listener, which then sees that the server is over.

@@ -9,6 +9,7 @@
 //! - [`Console::open`] opens the page's port and makes the token of the address. [`Console::run`] is the hub: it
 //!   owns the session with the board until the program is told to end.
 //! - [`Scene`] describes the rig for the page.
+//! - [`Hosted`] is the hub of a command without pages, such as `sinew play`: other terminals watch and stop its rig.
 //!
 //! The rules of safety are in `server` (who is let in), `hub/wheel` (who drives) and `hub/jog` (motions that end
 //! with their page).
@@ -16,7 +17,7 @@
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
-//! - `hub/`: the loop, commands, sliders, shows, uploads.
+//! - `hub/`: the loop, commands, sliders, shows, uploads, hubs of other commands.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
 
 #![forbid(unsafe_code)]
@@ -32,5 +33,5 @@ mod scene;
 mod server;
 
 pub use console::{Console, Options, execute};
-pub use hub::{Ended, OwnShow};
+pub use hub::{Ended, Hosted, Owner, OwnShow};
 pub use scene::{Scene, Source};

@@ -158,6 +158,18 @@ impl Scene {
         }
     }
 
+    /// Describes no rig: for a hub without pages that moves nothing.
+    pub fn empty() -> Self {
+        Self {
+            head: String::new(),
+            rig_crc: 0,
+            dofs: Vec::new(),
+            joints: Vec::new(),
+            home: Vec::new(),
+            blocks: Vec::new(),
+        }
+    }
+
     /// Returns the message that describes the rig. `line_rate_hz`: pictures per second that the line carries.
     pub(crate) fn head(&self, line_rate_hz: f32) -> String {
         let mut text = self.head.clone();

@@ -10,6 +10,7 @@ use super::journey::Journey;
 use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
+use crate::local::{CUTS, STOPS};
 use crate::message::ToPage;
 use crate::server::PageId;
 
@@ -34,7 +35,7 @@ impl<L: Line> Hub<'_, L> {
         Some(match command {
             EStop => {
                 self.end_all();
-                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+                self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
             Hold => {
                 self.end_all();
@@ -42,8 +43,7 @@ impl<L: Line> Hub<'_, L> {
             }
             Stop => {
                 self.end_all();
-                let going = "the rig goes to its rest pose, then torque is off";
-                self.ask(Command::Stop).map(|_| going.to_owned())
+                self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Ping { t } => {
                 self.tell_page(page, &ToPage::Pong { t });

@@ -4,10 +4,12 @@
 //!   journey, a show.
 //! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
 //!   slots and ghosts. `upload`: a show on its way to the board.
-//! - `tell`: what pages are told. `local`: commands of this user in other terminals.
+//! - `tell`: what pages are told. `local`: commands of this user in other terminals. `watchers`: those that watch.
+//! - `hosted`: a command without pages that is the hub of its board.
 
 mod act;
 mod commands;
+mod hosted;
 mod journey;
 mod local;
 mod pose;
@@ -15,6 +17,7 @@ mod shows;
 mod slider;
 mod tell;
 mod upload;
+mod watchers;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -30,12 +33,15 @@ use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
-use local::Waiting;
+use local::{Asked, Waiting};
+use watchers::Watchers;
 use shows::Shows;
 use tell::Told;
 use upload::Upload;
 use wheel::Wheel;
 
+pub use hosted::Hosted;
+pub use local::Owner;
 pub use shows::OwnShow;
 
 /// Pictures per second that the hub asks of the board.
@@ -60,14 +66,18 @@ pub enum Ended {
 }
 
 /// A page that has shown the token.
+#[derive(Debug)]
 struct Page {
     out: Outbox,
     may_drive: bool,
 }
 
+#[derive(Debug)]
 pub(crate) struct Hub<'a, L> {
     board: &'a mut Board<L>,
     scene: &'a Scene,
+    owner: Owner,
+    inbox: Receiver<ToHub>,
     is_unattended: bool,
     pages: BTreeMap<PageId, Page>,
     wheel: Wheel,
@@ -91,6 +101,8 @@ pub(crate) struct Hub<'a, L> {
     barred: Option<Duration>,
     /// Command in another terminal whose motion goes on.
     waiting: Option<Waiting>,
+    watchers: Watchers,
+    asked: Asked,
     /// Whether the last journey has reached its end.
     arrived: bool,
     /// Time at which the rig was told to stop for the end of the program.
@@ -98,11 +110,18 @@ pub(crate) struct Hub<'a, L> {
 }
 
 impl<'a, L: Line> Hub<'a, L> {
-    pub(crate) fn new(board: &'a mut Board<L>, scene: &'a Scene, is_unattended: bool) -> Self {
+    pub(crate) fn new(
+        board: &'a mut Board<L>,
+        scene: &'a Scene,
+        (owner, is_unattended): (Owner, bool),
+        inbox: Receiver<ToHub>,
+    ) -> Self {
         Self {
             told: Told::new(board.now()),
             board,
             scene,
+            owner,
+            inbox,
             is_unattended,
             pages: BTreeMap::new(),
             wheel: Wheel::default(),
@@ -118,6 +137,8 @@ impl<'a, L: Line> Hub<'a, L> {
             lower_at: None,
             barred: None,
             waiting: None,
+            watchers: Watchers::default(),
+            asked: Asked::default(),
             arrived: false,
             closing: None,
         }
@@ -127,7 +148,6 @@ impl<'a, L: Line> Hub<'a, L> {
     pub(crate) fn run(
         mut self,
         shows: Vec<OwnShow>,
-        inbox: &Receiver<ToHub>,
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
         self.begin()?;
@@ -135,9 +155,6 @@ impl<'a, L: Line> Hub<'a, L> {
             self.put_own(show)?;
         }
         loop {
-            for message in inbox.try_iter().take(MESSAGES) {
-                self.take(message);
-            }
             self.turn()?;
             if let Some(ended) = self.close(stops()) {
                 return Ok(ended);
@@ -156,11 +173,20 @@ impl<'a, L: Line> Hub<'a, L> {
         self.read_slots()
     }
 
-    /// Receives from the board, and goes on with what goes on.
+    /// Handles messages of pages and commands.
+    fn take_messages(&mut self) {
+        for _ in 0..MESSAGES {
+            let Ok(message) = self.inbox.try_recv() else { break };
+            self.take(message);
+        }
+    }
+
+    /// Handles messages, receives from the board, and goes on with what goes on.
     ///
     /// # Errors
     /// The port is of no use any more.
     fn turn(&mut self) -> Result<(), ClientError> {
+        self.take_messages();
         if let Some(due) = self.lost {
             if self.board.now() >= due {
                 self.find_again();
@@ -205,6 +231,7 @@ impl<'a, L: Line> Hub<'a, L> {
             ToHub::Asked { command, request, answer } => {
                 self.take_request(command, &request, answer);
             }
+            ToHub::Watches { views } => self.watchers.add(views),
             ToHub::Gone { command } => self.forget_waiting(command),
         }
     }

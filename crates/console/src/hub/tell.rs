@@ -135,9 +135,11 @@ impl<L: Line> Hub<'_, L> {
 
     /// Tells new states, faults, and a picture for each snapshot.
     pub(super) fn tell(&mut self) {
-        for record in std::mem::take(&mut self.board.log.faults) {
-            self.tell_fault(&record);
+        let faults = std::mem::take(&mut self.board.log.faults);
+        for record in &faults {
+            self.tell_fault(record);
         }
+        self.watchers.tell(self.board, &faults);
         if let Some(state) = self.board.state()
             && self.told.state.replace(state) != Some(state)
         {

@@ -36,6 +36,8 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
+    /// Whether the next tick has an emergency stop.
+    is_cut: bool,
     /// The joint that must come to rest before the rig is armed.
     waits_for: Option<Moving>,
 }
@@ -44,7 +46,7 @@ impl Default for Director {
     fn default() -> Self {
         let (refused, waits_for) = (None, None);
         let (phase, raised) = (Phase::PowerOn, FaultSet::EMPTY);
-        Self { phase, raised, refused, is_stopped: false, waits_for }
+        Self { phase, raised, refused, is_stopped: false, is_cut: false, waits_for }
     }
 }
 
@@ -64,10 +66,16 @@ impl Director {
         self.waits_for
     }
 
+    /// Switches torque off in the next tick.
+    pub fn cut(&mut self) {
+        self.is_cut = true;
+    }
+
     /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns the end of the performance once
     /// torque is off for good.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
-        let command = self.command(sim, stop);
+        let is_cut = std::mem::take(&mut self.is_cut);
+        let command = if is_cut { Some(Command::EStop) } else { self.command(sim, stop) };
         sim.tick(command);
         let report = sim.report();
         self.raised = self.raised.union(report.raised);

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, local};
+use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
@@ -178,12 +178,13 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     let serve = |source| Served { args, rig: &rig, parts: &parts, source, stop: &stop };
     match &args.target {
         Target::Port(port) => {
-            let mut board = open(Some(port), "--target")?;
+            let (mut board, name) = open(Some(port), "--target")?;
             check_rig(&board, &parts)?;
-            serve(Source::Board).on(&mut board, shows)
+            serve(Source::Board).on(&mut board, &name, shows)
         }
         Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
-            serve(Source::Simulated).on(board, shows)
+            let name = format!("simulated-{}", std::process::id());
+            serve(Source::Simulated).on(board, &name, shows)
         }),
     }
 }
@@ -198,7 +199,12 @@ struct Served<'a> {
 }
 
 impl Served<'_> {
-    fn on<L: Line>(self, board: &mut Board<L>, shows: Vec<OwnShow>) -> anyhow::Result<ExitCode> {
+    fn on<L: Line>(
+        self,
+        board: &mut Board<L>,
+        name: &str,
+        shows: Vec<OwnShow>,
+    ) -> anyhow::Result<ExitCode> {
         let Self { args, rig, parts, source, stop } = self;
         let options = Options {
             listen: args.listen,
@@ -219,11 +225,7 @@ impl Served<'_> {
             ));
         }
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        let name = match &args.target {
-            Target::Port(port) => local::name_of_port(port),
-            Target::Sim | Target::Nucleo => format!("simulated-{}", std::process::id()),
-        };
-        match console.run(board, &scene, (&name, shows), &|| stop.times()) {
+        match console.run(board, &scene, (name, shows), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)
