@@ -8,9 +8,11 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_performance::play::Recorder;
 
-use crate::hub::{Ended, Hub, Owner, OwnShow};
+use crate::hub::{Ended, Hub, OwnShow, Owner};
 use crate::local::{Door, Reply, Request};
+use crate::replay::{Player, Replay};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
 
@@ -83,9 +85,25 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
+    /// Shows a recording to pages until `stops` counts a signal to end. `name`: name of the recording.
+    ///
+    /// # Errors
+    /// [`ClientError::Line`] if the system has no threads.
+    pub fn replay(
+        self,
+        replay: &Replay,
+        (scene, name): (&Scene, &str),
+        stops: &dyn Fn() -> u32,
+    ) -> Result<(), ClientError> {
+        let (served, inbox, _) = self.serve()?;
+        Player::new(replay, scene, name).run(&inbox, stops);
+        drop(served);
+        Ok(())
+    }
+
     /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
     /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
-    /// the hub ends at once.
+    /// the hub ends at once. `record`: a recording of the session, with [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.
@@ -93,26 +111,44 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows): (&str, Vec<OwnShow>),
+        (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        let Self { shared, inbox, options, addresses, listeners } = self;
         let slot = usize::try_from(board.about().capacities.slot_bytes).unwrap_or(usize::MAX);
-        shared.show_bytes.store(slot, Ordering::Relaxed);
+        self.shared.show_bytes.store(slot, Ordering::Relaxed);
+        let (served, inbox, options) = self.serve()?;
+        let door = open_door(name, served.shared.hub.clone())?;
+        let owner = (Owner::Console, options.unattended);
+        let ended = Hub::new(board, scene, owner, inbox).run((shows, record), stops);
+        drop((door, served));
+        ended
+    }
+
+    /// Lets pages in until the first value is dropped.
+    fn serve(self) -> Result<(Served, Receiver<ToHub>, Options), ClientError> {
+        let Self { shared, inbox, options, addresses, listeners } = self;
+        let served = Served { shared, addresses };
         for listener in listeners {
-            let shared = Arc::clone(&shared);
+            let shared = Arc::clone(&served.shared);
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
-        let door = open_door(name, shared.hub.clone())?;
-        let owner = (Owner::Console, options.unattended);
-        let ended = Hub::new(board, scene, owner, inbox).run(shows, stops);
-        drop(door);
-        shared.is_over.store(true, Ordering::Relaxed);
+        Ok((served, inbox, options))
+    }
+}
+
+/// A server that lets pages in until it is dropped.
+struct Served {
+    shared: Arc<Shared>,
+    addresses: Vec<SocketAddr>,
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
         // A connection wakes each listener, which then sees that the server is over.
-        for address in addresses {
+        for address in &self.addresses {
             let _ = TcpStream::connect(address);
         }
-        ended
     }
 }

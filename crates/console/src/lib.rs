@@ -18,6 +18,7 @@
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, uploads, hubs of other commands.
+//! - `replay/`: a recording in place of a board.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
 
 #![forbid(unsafe_code)]
@@ -29,9 +30,11 @@ mod hub;
 pub mod local;
 mod message;
 mod page;
+mod replay;
 mod scene;
 mod server;
 
 pub use console::{Console, Options, execute};
-pub use hub::{Ended, Hosted, Owner, OwnShow};
+pub use hub::{Ended, Hosted, OwnShow, Owner, RECORD_HZ};
+pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};

@@ -12,7 +12,7 @@ use sinew_rig::servo::Address;
 /// Range of a slider for a joint without a range: rad, and m.
 const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
 /// All limits, by number.
-const LIMITS: [Limit; 14] = [
+pub(crate) const LIMITS: [Limit; 14] = [
     Limit::Range,
     Limit::Speed,
     Limit::Acceleration,
@@ -37,6 +37,8 @@ pub enum Source {
     Simulated,
     /// A board at a port.
     Board,
+    /// A recording: it has no commands.
+    Recording,
 }
 
 /// A rig, as the page needs it.
@@ -131,7 +133,7 @@ impl Scene {
             r#type: "head",
             rig: name,
             source,
-            commands: true,
+            commands: source != Source::Recording,
             bodies: bodies(mechanism),
             dofs: &dofs,
             servos: servos.collect(),

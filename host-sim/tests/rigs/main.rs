@@ -10,6 +10,8 @@ mod first_rig;
 mod hostile;
 #[cfg(unix)]
 mod killed;
+#[cfg(unix)]
+mod other_terminals;
 mod rig;
 mod servo;
 mod shows;

@@ -75,7 +75,9 @@ impl<L: Line> Hub<'_, L> {
             // The socket's thread answers it.
             Request::Watch => Err(Refused::because("it is no command")),
             Request::Yield => self.give_up_port(),
-            Request::Home | Request::Jog { .. } if command != OWN && self.owner != Owner::Console => {
+            Request::Home | Request::Jog { .. }
+                if command != OWN && self.owner != Owner::Console =>
+            {
                 Err(Refused::Other(format!("{} has the board", self.owner)))
             }
             Request::Home | Request::Jog { .. } => match self.move_for(request) {

@@ -5,14 +5,15 @@
 //! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
 //!   slots and ghosts. `upload`: a show on its way to the board.
 //! - `tell`: what pages are told. `local`: commands of this user in other terminals. `watchers`: those that watch.
-//! - `hosted`: a command without pages that is the hub of its board.
+//! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
 mod commands;
 mod hosted;
 mod journey;
 mod local;
-mod pose;
+pub(crate) mod pose;
+mod session_record;
 mod shows;
 mod slider;
 mod tell;
@@ -28,20 +29,23 @@ use sinew_board_client::{Board, ClientError, Line};
 use sinew_firmware::node::SETTING_NAMES;
 use sinew_firmware::supervisor::SOFT_MOST_RAD_S;
 use sinew_link::message::{Applied, Command, Refusal, State, TelemetryParts};
+use sinew_performance::play::Recorder;
 
 use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
 use local::{Asked, Waiting};
-use watchers::Watchers;
+use session_record::SessionRecord;
 use shows::Shows;
 use tell::Told;
 use upload::Upload;
+use watchers::Watchers;
 use wheel::Wheel;
 
 pub use hosted::Hosted;
 pub use local::Owner;
+pub use session_record::RECORD_HZ;
 pub use shows::OwnShow;
 
 /// Pictures per second that the hub asks of the board.
@@ -102,6 +106,7 @@ pub(crate) struct Hub<'a, L> {
     /// Command in another terminal whose motion goes on.
     waiting: Option<Waiting>,
     watchers: Watchers,
+    record: Option<SessionRecord>,
     asked: Asked,
     /// Whether the last journey has reached its end.
     arrived: bool,
@@ -138,6 +143,7 @@ impl<'a, L: Line> Hub<'a, L> {
             barred: None,
             waiting: None,
             watchers: Watchers::default(),
+            record: None,
             asked: Asked::default(),
             arrived: false,
             closing: None,
@@ -147,17 +153,20 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Runs until the rig is stopped after a signal.
     pub(crate) fn run(
         mut self,
-        shows: Vec<OwnShow>,
+        (shows, record): (Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
+        self.record = record.map(SessionRecord::new);
         self.begin()?;
         for show in shows {
             self.put_own(show)?;
         }
         loop {
-            self.turn()?;
-            if let Some(ended) = self.close(stops()) {
-                return Ok(ended);
+            let turned = self.turn();
+            let ended = turned.map(|()| self.close(stops())).transpose();
+            if let Some(ended) = ended {
+                self.end_record(None);
+                return ended;
             }
         }
     }
@@ -171,6 +180,28 @@ impl<'a, L: Line> Hub<'a, L> {
         let key = key.and_then(|place| u16::try_from(place + 1).ok()).unwrap_or_default();
         self.soft_rad_s = self.board.setting(key).unwrap_or(SOFT_MOST_RAD_S);
         self.read_slots()
+    }
+
+    /// Adds the rows that are due to the recording of the session.
+    fn go_on_record(&mut self) {
+        let shows = matches!(self.act, Some(Act::Show(_)));
+        let (now, log) = (self.board.now(), &self.board.log);
+        let Some(record) = &mut self.record else { return };
+        if let Err(error) = record.go_on(
+            self.scene,
+            log,
+            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0)),
+        ) {
+            self.end_record(Some(error));
+        }
+    }
+
+    /// Writes the end of the recording, if there is one. `error`: the error that ends it.
+    fn end_record(&mut self, error: Option<String>) {
+        let Some(record) = self.record.take() else { return };
+        if let Some(error) = error.or(record.end().err()) {
+            self.event(Level::Error, &format!("the recording has ended: {error}"));
+        }
     }
 
     /// Handles messages of pages and commands.
@@ -204,6 +235,7 @@ impl<'a, L: Line> Hub<'a, L> {
             self.go_on_waiting();
         }
         self.tell();
+        self.go_on_record();
         self.failed.take().map_or(Ok(()), Err)
     }
 
@@ -239,9 +271,10 @@ impl<'a, L: Line> Hub<'a, L> {
     fn leave(&mut self, page: PageId) {
         self.pages.remove(&page);
         self.forget_upload(page);
+        self.wheel.forget(page);
         if self.wheel.is_at(page) {
             let now = self.now();
-            self.wheel.free(now);
+            self.wheel.pass(now);
             // A show goes on for a moment: the page may be loading again.
             if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
                 let _ = self.hold();

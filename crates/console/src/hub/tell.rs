@@ -70,7 +70,8 @@ impl<L: Line> Hub<'_, L> {
                 (None, false, false) => Some("page"),
                 _ => None,
             };
-            page.out.send(&text(ToPage::Role { driver, other }.json()));
+            let asked = driver && self.wheel.is_asked(self.now());
+            page.out.send(&text(ToPage::Role { driver, other, asked }.json()));
         }
     }
 
@@ -140,6 +141,9 @@ impl<L: Line> Hub<'_, L> {
             self.tell_fault(record);
         }
         self.watchers.tell(self.board, &faults);
+        if let Some(record) = &mut self.record {
+            record.hear(&faults);
+        }
         if let Some(state) = self.board.state()
             && self.told.state.replace(state) != Some(state)
         {

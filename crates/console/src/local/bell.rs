@@ -42,7 +42,10 @@ impl Bell {
                     is_cut = true;
                     (true, super::CUTS)
                 }
-                _ => (false, "refused: the rig is simulated by `sinew play`, and can only be stopped"),
+                _ => (
+                    false,
+                    "refused: the rig is simulated by `sinew play`, and can only be stopped",
+                ),
             };
             // Nobody waits if the command has ended.
             let _ = answer.try_send(Reply { ok, text: text.to_owned() });

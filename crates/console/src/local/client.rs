@@ -82,7 +82,9 @@ impl Watching {
             }
             Ok(_) => Err(ErrorKind::UnexpectedEof.into()),
             // The part of the line that has arrived is kept.
-            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {
+            Err(error)
+                if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) =>
+            {
                 Ok(None)
             }
             Err(error) => Err(error),

@@ -88,6 +88,16 @@ fn folder() -> PathBuf {
     env::temp_dir().join(format!("sinew-{user}"))
 }
 
+/// Returns the folder of this user's sockets, which it creates.
+///
+/// # Errors
+/// An I/O error, also if other users may enter the folder.
+pub fn private_folder() -> io::Result<PathBuf> {
+    let folder = folder();
+    create_folder(&folder)?;
+    Ok(folder)
+}
+
 /// Creates the folder, for this user alone. A folder that others may enter is refused.
 fn create_folder(folder: &Path) -> io::Result<()> {
     match DirBuilder::new().mode(0o700).create(folder) {

@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::{Reply, Request, View, create_folder, folder};
+use super::{Reply, Request, View, private_folder};
 use crate::server::ToHub;
 
 /// Maximum length of a request, bytes.
@@ -38,8 +38,7 @@ pub(crate) struct Door {
 impl Door {
     /// Opens the socket of a hub, and serves it in a thread. A socket that a killed hub has left is replaced.
     pub(crate) fn open(name: &str, hub: SyncSender<ToHub>) -> io::Result<Self> {
-        let folder = folder();
-        create_folder(&folder)?;
+        let folder = private_folder()?;
         let path = folder.join(format!("{name}.sock"));
         if UnixStream::connect(&path).is_ok() {
             let text = format!("{}: another console uses it", path.display());

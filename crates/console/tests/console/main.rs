@@ -3,4 +3,5 @@
 mod attacks;
 mod client;
 mod driving;
+mod load;
 mod other_side;

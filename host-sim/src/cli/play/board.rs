@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use anyhow::Context as _;
 use sinew_board_client::{Board, ClientError, Line, TelemetryLog};
-use sinew_host_util::command::note;
 use sinew_console::{Hosted, Owner, Scene, Source};
+use sinew_host_util::command::note;
 use sinew_link::message::{Command, FaultRecord, Feed, State, TelemetryParts};
 use sinew_performance::play::RigParts;
 use sinew_performance::rig::LoadedRig;

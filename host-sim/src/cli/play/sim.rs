@@ -200,7 +200,7 @@ impl Args {
                 .iter()
                 .filter_map(|(key, note)| Some((*key, note.as_ref()?.as_str())))
                 .collect();
-            let recorder = Recorder::new(path, parts, &rig, &notes);
+            let recorder = Recorder::new(path, (parts, parts.rate_hz.into()), &rig, &notes);
             recorder.with_context(|| path.display().to_string())
         };
         self.record.as_ref().map(begin).transpose()

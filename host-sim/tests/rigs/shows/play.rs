@@ -53,8 +53,9 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         let play = ["play", &show, "--rig", &rig, "--drive", drive];
         let [table, notes] = done(&play);
         assert!(notes.contains(rate), "{notes}");
-        let states =
-            ["limp", "arming", "holding", "playing", "holding", "stopping", "lowering", "limp"];
+        let approach = "going to the show's first pose";
+        let states = ["limp", "arming", "holding", approach, "playing", "holding", "stopping"];
+        let states = [&states[..], &["lowering", "limp"]].concat();
         let told: Vec<&str> = notes.lines().filter_map(|line| line.split(" s  ").nth(1)).collect();
         assert_eq!(told[told.len() - states.len()..], states, "{notes}");
         assert!(
