@@ -7,7 +7,7 @@ use sinew_servo_tools::{Client, Protocol, SerialLine, ServiceError, Settings, an
 
 use crate::{Board, ClientError, SerialBoard, nonce};
 
-/// Baud rates of boards, bit/s, in the order of trying. USB and pseudo-terminals have no rate.
+/// Baud rates of boards, bit/s, in the order in which they are tried. USB ports and pseudo-terminals ignore the rate.
 pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 
 /// Time for a controller to answer, at each rate.
@@ -15,9 +15,9 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 /// Time in which a controller lowers the rig of a program that has ended: 2 s until the link is lost, and 18 s of
 /// lowering, both by default. The port is locked, so no other program of this machine drives the rig.
 pub const TAKE_OVER: Duration = Duration::from_secs(30);
-/// Time for a controller to answer on a port where servos are expected.
+/// Time for a controller to answer on a port that probably has servos.
 const GLANCE: Duration = Duration::from_millis(400);
-/// Time for any servo to answer.
+/// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
 /// Opens a port, and a session with its controller. If the rig is not limp yet after the end of the program that drove
@@ -48,11 +48,12 @@ pub fn open_any(path: &Path) -> Result<(Board<SerialBoard>, bool), ClientError> 
     }
 }
 
-/// Opens the only port with a controller among the candidates: `None` stands for all USB ports.
+/// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
+/// ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
-/// found; others as in [`open`].
+/// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
 pub fn find(
     candidates: Option<&[PathBuf]>,
     waits: &dyn Fn(),
@@ -102,7 +103,8 @@ fn take_over(
     Ok(board)
 }
 
-/// Returns `true` if a controller answers at a port: for programs that look for servos.
+/// Returns `true` if a controller answers at a port, also one that refuses a session. Programs that look for servos
+/// then leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }
@@ -119,7 +121,7 @@ fn greet(path: &Path, patience: Duration) -> Result<(Board<SerialBoard>, bool), 
     greeted
 }
 
-/// Returns the protocol and rate of the servos at a port, if any answer.
+/// Returns the protocol and the baud rate of the servos at a port; `None` if none answers.
 fn servos(path: &Path) -> Result<Option<(Protocol, u32)>, ClientError> {
     let settings = Settings { patience: SERVO_PATIENCE, tries: 1 };
     let line = SerialLine::open(path)?;

@@ -8,8 +8,8 @@ use sinew_host_util::command::note;
 use sinew_host_util::output;
 use sinew_performance::play::Recording;
 use sinew_report::recording::{Page, cut, duration_s};
-use sinew_rig::{Description, Mechanism};
 use sinew_rig::toml_file;
+use sinew_rig::{Description, Mechanism};
 
 use super::output::OutputPath;
 use super::rig::read;

@@ -1,10 +1,10 @@
-//! The pose that the board commands: the measured pose and its offsets.
+//! The pose that the board commands: the measured pose plus the offsets that the board sends.
 
 use sinew_board_client::TelemetryLog;
 
 use crate::scene::Scene;
 
-/// Returns the commanded pose, or `None` while torque is off, or if the board does not send its targets.
+/// Returns the commanded pose; `None` while torque is off, or if the board does not send offsets of all dofs.
 pub(crate) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
     log.summary?.errors?;
     let is_whole = log.q.len() == scene.home.len() && log.targets.len() == scene.dofs.len();
@@ -47,7 +47,7 @@ pub(super) fn dofs(blocks: &[(usize, usize)], pose: &[f32]) -> Vec<f32> {
     dofs
 }
 
-/// Returns a unit quaternion (x y z w) times the exponential of a rotation vector.
+/// Returns the product of a unit quaternion (x y z w) and the exponential of a rotation vector.
 fn turned([ax, ay, az, aw]: [f32; 4], turn: [f32; 3]) -> [f32; 4] {
     let angle = turn.iter().map(|x| x * x).sum::<f32>().sqrt();
     let part = if angle > 1e-9 { (0.5 * angle).sin() / angle } else { 0.5 };

@@ -1,4 +1,4 @@
-//! The end of the socket of another command.
+//! The other command's end of the socket.
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};

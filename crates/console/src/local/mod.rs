@@ -28,13 +28,13 @@ pub(crate) const CUTS: &str = "torque is off";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 pub enum Request {
-    /// The rig goes to its rest pose, is lowered, then limp.
+    /// The rig goes to its rest pose and is lowered; then torque is off.
     Stop,
-    /// Torque off at once.
+    /// Torque goes off at once.
     EStop,
     /// The armed rig goes to its home pose.
     Home,
-    /// A joint of the armed rig moves by an angle.
+    /// A joint of the armed rig moves by an angle or a distance.
     Jog {
         /// Name of the joint.
         joint: String,
@@ -63,7 +63,7 @@ pub struct View {
 pub struct Reply {
     /// Whether the command was executed.
     pub ok: bool,
-    /// Result, or reason, in words.
+    /// Result, or reason for the refusal, in words.
     pub text: String,
 }
 
@@ -78,7 +78,7 @@ pub fn name_of_port(port: &Path) -> String {
         .to_owned()
 }
 
-/// Returns the folder of this user's sockets.
+/// Returns the folder with the sockets of this user's consoles.
 fn folder() -> PathBuf {
     if let Some(runtime) = env::var_os("XDG_RUNTIME_DIR").filter(|path| !path.is_empty()) {
         return PathBuf::from(runtime).join("sinew");
@@ -98,7 +98,7 @@ pub fn private_folder() -> io::Result<PathBuf> {
     Ok(folder)
 }
 
-/// Creates the folder, for this user alone. A folder that others may enter is refused.
+/// Creates the folder, accessible only to this user. Fails if other users can enter an existing folder.
 fn create_folder(folder: &Path) -> io::Result<()> {
     match DirBuilder::new().mode(0o700).create(folder) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),

@@ -18,7 +18,7 @@ use crate::server::ToHub;
 
 /// Maximum length of a request, bytes.
 const REQUEST_MAX: u64 = 4096;
-/// Time for a request, and interval at which a waiting command is looked for.
+/// Longest time for a request, and the interval of checks whether a waiting command still runs.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
 
@@ -28,7 +28,7 @@ const VIEWS: usize = 4;
 /// Number of the next command. 0 is the hub's own.
 static COMMANDS: AtomicU64 = AtomicU64::new(1);
 
-/// A socket that other commands open. It is removed on drop.
+/// A socket for other commands. It is removed on drop.
 #[derive(Debug)]
 pub(crate) struct Door {
     path: PathBuf,
@@ -36,7 +36,7 @@ pub(crate) struct Door {
 }
 
 impl Door {
-    /// Opens the socket of a hub, and serves it in a thread. A socket that a killed hub has left is replaced.
+    /// Opens the socket of a hub, and serves it in a thread. Replaces a socket that a killed hub has left.
     pub(crate) fn open(name: &str, hub: SyncSender<ToHub>) -> io::Result<Self> {
         let folder = private_folder()?;
         let path = folder.join(format!("{name}.sock"));
@@ -63,7 +63,7 @@ impl Door {
                 }
                 let Ok(stream) = stream else { continue };
                 let hub = hub.clone();
-                // A command that breaks off is forgotten.
+                // If a connection fails, nobody waits for the reason.
                 let _ = thread::Builder::new().spawn(move || serve(&stream, &hub));
             }
         };
@@ -81,7 +81,7 @@ impl Drop for Door {
     }
 }
 
-/// Passes a request to the hub, and its answer back. If the command is gone, the hub learns of it.
+/// Passes a request to the hub and the answer back. Reports to the hub if the command ends earlier.
 fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;

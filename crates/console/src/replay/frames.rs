@@ -1,6 +1,6 @@
 //! The rows of a recording, as frames for pages.
 
-use sinew_link::message::{Dof, Limit, Servo, State};
+use sinew_link::message::{Dof, Servo, State};
 use sinew_performance::play::{Part, Recording, RecordingError, RigParts};
 use thiserror::Error;
 

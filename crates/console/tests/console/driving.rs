@@ -1,4 +1,4 @@
-//! A page drives: arming, sliders, shows, stops; and what ends when the page is gone.
+//! A page that drives: arming, sliders, shows, stops; and which motions end when the page is gone.
 
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
@@ -23,7 +23,10 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
     assert_eq!(page.texts[0]["dofs"][0]["coordinate"], 0);
     assert_eq!(page.texts[1]["slots"][0]["name"], "nod");
     assert_eq!(page.texts[1]["slots"][0]["cues"][0]["name"], "far");
-    assert_eq!(page.texts[2], json!({ "type": "role", "driver": true, "other": null, "asked": false }));
+    assert_eq!(
+        page.texts[2],
+        json!({ "type": "role", "driver": true, "other": null, "asked": false })
+    );
     page.until_state(LIMP);
     assert!(page.shown().wanted.is_nan(), "nothing is wanted of a limp rig");
     let (is_done, text) = page.ask(json!({ "type": "jog", "dof": 0, "goal": 0.1 }));

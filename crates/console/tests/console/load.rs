@@ -28,7 +28,10 @@ fn ms(ms: u64) -> Duration {
 #[track_caller]
 fn assert_gentle(console: &OtherSide) {
     let servo = console.servo.lock().unwrap();
-    println!("largest step of a goal {:.2} deg, shaft {:.1} deg/s", servo.step_deg, servo.speed_deg_s);
+    println!(
+        "largest step of a goal {:.2} deg, shaft {:.1} deg/s",
+        servo.step_deg, servo.speed_deg_s
+    );
     assert!(servo.step_deg <= STEP_DEG, "{servo:?}");
     assert!(servo.speed_deg_s <= 1.5 * SPEED_DEG_S, "{servo:?}");
 }

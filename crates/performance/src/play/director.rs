@@ -38,7 +38,7 @@ pub struct Director {
     is_stopped: bool,
     /// Whether the next tick has an emergency stop.
     is_cut: bool,
-    /// The joint that must come to rest before the rig is armed.
+    /// The joint that must come to rest before the rig is armed, or `None`.
     waits_for: Option<Moving>,
 }
 
@@ -61,7 +61,7 @@ impl Director {
         self.raised.minus(FaultSet::WARNINGS)
     }
 
-    /// Returns the joint that must come to rest before the rig is armed.
+    /// Returns the joint that must come to rest before the rig is armed; `None` if the rig need not wait.
     pub fn waits_for(&self) -> Option<Moving> {
         self.waits_for
     }
@@ -71,8 +71,8 @@ impl Director {
         self.is_cut = true;
     }
 
-    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns the end of the performance once
-    /// torque is off for good.
+    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns `None` until torque is off for good;
+    /// then returns the end of the performance.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
         let is_cut = std::mem::take(&mut self.is_cut);
         let command = if is_cut { Some(Command::EStop) } else { self.command(sim, stop) };

@@ -33,8 +33,13 @@ pub(super) fn open(address: &str) -> Option<Redirect> {
     }
     let path = private_folder().ok()?.join(format!("console-{}.html", std::process::id()));
     let redirect = Redirect(path);
-    let mut file =
-        OpenOptions::new().write(true).create(true).truncate(true).mode(0o600).open(&redirect.0).ok()?;
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(true)
+        .mode(0o600)
+        .open(&redirect.0)
+        .ok()?;
     file.write_all(page(address).as_bytes()).ok()?;
     let mut opener = Command::new(OPENER);
     opener.arg(&redirect.0).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());

@@ -68,21 +68,22 @@ pub(super) struct ConsoleArgs {
     target: Target,
 
     /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
-    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or its joint; the time is that since the start. May
-    /// be repeated.
+    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or of its joint. WHEN counts from the start of the
+    /// console. May be repeated.
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 
-    /// Serve the page also at this address of the machine, such as 192.168.1.5 or 192.168.1.5:8080. Everybody who has
-    /// the token may then watch and stop the rig from other machines. The connection is not encrypted.
+    /// Serve the page also to other machines, at this address of this machine, such as 192.168.1.5 or 192.168.1.5:8080.
+    /// Everybody who has the token can then watch and stop the rig. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
     listen: Option<SocketAddr>,
 
-    /// Let pages on other machines drive the rig, too. Default: they may watch, hold and stop.
+    /// Let pages on other machines drive the rig, too. Default: they can only watch, hold and stop.
     #[arg(long, requires = "listen")]
     allow_drive: bool,
 
-    /// Let a show continue while no page drives. Default: the rig holds after 2 s, and is lowered 3 s later.
+    /// Let a show continue while no page drives. Default: the rig holds after 2 s without a driver, and is lowered 3 s
+    /// later.
     #[arg(long)]
     unattended: bool,
 
@@ -104,7 +105,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses options that have no effect on the target.
+    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
             bail!(
@@ -234,7 +235,7 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Everything that a console needs, except its board.
+/// Everything that a console needs, except its board and its shows.
 struct Served<'a> {
     args: &'a ConsoleArgs,
     rig: &'a LoadedRig,

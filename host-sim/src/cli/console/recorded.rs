@@ -34,7 +34,9 @@ impl ConsoleArgs {
         ];
         let given = given.into_iter().chain(self.driven.given());
         if let Some((_, option)) = given.into_iter().find(|(is_given, _)| *is_given) {
-            bail!("{name}: {option} has no effect on a recording, which is shown alone and moves no rig");
+            bail!(
+                "{name}: {option} has no effect on a recording, which is shown alone and moves no rig"
+            );
         }
         Ok(Some(Path::new(name)))
     }

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use sinew_host_util::command::note;
 use sinew_show::Show;
 
-/// Number of joints that are shown.
+/// Number of joints that are displayed.
 const WORST: usize = 6;
 /// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);

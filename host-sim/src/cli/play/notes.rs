@@ -1,9 +1,9 @@
-//! Notes on a loop before it plays: its buses, its rate, its pulses.
+//! Notes on the control loop before a show plays: its buses, rates and pulses, and the joints without servos.
 
 use sinew_host_util::command::note;
 use sinew_performance::play::{Drive, RigParts};
 
-/// Pulses that are safe for usual hobby servos, us.
+/// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
 /// Prints facts about the loop. `is_here`: whether this program chooses its rates, or a board has them.
