@@ -4,6 +4,8 @@
 mod board;
 #[path = "../common/mod.rs"]
 mod common;
+#[cfg(unix)]
+mod console;
 mod evaluate;
 mod first_rig;
 #[cfg(unix)]

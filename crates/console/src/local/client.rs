@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};
+use std::os::unix::fs::MetadataExt as _;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
@@ -23,11 +24,15 @@ pub fn consoles() -> Vec<String> {
 
 /// Returns whether a program serves a socket. A socket is visible only while its program listens, or after its end.
 fn is_alive(path: &Path) -> bool {
+    let number = || fs::symlink_metadata(path).map(|found| found.ino()).ok();
+    let before = number();
     match UnixStream::connect(path) {
         Ok(_) => true,
         Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
-            // Another command may have removed it already.
-            let _ = fs::remove_file(path);
+            // A new program may have taken the name meanwhile.
+            if number() == before {
+                let _ = fs::remove_file(path);
+            }
             false
         }
         Err(_) => false,

@@ -6,3 +6,4 @@ mod client;
 mod driving;
 mod load;
 mod other_side;
+mod replay;
