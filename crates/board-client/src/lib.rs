@@ -18,7 +18,7 @@
 //! use sinew_board_client::port;
 //! use sinew_link::message::Command;
 //!
-//! let mut board = port::open("/dev/ttyACM0".as_ref())?;
+//! let mut board = port::open("/dev/ttyACM0".as_ref(), &|| println!("the rig is lowered first"))?;
 //! println!("firmware {}", board.about().firmware);
 //! board.ask(Command::Arm)?;
 //! # Ok::<(), sinew_board_client::ClientError>(())

@@ -75,12 +75,35 @@ pub(crate) enum PageCommand {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(crate) enum ToPage<'a> {
-    Shows { slots: &'a [Slot], loaded: Option<u8> },
-    Role { driver: bool, other: Option<&'static str> },
-    Event { t: f64, level: Level, text: &'a str, fault: Option<u8>, joint: Option<&'a str> },
-    Answer { id: u64, ok: bool, text: &'a str },
-    Progress { what: &'static str, done: f32 },
-    Pong { t: f64 },
+    Shows {
+        slots: &'a [Slot],
+        loaded: Option<u8>,
+    },
+    /// `asked`: another page asks this page for the wheel.
+    Role {
+        driver: bool,
+        other: Option<&'static str>,
+        asked: bool,
+    },
+    Event {
+        t: f64,
+        level: Level,
+        text: &'a str,
+        fault: Option<u8>,
+        joint: Option<&'a str>,
+    },
+    Answer {
+        id: u64,
+        ok: bool,
+        text: &'a str,
+    },
+    Progress {
+        what: &'static str,
+        done: f32,
+    },
+    Pong {
+        t: f64,
+    },
 }
 
 /// The importance of an event.
@@ -144,7 +167,7 @@ mod tests {
         ] {
             assert!(read(bad).is_err(), "{bad}");
         }
-        let role = ToPage::Role { driver: true, other: None }.json();
-        assert_eq!(role, r#"{"type":"role","driver":true,"other":null}"#);
+        let role = ToPage::Role { driver: true, other: None, asked: false }.json();
+        assert_eq!(role, r#"{"type":"role","driver":true,"other":null,"asked":false}"#);
     }
 }

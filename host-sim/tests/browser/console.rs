@@ -247,6 +247,45 @@ fn faults_are_told_with_joint_and_remedy_and_are_cleared() {
 
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
+fn a_recording_is_watched_on_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = arm_and_show(folder.path());
+    let recording = folder.path().join("punch.parquet").display().to_string();
+    let play = ["play", &show, "--rig", &rig, "--fast", "--record", &recording];
+    assert!(sinew_in(folder.path(), &play).status.success());
+    let console = Served::start(&[&recording]);
+    let origin = console.origin().to_owned();
+    with_url(
+        &console.address,
+        |request| request.starts_with(&origin),
+        |page| {
+            wait_for_state(page, "limp");
+            assert_eq!(page.ask("document.getElementById('commands').hidden"), true);
+            page.drag("#scrub", [0.1, 0.5], || page.wait_ms(300));
+            wait_for_state(page, "playing");
+            let place = || {
+                let place = page.ask("parseFloat(document.getElementById('place').textContent)");
+                place.as_f64().unwrap()
+            };
+            let before = place();
+            page.hold("#play", 50);
+            wait_until(page, "document.getElementById('play-text').textContent === 'Pause'");
+            page.wait_ms(1000);
+            page.hold("#play", 50);
+            wait_until(page, "document.getElementById('play-text').textContent === 'Play'");
+            let after = place();
+            assert!((0.8..4.0).contains(&(after - before)), "{before} to {after}");
+            page.wait_ms(500);
+            assert!((place() - after).abs() < 0.1);
+            for width in [1280, 400] {
+                page.assert_fits(width);
+            }
+        },
+    );
+}
+
+#[test]
+#[ignore = "needs SINEW_CHROMIUM"]
 fn a_page_without_its_console_controls_nothing() {
     let mut console = Served::start(&[]);
     let origin = console.origin().to_owned();

@@ -5,15 +5,15 @@ use sinew_board_client::TelemetryLog;
 use crate::scene::Scene;
 
 /// Returns the commanded pose; `None` while torque is off, or if the board does not send offsets of all dofs.
-pub(super) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
+pub(crate) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
     log.summary?.errors?;
     let is_whole = log.q.len() == scene.home.len() && log.targets.len() == scene.dofs.len();
     is_whole.then(|| add(&scene.blocks, &log.q, &log.targets))
 }
 
-/// Adds offsets of dofs to a pose. The offset of a ball joint, which has four coordinates, is a rotation vector in the
-/// axes of its body.
-fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
+/// Adds offsets by dof to a pose. A ball joint has four coordinates, and its offset is a rotation vector in its body's
+/// axes.
+pub(crate) fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
     let mut q = pose.to_vec();
     let mut offsets = offsets.iter().copied();
     for (first, count) in blocks {
@@ -26,6 +26,25 @@ fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
         }
     }
     q
+}
+
+/// Returns the positions of the dofs of a pose; for a ball joint the rotation vector.
+pub(super) fn dofs(blocks: &[(usize, usize)], pose: &[f32]) -> Vec<f32> {
+    let mut dofs = Vec::new();
+    for (first, count) in blocks {
+        let own = &pose[*first..*first + *count];
+        if let [x, y, z, w] = *own {
+            // Both signs of a quaternion are the same rotation: the shorter way counts.
+            let sign = if w < 0.0 { -1.0 } else { 1.0 };
+            let sine = (x * x + y * y + z * z).sqrt();
+            let angle = 2.0 * sine.atan2(sign * w);
+            let part = if sine > 1e-9 { sign * angle / sine } else { 2.0 * sign };
+            dofs.extend([x, y, z].map(|axis| part * axis));
+        } else {
+            dofs.extend(own);
+        }
+    }
+    dofs
 }
 
 /// Returns the product of a unit quaternion (x y z w) and the exponential of a rotation vector.
@@ -44,6 +63,23 @@ fn turned([ax, ay, az, aw]: [f32; 4], turn: [f32; 3]) -> [f32; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn dofs_of_a_pose_lead_to_the_pose() {
+        let blocks = [(0, 0), (0, 1), (1, 4), (5, 1)];
+        let rest = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let turns = [0.3, 0.5, -1.0, 2.0, -0.2];
+        let pose = add(&blocks, &rest, &turns);
+        let near = |a: &[f32]| a.iter().zip(turns).all(|(a, b)| (a - b).abs() < 1e-5);
+        assert!(near(&dofs(&blocks, &pose)));
+        let other: Vec<f32> = pose
+            .iter()
+            .enumerate()
+            .map(|(k, x)| if (1..5).contains(&k) { -x } else { *x })
+            .collect();
+        assert!(near(&dofs(&blocks, &other)));
+        assert!(dofs(&blocks, &rest).iter().all(|x| x.abs() < 1e-6));
+    }
 
     #[test]
     fn offsets_are_added_by_joint() {

@@ -70,7 +70,8 @@ impl<L: Line> Hub<'_, L> {
                 (None, false, false) => Some("page"),
                 _ => None,
             };
-            page.out.send(&text(ToPage::Role { driver, other }.json()));
+            let asked = driver && self.wheel.is_asked(self.now());
+            page.out.send(&text(ToPage::Role { driver, other, asked }.json()));
         }
     }
 
@@ -135,8 +136,13 @@ impl<L: Line> Hub<'_, L> {
 
     /// Reports new faults and states to pages, and sends them a frame for each snapshot.
     pub(super) fn tell(&mut self) {
-        for record in std::mem::take(&mut self.board.log.faults) {
-            self.tell_fault(&record);
+        let faults = std::mem::take(&mut self.board.log.faults);
+        for record in &faults {
+            self.tell_fault(record);
+        }
+        self.watchers.tell(self.board, &faults);
+        if let Some(record) = &mut self.record {
+            record.hear(&faults);
         }
         if let Some(state) = self.board.state()
             && self.told.state.replace(state) != Some(state)

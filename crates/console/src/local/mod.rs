@@ -1,8 +1,9 @@
-//! A Unix socket, which only this user can open, by which other commands of this user reach a hub.
+//! Other commands of this user reach a hub by a Unix socket, that only this user can open.
 //!
-//! A request and its answer are each one line of JSON. A motion is answered at its end. If the command ends earlier,
-//! the rig holds.
+//! A request and its answer are each one line of JSON. A motion is answered when it is over; if the command ends
+//! before, the rig holds. A command that watches gets a line for each view of the rig, until it leaves.
 
+mod bell;
 mod client;
 mod server;
 
@@ -13,11 +14,17 @@ use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sinew_link::message::{FaultRecord, Servo, Summary};
 
-pub use client::{ask, consoles};
+pub use bell::Bell;
+pub use client::{Watching, ask, consoles, watch};
 pub(crate) use server::Door;
 
-/// A command for a running console.
+/// Answers to a stop and an e-stop.
+pub(crate) const STOPS: &str = "the rig goes to its rest pose, then torque is off";
+pub(crate) const CUTS: &str = "torque is off";
+
+/// A command for a running hub.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 pub enum Request {
@@ -34,9 +41,24 @@ pub enum Request {
         /// Angle in deg, or distance in mm.
         by: f64,
     },
+    /// Views of the rig, until the command leaves.
+    Watch,
+    /// A hub that only watches closes its port, so that this command can open it.
+    Yield,
 }
 
-/// An answer of a console.
+/// View of a rig, for a command that watches.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct View {
+    /// The newest summary.
+    pub summary: Summary,
+    /// The newest data of servos.
+    pub servos: Vec<Servo>,
+    /// Faults since the last view.
+    pub faults: Vec<FaultRecord>,
+}
+
+/// An answer of a hub.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reply {
     /// Whether the command was executed.
@@ -45,7 +67,7 @@ pub struct Reply {
     pub text: String,
 }
 
-/// Returns the name of the console that uses a port.
+/// Returns the name of the hub that owns a port.
 pub fn name_of_port(port: &Path) -> String {
     let port = fs::canonicalize(port).unwrap_or_else(|_| port.to_owned());
     let name = port.to_string_lossy();
@@ -64,6 +86,16 @@ fn folder() -> PathBuf {
     let user = env::var("USER").unwrap_or_default();
     let user: String = user.chars().filter(char::is_ascii_alphanumeric).collect();
     env::temp_dir().join(format!("sinew-{user}"))
+}
+
+/// Returns the folder of this user's sockets, which it creates.
+///
+/// # Errors
+/// An I/O error, also if other users may enter the folder.
+pub fn private_folder() -> io::Result<PathBuf> {
+    let folder = folder();
+    create_folder(&folder)?;
+    Ok(folder)
 }
 
 /// Creates the folder, accessible only to this user. Fails if other users can enter an existing folder.

@@ -15,7 +15,7 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::local::{Reply, Request};
+use crate::local::{Reply, Request, View};
 use crate::message::FromPage;
 
 pub(crate) use socket::{Outbox, binary, text};
@@ -45,6 +45,8 @@ pub(crate) enum ToHub {
     Left { page: PageId },
     /// A command of this user sends a request, and waits for the answer.
     Asked { command: u64, request: Request, answer: SyncSender<Reply> },
+    /// Another command of this user watches the rig.
+    Watches { views: SyncSender<View> },
     /// A command has ended before it got its answer.
     Gone { command: u64 },
 }

@@ -38,6 +38,8 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
+    /// Whether the next tick has an emergency stop.
+    is_cut: bool,
     /// The joint that must come to rest before the rig is armed, or `None`.
     waits_for: Option<Moving>,
     /// Time from the armed rig to the start of the show's clock, s; `None`: as soon as the rig is at the first pose.
@@ -58,6 +60,7 @@ impl Default for Director {
             raised,
             refused,
             is_stopped: false,
+            is_cut: false,
             waits_for,
             preroll_s,
             play_at_s,
@@ -88,10 +91,16 @@ impl Director {
         self.waits_for
     }
 
+    /// Switches torque off in the next tick.
+    pub fn cut(&mut self) {
+        self.is_cut = true;
+    }
+
     /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns `None` until torque is off for good;
     /// then returns the end of the performance.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
-        let command = self.command(sim, stop);
+        let is_cut = std::mem::take(&mut self.is_cut);
+        let command = if is_cut { Some(Command::EStop) } else { self.command(sim, stop) };
         sim.tick(command);
         let report = sim.report();
         self.raised = self.raised.union(report.raised);

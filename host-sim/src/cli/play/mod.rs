@@ -146,11 +146,11 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
     }
     let options =
-        if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
+        if args.target == Target::Sim { args.driven.here() } else { args.driven.on_board() };
     let mut parts = RigParts::new(&rig.description, &rig.mechanism, options)
         .with_context(|| args.rig.display().to_string())?;
     parts.vary(variation);
-    notes::tell(&parts);
+    notes::tell(&parts, !matches!(args.target, Target::Port(_)));
     if let Some(plant) = args.varied() {
         note(format_args!("the simulated plant differs from {}: {plant}", args.rig.display()));
     }
@@ -159,7 +159,7 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     match (&args.target, nucleo) {
         (Target::Port(port), _) => {
             let timing = board::Timing { rounds: rounds(true)?, preroll_s: args.preroll };
-            board::perform(port, args.silence.time(), &parts, &bytes, timing)
+            board::perform(port, args.silence.time(), (&rig, &parts), &bytes, timing)
         }
         (Target::Nucleo, Some(files)) => {
             // Emulation is slower than real time, so loops end by themselves.

@@ -6,8 +6,26 @@ use sinew_performance::play::{Drive, RigParts};
 /// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
-/// Prints the buses, drives, rates and pulses of the control loop, and the joints that no servo moves.
-pub(super) fn tell(parts: &RigParts) {
+/// Prints facts about the loop. `is_here`: whether this program chooses its rates, or a board has them.
+pub(super) fn tell(parts: &RigParts, is_here: bool) {
+    if is_here {
+        tell_buses(parts);
+    }
+    tell_pulses(parts);
+    if is_here {
+        tell_rate(parts);
+    }
+    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
+        .filter(|(_, drive)| drive.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !idle.is_empty() {
+        note(format_args!("no servo moves {}", idle.join(", ")));
+    }
+}
+
+/// Prints the buses, drives and rates of the loop.
+fn tell_buses(parts: &RigParts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
         let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
@@ -33,7 +51,10 @@ pub(super) fn tell(parts: &RigParts) {
             line.name, line.baud, parts.rate_hz
         ));
     }
-    tell_pulses(parts);
+}
+
+/// Prints the rate that a board can hold, if it differs.
+fn tell_rate(parts: &RigParts) {
     let (compute_us, holds) = parts.on_board;
     if holds != Some(parts.rate_hz) {
         let holds =
@@ -45,13 +66,6 @@ pub(super) fn tell(parts: &RigParts) {
             f64::from(compute_us) / 1000.0,
             parts.servos.len()
         ));
-    }
-    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
-        .filter(|(_, drive)| drive.is_none())
-        .map(|(name, _)| name.as_str())
-        .collect();
-    if !idle.is_empty() {
-        note(format_args!("no servo moves {}", idle.join(", ")));
     }
 }
 
