@@ -88,6 +88,7 @@ impl Console {
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
         let Self { shared, inbox, options, addresses, listeners } = self;
+        shows.iter().filter_map(|show| show.sound.as_ref()).for_each(|own| shared.sounds.add(own));
         let slot = usize::try_from(board.about().capacities.slot_bytes).unwrap_or(usize::MAX);
         shared.show_bytes.store(slot, Ordering::Relaxed);
         for listener in listeners {

@@ -17,6 +17,7 @@
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, uploads.
+//! - `sounds`: sounds of shows, which pages play.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
 
 #![forbid(unsafe_code)]
@@ -30,7 +31,9 @@ mod message;
 mod page;
 mod scene;
 mod server;
+mod sounds;
 
 pub use console::{Console, Options, execute};
 pub use hub::{Ended, OwnShow};
 pub use scene::{Scene, Source};
+pub use sounds::OwnSound;

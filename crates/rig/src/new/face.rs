@@ -1,6 +1,6 @@
 //! An animatronic face.
 
-use super::face_shapes;
+use super::{face_shapes, shapes};
 use super::turn::Turn;
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
@@ -21,7 +21,7 @@ const LID: [f64; 2] = [500.0, 12000.0];
 const BROW: [f64; 2] = [200.0, 2000.0];
 
 /// Creates a face on hobby servos: a neck of three joints, a jaw, two eyes of two joints, four lids and two brows,
-/// on one PWM driver.
+/// on one PWM driver; and shapes of a face.
 ///
 /// The face is kinematic: its bodies have no mass, therefore range, speed and acceleration are limited, and no
 /// torques are computed.
@@ -58,6 +58,7 @@ pub fn face() -> Description {
             ..LinkedLimit::default()
         });
     }
+    rig.face_shapes = shapes::shapes();
     rig
 }
 

@@ -12,6 +12,7 @@ use sinew_performance::play::RigParts;
 use sinew_show::Show;
 
 use crate::cli::board::{READY, arm, check_rig, end_by_hand, named, open, put_show, tell_faults};
+use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Time between two checks of the state.
@@ -39,6 +40,7 @@ struct Performance<'b, L> {
     most: Option<Duration>,
     state: Option<State>,
     faults: usize,
+    player: Option<Player>,
     bar: ProgressBar,
 }
 
@@ -50,10 +52,11 @@ pub(super) fn perform(
     parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let mut board = open(Some(path), "--target")?;
     board.set_silence(silence);
-    perform_on(&mut board, parts, bytes, rounds)
+    perform_on(&mut board, parts, bytes, rounds, player)
 }
 
 /// Plays a show on a board with an open session.
@@ -62,6 +65,7 @@ pub(super) fn perform_on<L: Line>(
     parts: &RigParts,
     bytes: &[u8],
     rounds: Option<u32>,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let show = Show::open(bytes)?;
     check_rig(board, parts)?;
@@ -80,6 +84,7 @@ pub(super) fn perform_on<L: Line>(
         most: most.filter(|_| show.is_loop()),
         state: None,
         faults: 0,
+        player,
         bar: ProgressBar::new_spinner().with_style(style),
     };
     let ended = performance.run(&stop);
@@ -175,6 +180,9 @@ impl<L: Line> Performance<'_, L> {
     fn tell(&mut self) {
         let since_s = self.board.now().saturating_sub(self.begun).as_secs_f64();
         let Some(summary) = self.board.log.summary else { return };
+        if let Some(player) = &mut self.player {
+            player.note(summary.state == State::Playing && summary.show_ms > 0);
+        }
         if self.state.replace(summary.state) != Some(summary.state) {
             self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", summary.state)));
         }

@@ -84,7 +84,7 @@ pub(super) fn perform(
     let mut board = Board::connect(board, nonce(), STARTS)?;
     let stored = parts.board_rig().map_err(anyhow::Error::msg)?;
     put(&mut board, &item(Kind::Rig, RIG_SCHEMA, &stored, 0, "sinew play")?, &stored)?;
-    let ended = perform_on(&mut board, parts, bytes, rounds)?;
+    let ended = perform_on(&mut board, parts, bytes, rounds, None)?;
     let time_s = board.now().as_secs_f64();
     let bus = &board.line_mut().bus;
     let (own, all) = (bus.iter().filter(|burst| burst.is_own).count(), bus.len());
