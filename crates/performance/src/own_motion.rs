@@ -53,7 +53,9 @@ impl OwnMotion {
                     let (tracks, fps) = blender::read(&text, &rig.description)?;
                     let dt_s = fps.recip();
                     let motion = servos::motion(&rig.description, &rig.mechanism, &tracks, dt_s)?;
-                    Ok(KeyedMotion { motion, start_s: 0.0, keys: None, jumps: Vec::new() })
+                    let given = (0..rig.mechanism.home().len()).collect();
+                    let jumps = Vec::new();
+                    Ok(KeyedMotion { motion, start_s: 0.0, keys: None, jumps, given })
                 }
                 Self::Coordinates => match keys::read(&rig.mechanism, &text, units) {
                     Err(why @ KeyError::NoUnit { .. }) => {

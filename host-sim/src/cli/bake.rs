@@ -66,6 +66,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
 
+    /// Motion of the joints that have no column in CLIP, a CSV: another CSV or a show, such as idle life. A motion that
+    /// ends where it begins is repeated. May be repeated; the last one counts most.
+    #[arg(long, value_name = "FILE")]
+    layer: Vec<PathBuf>,
+
     /// Sound of the show: a WAV file. The show's file gets its name, hash, length and place; the console and `sinew play
     /// --sound-with` play it with the show. Boards never get it.
     #[arg(long, value_name = "FILE.wav")]
@@ -109,6 +114,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     };
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
+    on_rig.layers.clone_from(&args.layer);
     let rig = on_rig.rig(rig, ON_STAND)?;
     let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();

@@ -1,22 +1,25 @@
 //! Options and steps that `bake`, `export` and `evaluate --rig --clips` share: a clip on a rig.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail, ensure};
 use clap::ValueEnum;
 use sinew_host_util::command::note;
 use sinew_mocap::files::ClipFile;
+use sinew_performance::layer;
 use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::text;
 use sinew_performance::{
-    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
+    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance, ShowPlayback,
     read_mapping, retarget_clip,
 };
 use sinew_retarget::exchange::HeaderUnits;
+use sinew_retarget::exchange::keys::KeyedMotion;
 use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::description::Base;
 use sinew_rig::mechanism::JointModel;
 
+use super::play::show;
 use super::rig::read;
 use super::unit_args::UnitArgs;
 
@@ -63,10 +66,17 @@ pub(super) struct PerformanceArgs {
     #[arg(long, value_enum, requires = "rig")]
     unit: Option<UnitArg>,
 
+    /// Files of motions that joints without a column follow.
+    #[arg(skip)]
+    pub(super) layers: Vec<PathBuf>,
+
     /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
     pub(super) blend_s: Option<f64>,
 }
+
+/// Step in which the show of a layer is read, s.
+const LAYER_DT_S: f64 = 0.01;
 
 /// Defaults of a command for options that are not given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,10 +153,17 @@ impl PerformanceArgs {
             for jump in &read.jumps {
                 note(format_args!("JUMP: {name}: {jump}"));
             }
+            self.fill(rig, &mut read, units)?;
             tell_followers(&name, rig, &mut read.motion);
             tell_jumps(&name, rig, &read.motion);
             let clip = RetargetedClip::own(read.motion);
             return RigPerformance::new(rig, &name, read.start_s, clip, choices);
+        }
+        if !self.layers.is_empty() {
+            bail!(
+                "--layer: is of CSV files of joint coordinates: {} is a clip, which moves all joints",
+                path.display()
+            );
         }
         if let Some(option) = self.of_own() {
             bail!(
@@ -181,6 +198,35 @@ impl PerformanceArgs {
         // A long clip is large, and is not needed any more.
         drop(clip);
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+}
+
+impl PerformanceArgs {
+    /// Moves joints without a column by the layers; the last one counts most.
+    fn fill(
+        &self,
+        rig: &LoadedRig,
+        read: &mut KeyedMotion,
+        units: Option<HeaderUnits>,
+    ) -> anyhow::Result<()> {
+        for path in &self.layers {
+            let of_file = || format!("--layer {}", path.display());
+            let (motion, places) = if let Some(file) = show::read(path)? {
+                let motion = ShowPlayback::new(&file.bytes)?.motion(LAYER_DT_S);
+                (motion, None)
+            } else {
+                let kind = OwnMotion::of(path)
+                    .with_context(|| format!("{}: expected a CSV of joints or a show", of_file()))?;
+                let layer = kind.read(rig, path, units)?;
+                (layer.motion, Some(layer.given))
+            };
+            let mut given = read.given.clone();
+            // A layer moves only the joints that it has columns for.
+            let is_own = |place: &usize| places.as_ref().is_none_or(|own| own.contains(place));
+            given.extend((0..rig.mechanism.home().len()).filter(|place| !is_own(place)));
+            layer::fill(&rig.mechanism, &mut read.motion, &given, &motion).with_context(of_file)?;
+        }
+        Ok(())
     }
 }
 

@@ -15,6 +15,8 @@ const WINDOW_S = 2;
 const FADE_S = 0.005;
 const GRAIN_S = 0.08;
 const GRAIN_EVERY_MS = 60;
+// Without a picture for this time the sound stops: nobody knows what the rig does, ms.
+const SILENT_MS = 500;
 // Time after the start at which the start's error is measured, s.
 const START_AFTER_S = 0.5;
 
@@ -39,7 +41,7 @@ export const sound = () => {
   const [box, toggle, text] = ["sound", "sound-on", "sound-text"].map(byId);
   const clock = placeClock();
   const buffers = new Map();
-  let context = null, gain = null, source = null, base = null, chosen = null, isOn = true, steeredAt = 0, grainAt = 0;
+  let context = null, gain = null, source = null, base = null, chosen = null, isOn = true, steeredAt = 0, grainAt = 0, tookAt = 0;
   let drifts = { begun: 0, start: NaN, now: NaN, most: 0 };
 
   // A browser lets sound begin only after a gesture on the page.
@@ -140,6 +142,12 @@ export const sound = () => {
     write(text, `${chosen.name}${buffer() ? measured : " is loading"}`);
     Object.assign(box.dataset, { start: drifts.start, drift: drifts.now, most: drifts.most, plays: source !== null });
   };
+  setInterval(() => {
+    if (!source || performance.now() - tookAt < SILENT_MS) return;
+    quiet();
+    clock.reset();
+    show();
+  }, SILENT_MS / 2);
   toggle.addEventListener("click", () => { isOn = !isOn; wake(); if (!isOn) quiet(); show(); });
 
   return {
@@ -152,6 +160,7 @@ export const sound = () => {
     },
     // A picture has come: the show plays at a place, or does not.
     take: (isShow, place) => {
+      tookAt = performance.now();
       const runs = isShow && Number.isFinite(place) && place > 0;
       if (!runs) {
         quiet();

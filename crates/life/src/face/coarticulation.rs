@@ -5,7 +5,7 @@
 
 use super::RATE_HZ;
 use super::error::FaceError;
-use super::names::{MouthSet, is_same};
+use super::names::{MouthSet, VISEMES, is_same};
 use super::track::{Cue, Weights};
 
 /// Time within which a neighbour's dominance falls to 1/e, s, and the largest share of a mouth's length.
@@ -60,7 +60,8 @@ fn shape(cue: &Cue, set: MouthSet, shapes: &[&str]) -> Result<(String, f64), Fac
         _ => 1.0,
     };
     // One letter could be a viseme's name by chance: `E` of Rhubarb is not the viseme `E`.
-    let own = shapes.iter().find(|name| **name == cue.mouth && viseme.is_none_or(|viseme| viseme == **name));
+    let is_other = |name: &str| VISEMES.contains(&name) && viseme != Some(name);
+    let own = shapes.iter().find(|name| **name == cue.mouth && !is_other(name));
     let of_viseme =
         || viseme.and_then(|viseme| shapes.iter().find(|name| is_same(name, viseme)));
     let place = || cue.place.clone();

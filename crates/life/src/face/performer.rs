@@ -76,9 +76,11 @@ pub fn perform(
     let poses = Poses::of(mechanism, shapes);
     let found: Vec<Option<usize>> = weights.names.iter().map(|name| poses.find(name)).collect();
     let is_active = |column: usize| weights.rows.iter().any(|row| row[column].abs() > 0.01);
-    let names = |has_pose: bool| {
-        let columns = (0..found.len()).filter(|column| found[*column].is_some() == has_pose);
-        columns.filter(|column| is_active(*column)).map(|column| weights.names[column].clone())
+    let names = |has_pose: bool| -> Vec<String> {
+        (0..found.len())
+            .filter(|column| found[*column].is_some() == has_pose && is_active(*column))
+            .map(|column| weights.names[column].clone())
+            .collect()
     };
     if found.iter().all(Option::is_none) {
         let list = |names: Vec<&str>| match names.len() {
@@ -142,8 +144,8 @@ pub fn perform(
         start_s,
         rows: (0..rows.len()).map(row).collect(),
         joints: measures,
-        used: names(true).collect(),
-        not_shown: names(false).collect(),
+        used: names(true),
+        not_shown: names(false),
         fitted: fitted as f64 / rows.len() as f64,
     })
 }

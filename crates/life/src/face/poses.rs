@@ -114,6 +114,7 @@ impl Poses {
             offsets[*a] += factor * share;
             offsets[*b] += other * share;
         }
+        self.hold_ranges(offsets);
         given.iter().zip(offsets).any(|(given, now)| (*given - *now).abs() > 2.0 * MARGIN_RAD)
     }
 

@@ -14,7 +14,8 @@ const TILT: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// Maximum speed and acceleration of each kind of joint, deg/s and deg/s².
 const NECK: [f64; 2] = [120.0, 500.0];
-const JAW: [f64; 2] = [300.0, 3000.0];
+/// A jaw that follows speech opens by 15 deg in 0.1 s.
+const JAW: [f64; 2] = [400.0, 9000.0];
 const EYE: [f64; 2] = [400.0, 6000.0];
 /// A blink closes a lid by 45 deg in 0.1 s.
 const LID: [f64; 2] = [500.0, 12000.0];

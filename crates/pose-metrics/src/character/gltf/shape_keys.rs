@@ -60,9 +60,8 @@ pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<ShapeKeys, 
         let of_channel = format!("animation {}: channel {index}", animation.index());
         tracks.push(track(&channel, buffers).map_err(|refusal| refusal.of(of_channel))?);
     }
-    let (names, times_s, rows) = rows(&tracks)?;
-    let animation = animation.name().map(str::to_owned);
-    Ok(ShapeKeys { names, times_s, rows, animation, animations })
+    let keys = rows(&tracks)?;
+    Ok(ShapeKeys { animation: animation.name().map(str::to_owned), animations, ..keys })
 }
 
 /// Returns the names of a mesh's shapes, as Blender and other programs write them.
@@ -113,7 +112,7 @@ fn track(channel: &Channel<'_>, buffers: &Buffers) -> Result<Track, Refusal> {
         .flat_map(|index| output.numbers(index))
         .map(|number| (number / one).max(-1.0))
         .collect();
-    if let Some(index) = values.iter().position(|value| !(value.abs() <= 1e3)) {
+    if let Some(index) = values.iter().position(|value| value.is_nan() || value.abs() > 1e3) {
         return Err(refuse("its output", "weights from 0 to 1", values[index]));
     }
     Ok(Track { names, times_s, values, interpolation })
@@ -154,7 +153,7 @@ impl Track {
 }
 
 /// Returns names, times and rows of all tracks together.
-fn rows(tracks: &[Track]) -> Result<(Vec<String>, Vec<f64>, Vec<Vec<f64>>), Refusal> {
+fn rows(tracks: &[Track]) -> Result<ShapeKeys, Refusal> {
     let mut places: Vec<(usize, usize)> = Vec::new();
     let mut names: Vec<String> = Vec::new();
     for (index, track) in tracks.iter().enumerate() {
@@ -179,5 +178,5 @@ fn rows(tracks: &[Track]) -> Result<(Vec<String>, Vec<f64>, Vec<Vec<f64>>), Refu
         places.iter().map(weight).collect()
     };
     let rows = times_s.iter().map(row).collect();
-    Ok((names, times_s, rows))
+    Ok(ShapeKeys { names, times_s, rows, ..ShapeKeys::default() })
 }

@@ -48,6 +48,8 @@ pub struct KeyedMotion {
     pub keys: Option<usize>,
     /// The fastest change of each joint that is faster than the joint may move.
     pub jumps: Vec<Jump>,
+    /// Coordinates that have a column.
+    pub given: Vec<usize>,
 }
 
 /// A change from key to key that is faster than its joint may move.
@@ -133,7 +135,7 @@ pub fn read(
         let motion = RigMotion { dt_s, rows: (0..rows).map(row).collect() };
         let motion = if is_rate_of_shows(dt_s) { motion } else { resampled(mechanism, &motion)? };
         motion.check(mechanism)?;
-        return Ok(KeyedMotion { motion, start_s, keys: None, jumps });
+        return Ok(KeyedMotion { motion, start_s, keys: None, jumps, given });
     }
     let rate_hz = rate_hz(duration_s / (rows - 1) as f64);
     let at = |time_s: f64| {
@@ -148,7 +150,7 @@ pub fn read(
     let rows_s = times(duration_s, rate_hz);
     let motion = RigMotion { dt_s: rate_hz.recip(), rows: rows_s.map(at).collect() };
     motion.check(mechanism)?;
-    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps })
+    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps, given })
 }
 
 /// Reads the times of the rows and the keys of each coordinate. Returns also whether the table has easings.
