@@ -41,7 +41,9 @@ pub(crate) fn within(
             half += 1;
             continue;
         }
-        smooth.iter_mut().for_each(|value| *value *= share);
+        for value in &mut smooth {
+            *value *= share;
+        }
         let smoothed_s = (4 * half) as f64 / rate_hz;
         return Limited { values: smooth, smoothed_s, fastest: share * needed[0], share };
     }

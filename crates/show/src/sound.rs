@@ -33,7 +33,9 @@ pub enum SoundError {
     #[error("the {0} bytes after the show are not a section for a sound")]
     Section(usize),
     /// The section is damaged.
-    #[error("the section for the sound is damaged: its CRC is {stored:08x}, and that of its bytes {computed:08x}")]
+    #[error(
+        "the section for the sound is damaged: its CRC is {stored:08x}, and that of its bytes {computed:08x}"
+    )]
     Checksum {
         /// CRC in the file.
         stored: u32,
@@ -55,8 +57,10 @@ pub fn split(file: &[u8]) -> Result<(&[u8], Option<Sound>), SoundError> {
         return Ok((file, None));
     }
     let wrong = SoundError::Section(section.len());
-    let (content, stored) =
-        section.split_last_chunk::<CRC_LEN>().filter(|_| section.starts_with(&MAGIC)).ok_or(wrong)?;
+    let (content, stored) = section
+        .split_last_chunk::<CRC_LEN>()
+        .filter(|_| section.starts_with(&MAGIC))
+        .ok_or(wrong)?;
     let (stored, computed) = (u32::from_le_bytes(*stored), CHECKSUM.checksum(content));
     if stored != computed {
         return Err(SoundError::Checksum { stored, computed });

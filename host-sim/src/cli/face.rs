@@ -49,7 +49,9 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let rig = PerformanceArgs::default().rig(&args.rig, ON_STAND)?;
     let shapes = &rig.description.face_shapes;
     let mut weights = read(&args.face, args.fps, shapes)?;
-    weights.times_s.iter_mut().for_each(|time_s| *time_s -= args.lead_ms / 1000.0);
+    for time_s in &mut weights.times_s {
+        *time_s -= args.lead_ms / 1000.0;
+    }
     let motion = face::perform(&rig.mechanism, shapes, &weights).with_context(of_file)?;
     output::write(&args.output, motion.csv())?;
     tell(&of_file(), &motion);
@@ -89,7 +91,10 @@ fn tell(file: &str, motion: &FaceMotion) {
     let duration_s = (motion.rows.len() - 1) as f64 / face::RATE_HZ;
     note(format_args!("{file}: {duration_s:.2} s; shapes: {}", list(&motion.used)));
     if !motion.not_shown.is_empty() {
-        note(format_args!("not shown, as the rig has no pose for them: {}", list(&motion.not_shown)));
+        note(format_args!(
+            "not shown, as the rig has no pose for them: {}",
+            list(&motion.not_shown)
+        ));
     }
     if motion.fitted > 0.0 {
         note(format_args!(
@@ -103,7 +108,8 @@ fn tell(file: &str, motion: &FaceMotion) {
 }
 
 fn line(joint: &JointMeasure) -> String {
-    let JointMeasure { name, slides, way, speed_share, smoothed_s, share, correlation, jerk } = joint;
+    let JointMeasure { name, slides, way, speed_share, smoothed_s, share, correlation, jerk } =
+        joint;
     let (scale, unit) = if *slides { (1000.0, "mm") } else { (1_f64.to_degrees(), "deg") };
     format!(
         "{name}: {:.1} {unit}, {:.0} % of its speed, smoothed over {:.0} ms, {:.0} % of the way left; correlation {correlation:.3}, \

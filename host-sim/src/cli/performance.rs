@@ -10,8 +10,8 @@ use sinew_performance::layer;
 use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::text;
 use sinew_performance::{
-    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance, ShowPlayback,
-    read_mapping, retarget_clip,
+    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
+    ShowPlayback, read_mapping, retarget_clip,
 };
 use sinew_retarget::exchange::HeaderUnits;
 use sinew_retarget::exchange::keys::KeyedMotion;
@@ -215,8 +215,9 @@ impl PerformanceArgs {
                 let motion = ShowPlayback::new(&file.bytes)?.motion(LAYER_DT_S);
                 (motion, None)
             } else {
-                let kind = OwnMotion::of(path)
-                    .with_context(|| format!("{}: expected a CSV of joints or a show", of_file()))?;
+                let kind = OwnMotion::of(path).with_context(|| {
+                    format!("{}: expected a CSV of joints or a show", of_file())
+                })?;
                 let layer = kind.read(rig, path, units)?;
                 (layer.motion, Some(layer.given))
             };

@@ -42,7 +42,8 @@ fn the_sound_keeps_the_time_of_the_board() {
     std::fs::write(folder.path().join("turn.csv"), keys).unwrap();
     run(&["bake", "turn.csv", "--rig", "arm.toml", "--sound", "tone.wav", "-o", "turn.show"]);
     let [rig, show] = ["arm.toml", "turn.show"].map(|name| folder.path().join(name));
-    let console = Served::start(&["--rig", &rig.display().to_string(), &show.display().to_string()]);
+    let console =
+        Served::start(&["--rig", &rig.display().to_string(), &show.display().to_string()]);
     let origin = console.origin().to_owned();
     with_url(
         &console.address,
@@ -50,7 +51,8 @@ fn the_sound_keeps_the_time_of_the_board() {
         |page| {
             wait_for_state(page, "limp");
             arm(page);
-            let plays = |yes: bool| format!("document.getElementById('sound').dataset.plays === '{yes}'");
+            let plays =
+                |yes: bool| format!("document.getElementById('sound').dataset.plays === '{yes}'");
             page.hold("#play", 50);
             wait_until(page, &plays(true));
             for _ in 3..seconds {

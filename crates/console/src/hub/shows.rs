@@ -54,7 +54,8 @@ impl Shows {
             let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
             let [a, b, c, d, ..] = item.hash;
             let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
-            let unknown = Slot { index: slot, name, duration_s: None, cues: Vec::new(), sound: None };
+            let unknown =
+                Slot { index: slot, name, duration_s: None, cues: Vec::new(), sound: None };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
                 describe(slot, &self.known[index].1)

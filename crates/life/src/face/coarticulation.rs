@@ -62,8 +62,7 @@ fn shape(cue: &Cue, set: MouthSet, shapes: &[&str]) -> Result<(String, f64), Fac
     // One letter could be a viseme's name by chance: `E` of Rhubarb is not the viseme `E`.
     let is_other = |name: &str| VISEMES.contains(&name) && viseme != Some(name);
     let own = shapes.iter().find(|name| **name == cue.mouth && !is_other(name));
-    let of_viseme =
-        || viseme.and_then(|viseme| shapes.iter().find(|name| is_same(name, viseme)));
+    let of_viseme = || viseme.and_then(|viseme| shapes.iter().find(|name| is_same(name, viseme)));
     let place = || cue.place.clone();
     match (own.or_else(of_viseme), viseme) {
         (Some(name), _) => Ok(((*name).to_owned(), dominance)),
@@ -99,6 +98,8 @@ fn weights(segments: &[Segment], time_s: f64, shapes: usize) -> Vec<f64> {
     let sum = add(Some(at), 1.0)
         + add(at.checked_sub(1), fallen(time_s - start_s))
         + add(at.checked_add(1), fallen(end_s - time_s));
-    weights.iter_mut().for_each(|weight| *weight /= sum);
+    for weight in &mut weights {
+        *weight /= sum;
+    }
     weights
 }

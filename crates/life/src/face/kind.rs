@@ -6,7 +6,11 @@ use super::{json, live_link, moho, tsv};
 
 /// Content that shows another kind of file, its name, and a way to a file that can be read.
 const OTHERS: [(&str, &str, &str); 9] = [
-    ("RIFF", "a sound", "`sinew clip jaw` moves a jaw by a sound; Rhubarb makes mouth cues from it"),
+    (
+        "RIFF",
+        "a sound",
+        "`sinew clip jaw` moves a jaw by a sound; Rhubarb makes mouth cues from it",
+    ),
     ("glTF", "a binary glTF", "name it *.glb"),
     ("Kaydara FBX", "an FBX", "open it in Blender, and export glTF with animated shape keys"),
     ("; FBX", "an FBX", "open it in Blender, and export glTF with animated shape keys"),

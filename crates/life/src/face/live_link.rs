@@ -50,7 +50,9 @@ pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError>
         return Err(value(1, "the header", expected, &header.join(",")));
     }
     let names = &header[2..];
-    if let Some((at, name)) = names.iter().enumerate().find(|(at, name)| names[..*at].contains(name)) {
+    if let Some((at, name)) =
+        names.iter().enumerate().find(|(at, name)| names[..*at].contains(name))
+    {
         return Err(value(1, &format!("column {}", at + 3), "each shape once".to_owned(), name));
     }
     let is_shape = |name: &String| !ROTATIONS.contains(&name.to_lowercase().as_str());
@@ -67,17 +69,21 @@ pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError>
             .ok_or_else(|| value(line, "column `Timecode`", FORMS.to_owned(), field(0)))?;
         let count: Option<usize> = field(1).parse().ok();
         if count != Some(names.len()) || record.len() != header.len() {
-            let expected = format!("{}, the number of columns after it in the header, and as many values", names.len());
+            let expected = format!(
+                "{}, the number of columns after it in the header, and as many values",
+                names.len()
+            );
             let found = format!("{} with {} value(s)", field(1), record.len().saturating_sub(2));
             return Err(value(line, "column `BlendShapeCount`", expected, &found));
         }
         let mut row = Vec::with_capacity(shapes.len());
         for index in &shapes {
             let weight: Option<f64> = field(index + 2).parse().ok();
-            let weight = weight.filter(|weight| (-0.5..=2.0).contains(weight)).ok_or_else(|| {
-                let item = format!("column `{}`", names[*index]);
-                value(line, &item, "a weight from 0 to 1".to_owned(), field(index + 2))
-            })?;
+            let weight =
+                weight.filter(|weight| (-0.5..=2.0).contains(weight)).ok_or_else(|| {
+                    let item = format!("column `{}`", names[*index]);
+                    value(line, &item, "a weight from 0 to 1".to_owned(), field(index + 2))
+                })?;
             row.push(weight.clamp(0.0, 1.0));
         }
         codes.push((line, code));
@@ -92,7 +98,8 @@ pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError>
 fn parse(text: &str) -> Option<Code> {
     let parts: Vec<&str> = text.split(':').collect();
     let whole = |text: &str, most: u32| -> Option<f64> {
-        let is_number = !text.is_empty() && text.len() <= 2 && text.bytes().all(|b| b.is_ascii_digit());
+        let is_number =
+            !text.is_empty() && text.len() <= 2 && text.bytes().all(|b| b.is_ascii_digit());
         text.parse::<u32>().ok().filter(|number| is_number && *number <= most).map(f64::from)
     };
     let decimal = |text: &str, most: f64| -> Option<f64> {
@@ -105,7 +112,9 @@ fn parse(text: &str) -> Option<Code> {
             frames: Some(decimal(frames, 240.0)?),
         }),
         [hours, minutes, seconds] => Some(Code {
-            seconds: 3600.0 * whole(hours, 23)? + 60.0 * whole(minutes, 59)? + decimal(seconds, 60.0)?,
+            seconds: 3600.0 * whole(hours, 23)?
+                + 60.0 * whole(minutes, 59)?
+                + decimal(seconds, 60.0)?,
             frames: None,
         }),
         _ => None,
@@ -155,12 +164,15 @@ fn times(codes: &[(u64, Code)], fps: Option<f64>) -> Result<Vec<f64>, FaceError>
         times.push(time_s);
     }
     let Some(start_s) = times.first().copied() else { return Ok(times) };
-    times.iter_mut().for_each(|time_s| *time_s -= start_s);
+    for time_s in &mut times {
+        *time_s -= start_s;
+    }
     let mut from = 0;
     while from < times.len() {
         let next = (from..times.len()).find(|row| times[*row] > times[from] + 1e-9);
         let to = next.unwrap_or(times.len());
-        let step_s = next.map_or(fps.recip(), |next| times[next] - times[from]) / (to - from) as f64;
+        let step_s =
+            next.map_or(fps.recip(), |next| times[next] - times[from]) / (to - from) as f64;
         for row in from + 1..to {
             times[row] = times[from] + (row - from) as f64 * step_s;
         }

@@ -14,9 +14,9 @@ mod names;
 mod nnls;
 mod performer;
 mod poses;
-mod track;
 #[cfg(test)]
 mod tests;
+mod track;
 mod tsv;
 
 pub use error::FaceError;

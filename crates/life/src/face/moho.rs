@@ -27,7 +27,8 @@ pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError>
             return Err(FaceError::Value {
                 place,
                 item: "the mouth cue".to_owned(),
-                expected: "a frame from 1 on, a space, and a mouth shape, such as `12 MBP`".to_owned(),
+                expected: "a frame from 1 on, a space, and a mouth shape, such as `12 MBP`"
+                    .to_owned(),
                 found: line.chars().take(40).collect(),
             });
         };

@@ -1,8 +1,8 @@
 //! Shapes of a rig as offsets of its joints, and the limits of these joints.
 
+use sinew_rig::Mechanism;
 use sinew_rig::description::FaceShape;
 use sinew_rig::mechanism::JointModel;
-use sinew_rig::Mechanism;
 
 use super::names::is_same;
 
@@ -74,7 +74,9 @@ impl Poses {
         for shape in shapes.iter().filter(|shape| !shape.pose.is_empty()) {
             let mut offsets = vec![0.0; joints.len()];
             for (name, position) in &shape.pose {
-                let Some(at) = joints.iter().position(|joint| joint.name == *name) else { continue };
+                let Some(at) = joints.iter().position(|joint| joint.name == *name) else {
+                    continue;
+                };
                 offsets[at] = position - joints[at].home;
                 joints[at].scale = f64::max(joints[at].scale, offsets[at].abs());
             }

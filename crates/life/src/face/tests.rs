@@ -1,3 +1,5 @@
+use std::fmt::Write as _;
+
 use sinew_rig::description::{Description, FaceShape};
 use sinew_rig::mechanism::Mechanism;
 use sinew_rig::new;
@@ -30,7 +32,8 @@ fn weights(text: &str, fps: Option<f64>, rig: &Description) -> Result<Weights, F
     match read(text.as_bytes(), fps)? {
         FaceTrack::Weights(weights) => Ok(weights),
         FaceTrack::Cues(cues, end_s) => {
-            let names: Vec<&str> = rig.face_shapes.iter().map(|shape| shape.name.as_str()).collect();
+            let names: Vec<&str> =
+                rig.face_shapes.iter().map(|shape| shape.name.as_str()).collect();
             Weights::of_cues(&cues, end_s, &names)
         }
     }
@@ -83,7 +86,7 @@ fn live_link(codes: &[&str], is_long: bool) -> String {
     for (row, code) in codes.iter().enumerate() {
         let count = if is_long { 5 } else { 3 };
         let tail = if is_long { ",0.3,-1.2" } else { "" };
-        text.push_str(&format!("{code},{count},0.0,0.5,{}{tail}\n", 0.1 * row as f64));
+        writeln!(text, "{code},{count},0.0,0.5,{}{tail}", 0.1 * row as f64).unwrap();
     }
     text
 }
@@ -101,16 +104,14 @@ fn the_three_forms_of_time_codes_are_times() {
         assert_eq!(found.len(), expected.len());
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
     };
-    near(times(&["10:00:00:58.500", "10:00:00:59.500", "10:00:01:00.500"], None), &[
-        0.0,
-        1.0 / 60.0,
-        2.0 / 60.0,
-    ]);
-    near(times(&["23:59:59:29", "00:00:00:00", "00:00:00:15"], None), &[
-        0.0,
-        1.0 / 30.0,
-        16.0 / 30.0,
-    ]);
+    near(
+        times(&["10:00:00:58.500", "10:00:00:59.500", "10:00:01:00.500"], None),
+        &[0.0, 1.0 / 60.0, 2.0 / 60.0],
+    );
+    near(
+        times(&["23:59:59:29", "00:00:00:00", "00:00:00:15"], None),
+        &[0.0, 1.0 / 30.0, 16.0 / 30.0],
+    );
     near(times(&["01:02:03.250", "01:02:03.283", "01:02:04.000"], None), &[0.0, 0.033, 0.75]);
     // Two rows in a frame are spread, and `--fps` has priority.
     near(times(&["10:00:00:00", "10:00:00:00", "10:00:00:01"], Some(50.0)), &[0.0, 0.01, 0.02]);
@@ -171,9 +172,8 @@ fn shapes_that_overlap_are_fitted() {
 fn lids_keep_the_limit_that_joins_them() {
     let (rig, mechanism) = face();
     let names = ["eyeBlinkLeft", "eyeLookDownLeft", "eyeSquintLeft", "eyeWideLeft"];
-    let rows = (0..40).map(|row| {
-        (0..4).map(|column| f64::from(u8::from((row >> column) & 1 == 1))).collect()
-    });
+    let rows = (0..40)
+        .map(|row| (0..4).map(|column| f64::from(u8::from((row >> column) & 1 == 1))).collect());
     let weights = Weights {
         names: names.map(str::to_owned).to_vec(),
         times_s: (0..40).map(|row| 0.5 * f64::from(row)).collect(),
@@ -192,18 +192,27 @@ fn files_of_other_kinds_are_refused_with_the_right_form() {
         ("", "an empty file"),
         ("RIFF....WAVEfmt ", "a sound: `sinew clip jaw`"),
         ("<?xml version=\"1.0\"?><rhubarbResult>", "XML: `rhubarb -f json`"),
-        ("lipsync version 1\ntalk.wav\n24\n", "project of Papagayo: export the voice as a Moho switch"),
+        (
+            "lipsync version 1\ntalk.wav\n24\n",
+            "project of Papagayo: export the voice as a Moho switch",
+        ),
         ("HIERARCHY\nROOT Hips", "BVH clip: `sinew bake`"),
         ("Kaydara FBX Binary", "an FBX: open it in Blender"),
         ("time,jaw_deg\n0,1\n", "keys of joints: `sinew bake` reads it"),
         ("frame,jawOpen\n0,1\n", "must be that of Live Link Face"),
         ("{\"frames\": []}", "JSON without `mouthCues`: `rhubarb -f json`"),
         ("{\"mouthCues\": [{\"start\": 0.0}]}", "line 1, column 29: missing field `end`"),
-        ("{\"mouthCues\": [{\"start\": 1.0, \"end\": 0.5, \"value\": \"A\"}]}", "mouthCues[0], `end`: expected a time from 1 s"),
+        (
+            "{\"mouthCues\": [{\"start\": 1.0, \"end\": 0.5, \"value\": \"A\"}]}",
+            "mouthCues[0], `end`: expected a time from 1 s",
+        ),
         ("{\"mouthCues\": []}", "at least one mouth cue, found 0"),
         ("0.0\tX\n0.2 s\tA\n", "line 2, the mouth cue: expected a time in s, a tab"),
         ("0.3\tX\n0.2\tA\n", "line 2, the beginning: expected a time from 0.3 s on"),
-        ("0.0\tX\n0.2\tQ\n0.4\tX\n", "line 2, the mouth: expected one of A, B, C, D, E, F, G, H, X, found `Q`"),
+        (
+            "0.0\tX\n0.2\tQ\n0.4\tX\n",
+            "line 2, the mouth: expected one of A, B, C, D, E, F, G, H, X, found `Q`",
+        ),
         ("MohoSwitch1\n0 rest\n", "line 2, the mouth cue: expected a frame from 1 on"),
         ("MohoSwitch1\n1 rest\n5 AAH\n9 rest\n", "line 3, the mouth: expected one of AI, E, etc"),
     ] {
@@ -219,12 +228,24 @@ fn wrong_rows_of_live_link_face_are_named() {
         ("00:00:00:01,3", "1.5,3", "line 3, column `Timecode`: expected HH:MM:SS:FF.fff"),
         ("00:00:00:01,3", "00:00:61:01,3", "line 3, column `Timecode`"),
         ("00:00:00:01,3", "00:00:00:01,52", "line 3, column `BlendShapeCount`: expected 3"),
-        ("0.0,0.5,0.1", "0.0,high,0.1", "line 3, column `EyeBlinkRight`: expected a weight from 0 to 1, found `high`"),
+        (
+            "0.0,0.5,0.1",
+            "0.0,high,0.1",
+            "line 3, column `EyeBlinkRight`: expected a weight from 0 to 1, found `high`",
+        ),
         ("0.0,0.5,0.1", "0.0,50,0.1", "found `50`"),
         ("0.0,0.5,0.1", "0.0,0.1", "with 2 value(s)"),
-        ("00:00:00:02,3", "00:00:00.000,3", "line 4, column `Timecode`: expected the form of the first line"),
+        (
+            "00:00:00:02,3",
+            "00:00:00.000,3",
+            "line 4, column `Timecode`: expected the form of the first line",
+        ),
         ("EyeBlinkRight,Jaw", "EyeBlinkLeft,Jaw", "each shape once, found `EyeBlinkLeft`"),
-        ("Timecode,BlendShapeCount,", "Timecode,", "line 1, the header: expected `Timecode,BlendShapeCount"),
+        (
+            "Timecode,BlendShapeCount,",
+            "Timecode,",
+            "line 1, the header: expected `Timecode,BlendShapeCount",
+        ),
     ] {
         let text = good.replace(from, to);
         let refused = read(text.as_bytes(), None).unwrap_err().to_string();
@@ -246,7 +267,10 @@ fn a_rig_without_the_shapes_is_told_what_it_needs() {
     let refused = |rig: &Description| weights(TSV, None, rig).unwrap_err().to_string();
     rig.face_shapes.retain(|shape| shape.name != "aa");
     let message = refused(&rig);
-    assert!(message.starts_with("line 2: the rig has no shape `aa` for the mouth `D`"), "{message}");
+    assert!(
+        message.starts_with("line 2: the rig has no shape `aa` for the mouth `D`"),
+        "{message}"
+    );
     // A shape with the name of the mouth itself serves as well.
     rig.face_shapes.push(FaceShape { name: "D".to_owned(), pose: vec![("jaw".to_owned(), -0.3)] });
     assert!(weights(TSV, None, &rig).unwrap().names.contains(&"D".to_owned()));

@@ -1,7 +1,7 @@
 //! Faces as files have them: mouth cues, or weights of shapes.
 
-use super::error::FaceError;
 use super::DURATION_MAX_S;
+use super::error::FaceError;
 
 /// A mouth shape that begins at a time, and lasts until the next one.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,10 @@ impl FaceTrack {
                 return Err(FaceError::Value {
                     place: pair[1].place.clone(),
                     item: "the beginning".to_owned(),
-                    expected: format!("a time from {} s on, that of the cue before", pair[0].start_s),
+                    expected: format!(
+                        "a time from {} s on, that of the cue before",
+                        pair[0].start_s
+                    ),
                     found: pair[1].start_s.to_string(),
                 });
             }

@@ -1,7 +1,7 @@
 //! An animatronic face.
 
-use super::{face_shapes, shapes};
 use super::turn::Turn;
+use super::{face_shapes, shapes};
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
 };

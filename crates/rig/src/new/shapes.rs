@@ -80,7 +80,8 @@ pub(super) fn shapes() -> Vec<FaceShape> {
             shape(format!("{name}{capital}"), on(pose, &[side]))
         })
     });
-    let middle = MIDDLE.iter().map(|(name, pose)| shape((*name).to_owned(), on(pose, &["left", "right"])));
+    let middle =
+        MIDDLE.iter().map(|(name, pose)| shape((*name).to_owned(), on(pose, &["left", "right"])));
     visemes.into_iter().chain(sides).chain(middle).collect()
 }
 

@@ -42,7 +42,8 @@ fn slides(name: &str, joints: &[Joint]) -> bool {
 }
 
 impl Value for Pose {
-    const EXPECTED: &'static str = "joints with their positions in deg (mm of slides), { jaw = -20, .. }";
+    const EXPECTED: &'static str =
+        "joints with their positions in deg (mm of slides), { jaw = -20, .. }";
 
     fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         let DeValue::Table(table) = item.value() else { return Err(item.wrong(Self::EXPECTED)) };

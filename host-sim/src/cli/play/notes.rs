@@ -66,9 +66,8 @@ fn tell_pulses(parts: &RigParts) {
     };
     let [safe_least, safe_most] = SAFE_PULSES_US;
     // Somebody has tried the pulses that the rig's file has.
-    let (safe, wide): (Vec<_>, Vec<_>) = (all.iter()).partition(|of| {
-        of.is_measured || of.us[0] >= safe_least && of.us[1] <= safe_most
-    });
+    let (safe, wide): (Vec<_>, Vec<_>) = (all.iter())
+        .partition(|of| of.is_measured || of.us[0] >= safe_least && of.us[1] <= safe_most);
     if !safe.is_empty() {
         note(format_args!("pulses within the joints' ranges: {}", told(&safe)));
     }

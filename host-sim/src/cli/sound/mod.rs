@@ -2,6 +2,7 @@
 
 mod player;
 
+use std::fmt::Write as _;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -77,5 +78,9 @@ fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
 
 /// Returns a hash as text.
 pub(super) fn hex(sha256: &[u8; 32]) -> String {
-    sha256.iter().map(|byte| format!("{byte:02x}")).collect()
+    let mut text = String::with_capacity(64);
+    for byte in sha256 {
+        write!(text, "{byte:02x}").expect("a string takes everything");
+    }
+    text
 }

@@ -45,9 +45,8 @@ struct Track {
 /// # Errors
 /// [`Refusal`] if there is no such animation, or a part of it is damaged.
 pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<ShapeKeys, Refusal> {
-    let is_weights = |channel: &Channel<'_>| {
-        channel.target().property() == Property::MorphTargetWeights
-    };
+    let is_weights =
+        |channel: &Channel<'_>| channel.target().property() == Property::MorphTargetWeights;
     let mut of_shapes =
         document.animations().filter(|animation| animation.channels().any(|c| is_weights(&c)));
     let Some(animation) = of_shapes.next() else {
@@ -76,7 +75,8 @@ fn names(mesh: &GltfMesh<'_>) -> Result<Vec<String>, Refusal> {
     let names = extras.map(|extras| extras.target_names).unwrap_or_default();
     let count = mesh.primitives().next().map_or(0, |primitive| primitive.morph_targets().count());
     if names.is_empty() || names.len() != count {
-        let expected = format!("`targetNames` in its extras with {count} names, as Blender writes them");
+        let expected =
+            format!("`targetNames` in its extras with {count} names, as Blender writes them");
         return Err(refuse(format!("mesh {}", mesh.index()), expected, names.len()));
     }
     Ok(names)

@@ -19,9 +19,7 @@ pub(super) fn check(
     for (place, (name, position)) in shape.pose.iter().enumerate() {
         let joint = &rig.joints[joints.find(part, &at, name)?];
         let (range, unit, scale) = match joint.kind {
-            JointType::Revolute => {
-                (joint.range_rad.first().copied(), "deg", 1_f64.to_degrees())
-            }
+            JointType::Revolute => (joint.range_rad.first().copied(), "deg", 1_f64.to_degrees()),
             JointType::Prismatic => (joint.range_m, "mm", 1000.0),
             _ => {
                 let found = format!("{name:?}, which is neither");

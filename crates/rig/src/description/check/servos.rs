@@ -73,11 +73,13 @@ pub(super) fn check<'a>(
 
 /// Refuses pulses of a servo that takes none, and pulses that no hobby servo understands.
 fn check_pulses(part: Part<'_>, servo: &Servo) -> Result<(), DescriptionError> {
-    let given = [("pulse_us", servo.pulse_us.is_some()), ("travel_deg", servo.travel_rad.is_some())];
+    let given =
+        [("pulse_us", servo.pulse_us.is_some()), ("travel_deg", servo.travel_rad.is_some())];
     if let (Address::Id(id), Some((key, _))) =
         (servo.address, given.into_iter().find(|(_, is_given)| *is_given))
     {
-        let expected = "no such key of a servo with an id: only hobby servos (`channel`) take pulses";
+        let expected =
+            "no such key of a servo with an id: only hobby servos (`channel`) take pulses";
         return Err(part.refuse(&[Step::Key(key)], expected, format!("it with id = {id}")));
     }
     part.number_if_any("travel_deg", servo.travel_rad, Sign::Positive)?;

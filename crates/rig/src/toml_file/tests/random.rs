@@ -113,9 +113,11 @@ fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
     let mut pose = Vec::new();
     for joint in joints {
         let end = r.below(4);
-        pose.extend(Some(end).filter(|end| *end < 2).and_then(|end| {
-            Some((joint.name.clone(), position(joint, end)?))
-        }));
+        pose.extend(
+            Some(end)
+                .filter(|end| *end < 2)
+                .and_then(|end| Some((joint.name.clone(), position(joint, end)?))),
+        );
     }
     FaceShape { name: r.name("shape", index), pose }
 }
@@ -370,7 +372,10 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
                 "gear_stiffness_nm_rad" => [0.0, stiffest],
                 _ => [0.0, f64::INFINITY],
             };
-            SourcedValue { value: r.positive().clamp(least, most), source: r.name("guess: ", index) }
+            SourcedValue {
+                value: r.positive().clamp(least, most),
+                source: r.name("guess: ", index),
+            }
         });
     }
     model

@@ -87,7 +87,8 @@ fn face(bytes: &[u8]) {
     let weights = match sinew_life::face::read(bytes, None) {
         Ok(FaceTrack::Weights(weights)) => weights,
         Ok(FaceTrack::Cues(cues, end_s)) => {
-            let names: Vec<&str> = rig.face_shapes.iter().map(|shape| shape.name.as_str()).collect();
+            let names: Vec<&str> =
+                rig.face_shapes.iter().map(|shape| shape.name.as_str()).collect();
             let Ok(weights) = Weights::of_cues(&cues, end_s.min(60.0), &names) else { return };
             weights
         }
