@@ -7,12 +7,12 @@
 //!
 //! - [`Line`] sends and receives bytes, and has a clock; [`SerialBoard`] is a line on a serial port.
 //! - [`Board`] is a session on a line. [`Board::ask`] sends a command until it is answered. [`Board::step`] receives
-//!   messages and sends a heartbeat every 50 ms. A host that receives nothing for 1 s sends `Stop`, and then nothing
-//!   more.
+//!   messages and sends a heartbeat every 50 ms. A host with telemetry that receives nothing for 1 s (6 s while torque
+//!   is off, longer at a low telemetry rate) sends `Stop`, and then nothing more.
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
-//! - [`BoardServos`]: the controller passes packets on while its rig is limp.
-//! - [`port`]: finds ports with a controller, and identifies ports without one.
+//! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.
+//! - [`port`]: finds the port of a controller, and recognizes a port that has servos instead.
 //!
 //! ```no_run
 //! use sinew_board_client::port;
@@ -25,8 +25,8 @@
 //! ```
 //!
 //! # Files
-//! - `board`, `upload`: a session; items that a board stores.
-//! - `line`, `port`: bytes to and from a board; serial ports with a board.
+//! - `board`: a session. `upload`: items that a board stores.
+//! - `line`: bytes to and from a board. `port`: serial ports with a board.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.

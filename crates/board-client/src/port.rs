@@ -7,22 +7,22 @@ use sinew_servo_tools::{Client, Protocol, SerialLine, ServiceError, Settings, an
 
 use crate::{Board, ClientError, SerialBoard, nonce};
 
-/// Baud rates of boards, bit/s, in the order of trying. USB and pseudo-terminals have no rate.
+/// Baud rates of boards, bit/s, in the order in which they are tried. USB ports and pseudo-terminals ignore the rate.
 pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 
-/// Time for a controller to answer, at each rate. After another program has left, the controller first lowers its
-/// rig.
+/// Time for a controller to answer, at each rate. After another program has ended, the controller lowers its rig before
+/// it answers.
 const PATIENCE: Duration = Duration::from_millis(1500);
-/// Time for a controller to answer on a port where servos are expected.
+/// Time for a controller to answer on a port that probably has servos.
 const GLANCE: Duration = Duration::from_millis(400);
-/// Time for any servo to answer.
+/// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
-/// Opens a port, and a session with its controller.
+/// Opens a port, and a session with the controller at it.
 ///
 /// # Errors
-/// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
-/// answer there; [`ClientError::NoController`], [`ClientError::Misfit`].
+/// [`ClientError::Port`] if the port cannot be opened, or another program uses it; [`ClientError::Servos`] if servos
+/// answer instead of a controller; [`ClientError::NoController`], [`ClientError::Misfit`], [`ClientError::Line`].
 pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     match greet(path, PATIENCE) {
         Err(ClientError::NoController) => match servos(path)? {
@@ -35,11 +35,12 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the only port with a controller among the candidates: `None` stands for all USB ports.
+/// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
+/// ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
-/// found; others as in [`open`].
+/// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
 pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {
@@ -73,7 +74,8 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     found.pop().ok_or_else(|| ClientError::NoneFound(none()))
 }
 
-/// Returns `true` if a controller answers at a port: for programs that look for servos.
+/// Returns `true` if a controller answers at a port, also one that refuses a session. Programs that look for servos
+/// then leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }
@@ -90,7 +92,7 @@ fn greet(path: &Path, patience: Duration) -> Result<Board<SerialBoard>, ClientEr
     greeted
 }
 
-/// Returns the protocol and rate of the servos at a port, if any answer.
+/// Returns the protocol and the baud rate of the servos at a port; `None` if none answers.
 fn servos(path: &Path) -> Result<Option<(Protocol, u32)>, ClientError> {
     let settings = Settings { patience: SERVO_PATIENCE, tries: 1 };
     let line = SerialLine::open(path)?;

@@ -1,4 +1,4 @@
-//! The console as a program uses it: open the port, print the address, run the hub.
+//! The console as a program uses it: it opens the port for pages, returns the page's addresses, and runs the hub.
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -14,21 +14,22 @@ use crate::local::{Door, Reply, Request};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
 
-/// Messages that wait for the hub. Then the pages wait.
+/// Maximum number of messages that wait for the hub. If more arrive, the threads of the pages wait.
 const WAITING: usize = 256;
 
-/// Choices of the user.
+/// Options of a console.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
-    /// Another address for pages; `None` for pages of this machine alone. A port of 0 is any free port.
+    /// Address at which pages of other machines are served, too; `None`: only pages of this machine. A port of 0 stands
+    /// for any free port.
     pub listen: Option<SocketAddr>,
-    /// Whether pages of other machines may drive. Otherwise they view, hold and stop.
+    /// Whether pages of other machines may drive. Otherwise they may only watch, hold and stop.
     pub allow_drive: bool,
-    /// Whether a show goes on while nobody is at the wheel.
+    /// Whether a show goes on while no page drives, or the driving page is silent.
     pub unattended: bool,
 }
 
-/// Executes a single command on a board that has no console: a motion arms the rig, and stops it afterwards.
+/// Executes a single command on a board that has no console. For a motion, arms the rig first and stops it afterwards.
 ///
 /// # Errors
 /// [`ClientError`] if the board does not answer.
@@ -41,7 +42,7 @@ pub fn execute<L: Line>(
     Hub::new(board, scene, false).execute(request, stops)
 }
 
-/// An open console. Pages may come, and wait for the hub.
+/// An open console: pages can connect, and then wait for the hub.
 #[derive(Debug)]
 pub struct Console {
     shared: Arc<Shared>,
@@ -52,10 +53,10 @@ pub struct Console {
 }
 
 impl Console {
-    /// Opens the port for pages, and makes a new token.
+    /// Opens the port for pages, and creates a new token.
     ///
     /// # Errors
-    /// An I/O error if the address is not free, or the system has no random numbers.
+    /// An I/O error if the address cannot be used, or the system gives no random numbers.
     pub fn open(options: Options) -> io::Result<Self> {
         let listeners = listen(options.listen)?;
         let addresses = listeners.iter().map(TcpListener::local_addr).collect::<io::Result<_>>()?;
@@ -64,7 +65,7 @@ impl Console {
         Ok(Self { shared: Arc::new(shared), inbox, options, addresses, listeners })
     }
 
-    /// Returns the addresses for a browser, with the token; the first is for this machine.
+    /// Returns the addresses of the page for a browser, each with the token. The first is for this machine.
     pub fn addresses(&self) -> Vec<String> {
         let token = self.shared.token.text();
         let of = |address: &SocketAddr| match (address.ip().is_unspecified(), address.port()) {
@@ -74,9 +75,9 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
-    /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
-    /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
-    /// the hub ends at once.
+    /// Runs the hub of a board, which serves pages and other commands; the commands find the console by `name`. `stops`
+    /// counts the signals to end. At the first signal, the hub stops the rig, and ends when torque is off. It ends at
+    /// once at the second signal, if the board does not answer, or if torque is still on a minute later.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.

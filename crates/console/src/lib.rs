@@ -10,15 +10,15 @@
 //!   owns the session with the board until the program is told to end.
 //! - [`Scene`] describes the rig for the page.
 //!
-//! The rules of safety are in `server` (who is let in), `hub/wheel` (who drives) and `hub/jog` (motions that end
-//! with their page).
+//! The rules of safety are in `server` (which connections are accepted), `hub/wheel` (which page drives) and `hub/act`
+//! (which motions end with their page).
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
-//! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
+//! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, uploads.
 //! - `sounds`: sounds of shows, which pages play.
-//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
+//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]

@@ -1,4 +1,4 @@
-//! The rig as the page draws and names it.
+//! The rig as the page draws it, with the names of its parts.
 
 use serde::Serialize;
 use sinew_firmware::supervisor::Fault;
@@ -9,7 +9,7 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{JointModel, Link};
 use sinew_rig::servo::Address;
 
-/// Range of a slider for a joint without a range: rad, and m.
+/// Range of a slider to both sides for a joint without a range: rad, and m.
 const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
 /// All limits, by number.
 const LIMITS: [Limit; 14] = [
@@ -29,7 +29,7 @@ const LIMITS: [Limit; 14] = [
     Limit::Link,
 ];
 
-/// Kind of the board at the other side of the hub.
+/// The kind of board that the hub uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
@@ -39,14 +39,14 @@ pub enum Source {
     Board,
 }
 
-/// A rig, as the page needs it.
+/// A rig, in the form that the page needs.
 #[derive(Debug)]
 pub struct Scene {
-    /// Text that describes the rig: the message `head`, but for the rates.
+    /// The message `head`, which describes the rig, without the rate of the line.
     head: String,
     pub(crate) rig_crc: u32,
     pub(crate) dofs: Vec<SceneDof>,
-    /// Name of the dof of each servo.
+    /// For each servo, the name of the first dof that its drive moves.
     pub(crate) joints: Vec<Option<String>>,
     /// Home pose, as coordinates.
     pub(crate) home: Vec<f32>,
@@ -68,7 +68,7 @@ pub(crate) struct SceneDof {
     pub(crate) speed: Option<f32>,
     /// Maximum effort, N m or N; `None` without a limit.
     pub(crate) effort: Option<f32>,
-    /// Index in the pose; `None` for a ball joint.
+    /// Index of the coordinate in a pose; `None` for a ball joint.
     pub(crate) coordinate: Option<usize>,
 }
 
@@ -104,7 +104,7 @@ struct FaultText {
 }
 
 impl Scene {
-    /// Describes a rig. `rate_hz`: pictures per second that the hub asks of the board.
+    /// Describes a rig for the page.
     pub fn new(name: &str, mechanism: &Mechanism, parts: &RigParts, source: Source) -> Self {
         let dofs = dofs(mechanism, parts);
         let of_servo = |servo: usize| {
@@ -158,7 +158,7 @@ impl Scene {
         }
     }
 
-    /// Returns the message that describes the rig. `line_rate_hz`: pictures per second that the line carries.
+    /// Returns the message that describes the rig. `line_rate_hz`: snapshots per second that the line can carry.
     pub(crate) fn head(&self, line_rate_hz: f32) -> String {
         let mut text = self.head.clone();
         text.pop();
@@ -214,7 +214,7 @@ fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
     dofs
 }
 
-/// Returns the range of an axis. A ball joint has one for all directions.
+/// Returns the range of an axis; `None` without a finite range. All directions of a ball joint have the same range.
 fn range(link: &Link, axis: usize) -> Option<[f32; 2]> {
     let is_ball = link.joint == JointModel::Spherical;
     let [least, most] = *link.ranges.get(if is_ball { 0 } else { axis })?;

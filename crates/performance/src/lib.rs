@@ -7,9 +7,9 @@
 //! - `clip` reads and cleans a clip, `retargeted_clip` retargets it to a rig, `own_motion` reads a motion of the rig's
 //!   own joints; `layer` moves joints that such a motion leaves out; `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it,
 //!   `likeness` compares it with the performer.
-//! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
-//!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
-//! - [`teach`] makes a motion that a hand leads on a rig: `guide_trajectory` is the hand's path, `session` the
+//! - [`play`] plays a show on simulated servos: `rig_parts` and `line` contain the parts of controller and bus
+//!   lines, `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
+//! - [`teach`] makes a motion from a rig that is led by hand: `guide_trajectory` is the hand's path, `session` the
 //!   simulated rig, `result` the recorded motion.
 
 mod bake;

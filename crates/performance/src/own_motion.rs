@@ -39,7 +39,7 @@ impl OwnMotion {
     /// Reads the motion. `units` are those of columns of coordinates whose header has none.
     ///
     /// # Errors
-    /// The file is not a motion of this rig.
+    /// The file cannot be read, or is not a motion of this rig.
     pub fn read(
         self,
         rig: &LoadedRig,

@@ -27,9 +27,10 @@ pub struct RetargetedClip {
     pub curves: usize,
     /// Share of frames in which a joint is at an end of its range.
     pub at_range: f64,
-    /// The joint that is most often at an end, and its share of the frames.
+    /// The dof that is most often at an end of its range, and its share of the frames; `None` if no dof ever is, and
+    /// for a motion of the rig's own joints.
     pub most_held: Option<(String, f64)>,
-    /// Limbs of the rig, if it has any.
+    /// Limbs of the rig; `None` if it has none, and for a motion of the rig's own joints.
     pub rig: Option<RigMatch>,
     /// Mean and largest distance of a hand from the performer's, as shares of the arm; `None` if none is followed.
     pub hand_error: Option<[f64; 2]>,
@@ -41,7 +42,7 @@ pub struct RetargetedClip {
     pub limb_targets: Vec<Vec<BakedLimb>>,
 }
 
-/// Error of a clip that cannot be retargeted to a rig.
+/// The reason why a clip cannot be retargeted to a rig.
 #[derive(Debug, Error)]
 pub enum RetargetError {
     /// No arm, leg or head was found in the rig.
@@ -217,7 +218,8 @@ impl RetargetedClip {
         })
     }
 
-    /// Returns mean and largest distance of a hand over all frames, as shares of the arm.
+    /// Returns mean and largest distance of the hands over all frames, as shares of the arm; `None` if no hand is
+    /// followed.
     fn hand_error_of(&self, mechanism: &Mechanism) -> Option<[f64; 2]> {
         if self.hands.is_empty() {
             return None;

@@ -21,7 +21,7 @@ use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
 use super::table::fitted;
 
-/// Lowest rate at which a motion is checked for what would help, Hz.
+/// Lowest rate of the check that finds which changes of the rig would preserve more of a motion, Hz.
 const HELP_HZ: f64 = 100.0;
 
 /// Choices for the changes of a motion before its use.
@@ -42,7 +42,7 @@ pub struct ShowChoices<'a> {
     pub settings: Settings,
     /// Cues: names, and times in the clip, s.
     pub cues: &'a [(String, f64)],
-    /// The time code of the first row.
+    /// The time code of the first row; `None` for a show without time code.
     pub time_code: Option<TimeCode>,
 }
 
@@ -56,9 +56,9 @@ pub struct RigPerformance {
     pub clip: RetargetedClip,
     /// The limits of the rig.
     pub limits: Limits,
-    /// The changes made for a loop; its motion is in `clip`.
+    /// The changes made for a loop, whose motion is in `clip`; `None` if the motion is not a loop.
     pub looped: Option<LoopedMotion>,
-    /// The fitted motion, if a fit was chosen.
+    /// The fitted motion; `None` if no fit was chosen.
     pub fit: Option<Fit>,
     loop_blend_s: Option<f64>,
 }
@@ -169,7 +169,7 @@ impl RigPerformance {
         row.min(rows.saturating_sub(1))
     }
 
-    /// Describes the changes by a fit.
+    /// Describes the changes by a fit; `None` if no fit was chosen.
     pub fn fit_summary(&self) -> Option<String> {
         let given_s = self.clip.motion.duration_s();
         self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s))
@@ -195,7 +195,8 @@ impl RigPerformance {
         Likeness { limbs_deg: limbs.mean_and_most(), hands: hands.mean_and_most(), way }
     }
 
-    /// Describes what would leave more of the motion than a fit did, one sentence for each kind of limit.
+    /// Describes which changes of the rig would preserve more of the motion than the fit did, one line for each kind of
+    /// limit.
     ///
     /// # Errors
     /// The motion cannot be checked.

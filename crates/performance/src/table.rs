@@ -9,8 +9,9 @@ use sinew_rig::mechanism::JointModel;
 
 use super::text;
 
-/// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do
-/// not move and carry no load are left out. `strange`: why the motion is not the performer's, if it is not.
+/// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do not
+/// move and carry no load are left out. `strange`: the reason why the motion no longer looks like the performer's, if
+/// so.
 pub fn feasibility(
     mechanism: &Mechanism,
     limits: &Limits,

@@ -3,7 +3,7 @@
 
 use crate::description::ServoModel;
 
-/// Name and file of each kind, in the order of the documentation.
+/// Name and file of each kind of servo, in the order of the documentation.
 const FILES: [(&str, &str); 11] = [
     ("XL330-M288-T", include_str!("../models/xl330-m288-t.toml")),
     ("XL430-W250-T", include_str!("../models/xl430-w250-t.toml")),

@@ -31,8 +31,8 @@ Commands:
             docs/retargeting.csv; with --accept, writes that file
   peers     Checks that four kernels of the core agree with those of Pinocchio and MuJoCo (from PyPI), and inverse
             dynamics with other crates; then compares their times
-  deny      Checks licences, sources and versions of dependencies, and known vulnerabilities if their database can be
-            reached, with cargo-deny and deny.toml
+  deny      Checks lock files, licences, sources and versions of dependencies, and known vulnerabilities if their
+            database can be reached, with cargo-deny and deny.toml
   semver REV
             Lists the changes of the core's interface since revision REV that break its users, with
             cargo-semver-checks

@@ -23,14 +23,15 @@ use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
+/// The show contains the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
 /// follow, at which time, and by how much.
 ///
-/// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s, at any distances, or `time_ms`;
+/// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s or `time_ms`, at any intervals;
 /// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column
-/// stays at home; an empty field is no key. The column `easing` names the way to the next row, and a row `easing` below
-/// the header that of each joint: step, linear, ease in, ease out, ease both, or cubic (default). Evenly spaced rows of
-/// 10 Hz and more, without easing, are a recording.
+/// stays at home. An empty field is not a key: the joint moves on to its next key. The column `easing` names the easing
+/// to the next row; a row below the header with `easing` as its time names the easing of each joint: step, linear, ease
+/// in, ease out, ease both, or cubic (default). Evenly spaced rows at 10 Hz or more, without easing, count as a
+/// recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
@@ -194,7 +195,7 @@ fn told(sound: Option<&Sound>) -> String {
     })
 }
 
-/// Returns the summary of the show: durations, likeness, cues and size.
+/// Returns the summary of the show: durations, how like the clip it is, cues and size.
 fn head(
     args: &Args,
     rig: &LoadedRig,

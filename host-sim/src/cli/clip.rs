@@ -1,4 +1,5 @@
-//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions without a performer.
+//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions that are made without
+//! a performer.
 
 use std::process::ExitCode;
 
@@ -6,8 +7,8 @@ use clap::{Args, Subcommand};
 
 use super::{blend, export, face, find, idle, inspect, jaw, map, weights};
 
-/// Inspect, map, search, blend and export clips of motion capture; make a jaw's motion from a sound, a
-/// face's motion from cues or blend shapes, and idle life.
+/// Inspect, map, search, blend and export clips of motion capture; make the motion of a jaw from a sound, of a face from
+/// mouth cues or blend shapes, or a loop of idle life.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]

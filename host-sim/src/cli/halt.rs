@@ -13,7 +13,7 @@ use super::stop::Stop;
 
 /// Stop the rigs of all consoles of this user: each goes to its rest pose and is lowered, then torque is off.
 ///
-/// It works from any terminal, whichever page drives.
+/// It works from any terminal, even while a page drives.
 #[derive(Debug, clap::Args)]
 pub(super) struct StopArgs {
     #[command(flatten)]
@@ -22,8 +22,8 @@ pub(super) struct StopArgs {
 
 /// Switch torque off at once at the rigs of all consoles of this user: the rigs drop.
 ///
-/// It works from any terminal, whichever page drives. Torque stays off until faults are cleared. It does not replace a
-/// switch that cuts the servos' power.
+/// It works from any terminal, even while a page drives. Torque stays off until faults are cleared. The command does
+/// not replace a switch that cuts the servos' power.
 #[derive(Debug, clap::Args)]
 pub(super) struct EStopArgs {
     #[command(flatten)]

@@ -1,4 +1,5 @@
-//! Options and steps that `bake`, `export` and `evaluate --rig --clips` share: a clip on a rig.
+//! Options and steps of commands that make a motion of a rig from a clip or from a file of the rig's own motion, such
+//! as `bake` and `export`.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +27,7 @@ use super::unit_args::UnitArgs;
 /// How a rig's base is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum BaseArg {
-    /// Bolted to a stand.
+    /// The base is bolted to a stand.
     Stand,
     /// The base travels with the performer.
     Driven,
@@ -78,7 +79,7 @@ pub(super) struct PerformanceArgs {
 /// Step in which the show of a layer is read, s.
 const LAYER_DT_S: f64 = 0.01;
 
-/// Defaults of a command for options that are not given.
+/// Values of a command for options that are not given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Defaults {
     /// Cutoff of the low-pass, Hz; 0: none.
@@ -90,18 +91,18 @@ pub(super) struct Defaults {
 /// Defaults for a rig on its stand.
 pub(super) const ON_STAND: Defaults = Defaults { cutoff_hz: 6.0, travels: false };
 
-/// Defaults for motions that other programs use: as near to the clip as the rig can.
+/// Defaults for motions that other programs use: as near to the clip as the rig can follow.
 pub(super) const FOR_OTHERS: Defaults = Defaults { cutoff_hz: 0.0, travels: true };
 
 impl PerformanceArgs {
-    /// Returns the name of a given option that applies to clips only.
+    /// Returns the name of the first given option that applies to clips only, or `None`.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
         [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Returns the name of a given option that applies to motions of the rig's own only.
+    /// Returns the name of a given option that applies only to a rig's own motions, or `None`.
     pub(super) fn of_own(&self) -> Option<&'static str> {
         self.unit.map(|_| "--unit")
     }
@@ -119,7 +120,8 @@ impl PerformanceArgs {
         Ok(rig)
     }
 
-    /// Retargets a clip to a rig.
+    /// Retargets a clip to a rig, or reads a file of the rig's own motion, and prints notes on it. Fits the motion and
+    /// makes it a loop if the options ask for this.
     pub(super) fn perform(
         &self,
         rig: &LoadedRig,
@@ -231,7 +233,8 @@ impl PerformanceArgs {
     }
 }
 
-/// Moves followers to where their leaders put them, and prints which ones the file has elsewhere.
+/// Moves each joint that follows another joint to the position that its leader requires, and prints which joints had
+/// other positions in the file.
 fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
     let mechanism = &rig.mechanism;
     let ties = mechanism.ties();
@@ -246,7 +249,7 @@ fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
     }
 }
 
-/// Prints the first jump of more than half a turn, and the number of all.
+/// Prints the first jump of more than half a turn, and the number of all such jumps.
 fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
     let jumps = motion.jumps(&rig.mechanism);
     if let Some(first) = jumps.first() {

@@ -33,7 +33,7 @@ impl Served {
         Self { process, address: address.trim().to_owned() }
     }
 
-    /// Returns the start of all addresses that the page may ask for.
+    /// Returns the address without the token: all addresses that the page may request begin with it.
     pub(crate) fn origin(&self) -> &str {
         self.address.split('#').next().unwrap()
     }
@@ -202,7 +202,7 @@ fn an_emergency_stop_is_a_fault_that_is_cleared(page: &Page) {
     wait_until(page, &format!("!{is_told}"));
 }
 
-/// Provokes a silent servo and a hot servo: the page names the joint and the remedy, marks the servo, and clears the
+/// Simulates a silent servo and a hot servo. The page must name the joint and the remedy, mark the servo, and clear the
 /// fault when its cause is gone.
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]

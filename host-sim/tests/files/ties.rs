@@ -174,10 +174,10 @@ fn assert_follows(folder: &Path, rig: &str, servo: &str) {
     }
 }
 
-/// Joint that follows another: index of its leader, factor, offset, half of its range.
+/// A joint that follows another: index of its leader, factor, offset, half of its range.
 type Follower = (usize, f64, f64, f64);
 
-/// Returns a URDF of hinges or slides in a row, each tied to one before it.
+/// Returns a URDF of hinges or slides in a row, each tied to an earlier one.
 fn urdf(kind: &str, followers: &[Follower]) -> String {
     let inertia = r#"<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/>"#;
     let link = |index: usize| {

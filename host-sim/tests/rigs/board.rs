@@ -93,13 +93,13 @@ fn a_board_is_looked_over_set_up_and_asked() {
     assert_spreads(&kept);
 }
 
-/// Makes the board wait longer for its host: on a busy machine the test may send nothing for 0.2 s.
+/// Makes the board wait longer for its host, because on a busy machine the test may send nothing for 0.2 s.
 fn be_patient(port: &str) {
     says(&["board", "settings", "--port", port, "set", "link_hold_s", "1.9"], 0);
 }
 
-/// Checks that each part of a board has a row: its count, then minimum, mean, maximum and jitter, in us and in
-/// cycles. A simulated board's cycles are us of simulated time.
+/// Checks that each task of a board has a row: its count, then minimum, mean, maximum and jitter, in us and in cycles.
+/// A cycle of a simulated board is a microsecond of simulated time.
 #[track_caller]
 fn assert_spreads(text: &str) {
     for part in ["tick", "bus", "link", "period"] {
@@ -181,7 +181,7 @@ fn a_show_is_uploaded_once_played_and_unplugged() {
     assert_eq!(again.wait().unwrap().code(), Some(2));
 }
 
-/// A wire to a board. Its direction from the board to the program can be cut.
+/// A wire between a program and a board. The direction from the board to the program can be cut.
 struct Wire {
     is_dead: Arc<AtomicBool>,
     is_over: Arc<AtomicBool>,

@@ -1,4 +1,4 @@
-//! Commands of pages.
+//! Executes the commands of pages.
 
 use std::time::Duration;
 
@@ -13,13 +13,14 @@ use super::{Hub, PageCommand, Refused};
 use crate::message::ToPage;
 use crate::server::PageId;
 
-/// Time without a message of a slider after which it counts as let go.
+/// Time without a message of a barred slider after which it counts as released.
 const LET_GO: Duration = Duration::from_millis(400);
-/// Share of the maximum speed that a journey uses: the board's own limit is not to be felt.
+/// Share of a slider's maximum speed that a journey uses, so that the board's own limit is not reached.
 const SHARE: f32 = 0.7;
 
 impl<L: Line> Hub<'_, L> {
-    /// Executes a command of a page, if the page may give it. Returns what was done; `None`: it is answered later.
+    /// Executes a command of a page, if the page may give it. Returns the result in words; or `None` if the answer
+    /// follows later, or is not needed.
     pub(super) fn obey(
         &mut self,
         page: PageId,
@@ -87,13 +88,14 @@ impl<L: Line> Hub<'_, L> {
         })
     }
 
-    /// Ends what goes on, without a word to the board. A slider that is held moves nothing until it is let go.
+    /// Ends the motion and the arming, without a command to the board. A slider that is held moves nothing until it is
+    /// released.
     pub(super) fn end_all(&mut self) {
         self.bar_slider();
         (self.act, self.arming) = (None, None);
     }
 
-    /// Bars a slider whose motion was ended by something else than its page.
+    /// Bars a slider whose motion was ended by something other than its page: it must be released first.
     pub(super) fn bar_slider(&mut self) {
         if matches!(self.act, Some(Act::Slider(_))) {
             self.barred = Some(self.now());
@@ -121,7 +123,7 @@ impl<L: Line> Hub<'_, L> {
         answer
     }
 
-    /// Moves a joint towards a slider's goal.
+    /// Moves a joint towards a slider's goal. Further calls for the same joint change the goal.
     fn jog(&mut self, dof: usize, goal: f64) -> Result<String, Refused> {
         let now = self.now();
         #[expect(
@@ -159,7 +161,7 @@ impl<L: Line> Hub<'_, L> {
         Ok(String::new())
     }
 
-    /// Moves all joints to a pose.
+    /// Begins to move all joints of a rig that holds to a pose.
     pub(super) fn travel(&mut self, to: &[f32]) -> Result<String, Refused> {
         if self.state() != State::Holding {
             return Err(Refused::Other(format!(
@@ -184,7 +186,7 @@ impl<L: Line> Hub<'_, L> {
         Ok("the rig moves".to_owned())
     }
 
-    /// Returns a coordinate of the pose that the board commands, if it is known.
+    /// Returns a coordinate of the pose that the board commands; `None` if it is not known.
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
         wanted(self.scene, &self.board.log)?.get(coordinate).copied()
     }

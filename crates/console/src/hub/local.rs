@@ -1,4 +1,4 @@
-//! Commands that come by the Unix socket, and a hub that executes a single one.
+//! Executes commands from the Unix socket; or, without a console, a single command.
 
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
@@ -10,10 +10,10 @@ use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
 use crate::local::{Reply, Request};
 
-/// Speed of deg in rad, and of mm in m.
+/// A degree in rad, and a millimetre in m.
 const UNITS: [f64; 2] = [std::f64::consts::PI / 180.0, 1e-3];
 
-/// A command that waits for the end of its motion.
+/// A command of another program that waits for the end of its motion.
 #[derive(Debug)]
 pub(super) struct Waiting {
     command: u64,
@@ -21,7 +21,7 @@ pub(super) struct Waiting {
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Executes a command of another program. A motion is answered at its end.
+    /// Executes a command of another program. If it moves the rig, the answer follows at the end of the motion.
     pub(super) fn take_request(
         &mut self,
         command: u64,
@@ -59,7 +59,7 @@ impl<L: Line> Hub<'_, L> {
         let _: Result<(), TrySendError<Reply>> = answer.try_send(Reply { ok, text });
     }
 
-    /// Begins a motion of another program, unless something moves already.
+    /// Begins a motion of another program. Fails if the rig moves already.
     fn move_for(&mut self, request: &Request) -> Result<(), Refused> {
         if self.lost.is_some() || self.closing.is_some() {
             return Err(Refused::because("the board does not answer, or the console ends"));
@@ -97,7 +97,7 @@ impl<L: Line> Hub<'_, L> {
         self.travel(&to).map(|_| ())
     }
 
-    /// Answers a command whose motion is over, and holds the rig if the command is gone.
+    /// Answers a waiting command when its motion is over.
     pub(super) fn go_on_waiting(&mut self) {
         let Some(waiting) = &self.waiting else { return };
         if !matches!(self.act, Some(Act::Journey(_))) {
@@ -113,7 +113,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Ends the motion of a command that is gone.
+    /// Holds the rig if this command was waiting: the program that gave it has ended.
     pub(super) fn forget_waiting(&mut self, command: u64) {
         if self.waiting.take_if(|waiting| waiting.command == command).is_some() {
             let _ = self.hold();
@@ -121,7 +121,8 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Executes a single command on a board without a console: for a motion it arms the rig, and stops it afterwards.
+    /// Executes a single command on a board without a console. For a motion, arms the rig first and stops it
+    /// afterwards.
     pub(crate) fn execute(
         mut self,
         request: &Request,
@@ -141,14 +142,14 @@ impl<L: Line> Hub<'_, L> {
             self.turn()?;
             reply = answers.try_recv().ok();
         }
-        // An e-stop has no more to do.
+        // After an e-stop there is nothing to wait for.
         while *request != Request::EStop && self.close(stops().max(1)).is_none() {
             self.turn()?;
         }
         Ok(reply.unwrap_or_else(|| Reply { ok: false, text: "stopped by a signal".to_owned() }))
     }
 
-    /// Arms the rig, as soon as the board allows it, and waits until it holds.
+    /// Arms the rig as soon as the board allows it, and waits until it holds.
     fn arm_now(&mut self, stops: &dyn Fn() -> u32) -> Result<(), Refused> {
         let end = self.now() + READY;
         while let Err(refused) = self.ask(Command::Arm) {
@@ -167,7 +168,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Lets time pass.
+    /// Serves the board for a time.
     fn wait(&mut self, time: Duration) -> Result<(), Refused> {
         let end = self.now() + time;
         loop {

@@ -1,10 +1,10 @@
-//! The hub: one thread that alone owns the session with the board, and answers all pages.
+//! The hub: one thread that alone uses the session with the board, and serves all pages.
 //!
-//! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
-//!   journey, a show.
-//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
-//!   slots and ghosts. `upload`: a show on its way to the board.
-//! - `tell`: what pages are told. `local`: commands of this user in other terminals.
+//! - `wheel`: which page drives. `commands`: commands of pages. `act`: motions and arming, which take several turns of
+//!   the hub.
+//! - `slider`, `journey`: motions, which get the time from their caller. `pose`: the pose that the board commands.
+//!   `shows`: slots and ghosts. `upload`: a show that is sent to the board.
+//! - `tell`: messages to pages. `local`: commands of this user in other terminals.
 
 mod act;
 mod commands;
@@ -38,16 +38,16 @@ use wheel::Wheel;
 
 pub use shows::OwnShow;
 
-/// Pictures per second that the hub asks of the board.
+/// Snapshots per second that the hub requests from the board.
 pub(crate) const RATE_HZ: f32 = 30.0;
-/// Longest wait for the board in a turn of the hub: a page's message waits as long.
+/// Longest wait for the board in a turn of the hub; a page's message may wait as long.
 const TURN: Duration = Duration::from_millis(4);
-/// Maximum number of pages' messages in a turn: the board must not wait for them.
+/// Maximum number of messages of pages in a turn, so that the board does not wait longer for them.
 const MESSAGES: usize = 32;
-/// Interval of attempts to find a board that does not answer, and their duration.
+/// Interval of attempts to reach a board that does not answer, and the duration of an attempt.
 const AGAIN: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_millis(200);
-/// Maximum time from a stop until torque is off.
+/// Maximum time from the stop at the end of the program until torque is off. After it, the hub ends.
 const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// The way in which a hub ended.
@@ -55,7 +55,8 @@ const STOP_MOST: Duration = Duration::from_mins(1);
 pub enum Ended {
     /// Torque is off.
     Stopped,
-    /// At once, by a second signal: the board lowers the rig on its own.
+    /// Torque may be on: the hub ended by a second signal, because the board does not answer, or after a minute. The
+    /// board lowers the rig on its own.
     AtOnce,
 }
 
@@ -76,24 +77,24 @@ pub(crate) struct Hub<'a, L> {
     shows: Shows,
     upload: Option<Upload>,
     ghost: Option<Vec<f32>>,
-    /// Maximum speed of a slider, rad/s.
+    /// Maximum speed of a slider, rad/s or m/s.
     soft_rad_s: f32,
     line_rate_hz: f32,
-    /// Time of the next attempt to find a board that does not answer.
+    /// Time of the next attempt to reach the board; `None` while the board answers.
     lost: Option<Duration>,
-    /// An error after which the port is of no use.
+    /// An error after which the port can no longer be used.
     failed: Option<ClientError>,
     told: Told,
-    /// Time at which a rig whose driver is silent is lowered.
+    /// Time at which the rig is lowered, because no page drives or the driver is silent.
     lower_at: Option<Duration>,
-    /// Time of the last motion of a slider that was still held after the rig was told to hold: the slider must be
-    /// released first.
+    /// Time of the last message of a slider that is still held although the rig was told to hold. The slider must be
+    /// released before it moves the joint again.
     barred: Option<Duration>,
-    /// Command in another terminal whose motion goes on.
+    /// Command of another terminal whose motion goes on.
     waiting: Option<Waiting>,
-    /// Whether the last journey has reached its end.
+    /// Whether the last journey has reached its pose.
     arrived: bool,
-    /// Time at which the rig was told to stop for the end of the program.
+    /// Time at which the rig was told to stop because the program ends.
     closing: Option<Duration>,
 }
 
@@ -123,7 +124,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Runs until the rig is stopped after a signal.
+    /// Runs until the rig is stopped after a signal, or a second signal ends it.
     pub(crate) fn run(
         mut self,
         shows: Vec<OwnShow>,
@@ -145,7 +146,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Begins a session: telemetry, settings, slots.
+    /// Prepares a session: requests telemetry, reads the speed of sliders, and reads the slots.
     fn begin(&mut self) -> Result<(), ClientError> {
         let setting =
             self.board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
@@ -156,10 +157,10 @@ impl<'a, L: Line> Hub<'a, L> {
         self.read_slots()
     }
 
-    /// Receives from the board, and goes on with what goes on.
+    /// Executes a turn: receives from the board, and continues motions, arming, uploads and answers.
     ///
     /// # Errors
-    /// The port is of no use any more.
+    /// [`ClientError`] if the port can no longer be used.
     fn turn(&mut self) -> Result<(), ClientError> {
         if let Some(due) = self.lost {
             if self.board.now() >= due {
@@ -215,7 +216,7 @@ impl<'a, L: Line> Hub<'a, L> {
         if self.wheel.is_at(page) {
             let now = self.now();
             self.wheel.free(now);
-            // A show goes on for a moment: the page may be loading again.
+            // A show goes on for 2 s: the page may only be reloading.
             if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
                 let _ = self.hold();
             }
@@ -224,7 +225,8 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Holds a show whose driver is silent, then lowers the rig.
+    /// Holds the rig if no page drives or the driver is silent, and lowers it 3 s later; does nothing for an unattended
+    /// console, or while a command of another terminal moves the rig.
     fn watch_driver(&mut self) {
         let now = self.now();
         if !self.wheel.is_silent(now) || self.is_unattended || self.waiting.is_some() {
@@ -245,7 +247,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Sends a command to the board.
+    /// Sends a command to the board and waits for its answer. A board that does not answer counts as lost.
     fn ask(&mut self, command: Command) -> Result<Applied, Refused> {
         match self.board.ask(command) {
             Ok(applied) => Ok(applied),
@@ -258,7 +260,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Handles a board that does not answer.
+    /// Handles a board that does not answer: ends motion, arming and upload, and reports the error to pages.
     fn lose(&mut self, error: ClientError) {
         self.act = None;
         self.give_up(&error.to_string());
@@ -284,7 +286,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Stops the rig at the first signal. Returns how the hub ends, once it does.
+    /// Stops the rig at the first signal. Returns how the hub ends when it ends, otherwise `None`.
     fn close(&mut self, stops: u32) -> Option<Ended> {
         if stops == 0 {
             return None;
@@ -310,7 +312,7 @@ impl<'a, L: Line> Hub<'a, L> {
     }
 }
 
-/// A reason why something is not done.
+/// A reason why a command is not executed.
 #[derive(Debug, Clone, PartialEq)]
 enum Refused {
     Board(Refusal),

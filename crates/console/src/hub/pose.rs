@@ -1,18 +1,18 @@
-//! The pose that the board commands: the measured pose and its offsets.
+//! The pose that the board commands: the measured pose plus the offsets that the board sends.
 
 use sinew_board_client::TelemetryLog;
 
 use crate::scene::Scene;
 
-/// Returns the commanded pose, or `None` while torque is off, or if the board does not send its targets.
+/// Returns the commanded pose; `None` while torque is off, or if the board does not send offsets of all dofs.
 pub(super) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
     log.summary?.errors?;
     let is_whole = log.q.len() == scene.home.len() && log.targets.len() == scene.dofs.len();
     is_whole.then(|| add(&scene.blocks, &log.q, &log.targets))
 }
 
-/// Adds offsets by dof to a pose. A ball joint has four coordinates, and its offset is a rotation vector in its body's
-/// axes.
+/// Adds offsets of dofs to a pose. The offset of a ball joint, which has four coordinates, is a rotation vector in the
+/// axes of its body.
 fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
     let mut q = pose.to_vec();
     let mut offsets = offsets.iter().copied();
@@ -28,7 +28,7 @@ fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
     q
 }
 
-/// Returns a unit quaternion (x y z w) times the exponential of a rotation vector.
+/// Returns the product of a unit quaternion (x y z w) and the exponential of a rotation vector.
 fn turned([ax, ay, az, aw]: [f32; 4], turn: [f32; 3]) -> [f32; 4] {
     let angle = turn.iter().map(|x| x * x).sum::<f32>().sqrt();
     let part = if angle > 1e-9 { (0.5 * angle).sin() / angle } else { 0.5 };

@@ -1,4 +1,4 @@
-//! Shows on the board: what is in its slots, and poses of shows whose bytes this program knows.
+//! Shows on the board: the content of its slots, and poses of shows whose bytes this program has.
 
 use std::sync::Arc;
 
@@ -27,14 +27,14 @@ pub struct OwnShow {
     pub sound: Option<OwnSound>,
 }
 
-/// The board's slots, and the shows that this program knows.
+/// The board's slots, and the shows whose bytes this program has.
 #[derive(Debug, Default)]
 pub(super) struct Shows {
     slots: Vec<Slot>,
     known: Vec<(Item, OwnShow)>,
-    /// Index in `known` of the show of each slot.
+    /// For each slot whose show is in `known`: the slot, and the index in `known`.
     bytes: Vec<(u8, usize)>,
-    /// Slot that was loaded last.
+    /// Slot that was loaded last; `None` if none was loaded.
     pub(super) loaded: Option<u8>,
 }
 
@@ -46,7 +46,7 @@ impl Shows {
         }
     }
 
-    /// Describes the slots.
+    /// Describes the slots, from the items that the board has in them.
     fn set(&mut self, items: &[Option<Item>]) {
         (self.slots, self.bytes) = (Vec::new(), Vec::new());
         for (slot, item) in items.iter().enumerate() {
@@ -65,7 +65,7 @@ impl Shows {
         self.loaded = self.loaded.filter(|slot| self.slots.iter().any(|own| own.index == *slot));
     }
 
-    /// Returns the list as a message.
+    /// Returns the list of slots as a message.
     pub(super) fn json(&self) -> String {
         ToPage::Shows { slots: &self.slots, loaded: self.loaded }.json()
     }
@@ -74,7 +74,7 @@ impl Shows {
         self.slots.iter().any(|own| own.index == slot)
     }
 
-    /// Returns the bytes of a slot's show.
+    /// Returns the bytes of a slot's show; `None` if this program does not have them.
     fn bytes(&self, slot: u8) -> Option<Arc<[u8]>> {
         let (_, index) = self.bytes.iter().find(|(own, _)| *own == slot)?;
         Some(Arc::clone(&self.known[*index].1.bytes))
@@ -96,7 +96,7 @@ fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
     Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect(), sound })
 }
 
-/// Returns the pose of a show at a time.
+/// Returns the pose of a show at a time, s; `None` if the show is invalid, or is not of this rig.
 fn pose(bytes: &[u8], t: f64, coordinates: usize) -> Option<Vec<f32>> {
     let show = Show::open(bytes).ok()?;
     let t = t.clamp(0.0, f64::from(show.duration_s()));
@@ -109,14 +109,14 @@ fn pose(bytes: &[u8], t: f64, coordinates: usize) -> Option<Vec<f32>> {
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Reads what the slots contain.
+    /// Reads which shows the slots contain.
     pub(super) fn read_slots(&mut self) -> Result<(), ClientError> {
         let items = self.board.shows()?;
         self.shows.set(&items);
         Ok(())
     }
 
-    /// Puts a show of the command line on the board, unless it is there.
+    /// Uploads a show of the command line, unless the board has it already.
     pub(super) fn put_own(&mut self, show: OwnShow) -> Result<(), ClientError> {
         let rig = self.board.about().rig;
         let item = item(Kind::Show, SHOW_SCHEMA, &show.bytes, rig, APPROVER)?;
@@ -127,7 +127,7 @@ impl<L: Line> Hub<'_, L> {
         self.read_slots()
     }
 
-    /// Plays the show of a slot.
+    /// Loads the show of a slot and plays it.
     pub(super) fn play(&mut self, slot: u8, repeats: bool) -> Result<String, Refused> {
         if !self.shows.has(slot) {
             return Err(Refused::because("there is no show in this slot"));
@@ -150,8 +150,8 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
-    /// Shows the pose of a show at a time as a ghost, or takes the ghost away. Without a slot, the show is the loaded
-    /// one.
+    /// Shows the pose of a show at a time, s, as a ghost; without a time, removes the ghost. Without a slot, uses the
+    /// loaded show, or the first show whose bytes are known.
     pub(super) fn seek(&mut self, t: Option<f64>, slot: Option<u8>) -> Result<String, Refused> {
         self.ghost = None;
         let Some(t) = t else { return Ok(String::new()) };

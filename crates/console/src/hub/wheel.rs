@@ -1,14 +1,15 @@
-//! The wheel: one page drives, all others view. Any page may hold and stop.
+//! The wheel: the right to drive, which one page has. Other pages may watch, hold and stop.
 
 use std::time::Duration;
 
 use crate::server::PageId;
 
-/// Time without a message of the driver after which a show is held, and time from then until the rig is lowered.
+/// Time without a message of the driver, or without a driver, after which the rig holds; and the time from then until
+/// it is lowered.
 const SILENT: Duration = Duration::from_secs(2);
 pub(super) const LOWER_AFTER: Duration = Duration::from_secs(3);
 
-/// Holder of the wheel, and when it was heard last.
+/// The page that has the wheel, and the time of its last message.
 #[derive(Debug, Default)]
 pub(super) struct Wheel {
     holder: Option<PageId>,
@@ -16,7 +17,7 @@ pub(super) struct Wheel {
 }
 
 impl Wheel {
-    /// Gives the wheel to a page, if it is free. Returns whether the page holds it.
+    /// Gives the wheel to a page, if no page has it. Returns whether this page has the wheel now.
     pub(super) fn take(&mut self, page: PageId, now: Duration) -> bool {
         if self.holder.is_none() {
             (self.holder, self.heard) = (Some(page), now);
@@ -36,14 +37,14 @@ impl Wheel {
         self.holder.is_none()
     }
 
-    /// Notes that a page has said something.
+    /// Notes the time of a page's message, if the page has the wheel.
     pub(super) fn hear(&mut self, page: PageId, now: Duration) {
         if self.is_at(page) {
             self.heard = now;
         }
     }
 
-    /// Returns whether the driver, or the free wheel, has been silent for too long.
+    /// Returns whether the driver has been silent, or the wheel free, for too long.
     pub(super) fn is_silent(&self, now: Duration) -> bool {
         now.saturating_sub(self.heard) >= SILENT
     }

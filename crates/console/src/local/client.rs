@@ -1,4 +1,4 @@
-//! The end of the socket of another command.
+//! The other command's end of the socket.
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, Write as _};
@@ -17,10 +17,10 @@ pub fn consoles() -> Vec<String> {
     names
 }
 
-/// Asks a console, and waits until the command is executed.
+/// Sends a command to a console, and waits for its answer.
 ///
 /// # Errors
-/// An I/O error if no console has this name, or it has ended.
+/// An I/O error if no console has this name, or it ends before it answers.
 pub fn ask(name: &str, request: &Request) -> io::Result<Reply> {
     let mut stream = UnixStream::connect(folder().join(format!("{name}.sock")))?;
     let mut text = serde_json::to_string(request).map_err(io::Error::other)?;

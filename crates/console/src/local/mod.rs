@@ -1,7 +1,7 @@
-//! Other commands of this user reach a hub by a Unix socket, that only this user can open.
+//! A Unix socket, which only this user can open, by which other commands of this user reach a hub.
 //!
-//! A request and its answer are each one line of JSON. A motion is answered when it is over; if the command ends
-//! before, the rig holds.
+//! A request and its answer are each one line of JSON. A motion is answered at its end. If the command ends earlier,
+//! the rig holds.
 
 mod client;
 mod server;
@@ -21,13 +21,13 @@ pub(crate) use server::Door;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 pub enum Request {
-    /// The rig goes to its rest pose, is lowered, then limp.
+    /// The rig goes to its rest pose and is lowered; then torque is off.
     Stop,
-    /// Torque off at once.
+    /// Torque goes off at once.
     EStop,
     /// The armed rig goes to its home pose.
     Home,
-    /// A joint of the armed rig moves by an angle.
+    /// A joint of the armed rig moves by an angle or a distance.
     Jog {
         /// Name of the joint.
         joint: String,
@@ -41,11 +41,11 @@ pub enum Request {
 pub struct Reply {
     /// Whether the command was executed.
     pub ok: bool,
-    /// Result, or reason, in words.
+    /// Result, or reason for the refusal, in words.
     pub text: String,
 }
 
-/// Returns the name of the console that owns a port.
+/// Returns the name of the console that uses a port.
 pub fn name_of_port(port: &Path) -> String {
     let port = fs::canonicalize(port).unwrap_or_else(|_| port.to_owned());
     let name = port.to_string_lossy();
@@ -56,7 +56,7 @@ pub fn name_of_port(port: &Path) -> String {
         .to_owned()
 }
 
-/// Returns the folder of this user's sockets.
+/// Returns the folder with the sockets of this user's consoles.
 fn folder() -> PathBuf {
     if let Some(runtime) = env::var_os("XDG_RUNTIME_DIR").filter(|path| !path.is_empty()) {
         return PathBuf::from(runtime).join("sinew");
@@ -66,7 +66,7 @@ fn folder() -> PathBuf {
     env::temp_dir().join(format!("sinew-{user}"))
 }
 
-/// Creates the folder, for this user alone. A folder that others may enter is refused.
+/// Creates the folder, accessible only to this user. Fails if other users can enter an existing folder.
 fn create_folder(folder: &Path) -> io::Result<()> {
     match DirBuilder::new().mode(0o700).create(folder) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),

@@ -16,14 +16,14 @@ use crate::server::ToHub;
 
 /// Maximum length of a request, bytes.
 const REQUEST_MAX: u64 = 4096;
-/// Time for a request, and interval at which a waiting command is looked for.
+/// Longest time for a request, and the interval of checks whether a waiting command still runs.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Number of commands that have come.
+/// Number of commands so far; the next command has this number.
 static COMMANDS: AtomicU64 = AtomicU64::new(0);
 
-/// A socket that other commands open. It is removed on drop.
+/// A socket for other commands. It is removed on drop.
 #[derive(Debug)]
 pub(crate) struct Door {
     path: PathBuf,
@@ -31,7 +31,7 @@ pub(crate) struct Door {
 }
 
 impl Door {
-    /// Opens the socket of a hub, and serves it in a thread. A socket that a killed hub has left is replaced.
+    /// Opens the socket of a hub, and serves it in a thread. Replaces a socket that a killed hub has left.
     pub(crate) fn open(name: &str, hub: SyncSender<ToHub>) -> io::Result<Self> {
         let folder = folder();
         create_folder(&folder)?;
@@ -56,7 +56,7 @@ impl Door {
                 }
                 let Ok(stream) = stream else { continue };
                 let hub = hub.clone();
-                // A command that breaks off is forgotten.
+                // If a connection fails, nobody waits for the reason.
                 let _ = thread::Builder::new().spawn(move || serve(&stream, &hub));
             }
         };
@@ -74,7 +74,7 @@ impl Drop for Door {
     }
 }
 
-/// Passes a request to the hub, and its answer back. If the command is gone, the hub learns of it.
+/// Passes a request to the hub and the answer back. Reports to the hub if the command ends earlier.
 fn serve(mut stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
@@ -92,7 +92,7 @@ fn serve(mut stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
             Err(TryRecvError::Disconnected) => return Err(gone()),
             Err(TryRecvError::Empty) => {}
         }
-        // The command says nothing more; it may have ended.
+        // The command sends nothing more. If the connection is closed, the command has ended.
         let is_there = stream.read(&mut [0]).is_err_and(|e| e.kind() == io::ErrorKind::WouldBlock);
         if !is_there {
             let _ = hub.send(ToHub::Gone { command });

@@ -1,4 +1,4 @@
-//! Files of the page, as they are served: no build step, and nothing from elsewhere.
+//! Files of the page. They are served as they are, without a build step, and load nothing from other servers.
 
 /// Content types.
 const HTML: &str = "text/html; charset=utf-8";

@@ -1,4 +1,4 @@
-// The time line of the show: its cues, the ghost that is scrubbed, and shows that are sent to the board.
+// The time line of the show: its cues, the ghost that the user moves on it, and uploads of shows.
 
 import { byId, make, seconds, setDisabled, setHidden, write } from "./dom.js";
 import { sound } from "./sound.js";
@@ -11,7 +11,7 @@ export const show = ({ send, ask, report }) => {
   let shows = [], isRecording = false, ghost = null, isScrubbing = false, isPlaying = false, uploading = false;
 
   const chosen = () => shows.find(({ slot }) => String(slot) === slots.value);
-  // The hub knows nothing of a show that it did not send itself.
+  // The hub has no cues and no duration of a show that it did not upload.
   const shown = () => ({ cues: chosen()?.cues ?? [], duration: chosen()?.duration_s ?? 0 });
 
   // ---- Scrubbing: at most one message in 50 ms, and always the last one ----
@@ -92,7 +92,7 @@ export const show = ({ send, ask, report }) => {
     setHead: (head) => {
       isRecording = head.source === "recording";
       for (const element of [follow, clear, byId("play-moves"), byId("uploads")]) setHidden(element, isRecording);
-      scrub.setAttribute("aria-label", isRecording ? "Place in the recording" : "Place in the show: moves the ghost, not the rig");
+      scrub.setAttribute("aria-label", isRecording ? "Time in the recording" : "Time in the show: moves the ghost, not the rig");
     },
     setShows: (message) => {
       const before = slots.value;

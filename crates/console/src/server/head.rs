@@ -1,4 +1,4 @@
-//! Heads of HTTP requests, within limits of bytes and time, and what is let in by them.
+//! Reads heads of HTTP requests, within limits of bytes and time, and decides which requests are accepted.
 
 use std::io::{self, Read, Write};
 use std::net::SocketAddr;
@@ -21,17 +21,17 @@ const KEY_SUFFIX: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 /// An answer to a request.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
-    /// A file of the page.
+    /// A file of the page: its index in `FILES`.
     File(usize),
     /// The sound of a show.
     Sound(Arc<[u8]>),
     /// The request is refused, with a status and the reason.
     Refused(&'static str, &'static str),
-    /// The connection becomes a WebSocket, with the answer to its key.
+    /// The connection becomes a WebSocket. Contains the answer to the key of the request.
     Upgrade(String),
 }
 
-/// The head of a request, as far as it counts.
+/// The parts of a request's head that the server uses.
 #[derive(Debug, Default)]
 struct Head {
     method: String,
@@ -43,7 +43,7 @@ struct Head {
     key: String,
 }
 
-/// Reads the head of a request. Returns the answer, the host that the request named, and the bytes after the head.
+/// Reads the head of a request. Returns the answer, the host in the request, and the bytes received after the head.
 pub(crate) fn answer(
     stream: &mut impl Read,
     local: SocketAddr,
@@ -99,8 +99,8 @@ fn parse(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     Ok(Some((head, len)))
 }
 
-/// Decides about a request. The host must be the address at which the request has arrived, also for files: a page of
-/// another name that leads to this address (DNS rebinding) gets nothing.
+/// Returns the answer to a request. The host must be the address at which the request has arrived, also for files: a
+/// page whose name leads to this address (DNS rebinding) gets nothing.
 fn decide(head: &Head, local: SocketAddr, sounds: &Sounds) -> Answer {
     let is_own = |host: &String| is_own_host(host, local);
     let [host] = &head.hosts[..] else {
@@ -127,7 +127,8 @@ fn decide(head: &Head, local: SocketAddr, sounds: &Sounds) -> Answer {
     file.map_or(Answer::Refused("404 Not Found", "no such file"), Answer::File)
 }
 
-/// Returns whether a host is the literal address of this end of the connection, or `localhost` for a loopback.
+/// Returns whether a host is the address of this end of the connection as numbers, or `localhost` for a loopback
+/// address.
 fn is_own_host(host: &str, local: SocketAddr) -> bool {
     let local = SocketAddr::new(local.ip().to_canonical(), local.port());
     let is_loopback = local.ip().is_loopback() && host == format!("localhost:{}", local.port());
@@ -136,7 +137,7 @@ fn is_own_host(host: &str, local: SocketAddr) -> bool {
     host == local.to_string() || is_loopback || is_bare
 }
 
-/// Only a page of this console may open a WebSocket. A program without an origin has no right.
+/// Answers a request for a WebSocket. Only a page of this console may open one; a program that sends no origin may not.
 fn upgrade(head: &Head, host: &str) -> Answer {
     if !matches!(&head.origins[..], [origin] if *origin == format!("http://{host}")) {
         return Answer::Refused("403 Forbidden", "the origin is not this console's page");
@@ -149,7 +150,7 @@ fn upgrade(head: &Head, host: &str) -> Answer {
     Answer::Upgrade(STANDARD.encode(hash))
 }
 
-/// Writes the answer. `host`: the host of the request, which is this console's.
+/// Writes the answer. `host`: the host in the request.
 pub(crate) fn write(stream: &mut impl Write, answer: &Answer, host: &str) -> io::Result<()> {
     let (status, kind, body): (&str, &str, &[u8]) = match answer {
         Answer::Upgrade(key) => {

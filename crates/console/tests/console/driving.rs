@@ -1,4 +1,4 @@
-//! A page drives: arming, sliders, shows, stops; and what ends when the page is gone.
+//! A page that drives: arming, sliders, shows, stops; and which motions end when the page is gone.
 
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};

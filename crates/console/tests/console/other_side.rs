@@ -21,14 +21,14 @@ use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
 
-/// All that a board was told: commands, and speeds of jogging.
+/// All that a board got: commands, and speeds of jogs.
 #[derive(Debug, Default)]
 pub(crate) struct Told {
     pub(crate) commands: Vec<Command>,
     pub(crate) jogs: Vec<f32>,
 }
 
-/// A line that records what the host sends.
+/// A line that records the messages of the host.
 struct Tapped {
     line: HostEnd,
     decoder: Decoder<ToController>,
@@ -64,7 +64,7 @@ impl Line for Tapped {
 pub(crate) struct OtherSide {
     /// Address of the page, without the token.
     pub(crate) host: String,
-    /// Name for other commands.
+    /// Name by which other commands find the console.
     pub(crate) name: String,
     pub(crate) token: String,
     pub(crate) told: Arc<Mutex<Told>>,
@@ -74,8 +74,8 @@ pub(crate) struct OtherSide {
 }
 
 impl OtherSide {
-    /// Starts an arm of one joint, which turns about the vertical. `shows`: whether a show is on the board: a loop
-    /// of 0.6 s.
+    /// Starts a console for an arm of one joint, which turns about the vertical. `with_show`: whether a show of 0.6 s
+    /// is on the board.
     pub(crate) fn start(with_show: bool) -> Self {
         let arm: Description = new::arm(1).unwrap();
         let mechanism = arm.mechanism().unwrap();
@@ -112,7 +112,7 @@ impl OtherSide {
         Self { host, name: own_name, token, told, stops, hub: Some(hub), board: Some(board) }
     }
 
-    /// Returns whether the board was told a command.
+    /// Returns whether the board got a command.
     pub(crate) fn was_told(&self, command: &Command) -> bool {
         self.told.lock().unwrap().commands.contains(command)
     }

@@ -36,7 +36,7 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
-    /// The joint that must come to rest before the rig is armed.
+    /// The joint that must come to rest before the rig is armed, or `None`.
     waits_for: Option<Moving>,
 }
 
@@ -59,13 +59,13 @@ impl Director {
         self.raised.minus(FaultSet::WARNINGS)
     }
 
-    /// Returns the joint that must come to rest before the rig is armed.
+    /// Returns the joint that must come to rest before the rig is armed; `None` if the rig need not wait.
     pub fn waits_for(&self) -> Option<Moving> {
         self.waits_for
     }
 
-    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns the end of the performance once
-    /// torque is off for good.
+    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns `None` until torque is off for good;
+    /// then returns the end of the performance.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
         let command = self.command(sim, stop);
         sim.tick(command);

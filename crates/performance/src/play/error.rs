@@ -67,7 +67,7 @@ pub enum PartsError {
         /// Address in the file.
         found: String,
     },
-    /// Servos of two makers share a line.
+    /// Servos of two protocols share a line.
     #[error(
         "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
     )]

@@ -10,13 +10,13 @@ use super::servo_part::{ServoPart, single};
 
 /// Rate of the I2C bus to the chip, bit/s: its fast mode.
 pub(super) const I2C_HZ: u32 = 400_000;
-/// Analog servos need 50 pulses per second.
+/// Pulses for analog servos: 50 per second.
 pub(super) const PULSES: Pulses = Pulses { oscillator_hz: OSCILLATOR_HZ, rate_hz: 50.0 };
 /// Bytes before the channels of a write: the chip's address, and the first register.
 const HEAD_LEN: u32 = 2;
 const CHANNEL_LEN: u32 = 4;
 
-/// Returns the channel of a servo that is driven by pulses.
+/// Returns the channel of a servo that is driven by pulses; `None` for other servos.
 pub(super) fn channel(address: Address) -> Option<u8> {
     match address {
         Address::Channel(channel) => Some(channel),

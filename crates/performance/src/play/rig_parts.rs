@@ -30,7 +30,8 @@ pub struct RigParts {
     pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,
     pub(super) setups: Vec<ServoSetup>,
-    /// Schedule of the line with the latest readings.
+    /// Schedule of the line whose readings have the longest delay; of the lines that close the tracker's loop, if there
+    /// are any.
     pub(super) schedule: Schedule,
     pub(super) schedules: Vec<Schedule>,
     supply: Option<RigSupply>,
@@ -197,7 +198,7 @@ impl RigParts {
         self.schedule.tick_us()
     }
 
-    /// Returns the rig on the shafts of its servos, whatever their line, changed by [`Self::vary`].
+    /// Returns the rig's mechanism as a plant that the servos of all lines move, with the changes of [`Self::vary`].
     ///
     /// # Errors
     /// [`RigServosError`] if the servos cannot be simulated.

@@ -38,7 +38,7 @@ pub struct SimulatedRig<'a, P> {
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
     ticks: u64,
-    /// Number of ticks that were not complete: the watchdog was not fed.
+    /// Number of ticks that were not complete; in these a board would not feed its watchdog.
     incomplete: u64,
     last: Option<Incomplete>,
     peer: Option<Rc<RefCell<dyn PeerController>>>,
@@ -89,7 +89,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self
     }
 
-    /// Runs a tick. The host link is alive in each tick.
+    /// Runs a tick, in which the host link counts as alive.
     pub fn tick(&mut self, command: Option<Command>) {
         let tick_us = u64::from(self.parts.tick_us());
         let inputs = Inputs {
@@ -158,7 +158,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.permission()
     }
 
-    /// Whether the show ran in the last tick.
+    /// Returns whether the show ran in the last tick.
     pub fn runs(&self) -> bool {
         let permission = self.permission();
         permission.source == Source::Feed(Feed::Show) && permission.runs
@@ -243,7 +243,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         1e-6 * (self.ticks * u64::from(self.parts.tick_us())) as f64
     }
 
-    /// Returns the number of incomplete ticks, and the reason for the last one.
+    /// Returns the number of incomplete ticks, and the reason for the last one; `None` if there was none.
     pub fn incomplete(&self) -> (u64, Option<Incomplete>) {
         (self.incomplete, self.last)
     }

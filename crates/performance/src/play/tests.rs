@@ -45,7 +45,7 @@ fn a_rig_whose_registers_are_as_asked_plays_on_two_buses() {
     assert_eq!(ended(None), Ended::Done);
 }
 
-/// The second servo of one bus, and the only servo of the other.
+/// Sets a wrong register in the second servo of one bus, and in the only servo of the other bus.
 #[test]
 fn a_wrong_register_refuses_with_what_is_wrong() {
     let dynamixel = (2, address::TEMPERATURE_LIMIT, 80);
@@ -117,7 +117,7 @@ fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
     assert!(is_weak, "{ended:?}");
 }
 
-/// The eight servos of `docs/first-rig.md`, on the channels of that page.
+/// Returns the face with the eight servos of `docs/first-rig.md`, on the channels of that page.
 fn face() -> Description {
     const ON_IT: [&str; 8] = [
         "neck_turn",
@@ -259,7 +259,8 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
     }
 }
 
-/// 1 ms per quarter turn, about 1.5 ms: the pulses of the joint's range, not of the servo's range.
+/// A quarter turn is 1 ms of pulse, and 1.5 ms is the middle. The pulses are those of the joint's range, not of the
+/// servo's range.
 #[test]
 fn pulses_are_told_as_far_as_joints_go() {
     let mut rig = face();

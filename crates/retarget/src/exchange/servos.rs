@@ -69,7 +69,7 @@ pub enum ServoTrackError {
         /// Id or channel of both.
         number: u8,
     },
-    /// Positions belong to servos that the rig does not have, or their number differs.
+    /// Positions belong to a servo that the rig does not have.
     #[error("servo {found}: expected the ids or channels of the rig: {expected}")]
     UnknownServo {
         /// Number of the servo.
@@ -77,12 +77,12 @@ pub enum ServoTrackError {
         /// Numbers of the rig's servos.
         expected: String,
     },
-    /// Most positions of a hobby servo are no pulses.
+    /// Most positions of a hobby servo are outside the range of pulses.
     #[error("servo `{servo}`: {found} is no pulse of this servo ({least} to {most} us): {unit}")]
     NoPulse {
         /// Name of the servo.
         servo: String,
-        /// First position that is no pulse.
+        /// First position that is outside this range.
         found: i32,
         /// Shortest pulse, us.
         least: i32,
@@ -107,13 +107,13 @@ pub enum ServoTrackError {
 
 /// Pulse at the ends of a hobby servo's range, us.
 const PULSES_US: [i32; 2] = [500, 2500];
-/// Longest 12-bit step of a PCA9685 that is a pulse of 2500 us, at 60 Hz.
+/// Number of 12-bit steps of a PCA9685 that make a pulse of 2500 us at 60 Hz.
 const MOST_STEPS: i32 = 615;
 /// Time of a step at 50 Hz, us.
 const US_PER_STEP: f64 = 20_000.0 / 4096.0;
 
-/// Refuses positions of a hobby servo in another unit than us: most of them are no pulses. A few beyond the ends are
-/// limits that the motion exceeds.
+/// Refuses positions of a hobby servo that are probably not in us: more than half of them are outside the range of
+/// pulses. Fewer of them are accepted, because a motion may exceed a servo's range at times.
 pub(super) fn check_pulses(servo: &str, positions: &[i32]) -> Result<(), ServoTrackError> {
     let [least, most] = PULSES_US;
     let mut wrong = positions.iter().filter(|us| !(least..=most).contains(*us));
@@ -159,8 +159,8 @@ impl Numbering {
 /// Computes the positions of a rig's servos during a motion.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, a drive refuses a position, or a position
-/// is not finite.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a drive
+/// refuses a position, or a position is not finite.
 pub fn tracks(
     rig: &Description,
     mechanism: &Mechanism,
@@ -207,8 +207,8 @@ pub fn tracks(
 /// Computes the rig's motion from servo positions; joints without servos stay at home.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo has no position in a row, or a drive refuses a position.
-/// Tracks of other servos are ignored.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a servo has
+/// no position in a row, or a drive refuses a position. Tracks of other servos are ignored.
 pub fn motion(
     rig: &Description,
     mechanism: &Mechanism,

@@ -98,7 +98,7 @@ struct Plan {
 
 impl Solver {
     /// Performs a pass with posture alone, and plans the paths of hips and toes from its poses. Returns `None` if the
-    /// rig does not travel, or if its hips, its leg length or the scale are unknown.
+    /// rig does not travel, or if its hips, its leg length, the scale or the performer's hips are unknown.
     fn plan(
         &mut self,
         performance: &Performance<'_>,

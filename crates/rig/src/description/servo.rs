@@ -17,9 +17,9 @@ pub struct Servo {
     pub address: Address,
     /// 1 if positive turns of servo and drive agree, -1 if they are opposite.
     pub direction: i8,
-    /// Servo's own position when the drive is at zero.
+    /// Servo's own position when the drive is at zero, rad. Default: 0.
     pub offset_rad: Option<f64>,
-    /// Value of its register Homing Offset, rad. Default: what the servo has.
+    /// Value of the servo's register Homing Offset, rad. `None`: the value in the servo is kept.
     pub homing_offset_rad: Option<f64>,
     /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
@@ -31,11 +31,11 @@ pub struct Servo {
     /// Permitted range of the servo's own position: one pair. If it is empty, the range is that of the servo's
     /// kind.
     pub range_rad: Vec<[f64; 2]>,
-    /// Maximum commanded torque, N m. Default: that of its kind.
+    /// Maximum commanded torque, N m. Default: stall torque of its kind.
     pub torque_nm: Option<f64>,
-    /// Maximum commanded speed.
+    /// Maximum commanded speed, rad/s. Default: no-load speed of its kind.
     pub speed_rad_s: Option<f64>,
-    /// Maximum commanded acceleration.
+    /// Maximum commanded acceleration, rad/s². Default: no limit.
     pub acceleration_rad_s2: Option<f64>,
     /// Value of the register of the position P gain, in the unit of the register. Default: derived from
     /// [`Stiffness`](crate::stiffness::Stiffness).
@@ -164,9 +164,10 @@ impl ServoModel {
         0.5 * self.backlash_rad.value
     }
 
-    /// Derives the motor's constants from the maker's figures; `None` if the figures contradict each other. At
-    /// no-load speed, back-EMF and friction use the whole supply voltage; at stall, the missing torque is friction
-    /// that grows with the load. `stiction_nm` is the friction at rest, without load.
+    /// Derives the motor's constants from the maker's figures; `None` if the figures contradict each other. At no-load
+    /// speed, back-EMF and friction use the whole supply voltage. At stall, the output has less torque than the stall
+    /// current makes: the difference is friction, which grows with the load. `stiction_nm` is the friction at rest,
+    /// without load.
     pub fn motor(&self, stiction_nm: f64) -> Option<MotorFigures> {
         let [volts, amps] = [self.voltage_v.value, self.stall_current_a.value];
         let [stall_nm, speed] = [self.stall_torque_nm.value, self.no_load_speed_rad_s.value];

@@ -27,15 +27,15 @@ pub struct Tie {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ties {
     list: Vec<Tie>,
-    /// Limits of two joints that are no ties, in terms of leaders.
+    /// Limits on two joints that do not tie them, in terms of leaders.
     limits: Vec<LinkedRange>,
-    /// Ranges of leaders that follow from limits of two joints with one leader.
+    /// Ranges of leaders, from limits on two joints that have the same leader.
     ranges: Vec<(usize, [f64; 2])>,
 }
 
 impl Mechanism {
-    /// Returns the ties of the mechanism. If a joint has several ties, the first counts; ties in a circle count as
-    /// limits. O(ties²).
+    /// Returns the ties of the mechanism. If a joint has several ties, only the first is a tie. The others, and a tie
+    /// that would close a circle, count as limits. O(ties²).
     pub fn ties(&self) -> Ties {
         let mut ties: Vec<Tie> = Vec::new();
         let mut limits: Vec<LinkedRange> = Vec::new();
@@ -81,7 +81,7 @@ impl Mechanism {
             .collect()
     }
 
-    /// Narrows the range and the speed of each leader to what its followers can.
+    /// Narrows the range, the speed and the acceleration of each leader to values that its followers allow.
     pub(crate) fn narrow_leaders(&mut self) {
         let ties = self.ties();
         for tie in &ties.list {
@@ -175,19 +175,19 @@ impl Ties {
         self.of(body).map_or(body, |tie| tie.leader)
     }
 
-    /// Returns the limits of two joints that are no ties, in terms of joints that follow none.
+    /// Returns the limits on two joints that do not tie them, in terms of joints that follow no other joint.
     pub fn limits(&self) -> &[LinkedRange] {
         &self.limits
     }
 
-    /// Moves the followers to where their leaders put them. O(ties).
+    /// Sets the positions of the followers in `q` from those of their leaders. O(ties).
     pub fn follow(&self, q: &mut [f64]) {
         for Tie { factor, offset, places: [own, leader], .. } in &self.list {
             q[*own] = factor * q[*leader] + offset;
         }
     }
 
-    /// Gives the followers the speeds or accelerations that their leaders give them.
+    /// Sets the speeds or accelerations of the followers in `qd` from those of their leaders.
     pub fn follow_rates(&self, qd: &mut [f64]) {
         for Tie { factor, dofs: [own, leader], .. } in &self.list {
             qd[*own] = factor * qd[*leader];
@@ -274,7 +274,7 @@ mod tests {
     }
 
     proptest! {
-        /// Chains of ties in any order lead to one leader, whose range is what all followers can.
+        /// Chains of ties in any order lead to one leader. Within its range, all followers are within theirs.
         #[test]
         fn random_chains_follow(
             factors in prop::collection::vec((0.4..2.0_f64, any::<bool>()), 4),

@@ -6,7 +6,7 @@ pub(crate) mod error;
 mod feetech;
 pub(crate) mod limits;
 mod on_line;
-mod refused;
+mod restrictions;
 
 use std::collections::VecDeque;
 
@@ -276,7 +276,7 @@ impl<'m> Servo<'m> {
         self.keep_torque();
     }
 
-    /// Switches torque on again if this fault is active.
+    /// Switches torque on again if the servo has the fault that its torque stays on.
     fn keep_torque(&mut self) {
         if self.is_torque_stuck {
             match &mut self.program {

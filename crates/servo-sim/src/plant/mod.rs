@@ -231,7 +231,8 @@ impl RigPlant {
         Ok(())
     }
 
-    /// Sets the additional inertia of each motion, so that none is lighter at home than a horn on each servo.
+    /// Sets the additional inertia of each motion. With it, no motion has less inertia at home than a horn on each of
+    /// its servos. A joint without servos gets the inertia of its rotor, and at least [`LEAST_INERTIA`] in total.
     fn take_extra(&mut self) {
         for way in 0..self.joints.len() {
             let moved = self.inertia(way, way);
@@ -260,8 +261,8 @@ impl RigPlant {
         sum
     }
 
-    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide
-    /// ball joints.
+    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide ball
+    /// joints and the free base.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.hands.retain(|holds| holds.grip.dof != dof);
         let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };
@@ -403,8 +404,8 @@ fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     list.iter().map(own).collect()
 }
 
-/// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
-/// pulls.
+/// Returns the force of a stop, and the decrease of the force per unit of speed. Returns `None` if the stop does not
+/// push; it never pulls.
 fn stop(
     dt_s: f64,
     stiffness: f64,

@@ -24,7 +24,8 @@ pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> 
     Ok(())
 }
 
-/// Ends what a program that was ended left: a rig that is led by hand with torque off, and cannot be armed.
+/// Ends a state in which an ended program may have left the rig: led by hand with torque off. The rig can then be
+/// armed.
 pub(in crate::cli) fn end_by_hand<L: Line>(
     board: &mut Board<L>,
     state: State,

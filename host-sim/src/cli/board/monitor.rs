@@ -10,10 +10,11 @@ use sinew_link::message::{Summary, TelemetryParts};
 use super::{BoardPort, cycles, named};
 use crate::cli::stop::Stop;
 
-/// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
+/// Print the state of a board's rig: state, fault, supply, duration of a tick, bus errors, temperature.
 ///
 /// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. At the end it
-/// prints a table of times: of ticks, of the exchange with servos, of the host link, and from tick to tick.
+/// prints a table of durations: of ticks, of exchanges with the servos, of the host link, and from one tick to the
+/// next.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]

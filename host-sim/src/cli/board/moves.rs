@@ -23,8 +23,8 @@ const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// Move all joints of a rig to the home pose.
 ///
-/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
-/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, the console moves its armed rig, which then holds. Without a console, the command opens
+/// the port, arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct HomeArgs {
     #[command(flatten)]
@@ -33,15 +33,15 @@ pub(super) struct HomeArgs {
 
 /// Move a joint of a rig by an angle.
 ///
-/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
-/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, the console moves its armed rig, which then holds. Without a console, the command opens
+/// the port, arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct JogArgs {
     /// Name of the joint.
     #[arg(value_name = "JOINT")]
     joint: String,
 
-    /// Angle by which the joint moves, in deg; for a slide in mm.
+    /// Angle by which the joint moves, in deg. For a joint that slides: distance, in mm.
     #[arg(value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
 
@@ -84,8 +84,8 @@ impl PlaceArgs {
         Ok(if reply.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Returns the name of the console that has the port; without a port, of the only console that runs. Returns `None`
-    /// if there is none.
+    /// Returns the name of the console that uses the port; without a port, of the only console that runs. Returns
+    /// `None` if there is no such console.
     fn console(&self) -> anyhow::Result<Option<String>> {
         let mut names = consoles();
         if let Some(port) = self.board.path() {
@@ -98,7 +98,7 @@ impl PlaceArgs {
         Ok(names.pop())
     }
 
-    /// Moves the rig of a board that no console has.
+    /// Executes the command on a board that no console uses.
     fn open(&self, request: &Request) -> anyhow::Result<Reply> {
         let Some(path) = &self.rig else {
             bail!(
@@ -120,7 +120,7 @@ impl PlaceArgs {
     }
 }
 
-/// Waits until torque is off.
+/// Waits until torque is off. Fails after a minute, or at a signal that asks this program to end.
 pub(in crate::cli) fn await_limp<L: Line>(board: &mut Board<L>, stop: &Stop) -> anyhow::Result<()> {
     board.telemetry(10.0, TelemetryParts::SUMMARY)?;
     let end = board.now() + STOP_MOST;

@@ -29,7 +29,7 @@ pub(in crate::cli) struct SilenceArg {
 }
 
 impl SilenceArg {
-    /// Whether the option is given.
+    /// Returns whether the option is given.
     pub(in crate::cli) fn is_given(self) -> bool {
         self.silence_s.is_some()
     }
@@ -51,7 +51,7 @@ fn silence(text: &str) -> Result<f64, String> {
 const AUTO: &str = "auto";
 
 impl BoardPort {
-    /// Returns the port that is named.
+    /// Returns the port that is given; `None` if the program must find it.
     #[cfg(unix)]
     pub(super) fn path(&self) -> Option<&Path> {
         self.port.as_deref().filter(|path| *path != Path::new(AUTO))

@@ -21,14 +21,14 @@ use crate::cli::guide::read_guide;
 use crate::cli::output::OutputPlace;
 use crate::cli::rig::read;
 
-/// Stack size. The loop's arrays are sized for the largest board.
+/// Stack size, bytes. It is large because the loop's arrays are sized for the largest board.
 const STACK_BYTES: usize = 64 << 20;
 /// Value of --guide for the built-in path, instead of a file.
 const BUILT_IN: &str = "built-in";
 /// Rate of the port until a program sets another, bit/s.
 const BAUD: u32 = 1_000_000;
 
-/// Simulate a board on a serial port of this machine: the program of boards, with simulated servos.
+/// Simulate a board on a serial port of this machine: it runs the program of real boards, with simulated servos.
 ///
 /// It creates the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All
 /// commands of `sinew board`, and `--target` of `play` and `record`, accept the link as their port. The flash of the
@@ -43,8 +43,8 @@ pub(super) struct SimulateArgs {
     #[arg(long, value_name = "LINK")]
     pty: OutputPlace,
 
-    /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they
-    /// are lost at the end.
+    /// File that stores the board's flash, so that rig, shows, settings and faults remain for the next start. Default:
+    /// they are lost at the end.
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
 
@@ -53,11 +53,11 @@ pub(super) struct SimulateArgs {
     blank: bool,
 
     /// Let a scripted hand guide the rig whenever its state is teaching or floating: along this CSV of joint
-    /// coordinates, or without a value along the built-in path of `sinew record`.
+    /// coordinates, or, if no value is given, along the built-in path of `sinew record`.
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1, default_missing_value = BUILT_IN)]
     guide: Option<PathBuf>,
 
-    /// Servos for joints that have none, as in `sinew play`.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<sinew_performance::play::ServoChoice>,
 

@@ -36,7 +36,7 @@ enum What {
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Servos for joints that have none, as in `sinew play`.
+        /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
         #[arg(long, value_name = "[JOINT=]KIND")]
         servo: Vec<ServoChoice>,
 
@@ -52,7 +52,7 @@ enum What {
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Slot whose show the board deletes first.
+        /// Slot whose show the board deletes before the upload.
         #[arg(long, value_name = "SLOT")]
         replace: Option<u8>,
 
@@ -129,7 +129,7 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
     Ok(ExitCode::SUCCESS)
 }
 
-/// Returns the slot of a show on a board. Uploads the show if no slot has its hash.
+/// Returns the slot of a show on a board. If no slot has the show, uploads it first.
 pub(in crate::cli) fn put_show<L: Line>(
     board: &mut Board<L>,
     bytes: &[u8],

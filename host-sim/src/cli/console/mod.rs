@@ -34,16 +34,16 @@ const JOINTS: usize = 6;
 
 /// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
 ///
-/// It prints the address of the page, with a secret token, and serves the page until Ctrl-C. The page needs no network.
-/// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
-/// six joints.
+/// It prints the address of the page, which contains a secret token, and serves the page until Ctrl-C. The page needs
+/// no network. Without --target, this program simulates the board and its servos; without --rig, the rig is a desk arm
+/// of six joints.
 ///
-/// One page drives; all pages may hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
-/// and torque is switched off. A second Ctrl-C ends at once.
+/// One page drives; all pages can hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
+/// and torque is switched off. A second Ctrl-C ends the program at once.
 #[derive(Debug, clap::Args)]
 pub(super) struct ConsoleArgs {
-    /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
-    /// does it.
+    /// Shows of `sinew bake` for the page's list, or clips. The command first bakes a clip into a show, as `sinew bake
+    /// --fit` does.
     #[arg(value_name = "SHOW|CLIP")]
     shows: Vec<String>,
 
@@ -64,21 +64,22 @@ pub(super) struct ConsoleArgs {
     target: Target,
 
     /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
-    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or its joint; the time is that since the start. May
-    /// be repeated.
+    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or of its joint. WHEN counts from the start of the
+    /// console. May be repeated.
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 
-    /// Serve the page also at this address of the machine, such as 192.168.1.5 or 192.168.1.5:8080. Everybody who has
-    /// the token may then watch and stop the rig from other machines. The connection is not encrypted.
+    /// Serve the page also to other machines, at this address of this machine, such as 192.168.1.5 or 192.168.1.5:8080.
+    /// Everybody who has the token can then watch and stop the rig. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
     listen: Option<SocketAddr>,
 
-    /// Let pages on other machines drive the rig, too. Default: they may watch, hold and stop.
+    /// Let pages on other machines drive the rig, too. Default: they can only watch, hold and stop.
     #[arg(long, requires = "listen")]
     allow_drive: bool,
 
-    /// Let a show continue while no page drives. Default: the rig holds after 2 s, and is lowered 3 s later.
+    /// Let a show continue while no page drives. Default: the rig holds after 2 s without a driver, and is lowered 3 s
+    /// later.
     #[arg(long)]
     unattended: bool,
 }
@@ -91,7 +92,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses options that have no effect on the target.
+    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
             bail!(
@@ -206,7 +207,7 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Everything that a console needs, except its board.
+/// Everything that a console needs, except its board and its shows.
 struct Served<'a> {
     args: &'a ConsoleArgs,
     rig: &'a LoadedRig,

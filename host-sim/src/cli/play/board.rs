@@ -32,11 +32,13 @@ enum Phase {
 struct Performance<'b, L> {
     board: &'b mut Board<L>,
     phase: Phase,
-    /// Number of summaries received before the last command was done. They no longer count.
+    /// Number of summaries received before the last command was executed. Only newer ones count.
     before: u32,
     begun: Duration,
-    /// Time when the show began, and its longest duration.
+    /// Time when the show began; `None` before.
     played: Option<Duration>,
+    /// Time after which a loop is stopped; `None` for a loop that plays until Ctrl-C, and for a show that ends by
+    /// itself.
     most: Option<Duration>,
     state: Option<State>,
     faults: usize,
@@ -130,8 +132,8 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
-    /// Sends the next command for the present state. Returns the exit code if the performance has ended, otherwise
-    /// `None`.
+    /// Sends the next command, which depends on the present state. Returns the exit code if the performance has ended,
+    /// otherwise `None`.
     fn go_on(&mut self) -> anyhow::Result<Option<ExitCode>> {
         let Some(state) = self.board.state() else { return Ok(None) };
         match (self.phase, state) {

@@ -9,7 +9,7 @@ use sinew_performance::play::SimulatedRig;
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::Show;
 
-/// Number of joints that are shown.
+/// Number of joints that are displayed.
 const WORST: usize = 6;
 /// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);

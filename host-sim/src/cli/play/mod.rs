@@ -37,17 +37,17 @@ const ROUNDS: u32 = 2;
 ///
 /// The controller is the one that boards run. The simulated rig hangs on a stand. After power-on the rig is armed where
 /// it is, moves to the show's first pose at 20 deg/s at most, and plays. Then it moves to its rest pose and is lowered,
-/// and torque is switched off. At the end a table shows how well each joint followed. Every run of the same command
-/// sends the same bytes to the servos.
+/// and torque is switched off. At the end a table shows how well each joint followed. In the simulator, every run of
+/// the same command sends the same bytes to the servos.
 ///
 /// On a terminal it plays in real time and shows the joints with the largest errors. Ctrl-C stops the rig safely: it
-/// moves to its rest pose, then torque is off. A second Ctrl-C ends at once.
+/// moves to its rest pose and is lowered, then torque is off. A second Ctrl-C ends the program at once.
 ///
 /// The exit code is 1 if a fault ended the show, 2 if the board does not answer any more.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A show of `sinew bake`, or a clip: the name of a built-in clip, or a file. A clip is first baked into a show, as
-    /// `sinew bake --fit` does it.
+    /// A show of `sinew bake`, or a clip: the name of a built-in clip, or a file. The command first bakes a clip into a
+    /// show, as `sinew bake --fit` does.
     #[arg(value_name = "SHOW|CLIP")]
     show: String,
 
@@ -97,9 +97,9 @@ pub(super) struct Args {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Record every tick into this Parquet file, which `sinew report` and pandas read: time, state, whether the show
-    /// ran, faults; of each joint its command, measurement, error, effort and limiter; of each servo current,
-    /// temperature and voltage.
+    /// Record every tick into this Parquet file, which `sinew report` and pandas can read. It contains time, state,
+    /// whether the show ran, and faults; for each joint its command, measurement, error, effort and limiter; for each
+    /// servo its current, temperature and voltage.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
@@ -230,7 +230,7 @@ impl Args {
         Ok(())
     }
 
-    /// Returns the changes of the simulated plant as a text; `None` if there are none.
+    /// Returns the changes of the simulated plant as text; `None` if there are none.
     fn varied(&self) -> Option<String> {
         let changes: Vec<String> = self.plant.iter().map(ToString::to_string).collect();
         (!changes.is_empty()).then(|| changes.join(", "))

@@ -1,12 +1,12 @@
-//! Notes on a loop before it plays: its buses, its rate, its pulses.
+//! Notes on the control loop before a show plays: its buses, rates and pulses, and the joints without servos.
 
 use sinew_host_util::command::note;
 use sinew_performance::play::{Drive, PulseRange, RigParts};
 
-/// Pulses that are safe for usual hobby servos, us.
+/// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
-/// Prints the buses, drives and rates of the loop.
+/// Prints the buses, drives, rates and pulses of the control loop, and the joints that no servo moves.
 pub(super) fn tell(parts: &RigParts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();

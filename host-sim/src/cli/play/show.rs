@@ -24,10 +24,11 @@ pub(in crate::cli) struct ShowFile {
     pub(in crate::cli) sound: Option<Sound>,
 }
 
-/// Reads a show file. Returns `None` for a file of another kind, which may be a clip.
+/// Reads a show file. Returns `None` for a path that may be a clip: a file of another kind, or the name of a built-in
+/// clip.
 ///
 /// # Errors
-/// A file whose name ends with `.show` is not a show, or a show is damaged.
+/// A file whose name ends with `.show` cannot be read or is not a show, or a show is damaged.
 pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<ShowFile>> {
     let is_named = path.extension().is_some_and(|extension| extension == "show");
     match sinew_mocap::read::bytes(path) {
@@ -46,10 +47,10 @@ pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<ShowFile>> {
     }
 }
 
-/// Share of the joints' way from which a fit changed nothing that is worth a word.
+/// Share of the joints' way above which a fit counts as almost no change.
 const UNCHANGED: f64 = 0.98;
 
-/// Prints what the fit of a clip did, and what would leave more of the motion.
+/// Prints the changes that the fit of a clip made, and what would preserve more of the motion.
 fn tell_fit(
     performance: &RigPerformance,
     baked: &Baked,

@@ -16,13 +16,13 @@ use sinew_retarget::feasibility::RigMotion;
 use crate::cli::board::{PortBoard, READY, arm, check_rig, end_by_hand, open, tell_faults};
 use crate::cli::stop::Stop;
 
-/// Poses per second. A hand's motion has nothing above 6 Hz.
+/// Poses per second. Motion by hand has almost no parts above 6 Hz.
 const RATE_HZ: f32 = 100.0;
 /// Time between two checks of the state.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Returns the motion that was measured from the start of `teaching` or `floating` to Ctrl-C, or for `seconds`; with
-/// it the error that ended it early, if any.
+/// Returns the motion that was measured from the start of `teaching` or `floating` to Ctrl-C, or for `seconds`; and the
+/// error that ended it early, if any.
 pub(super) fn led(
     port: &Path,
     silence: Duration,
@@ -42,7 +42,7 @@ pub(super) fn led(
     let mut session = TeachSession { board, stop: Stop::new()?, state: None, bar: bar()? };
     let led = session.run(mode, seconds);
     session.bar.finish_and_clear();
-    // In any case the rig is limp before this function ends, unless there is a second Ctrl-C.
+    // Also after an error, the rig is stopped, and this function waits until it is limp. A second Ctrl-C ends the wait.
     let stopped = session.limp();
     let ended = led.and(stopped);
     let mut poses = session.board.log.poses.take().unwrap_or_default();
@@ -117,7 +117,7 @@ impl TeachSession {
         }
     }
 
-    /// Brings the rig to rest, and waits until it is limp. Poses during this time are not part of the motion.
+    /// Brings the rig to rest, and waits until it is limp. The motion does not contain poses from this time.
     fn limp(&mut self) -> anyhow::Result<()> {
         let poses = self.board.log.poses.take();
         let limp = self.stop_and_wait();
@@ -152,7 +152,7 @@ impl TeachSession {
     }
 
     /// Receives messages until there is a summary that is newer than this call, or until a second signal asks this
-    /// program to end. Returns the last known state.
+    /// program to end. Returns the last known state. Fails if the board reports a fault other than a warning.
     fn look(&mut self) -> anyhow::Result<Option<State>> {
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 {

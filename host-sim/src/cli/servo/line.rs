@@ -114,7 +114,7 @@ impl LineArgs {
         Ok(client)
     }
 
-    /// Returns the port of --port if a controller answers there: commands for servos cannot work on it.
+    /// Returns the port of --port if a controller answers there: then commands for servos cannot work on it.
     pub(super) fn of_controller(&self) -> Option<&Path> {
         self.port.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{done, refused};
 use crate::common::{command, path};
 
-/// Writes a desk arm, and a show for it: its first bend swings by 60 deg with a forearm.
+/// Writes a desk arm, and a show for it in which the first bending joint follows a forearm and swings by 60 deg.
 pub(super) fn arm(folder: &Path) -> [String; 2] {
     arm_with(folder, &[])
 }
@@ -235,8 +235,8 @@ fn a_recording_has_a_row_a_tick() {
     refused(&["play", &show, "--rig", &rig, "--record", &show], "is the show, which would be lost");
 }
 
-/// The robots of `SINEW_DATA`: a walk by current, by position, and mixed as Poppy is built; a fight by current and by
-/// position. Prints rows of docs/play.md.
+/// The robots of `SINEW_DATA` play a walk by current, by position, and with the drives that Poppy really has; and a
+/// fight by current and by position. Prints rows of docs/play.md.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_follow_within_their_bounds() {

@@ -36,7 +36,7 @@ const BESIDE: usize = 2;
 pub(super) enum Round {
     /// No limit is exceeded.
     Within,
-    /// A limit is exceeded, but by less than before.
+    /// A limit was exceeded, and the motion was slowed or lowered there.
     Nearer,
     /// The remaining motion is useless as a performance.
     Hopeless,

@@ -41,7 +41,8 @@ const LEAST_HZ: f64 = 100.0;
 
 /// Finds the nearest motion within all limits. O(rows · bodies) for each of at most 120 rounds, usually ten.
 ///
-/// A motion that exceeds no limit is returned unchanged; for any other, the rows may be finer than given.
+/// A motion that keeps the margins of `settings` to all limits is returned unchanged; for any other, the rows may be
+/// finer than given.
 ///
 /// # Errors
 /// [`FitError`] if the motion is invalid for the rig, no pose near its home is light enough, or a limit remains

@@ -13,7 +13,7 @@ use super::joint;
 use super::model::Model;
 use crate::description::{Description, JointType, LinkedLimit};
 
-/// A sum of joint positions, each with its factor. The length of a fixed tendon is one.
+/// A sum of joint positions, each with its factor. The length of a fixed tendon has this form.
 type Sum<'a> = Vec<(&'a str, f64)>;
 
 const UNTIED: &str =
@@ -39,7 +39,8 @@ fn joints<'a>(tendon: Node<'a, '_>) -> Result<Sum<'a>, ImportError> {
     xml::children(tendon, "joint").map(joint).collect()
 }
 
-/// Reads an equality of tendons: `length1 - rest1 = a + b (length2 - rest2)`. It ties two joints if it has only two.
+/// Reads an equality of tendons: `length1 - rest1 = a + b (length2 - rest2)`. Returns a tie if the equality is linear
+/// and contains exactly two joints; otherwise adds a note.
 pub(super) fn tie<'a, 'd>(
     root: Node<'a, 'd>,
     node: Node<'a, 'd>,
@@ -93,8 +94,8 @@ fn rest<'a, 'd>(
     joint::reference(&element, kind.map_or(JointType::Fixed, |joint| joint.kind), model)
 }
 
-/// Reads the lengths that tendons permit: those of two joints become linked limits. Names all other tendons of several
-/// joints in a note, except those in an equality, which [`tie`] reads.
+/// Reads the lengths that tendons permit: those of two joints become linked limits. Adds a note on each spatial tendon,
+/// and on each other tendon of several joints. Leaves out tendons in an equality, which [`tie`] reads.
 pub(super) fn limits<'a, 'd>(
     root: Node<'a, 'd>,
     model: &Model<'a, 'd, '_>,
@@ -140,7 +141,7 @@ pub(super) fn limits<'a, 'd>(
     Ok(())
 }
 
-/// Returns the limit of a sum of two joints of one dof and one kind, if the home pose keeps it.
+/// Returns the limit of a sum of two joints that both turn or both slide, if the home pose is within the limit.
 fn linked(
     description: &Description,
     joints: [(&str, f64); 2],
