@@ -46,6 +46,7 @@ export const sound = () => {
 
   // A browser lets sound begin only after a gesture on the page.
   const wake = () => {
+    if (!chosen) return;
     if (!context) {
       context = new AudioContext({ latencyHint: "interactive" });
       gain = new GainNode(context);

@@ -153,3 +153,27 @@ fn a_face_speaks_while_its_eyes_live_on() {
         "is a clip, which moves all joints",
     );
 }
+
+/// Files of all kinds move joints of the starting face.
+#[test]
+fn faces_of_other_programs_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, keys, show] =
+        ["face.toml", "face.csv", "face.show"].map(|name| path(folder.path(), name));
+    done(&["rig", "new", "--face", "-o", &rig]);
+    let corpus = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fuzz/corpus/readers");
+    for (file, shape) in [
+        ("face/rhubarb.json", "aa"),
+        ("face/rhubarb.tsv", "PP"),
+        ("face/papagayo.dat", "DD"),
+        ("face/live_link.csv", "EyeBlinkLeft"),
+        ("shape_keys/linear.gltf", "eyeBlink_L"),
+    ] {
+        let file = path(Path::new(corpus), file);
+        let [_, told] = done(&["clip", "face", &file, "--rig", &rig, "-o", &keys]);
+        assert!(told.contains(shape) && told.contains("jaw: "), "{file}: {told}");
+        done(&["bake", &keys, "--rig", &rig, "-o", &show]);
+    }
+    refused(&["clip", "face", &voice(), "--rig", &rig, "-o", &keys], "a sound: `sinew clip jaw`");
+    refused(&["clip", "face", &rig, "--rig", &rig, "-o", &keys], "docs/face.md");
+}
