@@ -14,7 +14,8 @@
 
 mod bake;
 mod clip;
-pub mod layer;
+mod layers;
+mod left;
 mod likeness;
 mod own_motion;
 pub mod play;
@@ -28,9 +29,11 @@ pub mod text;
 
 pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
+pub use layers::{LayerChoice, LayerMode, LayeredMotion};
+pub use left::JointLeft;
 pub use likeness::Likeness;
 pub use own_motion::OwnMotion;
 pub use retargeted_clip::{RetargetError, RetargetedClip, retarget_clip};
 pub use rig_clip::RigClip;
 pub use rig_performance::{MotionChoices, RigPerformance, ShowChoices, read_mapping};
-pub use table::{feasibility, fitted, led};
+pub use table::{feasibility, led};

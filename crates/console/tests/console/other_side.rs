@@ -21,11 +21,12 @@ use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
 
-/// All that a board got: commands, and speeds of jogs.
+/// All that a board got: commands, speeds of jogs, and poses.
 #[derive(Debug, Default)]
 pub(crate) struct Told {
     pub(crate) commands: Vec<Command>,
     pub(crate) jogs: Vec<f32>,
+    pub(crate) poses: Vec<Vec<f32>>,
 }
 
 /// A line that records the messages of the host.
@@ -40,11 +41,11 @@ impl Line for Tapped {
         let mut told = self.told.lock().unwrap();
         self.decoder.feed(bytes, |message| match message {
             ToController::Command(command) => told.commands.push(command.item),
-            ToController::Stream(stream) => {
-                if let Stream::Jog { velocity, .. } = stream.item {
-                    told.jogs.push(velocity);
-                }
-            }
+            ToController::Stream(stream) => match stream.item {
+                Stream::Jog { velocity, .. } => told.jogs.push(velocity),
+                Stream::Live(frame) => told.poses.push(frame.q.to_vec()),
+                _ => {}
+            },
             ToController::Hello(_) => {}
         });
         drop(told);
@@ -77,7 +78,11 @@ impl OtherSide {
     /// Starts a console for an arm of one joint, which turns about the vertical. `with_show`: whether a show of 0.6 s
     /// is on the board.
     pub(crate) fn start(with_show: bool) -> Self {
-        let arm: Description = new::arm(1).unwrap();
+        Self::start_rig(new::arm(1).unwrap(), with_show)
+    }
+
+    /// Starts a rig. A show is for a rig of one joint.
+    pub(crate) fn start_rig(arm: Description, with_show: bool) -> Self {
         let mechanism = arm.mechanism().unwrap();
         let driven = Driven { is_of_board: true, ..Driven::default() };
         let parts = Arc::new(RigParts::new(&arm, &mechanism, driven).unwrap());

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use sinew_board_client::{Board, ClientError, Line};
 use sinew_host_util::command::note;
@@ -11,6 +12,7 @@ use sinew_link::message::{Command, FaultRecord, Feed, State, Summary, TelemetryP
 use sinew_performance::play::RigParts;
 use sinew_show::Show;
 
+use super::live::approach_text;
 use crate::cli::board::{READY, arm, check_rig, end_by_hand, named, open, put_show, tell_faults};
 use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
@@ -19,6 +21,15 @@ use crate::cli::stop::Stop;
 const LOOK: Duration = Duration::from_millis(50);
 /// Telemetry rate, Hz.
 const RATE_HZ: f32 = 20.0;
+
+/// Timing of a performance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Timing {
+    /// Number of rounds of a loop; with `None` it plays until Ctrl-C.
+    pub(super) rounds: Option<u32>,
+    /// Time from the armed rig to the start of the show, s; `None`: as soon as the rig is at the first pose.
+    pub(super) preroll_s: Option<f64>,
+}
 
 /// Step of the performance that is in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,7 +46,12 @@ struct Performance<'b, L> {
     /// Number of summaries received before the last command was executed. Only newer ones count.
     before: u32,
     begun: Duration,
-    /// Time when the show began; `None` before.
+    show: &'b [u8],
+    parts: &'b RigParts,
+    preroll_s: Option<f64>,
+    /// Time of the command to play; `None` before.
+    play_at: Option<Duration>,
+    /// Time when the show's clock started, and its longest duration; `None` before.
     played: Option<Duration>,
     /// Time after which a loop is stopped; `None` for a loop that plays until Ctrl-C, and for a show that ends by
     /// itself.
@@ -46,19 +62,18 @@ struct Performance<'b, L> {
     bar: ProgressBar,
 }
 
-/// Uploads a show if the board lacks it, arms the rig, plays, and stops it. `rounds`: number of rounds of a loop;
-/// with `None` it plays until Ctrl-C.
+/// Uploads a show if the board lacks it, arms the rig, plays, and stops it.
 pub(super) fn perform(
     path: &Path,
     silence: Duration,
     parts: &RigParts,
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
     player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let mut board = open(Some(path), "--target")?;
     board.set_silence(silence);
-    perform_on(&mut board, parts, bytes, rounds, player)
+    perform_on(&mut board, parts, bytes, timing, player)
 }
 
 /// Plays a show on a board with an open session.
@@ -66,7 +81,7 @@ pub(super) fn perform_on<L: Line>(
     board: &mut Board<L>,
     parts: &RigParts,
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
     player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let show = Show::open(bytes)?;
@@ -74,14 +89,19 @@ pub(super) fn perform_on<L: Line>(
     let stop = Stop::new()?;
     let slot = put_show(board, bytes, "sinew play")?;
     board.ask(Command::LoadShow { slot })?;
-    board.telemetry(RATE_HZ, TelemetryParts::SUMMARY)?;
+    board.telemetry(RATE_HZ, TelemetryParts::SUMMARY.and(TelemetryParts::POSE))?;
     let style = ProgressStyle::with_template("{msg}")?;
-    let most = rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
+    let most =
+        timing.rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
     let mut performance = Performance {
         begun: board.now(),
         board,
         phase: Phase::Ready,
         before: 0,
+        show: bytes,
+        parts,
+        preroll_s: timing.preroll_s,
+        play_at: None,
         played: None,
         most: most.filter(|_| show.is_loop()),
         state: None,
@@ -143,10 +163,7 @@ impl<L: Line> Performance<'_, L> {
                 self.before = self.board.log.summaries;
             }
             (Phase::Ready, _) => self.arm(state)?,
-            (Phase::Arming, State::Holding) => {
-                self.command(Command::Play(Feed::Show), Phase::Playing)?;
-                self.played = Some(self.board.now());
-            }
+            (Phase::Arming, State::Holding) => self.play()?,
             // The show has ended, or a fault makes the rig hold.
             (Phase::Playing, State::Holding) => self.command(Command::Stop, Phase::Stopping)?,
             (Phase::Arming | Phase::Playing, State::Stopping | State::Lowering | State::Limp) => {
@@ -173,6 +190,34 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
+    /// Plays when the time has come: the way to the first pose then ends with the preroll.
+    fn play(&mut self) -> anyhow::Result<()> {
+        let now = self.board.now();
+        let at = if let Some(at) = self.play_at {
+            at
+        } else {
+            let approach = self.parts.approach(self.show, &self.board.log.q);
+            if let Some(approach) = &approach {
+                let since_s = now.saturating_sub(self.begun).as_secs_f64();
+                note(format_args!("{since_s:7.2} s  {}", approach_text(approach)));
+            }
+            let way_s = approach.map_or(0.0, |approach| f64::from(approach.way_s));
+            let preroll_s = self.preroll_s.unwrap_or(way_s);
+            if way_s > preroll_s {
+                self.command(Command::Stop, Phase::Stopping)?;
+                bail!(
+                    "--preroll: expected at least {way_s:.2} s, which the way to the first pose takes; the rig stops"
+                );
+            }
+            now + Duration::from_secs_f64(preroll_s - way_s)
+        };
+        self.play_at = Some(at);
+        if now >= at {
+            self.command(Command::Play(Feed::Show), Phase::Playing)?;
+        }
+        Ok(())
+    }
+
     fn faulted(&self) -> ExitCode {
         tell_faults(self.board);
         ExitCode::FAILURE
@@ -187,6 +232,13 @@ impl<L: Line> Performance<'_, L> {
         }
         if self.state.replace(summary.state) != Some(summary.state) {
             self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", summary.state)));
+        }
+        if self.phase == Phase::Playing && summary.show_ms > 0 && self.played.is_none() {
+            // The clock started that long ago.
+            let clock = Duration::from_millis(summary.show_ms.into());
+            self.played = Some(self.board.now().saturating_sub(clock));
+            let begun_s = since_s - clock.as_secs_f64();
+            self.bar.suspend(|| note(format_args!("{begun_s:7.2} s  the show began")));
         }
         for fault in self.board.log.faults.iter().skip(self.faults) {
             self.bar.suspend(|| note(format_args!("{since_s:7.2} s  {}", named(fault.fault))));

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use sinew_firmware::controller::Approach;
 use sinew_firmware::supervisor::{Moving, State};
 use sinew_host_util::command::note;
 use sinew_performance::play::SimulatedRig;
@@ -19,6 +20,7 @@ pub(super) struct Live {
     bar: ProgressBar,
     state: Option<State>,
     has_waited: bool,
+    has_begun: bool,
     shown: Instant,
     show_s: f64,
     is_loop: bool,
@@ -31,7 +33,16 @@ impl Live {
         let style = ProgressStyle::with_template("{msg}").expect("the template is sound");
         let bar = ProgressBar::new_spinner().with_style(style);
         let (show_s, is_loop) = (f64::from(show.duration_s()), show.is_loop());
-        Self { bar, state: None, has_waited: false, shown: Instant::now(), show_s, is_loop, ran: 0 }
+        Self {
+            bar,
+            state: None,
+            has_waited: false,
+            has_begun: false,
+            shown: Instant::now(),
+            show_s,
+            is_loop,
+            ran: 0,
+        }
     }
 
     /// Updates the display after a tick. `waits_for`: the joint that must come to rest before the rig can be armed.
@@ -41,6 +52,14 @@ impl Live {
         if self.state != Some(report.state) {
             self.state = Some(report.state);
             self.tell(format_args!("{:7.2} s  {}", sim.time_s(), report.state));
+            if report.state == State::Playing
+                && let Some(approach) = sim.approach()
+            {
+                self.tell(format_args!("{:7.2} s  {}", sim.time_s(), approach_text(&approach)));
+            }
+        }
+        if sim.runs() && !std::mem::replace(&mut self.has_begun, true) {
+            self.tell(format_args!("{:7.2} s  the show begins", sim.time_s()));
         }
         if let Some(moving) = waits_for
             && !std::mem::replace(&mut self.has_waited, true)
@@ -106,6 +125,17 @@ impl Live {
         }
         text
     }
+}
+
+/// Describes the beginning of a show.
+pub(super) fn approach_text(approach: &Approach) -> String {
+    let Approach { way_s, late_s } = approach;
+    let late = if *late_s > 0.0 {
+        format!(", which it passes at speed: the show begins slowly and is {late_s:.2} s late")
+    } else {
+        String::new()
+    };
+    format!("goes to the first pose: {way_s:.1} s{late}")
 }
 
 fn line(sim: &SimulatedRig<'_, RigPlant>, joint: usize, error: f32) -> String {

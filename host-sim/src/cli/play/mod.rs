@@ -113,6 +113,11 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
 
+    /// Time from the armed rig to the start of the show, in s: the way to the first pose, after a wait. Refused if that
+    /// way takes longer. Default: the show starts as soon as the rig is at its first pose.
+    #[arg(long, value_name = "S", value_parser = preroll, allow_negative_numbers = true)]
+    preroll: Option<f64>,
+
     /// Play only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     seconds: Option<f64>,
@@ -164,11 +169,13 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
     match (&args.target, nucleo) {
         (Target::Port(port), _) => {
-            board::perform(port, args.silence.time(), &parts, &bytes, rounds(true)?, player)
+            let timing = board::Timing { rounds: rounds(true)?, preroll_s: args.preroll };
+            board::perform(port, args.silence.time(), &parts, &bytes, timing, player)
         }
         (Target::Nucleo, Some(files)) => {
             // Emulation is slower than real time, so loops end by themselves.
-            nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
+            let timing = board::Timing { rounds: rounds(false)?, preroll_s: args.preroll };
+            nucleo::perform(&files, &rig, &parts, &bytes, timing)
         }
         (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes, player),
     }
@@ -245,5 +252,12 @@ impl Args {
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))
+    }
+}
+
+fn preroll(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.0..=300.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0 to 300".into()),
     }
 }

@@ -47,29 +47,19 @@ pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<ShowFile>> {
     }
 }
 
-/// Share of the joints' way above which a fit counts as almost no change.
-const UNCHANGED: f64 = 0.98;
-
 /// Prints the changes that the fit of a clip made, and what would preserve more of the motion.
 fn tell_fit(
     performance: &RigPerformance,
     baked: &Baked,
     mechanism: &Mechanism,
 ) -> anyhow::Result<()> {
-    let (given_s, fitted_s) = (performance.clip.motion.duration_s(), baked.duration_s);
-    let slower = if fitted_s > given_s + 0.005 {
-        format!(", {:.0} % of the clip's {given_s:.2} s", 100.0 * fitted_s / given_s)
-    } else {
-        String::new()
-    };
     let likeness = performance.likeness(mechanism);
     let name = &performance.name;
-    note(format_args!(
-        "{name}: {fitted_s:.2} s{slower}, fitted to the rig; {:.0} % of the joints' way is left",
-        100.0 * likeness.way
-    ));
-    let is_changed = likeness.way < UNCHANGED || !slower.is_empty();
-    if let Some(summary) = performance.fit_summary().filter(|_| is_changed) {
+    let headline = performance.headline(mechanism);
+    let is_changed = headline.is_some();
+    let told = headline.unwrap_or_else(|| "all of the way is left".to_owned());
+    note(format_args!("{name}: {:.2} s, fitted to the rig. {told}", baked.duration_s));
+    if let Some(summary) = performance.fit_summary(mechanism).filter(|_| is_changed) {
         for line in summary.lines() {
             note(format_args!("fit: {line}"));
         }

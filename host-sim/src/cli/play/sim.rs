@@ -44,7 +44,7 @@ impl Args {
             rounds.is_some_and(|rounds| tally.ticks() as f64 >= f64::from(rounds) * round_ticks)
         };
         let mut live = Live::new(&show);
-        let (mut director, mut tally) = (Director::default(), Tally::new(parts));
+        let (mut director, mut tally) = (Director::with_preroll(self.preroll), Tally::new(parts));
         let mut pace = RealTime::begin();
         let ended = loop {
             let ended = director.tick(&mut sim, stop.times() > 0 || is_over(&tally));
@@ -94,6 +94,10 @@ impl Args {
                 let name = &parts.names[usize::from(dof)];
                 bail!("the controller refused (joint {dof} is `{name}`): {why}")
             }
+            Some(Ended::Preroll(needed_ms)) => bail!(
+                "--preroll: expected at least {:.2} s, which the way to the first pose takes",
+                1e-3 * f64::from(needed_ms)
+            ),
             Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
             None => {
                 note(format_args!(

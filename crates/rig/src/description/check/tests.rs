@@ -491,9 +491,8 @@ fn ranges_are_ranges_and_homes_lie_in_them() {
 }
 
 #[test]
-fn linked_limits_join_two_joints_of_a_kind() {
+fn linked_limits_join_two_joints_of_one_dof() {
     refused(|rig| rig.limits[0].other = "hinge".to_owned(), "limit[0].other", "twice");
-    refused(|rig| rig.limits[0].other = "slide".to_owned(), "limit[0].other", "one of each");
     refused(|rig| rig.limits[0].other = "ball".to_owned(), "limit[0].other", "which is neither");
     refused(|rig| rig.limits[0].factor = 0.0, "limit[0].factor", "other than 0");
     refused(|rig| rig.limits[0].other_factor = -0.0, "limit[0].other_factor", "other than 0");

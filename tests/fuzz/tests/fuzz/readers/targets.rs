@@ -11,6 +11,7 @@ use sinew_life::face::{FaceTrack, Weights};
 use sinew_mocap::{Recording, asf_amc, bvh, deepmimic};
 use sinew_pose_metrics::character::{self, Options};
 use sinew_pose_metrics::weights::radii;
+use sinew_retarget::exchange::{HeaderUnits, keys};
 use sinew_rig::import::{self, Options as ImportOptions};
 use sinew_rig::toml_file;
 use sinew_show::sound;
@@ -19,7 +20,7 @@ use sinew_verification::verify_folder;
 /// A target: its name, which is also the name of its folder in the corpus, and its function.
 pub(crate) type Target = (&'static str, fn(&[u8]));
 
-pub(crate) const TARGETS: [Target; 22] = [
+pub(crate) const TARGETS: [Target; 23] = [
     ("bvh", |bytes| motion(bvh::parse(bytes, Path::new("a.bvh")).ok())),
     ("asf", |bytes| {
         motion(asf_amc::parse((bytes, Path::new("a.asf")), (AMC, Path::new("a.amc"))).ok());
@@ -57,6 +58,7 @@ pub(crate) const TARGETS: [Target; 22] = [
         in_file("a.json", bytes, |file| drop(verify_folder(file.parent().unwrap(), &[])));
     }),
     ("journal", journal),
+    ("keys", keys),
     ("face", face),
     ("shape_keys", |bytes| {
         in_file("a.gltf", bytes, |file| {
@@ -76,6 +78,18 @@ pub(crate) const TARGETS: [Target; 22] = [
 /// A skeleton of two bones, for motions from fuzzing.
 const ASF: &[u8] = include_bytes!("../../../corpus/readers/asf/two_bones.asf");
 const AMC: &[u8] = include_bytes!("../../../corpus/readers/amc/two_bones.amc");
+
+/// Reads keys of the starting face, and checks that the motion is one of this rig.
+fn keys(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    let mechanism = sinew_rig::new::face().mechanism().unwrap();
+    for units in [None, Some(HeaderUnits::Degrees), Some(HeaderUnits::Si)] {
+        if let Ok(read) = keys::read(&mechanism, text, units) {
+            read.motion.check(&mechanism).unwrap();
+            assert!(read.start_s.is_finite() && read.motion.duration_s().is_finite());
+        }
+    }
+}
 
 fn text(bytes: &[u8]) -> Option<&str> {
     core::str::from_utf8(bytes).ok()
