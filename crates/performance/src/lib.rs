@@ -5,7 +5,7 @@
 //!
 //! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
 //! - `clip` reads and cleans a clip, `retargeted_clip` retargets it to a rig, `own_motion` reads a motion of the rig's
-//!   own joints; `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it,
+//!   own joints; `layer` moves joints that such a motion leaves out; `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it,
 //!   `likeness` compares it with the performer.
 //! - [`play`] plays a show on simulated servos: `rig_parts` and `line` contain the parts of controller and bus
 //!   lines, `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.

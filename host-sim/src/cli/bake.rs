@@ -12,12 +12,14 @@ use sinew_performance::{
     rig_hash,
 };
 use sinew_report::feasibility::Page;
+use sinew_show::sound::Sound;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 
 use super::clips::seconds;
 use super::output::OutputPath;
 use super::performance::{ON_STAND, PerformanceArgs};
+use super::sound;
 use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
@@ -74,6 +76,15 @@ pub(super) struct Args {
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
 
+    /// Sound of the show: a WAV file. The show's file gets its name, hash, length and place; the console and `sinew play
+    /// --sound-with` play it with the show. Boards never get it.
+    #[arg(long, value_name = "FILE.wav")]
+    sound: Option<PathBuf>,
+
+    /// Time of the clip at which the sound begins, in s; negative if the clip begins within the sound.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = place, allow_negative_numbers = true, requires = "sound")]
+    sound_at_s: f64,
+
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
     /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, if a travelling base would
     /// have to return faster than it ever moves, or if a ball joint would have to turn back by 180 degrees.
@@ -108,7 +119,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     };
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
-    on_rig.has_clock = args.time_code.is_some();
+    on_rig.has_clock = args.keeps_time();
     on_rig.layers.clone_from(&args.layer);
     let clip = match (&args.clip, args.layer.first()) {
         (Some(clip), _) => PathBuf::from(clip),
@@ -136,10 +147,15 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let choices =
         ShowChoices { rig_crc: hash, settings, cues: &args.cue, time_code: args.time_code };
     let (baked, report) = performance.bake(mechanism, &choices)?;
-    output::write(&args.output, &baked.written.bytes)?;
+    let mut file = baked.written.bytes.clone();
+    let sound = args.sound(&performance, &baked)?;
+    if let Some(sound) = &sound {
+        sound.append_to(&mut file);
+    }
+    output::write(&args.output, &file)?;
     let likeness = performance.likeness(mechanism);
     let strange = likeness.strange();
-    let head = head(args, &rig, &performance, &baked, likeness);
+    let head = head(args, &rig, &performance, &baked, likeness) + &told(sound.as_ref());
     let done = performance.fit_summary(mechanism);
     if let Some(file) = &args.html {
         let page = Page {
@@ -161,6 +177,38 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let done = done.map_or_else(String::new, |done| format!("\nFitted: {done}"));
     print(&format!("{head}\n{text}{done}"))?;
     Ok(ExitCode::SUCCESS)
+}
+
+impl Args {
+    /// Whether the show must keep the time of its performance: a sound or a time code runs beside it.
+    fn keeps_time(&self) -> bool {
+        self.sound.is_some() || self.time_code.is_some()
+    }
+
+    /// Describes the sound. A show that a fit has slowed down cannot have one: both would come apart.
+    fn sound(&self, performance: &RigPerformance, baked: &Baked) -> anyhow::Result<Option<Sound>> {
+        let Some(path) = &self.sound else { return Ok(None) };
+        let given_s = performance.clip.motion.duration_s();
+        ensure!(
+            !self.keeps_time() || baked.duration_s <= given_s + 0.01,
+            "--sound: the fit makes {given_s:.2} s of motion last {:.2} s, and the sound would come apart from it: \
+             leave --fit out, or make the motion slower or smaller where the rig is too slow",
+            baked.duration_s
+        );
+        sound::describe(path, performance.start_s - self.sound_at_s).map(Some)
+    }
+}
+
+/// Returns the line about the sound.
+fn told(sound: Option<&Sound>) -> String {
+    sound.map_or_else(String::new, |sound| {
+        let [duration_s, offset_s] =
+            [sound.duration_us as f64, sound.offset_us as f64].map(|us| us * 1e-6);
+        format!(
+            "sound: {}, {duration_s:.2} s; the show begins at {offset_s:.2} s of it; keep it beside the show\n",
+            sound.name
+        )
+    })
 }
 
 /// Returns the summary of the show: durations, how like the clip it is, cues and size.
@@ -240,6 +288,13 @@ fn time_code(text: &str) -> Result<TimeCode, String> {
     let kind = TimeCodeKind::Whole;
     let code = TimeCode { hours, minutes, seconds, frames, frames_per_second, kind };
     if code.is_time() { Ok(code) } else { Err("expected a time code that a clock can show".into()) }
+}
+
+fn place(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(time_s) if (-7200.0..=7200.0).contains(&time_s) => Ok(time_s),
+        _ => Err("expected a number of s from -7200 to 7200".into()),
+    }
 }
 
 fn error(text: &str) -> Result<f64, String> {

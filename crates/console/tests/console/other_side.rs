@@ -201,5 +201,5 @@ fn nod(rig: u32) -> OwnShow {
         course: &[],
     };
     let written = write(&motion, &Settings::default()).unwrap();
-    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into() }
+    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into(), sound: None }
 }

@@ -18,6 +18,7 @@ use super::live::{Live, Moment, Row};
 use crate::cli::board::{
     READY, arm, check_rig, clear_lost_link, end_by_hand, named, open, put_show, tell_faults,
 };
+use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Time between two checks of the state.
@@ -63,6 +64,7 @@ struct Performance<'b, L> {
     most: Option<Duration>,
     faults: usize,
     live: Live,
+    player: Option<Player>,
 }
 
 /// Uploads a show if the board lacks it, arms the rig, plays, and stops it.
@@ -72,10 +74,11 @@ pub(super) fn perform(
     (rig, parts): (&LoadedRig, &RigParts),
     bytes: &[u8],
     timing: Timing,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let (mut board, name) = open(Some(path), "--target")?;
     board.set_silence(silence);
-    perform_on((&mut board, &name), (rig, parts), bytes, timing)
+    perform_on((&mut board, &name), (rig, parts), bytes, timing, player)
 }
 
 /// Plays a show on a board with an open session. Other terminals know the board by `name`.
@@ -84,6 +87,7 @@ pub(super) fn perform_on<L: Line>(
     (rig, parts): (&LoadedRig, &RigParts),
     bytes: &[u8],
     timing: Timing,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let show = Show::open(bytes)?;
     check_rig(board, parts)?;
@@ -118,6 +122,7 @@ pub(super) fn perform_on<L: Line>(
         most: most.filter(|_| show.is_loop()),
         faults: 0,
         live,
+        player,
     };
     let ended = performance.run(&stop);
     performance.live.end();
@@ -268,6 +273,9 @@ impl<L: Line> Performance<'_, L> {
             supply_v: Some(summary.supply_v).filter(|v| *v > 0.0),
             tick_us: Some(summary.tick_us),
         };
+        if let Some(player) = &mut self.player {
+            player.note(moment.is_playing && moment.runs);
+        }
         if self.phase == Phase::Playing && moment.runs && self.played.is_none() {
             // The clock started that long ago.
             let clock = Duration::from_millis(summary.show_ms.into());

@@ -85,7 +85,7 @@ pub(super) fn perform(
     let stored = parts.board_rig().map_err(anyhow::Error::msg)?;
     put(&mut board, &item(Kind::Rig, RIG_SCHEMA, &stored, 0, "sinew play")?, &stored)?;
     let name = format!("nucleo-{}", std::process::id());
-    let ended = perform_on((&mut board, &name), (rig, parts), bytes, timing)?;
+    let ended = perform_on((&mut board, &name), (rig, parts), bytes, timing, None)?;
     let time_s = board.now().as_secs_f64();
     let bus = &board.line_mut().bus;
     let (own, all) = (bus.iter().filter(|burst| burst.is_own).count(), bus.len());

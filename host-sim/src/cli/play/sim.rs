@@ -1,6 +1,5 @@
 //! `sinew play --target sim`: plays a show on simulated servos, with the controller in this program.
 
-use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
@@ -18,6 +17,7 @@ use super::Args;
 use super::live::{Live, Moment, Row};
 use super::real_time::RealTime;
 use crate::cli::output::OutputPath;
+use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Opens the socket by which other terminals stop the rig.
@@ -109,6 +109,7 @@ impl Args {
         rig: &LoadedRig,
         parts: &RigParts,
         bytes: &[u8],
+        mut player: Option<Player>,
     ) -> anyhow::Result<ExitCode> {
         let of_rig = || self.rig.display().to_string();
         let of_record =
@@ -118,7 +119,7 @@ impl Args {
         let mut sim =
             SimulatedRig::new(parts, Some(bytes), &mut memories, plant).with_context(of_rig)?;
         let mut recorder = self.recorder(rig, parts)?;
-        let is_real_time = self.pace.real_time || !self.pace.fast && io::stdout().is_terminal();
+        let is_real_time = self.is_real_time();
         let stop = Stop::new()?;
         let show = Show::open(bytes)?;
         let rounds = self.rounds(&show, is_real_time)?;
@@ -142,6 +143,9 @@ impl Args {
                 recorder.note(&sim).with_context(of_record)?;
             }
             live.show(&sim, director.waits_for());
+            if let Some(player) = &mut player {
+                player.note(sim.permission().runs);
+            }
             if ended.is_some() || stop.times() > 1 {
                 break ended;
             }
