@@ -4,9 +4,9 @@
 //! [`Baker`] stores it; [`RigPerformance`] does all these steps for a clip.
 //!
 //! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
-//! - `clip` reads and cleans a clip, `retargeted_clip` retargets it to a rig, `own_motion` reads a motion of the rig's
-//!   own joints; `bake` makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it,
-//!   `likeness` compares it with the performer.
+//! - `clip` reads and cleans a clip, `propose` proposes its mapping to a rig, `retargeted_clip` retargets it,
+//!   `own_motion` reads a motion of the rig's own joints; `bake` makes a show of a motion, `rig_performance` fits a
+//!   motion and bakes it, `table` reports on it, `likeness` compares it with the performer.
 //! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
 //!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
 //! - [`teach`] makes a motion that a hand leads on a rig: `guide_trajectory` is the hand's path, `session` the
@@ -17,6 +17,7 @@ mod clip;
 mod likeness;
 mod own_motion;
 pub mod play;
+mod propose;
 mod retargeted_clip;
 pub mod rig;
 mod rig_clip;
@@ -29,6 +30,7 @@ pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, cours
 pub use clip::{ClipError, ClipSettings, PreparedClip};
 pub use likeness::Likeness;
 pub use own_motion::OwnMotion;
+pub use propose::propose_mapping;
 pub use retargeted_clip::{RetargetError, RetargetedClip, retarget_clip};
 pub use rig_clip::RigClip;
 pub use rig_performance::{MotionChoices, RigPerformance, ShowChoices, read_mapping};
