@@ -16,7 +16,11 @@ pub(crate) struct Rows {
 
 impl Rows {
     /// Copies an array whose rows must have `width` numbers.
-    pub(crate) fn of(name: &str, array: &PyReadonlyArray2<'_, f64>, width: usize) -> PyResult<Self> {
+    pub(crate) fn of(
+        name: &str,
+        array: &PyReadonlyArray2<'_, f64>,
+        width: usize,
+    ) -> PyResult<Self> {
         let &[count, found] = array.shape() else { return Err(value("an array of rows")) };
         if found != width {
             return Err(value(format!("{name}: expected {width} numbers in a row, found {found}")));
@@ -29,7 +33,10 @@ impl Rows {
         if self.count == count {
             return Ok(());
         }
-        Err(value(format!("{name}: expected {count} rows, as many as the first array has, found {}", self.count)))
+        Err(value(format!(
+            "{name}: expected {count} rows, as many as the first array has, found {}",
+            self.count
+        )))
     }
 
     /// Returns a row.
@@ -39,7 +46,10 @@ impl Rows {
 
     /// Returns all rows in the core's precision.
     pub(crate) fn single(&self) -> SingleRows {
-        SingleRows { width: self.width, numbers: self.numbers.iter().copied().map(single).collect() }
+        SingleRows {
+            width: self.width,
+            numbers: self.numbers.iter().copied().map(single).collect(),
+        }
     }
 }
 

@@ -39,7 +39,9 @@ pub(crate) fn read_clip(
 ) -> PyResult<NativeClip> {
     let up = up.map(|axis| axis.parse::<Up>().map_err(value)).transpose()?;
     if let Some(found) = cutoff_hz.filter(|hz| !(0.0..=1000.0).contains(hz)) {
-        return Err(value(format!("cutoff_hz: expected a number of Hz from 0 to 1000, found {found}")));
+        return Err(value(format!(
+            "cutoff_hz: expected a number of Hz from 0 to 1000, found {found}"
+        )));
     }
     if let Some(found) = seconds.filter(|s| !(*s > 0.0 && s.is_finite())) {
         return Err(value(format!("seconds: expected a number above 0, found {found}")));

@@ -144,8 +144,7 @@ impl Dynamics {
         out: &mut Vec<f64>,
     ) -> Result<(), RowError> {
         let mut matrix = vec![0.0; self.nv * self.nv];
-        let computed =
-            sized!(&self.tree, tree => tree.mass_matrix(q.row(row), &mut matrix));
+        let computed = sized!(&self.tree, tree => tree.mass_matrix(q.row(row), &mut matrix));
         computed.map_err(|source| RowError { row, is_single: count == 1, source })?;
         out.extend(matrix.into_iter().map(f64::from));
         Ok(())

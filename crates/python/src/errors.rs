@@ -7,11 +7,13 @@ use numpy::{PyArray3, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_core::projection::ProjectionWorkspace;
 use sinew_core::state_error::{
-    Aims, AimStatus, Compensation, RateTerm, References, StateError, accumulated,
+    AimStatus, Aims, Compensation, RateTerm, References, StateError, accumulated,
     linear_compensation, local, world,
 };
 use sinew_core::tracker::{MethodName, Settings};
-use sinew_core::{Body, BodyState, Inertia, JointKind, JointState, Transform, Tree, Twist, kinematics};
+use sinew_core::{
+    Body, BodyState, Inertia, JointKind, JointState, Transform, Tree, Twist, kinematics,
+};
 use sinew_rig::mechanism::BODY_COUNT_MAX;
 
 use crate::arrays::{Rows, array};
@@ -82,7 +84,10 @@ impl States {
         let place = || format!("{}[{frame}, {body}]", self.name);
         // Written so that NaN fails.
         if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 1e6)) {
-            return Err(value(format!("{}: expected numbers from -1e6 to 1e6, found {bad}", place())));
+            return Err(value(format!(
+                "{}: expected numbers from -1e6 to 1e6, found {bad}",
+                place()
+            )));
         }
         let rotation = DQuat::from_slice(&numbers[3..]);
         let length = rotation.length();
@@ -109,7 +114,12 @@ impl States {
     }
 
     /// Returns the states of all bodies in a frame, moved by an anchor if there is one.
-    fn frame(&self, frame: usize, anchor: Option<Anchor>, out: &mut Vec<BodyState>) -> PyResult<()> {
+    fn frame(
+        &self,
+        frame: usize,
+        anchor: Option<Anchor>,
+        out: &mut Vec<BodyState>,
+    ) -> PyResult<()> {
         out.clear();
         for body in 0..self.bodies {
             let (mut pose, mut velocity) = (self.pose(frame, body)?, self.velocity(frame, body)?);
@@ -169,7 +179,9 @@ pub(crate) fn errors<'py>(
         (None, None) if matches!(method, Method::World | Method::Heading) => {
             Box::new(tree_of(&vec![None; usize::from(bodies > 0)])?)
         }
-        (None, None) => return Err(value("parents or rig: this method needs the tree of the bodies")),
+        (None, None) => {
+            return Err(value("parents or rig: this method needs the tree of the bodies"));
+        }
         (Some(_), Some(_)) => return Err(value("expected parents or rig, found both")),
     };
     if (rig.is_some() || parents.is_some()) && tree.len() != bodies {
@@ -209,7 +221,8 @@ pub(crate) fn errors<'py>(
             measured.frame(frame, None, &mut found)?;
             measure.measure(&mut wanted, &found, &mut errors)?;
             for error in &errors {
-                let StateError { angular_rad, linear_m, angular_rate_rad_s, linear_rate_m_s } = error;
+                let StateError { angular_rad, linear_m, angular_rate_rad_s, linear_rate_m_s } =
+                    error;
                 for part in [angular_rad, linear_m, angular_rate_rad_s, linear_rate_m_s] {
                     out.extend(part.to_array().map(f64::from));
                 }

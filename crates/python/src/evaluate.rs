@@ -99,7 +99,9 @@ fn check_numbers(seconds: Option<f64>, rate_hz: Option<f64>) -> PyResult<()> {
         return Err(value(format!("seconds: expected a number above 0, found {found}")));
     }
     if let Some(found) = rate_hz.filter(|hz| !(10.0..=10_000.0).contains(hz)) {
-        return Err(value(format!("rate_hz: expected a number of Hz from 10 to 10000, found {found}")));
+        return Err(value(format!(
+            "rate_hz: expected a number of Hz from 10 to 10000, found {found}"
+        )));
     }
     Ok(())
 }

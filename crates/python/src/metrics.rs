@@ -53,7 +53,9 @@ impl Pairs {
         let [a, b] = [Rows::of("a", a, 4 * joints)?, Rows::of("b", b, 4 * joints)?];
         if a.count != b.count && a.count != 1 && b.count != 1 {
             let [a, b] = [a.count, b.count];
-            return Err(value(format!("a and b: expected equally many poses, or one of one, found {a} and {b}")));
+            return Err(value(format!(
+                "a and b: expected equally many poses, or one of one, found {a} and {b}"
+            )));
         }
         let count = if a.count == 1 { b.count } else { a.count };
         Ok(Self { a, b, count })
@@ -61,10 +63,7 @@ impl Pairs {
 
     fn rotations(&self, pair: usize) -> PyResult<[Vec<DQuat>; 2]> {
         let row = |rows: &Rows| if rows.count == 1 { 0 } else { pair };
-        Ok([
-            rotations("a", &self.a, row(&self.a))?,
-            rotations("b", &self.b, row(&self.b))?,
-        ])
+        Ok([rotations("a", &self.a, row(&self.a))?, rotations("b", &self.b, row(&self.b))?])
     }
 }
 
@@ -154,8 +153,12 @@ pub(crate) fn geodesic<'py>(
     let spatial = SpatialRig::<BODY_COUNT_MAX>::sized(skeleton, None).map_err(value)?;
     let weights = if weighted { spatial.importance().to_vec() } else { vec![1.0; joints] };
     let bodies = || spatial.tree().bodies().iter();
-    let joint = |(body, weight): (&Body, f32)| RigJoint { weight: f64::from(weight), ..RigJoint::from(body) };
-    let rig = geodesic::Rig::new(&bodies().zip(weights).map(joint).collect::<Vec<_>>()).map_err(value)?;
+    let joint = |(body, weight): (&Body, f32)| RigJoint {
+        weight: f64::from(weight),
+        ..RigJoint::from(body)
+    };
+    let rig =
+        geodesic::Rig::new(&bodies().zip(weights).map(joint).collect::<Vec<_>>()).map_err(value)?;
     let position = |rotations: &[DQuat]| -> Vec<JointPosition> {
         let poses = spatial.joint_poses(rotations);
         let turn = |(body, pose): (&Body, &sinew_core::Transform)| match body.joint {

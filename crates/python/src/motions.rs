@@ -47,7 +47,11 @@ impl MotionArgs {
 
     fn of_figure(&self) -> anyhow::Result<Motions> {
         let settings = Settings {
-            mapping: self.mapping.as_deref().map(|name| Mapping::named(name.as_ref())).transpose()?,
+            mapping: self
+                .mapping
+                .as_deref()
+                .map(|name| Mapping::named(name.as_ref()))
+                .transpose()?,
             rate_hz: self.rate_hz.unwrap_or(RATES_HZ[0]),
             ..Settings::default()
         };
@@ -76,7 +80,8 @@ impl MotionArgs {
 
     fn of_rig(&self, rig: &LoadedRig) -> anyhow::Result<Motions> {
         let expanded = expand_all(&self.clips)?;
-        let mapping = self.mapping.as_deref().map(|path| read_mapping(path.as_ref())).transpose()?;
+        let mapping =
+            self.mapping.as_deref().map(|path| read_mapping(path.as_ref())).transpose()?;
         let mechanism = Arc::new(rig.mechanism.clone());
         let performed = |file: &ClipFile| -> anyhow::Result<RigClip> {
             let clip = PreparedClip::read(file, ClipSettings::default())?;

@@ -9,9 +9,9 @@ use pyo3::prelude::*;
 use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
 use sinew_rig::description::Base;
-use sinew_rig::{Description, toml_file};
 use sinew_rig::import::Options;
 use sinew_rig::mechanism::{JointModel, Link, Pose};
+use sinew_rig::{Description, toml_file};
 
 use crate::arrays::{Rows, array};
 use crate::clip::check_unit;
@@ -33,6 +33,7 @@ pub(crate) fn load_rig(
     path: PathBuf,
     base: Option<&str>,
     rotors: bool,
+    repair_inertia: bool,
     metres_per_unit: Option<f64>,
     up: Option<&str>,
 ) -> PyResult<NativeRig> {
@@ -43,10 +44,13 @@ pub(crate) fn load_rig(
         Some("stand") => Some(Base::Fixed),
         Some("driven") => Some(Base::Driven),
         Some(found) => {
-            return Err(value(format!("base: expected \"stand\" or \"driven\", found \"{found}\"")));
+            return Err(value(format!(
+                "base: expected \"stand\" or \"driven\", found \"{found}\""
+            )));
         }
     };
-    let options = Options { metres_per_unit, up: up.map(Up::axis), ..Options::default() };
+    let up = up.map(Up::axis);
+    let options = Options { repair_inertia, metres_per_unit, up, ..Options::default() };
     py.detach(|| {
         let mut loaded = load(&path, &options).map_err(value)?;
         if let Some(base) = base {
@@ -116,7 +120,9 @@ impl NativeRig {
                 link.joint,
                 JointModel::Revolute(_) | JointModel::Prismatic(_) | JointModel::Universal(_)
             );
-            let axis = |k: usize| link.ranges.get(k).filter(|_| has_axes).map_or(missing, |range| range[end]);
+            let axis = |k: usize| {
+                link.ranges.get(k).filter(|_| has_axes).map_or(missing, |range| range[end])
+            };
             (0..link.joint.kind().dof_count()).map(axis).collect()
         };
         self.links().iter().flat_map(of_link).collect()
@@ -248,7 +254,10 @@ impl NativeRig {
         point: [f64; 3],
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         if body >= self.links().len() {
-            return Err(value(format!("body: expected 0 to {}, found {body}", self.links().len() - 1)));
+            return Err(value(format!(
+                "body: expected 0 to {}, found {body}",
+                self.links().len() - 1
+            )));
         }
         if let Some(bad) = point.iter().find(|x| !x.is_finite()) {
             return Err(value(format!("point: expected three finite numbers, found {bad}")));
@@ -260,9 +269,11 @@ impl NativeRig {
             for row in rows {
                 let columns = self.jacobian_columns(q.row(row), body, DVec3::from_array(point));
                 for k in 0..6 {
-                    out.extend(columns.iter().map(|[linear, angular]| {
-                        if k < 3 { linear[k] } else { angular[k - 3] }
-                    }));
+                    out.extend(columns.iter().map(
+                        |[linear, angular]| {
+                            if k < 3 { linear[k] } else { angular[k - 3] }
+                        },
+                    ));
                 }
             }
             Ok(())

@@ -41,11 +41,7 @@ pub(crate) fn map(
 /// Reads a mapping: text of TOML, or a file.
 fn mapping_of(mapping: Option<&str>) -> anyhow::Result<Option<Mapping>> {
     let read = |text: &str| {
-        if text.contains('\n') {
-            Ok(Mapping::read(text)?)
-        } else {
-            read_mapping(Path::new(text))
-        }
+        if text.contains('\n') { Ok(Mapping::read(text)?) } else { read_mapping(Path::new(text)) }
     };
     mapping.map(read).transpose()
 }
@@ -257,7 +253,8 @@ impl NativeShow {
         let show = self.show()?;
         let rate = show.rate();
         let period_s = f64::from(rate.seconds) / f64::from(rate.samples);
-        let cue = |cue: sinew_show::Cue<'_>| (cue.name.to_owned(), f64::from(cue.sample) * period_s);
+        let cue =
+            |cue: sinew_show::Cue<'_>| (cue.name.to_owned(), f64::from(cue.sample) * period_s);
         Ok(show.cues().map(cue).collect())
     }
 
@@ -287,10 +284,6 @@ impl NativeShow {
         })?;
         let count = times_s.len();
         let [q, qd, qdd] = out;
-        Ok((
-            array(py, [count, nq], q)?,
-            array(py, [count, nv], qd)?,
-            array(py, [count, nv], qdd)?,
-        ))
+        Ok((array(py, [count, nq], q)?, array(py, [count, nv], qd)?, array(py, [count, nv], qdd)?))
     }
 }

@@ -85,7 +85,9 @@ impl NativeTracker {
         let mechanism = &rig.loaded.mechanism;
         if mechanism.bodies.len() > CAPACITY {
             let found = mechanism.bodies.len();
-            return Err(value(format!("expected a rig of at most {CAPACITY} bodies, found {found}")));
+            return Err(value(format!(
+                "expected a rig of at most {CAPACITY} bodies, found {found}"
+            )));
         }
         let limits: Vec<TorqueLimit> = mechanism.bodies.iter().map(limit).collect();
         let timing = Timing { dt_s: single(rate_hz.recip()), latency_ticks };

