@@ -12,6 +12,8 @@
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: the controller passes packets on while its rig is limp.
+//! - [`Journey`]: a motion of all joints to a pose; [`commanded_pose`]: the pose that the board commands.
+//! - [`console`]: asks a console that owns a board.
 //! - [`port`]: finds ports with a controller, and identifies ports without one.
 //!
 //! ```no_run
@@ -27,6 +29,8 @@
 //! # Files
 //! - `board`, `upload`: a session; items that a board stores.
 //! - `line`, `port`: bytes to and from a board; serial ports with a board.
+//! - `journey`, `commanded_pose`: motions to a pose.
+//! - `console/`: the socket of a console, for other commands.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.
@@ -36,7 +40,11 @@
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::missing_errors_doc)]
 
 mod board;
+mod commanded_pose;
+#[cfg(unix)]
+pub mod console;
 mod error;
+mod journey;
 mod line;
 pub mod port;
 mod servos;
@@ -44,7 +52,9 @@ mod telemetry_log;
 mod upload;
 
 pub use board::{Board, SILENCE, nonce};
+pub use commanded_pose::commanded_pose;
 pub use error::ClientError;
+pub use journey::Journey;
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;
 pub use telemetry_log::{TelemetryLog, TimedPose};

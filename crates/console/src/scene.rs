@@ -1,6 +1,7 @@
 //! The rig as the page draws and names it.
 
 use serde::Serialize;
+use sinew_board_client::{TelemetryLog, commanded_pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
 use sinew_performance::play::{Drive, RigParts};
@@ -156,6 +157,11 @@ impl Scene {
             blocks: blocks.collect(),
             dofs,
         }
+    }
+
+    /// Returns the pose that the board commands, or `None` while torque is off.
+    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
+        commanded_pose(&self.blocks, self.dofs.len(), log)
     }
 
     /// Returns the message that describes the rig. `line_rate_hz`: pictures per second that the line carries.

@@ -8,11 +8,14 @@
 //! - `rig`, `dynamics`, `tracker`: rigs, their dynamics in f32, and the tick of the controller.
 //! - `clip`, `show`: recorded clips, their way to a rig, and shows.
 //! - `errors`, `heading`, `metrics`: state errors, distances of poses, importance of joints.
+//! - `board/`: boards at ports, simulated boards, consoles.
 //! - `evaluate`, `motions`: the evaluation and its sweeps, and the motions that they track.
 
 #![forbid(unsafe_code)]
 
 mod arrays;
+#[cfg(unix)]
+mod board;
 mod clip;
 mod dynamics;
 mod error;
@@ -30,6 +33,9 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _sinew_motion {
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::board::{BoardError, NativeBoard, NativeConsole, open_board, open_console};
     #[pymodule_export]
     use crate::clip::{NativeClip, read_clip};
     #[pymodule_export]

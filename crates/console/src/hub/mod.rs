@@ -2,15 +2,12 @@
 //!
 //! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
 //!   journey, a show.
-//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
-//!   slots and ghosts. `upload`: a show on its way to the board.
+//! - `slider`: a motion without a clock of its own. `shows`: slots and ghosts. `upload`: a show on its way to the board.
 //! - `tell`: what pages are told. `local`: commands of this user in other terminals.
 
 mod act;
 mod commands;
-mod journey;
 mod local;
-mod pose;
 mod shows;
 mod slider;
 mod tell;

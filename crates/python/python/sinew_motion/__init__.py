@@ -24,6 +24,7 @@ Conventions of all functions:
 
 from importlib.metadata import PackageNotFoundError, version
 
+from ._board import Board, BoardError, BoardFault, BoardState, Console
 from ._clip import Clip, read_clip
 from ._errors import StateErrors, errors
 from ._evaluation import evaluate, methods, sweep
@@ -38,7 +39,12 @@ except PackageNotFoundError:
     __version__ = "0"
 
 __all__ = [
+    "Board",
+    "BoardError",
+    "BoardFault",
+    "BoardState",
     "Clip",
+    "Console",
     "Geodesic",
     "Retargeted",
     "Rig",

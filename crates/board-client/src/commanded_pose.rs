@@ -1,14 +1,18 @@
 //! The pose that the board commands: the measured pose and its offsets.
 
-use sinew_board_client::TelemetryLog;
+use crate::TelemetryLog;
 
-use crate::scene::Scene;
-
-/// Returns the commanded pose, or `None` while torque is off, or if the board does not send its targets.
-pub(super) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
+/// Returns the commanded pose of a rig with this number of dofs, or `None` while torque is off, or if the board does not
+/// send its targets. `blocks`: first coordinate and number of coordinates of each joint.
+pub fn commanded_pose(
+    blocks: &[(usize, usize)],
+    dofs: usize,
+    log: &TelemetryLog,
+) -> Option<Vec<f32>> {
     log.summary?.errors?;
-    let is_whole = log.q.len() == scene.home.len() && log.targets.len() == scene.dofs.len();
-    is_whole.then(|| add(&scene.blocks, &log.q, &log.targets))
+    let coordinates = blocks.last().map_or(0, |(first, count)| first + count);
+    let is_whole = log.q.len() == coordinates && log.targets.len() == dofs;
+    is_whole.then(|| add(blocks, &log.q, &log.targets))
 }
 
 /// Adds offsets by dof to a pose. A ball joint has four coordinates, and its offset is a rotation vector in its body's
