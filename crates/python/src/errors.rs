@@ -156,7 +156,6 @@ fn tree_of(parents: &[Option<usize>]) -> PyResult<Tree<BODY_COUNT_MAX>> {
 /// Returns the errors of each body in each frame: rotation vector, place, and their rates, twelve numbers.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays by value")]
 pub(crate) fn errors<'py>(
     py: Python<'py>,
     method: &str,
@@ -294,7 +293,8 @@ impl Projector {
         if method != Method::Projection {
             return Ok(None);
         }
-        let settings = Settings { method: MethodName::ManifoldProjection, ..Settings::default() };
+        let settings: Settings =
+            Settings { method: MethodName::ManifoldProjection, ..Settings::default() };
         let projection = settings.projection(tree).map_err(value)?;
         let workspace = Box::new(ProjectionWorkspace::new());
         Ok(projection.map(|projection| Self { projection, workspace }))

@@ -5,14 +5,16 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, bail, ensure};
 use pyo3::prelude::*;
-use sinew_evaluation::sweep::{self, Journal, Plan, Shard, SweepFile};
+use sinew_evaluation::sweep::{
+    Journal, Plan, Shard, SweepFile, count_missing_steps, sweep as run_cells,
+};
 use sinew_evaluation::{
     EvaluatedMotion, Evaluation, MethodName, Protocol, Setup, count_all_steps, count_steps, report,
 };
 use sinew_rig::Mechanism;
 
 use crate::error::value;
-use crate::motions::{MotionArgs, Motions};
+use crate::motions::{MotionArgs, Watched, watched};
 use crate::rig::NativeRig;
 use crate::work::in_background;
 
@@ -28,7 +30,6 @@ type Tables = (String, String, String);
 /// Evaluates methods on motions.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn evaluate(
     py: Python<'_>,
     clips: Vec<PathBuf>,
@@ -68,7 +69,7 @@ pub(crate) fn evaluate(
             }),
             seconds,
         };
-        let motions = args.read()?;
+        let motions = watched(args.read()?, progress);
         progress.expect(count_all_steps(&motions, &protocol));
         let done = sinew_evaluation::evaluate(&motions, &protocol, |steps| progress.add(steps))?;
         Ok((report::result_csv(&done), report::clips_csv(&done), trace_csv(&done, &motions)?))
@@ -107,7 +108,7 @@ fn check_numbers(seconds: Option<f64>, rate_hz: Option<f64>) -> PyResult<()> {
 }
 
 /// Returns the mean errors over time, a row for each stretch of a clip.
-fn trace_csv(done: &Evaluation, motions: &Motions) -> anyhow::Result<String> {
+fn trace_csv(done: &Evaluation, motions: &[Watched]) -> anyhow::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let head = ["clip", "scale", "method", "time_s", "angular_mean_deg", "linear_mean_cm"];
     writer.write_record(head)?;
@@ -134,7 +135,6 @@ fn trace_csv(done: &Evaluation, motions: &Motions) -> anyhow::Result<String> {
 /// Runs a sweep, and returns its table by cell and its table by clip.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn sweep(
     py: Python<'_>,
     file: PathBuf,
@@ -151,7 +151,7 @@ pub(crate) fn sweep(
     let args = MotionArgs { clips, rig: rig.clone(), mapping, rate_hz, in_turn: false };
     in_background(py, progress.as_ref(), move |progress| {
         let read = SweepFile::read(&file, rig.as_ref().map(|rig| &rig.mechanism))?;
-        let motions = args.read()?;
+        let motions = watched(args.read()?, progress);
         for motion in &motions {
             let steps = count_steps(motion, seconds);
             ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name());
@@ -166,8 +166,8 @@ pub(crate) fn sweep(
             }
         };
         let (journal, _) = Journal::open(&folder, &plan)?;
-        progress.expect(sweep::count_missing_steps(&plan, &journal, &motions));
-        sweep::sweep(&plan, journal, &motions, |steps| progress.add(steps))?;
+        progress.expect(count_missing_steps(&plan, &journal, &motions));
+        run_cells(&plan, journal, &motions, |steps| progress.add(steps))?;
         let read = |name: &str| {
             let path = folder.join(name);
             std::fs::read_to_string(&path).with_context(|| path.display().to_string())

@@ -9,7 +9,9 @@ use sinew_core::{Body, JointKind};
 use sinew_figure::measured::UnitOverrides;
 use sinew_mocap::Skeleton;
 use sinew_pose_metrics::character::{self, Character, Joint, Options};
-use sinew_pose_metrics::geodesic::{self, JointPosition, RigJoint, solve};
+use sinew_pose_metrics::geodesic::{
+    JointPosition, Options as GeodesicOptions, Rig as GeodesicRig, RigJoint, solve,
+};
 use sinew_pose_metrics::spatial::{
     BODY_COUNT, BODY_COUNT_MAX, Measure, MeasuredPose, Metric, RigMeasure, SpatialRig, Workspace,
 };
@@ -83,7 +85,6 @@ fn measure_of(metric: &str, weighted: bool, steps: u16) -> PyResult<Measure> {
 /// Returns the distances of pairs of poses.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays by value")]
 pub(crate) fn pose_distance<'py>(
     py: Python<'py>,
     clip: PyRef<'py, NativeClip>,
@@ -136,7 +137,6 @@ type GeodesicNumbers<'py> = (f64, f64, bool, Bound<'py, PyArray2<f64>>);
 
 /// Finds the shortest path between two poses.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays by value")]
 pub(crate) fn geodesic<'py>(
     py: Python<'py>,
     clip: PyRef<'py, NativeClip>,
@@ -158,7 +158,7 @@ pub(crate) fn geodesic<'py>(
         ..RigJoint::from(body)
     };
     let rig =
-        geodesic::Rig::new(&bodies().zip(weights).map(joint).collect::<Vec<_>>()).map_err(value)?;
+        GeodesicRig::new(&bodies().zip(weights).map(joint).collect::<Vec<_>>()).map_err(value)?;
     let position = |rotations: &[DQuat]| -> Vec<JointPosition> {
         let poses = spatial.joint_poses(rotations);
         let turn = |(body, pose): (&Body, &sinew_core::Transform)| match body.joint {
@@ -167,7 +167,7 @@ pub(crate) fn geodesic<'py>(
         };
         bodies().zip(&poses).map(turn).collect()
     };
-    let options = geodesic::Options { steps: measure.steps.into(), ..geodesic::Options::default() };
+    let options = GeodesicOptions { steps: measure.steps.into(), ..GeodesicOptions::default() };
     let found = py.detach(|| solve(&rig, &position(&a), &position(&b), &options)).map_err(value)?;
     let places = depth_first(skeleton);
     let mut numbers = vec![0.0; found.poses.len() * joints * 4];

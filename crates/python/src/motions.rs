@@ -3,19 +3,73 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use sinew_evaluation::EvaluatedMotion;
+use crate::work::Progress;
 use sinew_evaluation::exercise::{ExerciseSettings, make_exercises};
+use sinew_evaluation::{EvaluatedMotion, Rig, RunError, Setup};
 use sinew_figure::builtin;
 use sinew_figure::mapping::Mapping;
 use sinew_figure::pipeline::{self, Settings};
+use sinew_figure::plant::Pose;
 use sinew_mocap::files::{ClipFile, expand_all};
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::{
     ClipSettings, MotionChoices, PreparedClip, RigClip, RigPerformance, read_mapping, retarget_clip,
 };
+use sinew_rig::Mechanism;
 
-/// Motions of any kind. The crate `evaluation` tracks them in parallel.
+/// Motions of any kind.
 pub(crate) type Motions = Vec<Box<dyn EvaluatedMotion>>;
+
+/// A motion that ends its evaluation if Python has left the call.
+pub(crate) struct Watched {
+    motion: Box<dyn EvaluatedMotion>,
+    progress: Progress,
+}
+
+/// Lets a worker's progress watch its motions.
+pub(crate) fn watched(motions: Motions, progress: &Progress) -> Vec<Watched> {
+    let one = |motion| Watched { motion, progress: progress.clone() };
+    motions.into_iter().map(one).collect()
+}
+
+impl EvaluatedMotion for Watched {
+    fn name(&self) -> &str {
+        self.motion.name()
+    }
+
+    fn rig_name(&self) -> Option<&str> {
+        self.motion.rig_name()
+    }
+
+    fn visit_numbers(&self, see: &mut dyn FnMut(&[f64])) {
+        self.motion.visit_numbers(see);
+    }
+
+    fn dt_s(&self) -> f64 {
+        self.motion.dt_s()
+    }
+
+    fn frame_count(&self) -> usize {
+        self.motion.frame_count()
+    }
+
+    fn mechanism(&self, setup: &Setup) -> Result<Mechanism, RunError> {
+        self.motion.mechanism(setup)
+    }
+
+    fn rig(&self, setup: &Setup) -> Result<Rig, RunError> {
+        self.motion.rig(setup)
+    }
+
+    fn joint_poses(&self, setup: &Setup, frame: usize, out: &mut Vec<Pose>) {
+        self.progress.look();
+        self.motion.joint_poses(setup, frame, out);
+    }
+
+    fn limb_errors_deg(&self, frame: usize, poses: &[Pose], see: &mut dyn FnMut(f64)) {
+        self.motion.limb_errors_deg(frame, poses, see);
+    }
+}
 
 /// Choices of motions.
 #[derive(Debug, Clone)]

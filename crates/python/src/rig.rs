@@ -10,7 +10,7 @@ use sinew_mocap::Up;
 use sinew_performance::rig::{LoadedRig, load};
 use sinew_rig::description::Base;
 use sinew_rig::import::Options;
-use sinew_rig::mechanism::{JointModel, Link, Pose};
+use sinew_rig::mechanism::{JointModel, Link, Pose, Tie};
 use sinew_rig::{Description, toml_file};
 
 use crate::arrays::{Rows, array};
@@ -188,11 +188,11 @@ impl NativeRig {
     #[getter]
     fn followers(&self) -> Vec<(usize, usize, f64, f64)> {
         let ties = self.loaded.mechanism.ties();
-        let tie = |tie: &sinew_rig::mechanism::Tie| {
+        let tie = |tie: &Tie| {
             let [own, leader] = tie.places();
             (own, leader, tie.factor, tie.offset)
         };
-        ties.each().map(|each| tie(&each)).collect()
+        ties.each().map(tie).collect()
     }
 
     fn toml(&self) -> String {

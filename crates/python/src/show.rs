@@ -6,8 +6,8 @@ use std::sync::Arc;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use sinew_performance::{
-    MotionChoices, OwnMotion, RetargetedClip, RigPerformance, ShowChoices, propose_mapping,
-    read_mapping, retarget_clip, rig_hash,
+    MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance, ShowChoices,
+    propose_mapping, read_mapping, retarget_clip, rig_hash,
 };
 use sinew_retarget::feasibility::RigMotion;
 use sinew_retarget::mapping::Mapping;
@@ -25,7 +25,6 @@ const CHANNELS: usize = 256;
 
 /// Returns a proposed mapping of a clip's joints to a rig's, as TOML.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn map(
     py: Python<'_>,
     clip: PyRef<'_, NativeClip>,
@@ -49,7 +48,6 @@ fn mapping_of(mapping: Option<&str>) -> anyhow::Result<Option<Mapping>> {
 /// Returns a motion of a rig that follows a clip, row by row, and the mean and largest angle between limbs in rad;
 /// `NaN` if no limb is compared.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn retarget<'py>(
     py: Python<'py>,
     clip: PyRef<'py, NativeClip>,
@@ -80,12 +78,10 @@ pub(crate) enum MotionSource<'py> {
 
 /// A motion, ready for another thread.
 enum Motion {
-    Clip(NativeClipParts),
+    Clip(Arc<PreparedClip>),
     Own { name: String, motion: RigMotion },
     File(PathBuf),
 }
-
-type NativeClipParts = Arc<sinew_performance::PreparedClip>;
 
 /// A place where a show exceeds a limit of its rig: joint, quantity, from, to and worst time, value, limit.
 type ExcessRow = (String, &'static str, f64, f64, f64, f64, f64);
@@ -93,7 +89,6 @@ type ExcessRow = (String, &'static str, f64, f64, f64, f64, f64);
 /// Makes a show of a motion, for a rig.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn bake(
     py: Python<'_>,
     source: MotionSource<'_>,
@@ -191,11 +186,11 @@ pub(crate) struct NativeShow {
 
 /// Opens the bytes of a show.
 #[pyfunction]
-pub(crate) fn open_show(bytes: Vec<u8>) -> PyResult<NativeShow> {
-    let show = Show::open(&bytes).map_err(value)?;
+pub(crate) fn open_show(bytes: &[u8]) -> PyResult<NativeShow> {
+    let show = Show::open(bytes).map_err(value)?;
     show.check_blocks().map_err(value)?;
     Player::<CHANNELS>::new(show).map_err(value)?;
-    Ok(NativeShow { bytes, excesses: Vec::new(), fitted: None })
+    Ok(NativeShow { bytes: bytes.to_vec(), excesses: Vec::new(), fitted: None })
 }
 
 impl NativeShow {

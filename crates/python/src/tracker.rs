@@ -7,8 +7,10 @@ use pyo3::prelude::*;
 use sinew_core::Workspace;
 use sinew_core::control::{LimitReason, TorqueLimit};
 use sinew_core::coordinates::DofCommand;
-use sinew_core::tracker::{Frame, FrameSource, Measured, Settings, Timing, Tracker, TrackerError};
-use sinew_evaluation::{CAPACITY, RigTracker};
+use sinew_core::tracker::{
+    Frame, FrameSource, Measured, ResolvedTracker, Settings, Timing, Tracker, TrackerError,
+};
+use sinew_evaluation::CAPACITY;
 use sinew_rig::mechanism::{JointModel, Link};
 
 use crate::arrays::single;
@@ -18,7 +20,7 @@ use crate::rig::NativeRig;
 /// A tracker of a rig, with the number of its next tick.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeTracker {
-    state: Mutex<(Box<RigTracker>, i32)>,
+    state: Mutex<(Box<ResolvedTracker<CAPACITY>>, i32)>,
     nq: usize,
     nv: usize,
 }
@@ -69,7 +71,6 @@ type Applied = (Vec<f64>, Vec<f64>, Vec<Option<&'static str>>);
 #[pymethods]
 impl NativeTracker {
     #[new]
-    #[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
     fn new(
         rig: PyRef<'_, NativeRig>,
         settings: &str,

@@ -58,9 +58,13 @@ impl Progress {
         self.total.store(steps, Ordering::Relaxed);
     }
 
-    /// Adds finished steps. If Python has left the call, this function ends the work by unwinding.
+    /// Adds finished steps.
     pub(crate) fn add(&self, steps: usize) {
         self.done.fetch_add(steps, Ordering::Relaxed);
+    }
+
+    /// Ends the work by unwinding if Python has left the call.
+    pub(crate) fn look(&self) {
         if self.is_cancelled.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Cancelled));
         }
@@ -68,7 +72,8 @@ impl Progress {
 }
 
 /// Runs `work` in a thread of its own, and returns its result. Meanwhile `told`, if given, is called with the finished
-/// and with all steps. After Ctrl-C the call ends at once, and the work at its next [`Progress::add`].
+/// and with all steps. After Ctrl-C the call ends at once, and the work at its next [`Progress::look`];
+/// work that never looks runs to its end, and its result is dropped.
 pub(crate) fn in_background<T: Send + 'static>(
     py: Python<'_>,
     told: Option<&Bound<'_, PyAny>>,

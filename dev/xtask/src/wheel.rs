@@ -17,9 +17,10 @@ const MATURIN: &str = "maturin==1.16.0";
 /// Versions of Python that the wheel must run on. The last one that is found also checks types and the notebook.
 const VERSIONS: [&str; 4] = ["3.10", "3.11", "3.12", "3.13"];
 /// Packages of every environment.
-const TESTED_WITH: [&str; 2] = ["numpy", "pytest==9.1.1"];
+const TESTED_WITH: [&str; 2] = ["numpy", "pytest==9.2.0"];
 /// More packages for the last version: types, notebook, and the dynamics of another library.
-const MORE: [&str; 5] = ["mypy==2.3.1", "pin==4.1.0", "matplotlib", "nbclient", "ipykernel"];
+const MORE: [&str; 6] =
+    ["mypy==2.4.1", "pin==4.1.0", "matplotlib", "nbclient", "ipykernel", "pandas"];
 /// Maximum size of the wheel, bytes.
 const WHEEL_MAX: u64 = 8_000_000;
 

@@ -45,4 +45,5 @@ def row(name: str, numbers: npt.ArrayLike) -> Array:
     array, single = rows(name, numbers)
     if not single:
         raise ValueError(f"{name}: expected a single row, found shape {np.shape(numbers)}")
-    return array[0]
+    first: Array = array[0]
+    return first

@@ -56,7 +56,6 @@ pub(crate) struct NativeBoard {
 
 /// Opens a board: a simulated one, or the one at a port.
 #[pyfunction]
-#[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
 pub(crate) fn open_board(
     py: Python<'_>,
     rig: PyRef<'_, NativeRig>,
@@ -165,18 +164,15 @@ impl NativeBoard {
         self.done(py, Order::Arm)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays by value")]
     fn goto(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>, seconds: f64) -> PyResult<()> {
         let order = Order::Goto { q: self.pose(&q)?, least: duration("duration", seconds)? };
         self.done(py, order)
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "PyO3 passes arrays by value")]
     fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         self.done(py, Order::Live { q: self.pose(&q)? })
     }
 
-    #[expect(clippy::needless_pass_by_value, reason = "PyO3 passes objects by value")]
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
         if rounds == 0 {
             return Err(value("rounds: expected 1 or more, found 0"));
