@@ -87,7 +87,8 @@ def main() -> None:
         order = [model.joints[model.getJointId(name)].idx_v for name in rig.dof_names]
         there = [np.ascontiguousarray(part[:, np.argsort(order)]) for part in (q, qd, qdd)]
         theirs = np.array([pin.rnea(model, state, *row).copy() for row in zip(*there)])[:, order]
-        print(f"against pin {pin.__version__}: {np.abs(ours - theirs).max() / np.abs(theirs).max():.1e} of the largest torque")
+        off = np.abs(ours - theirs).max() / np.abs(theirs).max()
+        print(f"against pin {pin.__version__}: {off:.1e} of the largest torque")
         rows = list(zip(*(part[:few] for part in there)))
         rates["pin, one row a call"] = best(lambda: [pin.rnea(model, state, *row) for row in rows], few)
     if mujoco:

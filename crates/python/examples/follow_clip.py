@@ -1,4 +1,4 @@
-"""Lets an arm follow a clip: retargets it, bakes a show within the arm's limits, and tracks the show in a simulation."""
+"""Lets an arm follow a clip: retargets it, bakes a show within the arm's limits, and tracks it in a simulation."""
 
 import numpy as np
 

@@ -113,7 +113,8 @@ def test_refusals_of_the_evaluation(arguments: dict, words: str) -> None:
 
 
 def test_a_sweep_resumes(tmp_path: pathlib.Path) -> None:
-    lines = ['setup.plant.kind = "articulated"', "[[grid]]", "dimensions.scale = [1.0, 1.1]", 'controller.method = ["world"]']
+    lines = ['setup.plant.kind = "articulated"', "[[grid]]", "dimensions.scale = [1.0, 1.1]"]
+    lines.append('controller.method = ["world"]')
     (tmp_path / "sweep.toml").write_text("\n".join(lines))
     calls: list[tuple[int, int]] = []
     sweep = lambda: sm.sweep(

@@ -114,7 +114,8 @@ def test_a_projection_of_the_rigs_own_poses_is_their_world_error() -> None:
         ({"parents": [-1, 0]}, "the tree has 2 bodies"),
         ({"parents": [0]}, "parents"),
         ({"beta": 3.0}, "beta"),
-        ({"desired_velocity": [[0.0] * 5]}, "desired_velocity: expected 6"),
+        ({"desired_velocity": [[0.0] * 5]}, "desired_velocity: expected 6 numbers in the last axis"),
+        ({"desired": [[0.0] * 6] * 7}, "desired: expected 7 numbers in the last axis"),
         ({"measured_velocity": [[np.inf] * 6]}, r"measured_velocity\[0, 0\]"),
     ],
 )

@@ -163,7 +163,8 @@ def of_golden(name: str, folder: pathlib.Path) -> tuple[dict, sm.Rig, np.ndarray
 
 def torques(file: dict, rig: sm.Rig, order: np.ndarray) -> tuple[float, float]:
     """Returns the largest error of a golden file's torques, and the largest torque."""
-    q, qd, qdd, tau = (np.array([state[key] for state in file["states"]])[:, order] for key in ("q", "qd", "qdd", "tau"))
+    column = lambda key: np.array([state[key] for state in file["states"]])[:, order]
+    q, qd, qdd, tau = map(column, ("q", "qd", "qdd", "tau"))
     rotors = np.array(file["rotor_inertia"])[order] * qdd
     ours = rig.inverse_dynamics(q, qd, qdd) + rotors
     return float(np.abs(ours - tau).max()), float(np.abs(tau).max())

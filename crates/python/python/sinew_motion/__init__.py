@@ -4,8 +4,8 @@ The functions call the same Rust code as the command ``sinew``.
 
 Conventions of all functions:
 
-- SI units (m, kg, s, N, N m) and radians. Quaternions are unit, ``x y z w``. ``y`` points up; a file with another up axis
-  is turned when it is read.
+- SI units (m, kg, s, N, N m) and radians. Quaternions are unit, ``x y z w``. ``y`` points up; a file with another up
+  axis is turned when it is read.
 - Arrays are of float64. Dynamics, errors and trackers compute in float32, as a board does: expect a relative error of
   about 1e-6. Kinematics compute in float64.
 - A leading axis is time: functions take one row or many, and return the same number of rows. Many rows in one call are

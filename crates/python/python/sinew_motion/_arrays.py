@@ -8,15 +8,18 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 
-def rows(name: str, numbers: npt.ArrayLike, inner: int = 1) -> tuple[Array, bool]:
+def rows(name: str, numbers: npt.ArrayLike, inner: int = 1, last: int | None = None) -> tuple[Array, bool]:
     """Returns numbers as rows, and whether they were a single row.
 
-    ``inner`` is the number of axes of a row; a row of several axes is flattened.
+    ``inner`` is the number of axes of a row; a row of several axes is flattened. ``last`` is the length of the
+    last axis.
     """
     try:
         array = np.asarray(numbers, dtype=np.float64)
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: expected numbers in rows of equal length: {error}") from None
+    if last is not None and array.ndim and array.shape[-1] != last:
+        raise ValueError(f"{name}: expected {last} numbers in the last axis, found {array.shape[-1]}")
     if array.ndim == inner:
         return np.ascontiguousarray(array.reshape(1, -1)), True
     if array.ndim == inner + 1:

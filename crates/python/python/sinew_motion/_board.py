@@ -61,11 +61,12 @@ _open: weakref.WeakSet[Board] = weakref.WeakSet()
 
 
 class Board:
-    """A board with its rig. Use it in a ``with`` block: at its end, and after an exception or Ctrl-C in it, the rig goes
-    to its rest pose, is lowered, and torque is off. A second Ctrl-C leaves at once; the board then lowers the rig itself.
+    """A board with its rig. Use it in a ``with`` block: at its end, and after an exception or Ctrl-C in it, the rig
+    goes to its rest pose, is lowered, and torque is off. A second Ctrl-C leaves at once; the board then lowers the
+    rig itself.
 
-    Nothing moves before ``arm``. Errors of the board are ``BoardError``, wrong input is ``ValueError``. After a motion that
-    Ctrl-C ended, the rig holds until the block ends.
+    Nothing moves before ``arm``. Errors of the board are ``BoardError``, wrong input is ``ValueError``. After a
+    motion that Ctrl-C ended, the rig holds until the block ends.
 
     >>> with Board.open("sim", Rig.arm(2)) as board:
     ...     board.state().state
@@ -85,8 +86,8 @@ class Board:
 
         Parameters
         ----------
-        target : ``"sim"`` for a simulated board of ``rig``, ``"sim:arm.toml"`` for one of a file's rig; or the serial port
-            of a board that has ``rig``
+        target : ``"sim"`` for a simulated board of ``rig``, ``"sim:arm.toml"`` for one of a file's rig; or the serial
+            port of a board that has ``rig``
         rig : the rig; not with ``"sim:FILE"``
         servos : kinds of servos for joints that have none, as ``sinew play --servo``
 
@@ -319,7 +320,7 @@ class Console:
         return self._native.home()
 
     def jog(self, joint: str, *, angle: float | None = None, distance: float | None = None) -> str:
-        """Moves a joint of the armed rig by an angle in rad, or a slide by a distance in m, and waits until it is there.
+        """Moves a joint of the armed rig by an angle in rad, or a slide by a distance in m, and waits for the end.
 
         >>> board = Console.open("dev-ttyACM0")  # doctest: +SKIP
         >>> board.jog("turn1", angle=0.1)  # doctest: +SKIP

@@ -74,11 +74,11 @@ def errors(
         ...
     ValueError: parents or rig: this method needs the tree of the bodies
     """
-    wanted, single = rows("desired", desired, 2)
-    found, _ = rows("measured", measured, 2)
+    wanted, single = rows("desired", desired, 2, 7)
+    found, _ = rows("measured", measured, 2, 7)
     bodies = wanted.shape[1] // 7
     rates = [
-        None if of is None else rows(name, of, 2)[0]
+        None if of is None else rows(name, of, 2, 6)[0]
         for name, of in (("desired_velocity", desired_velocity), ("measured_velocity", measured_velocity))
     ]
     tree = None if parents is None else [None if parent < 0 else int(parent) for parent in parents]

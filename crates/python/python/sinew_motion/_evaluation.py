@@ -55,8 +55,8 @@ def evaluate(
     seconds : use only the first seconds of every clip
     rate_hz : rate of control and plant, Hz; default: 100, with ``rig`` 500
     mapping : mapping of the clips' skeleton; default: chosen among the known ones
-    rows : a row for each scale, method and group of joints (``total``), also for each clip (``clip``), or the mean errors
-        over ``time``
+    rows : a row for each scale, method and group of joints (``total``), also for each clip (``clip``), or the mean
+        errors over ``time``
     progress : called with the finished and all steps, about 20 times a second
 
     Returns

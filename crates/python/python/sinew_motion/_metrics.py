@@ -31,8 +31,8 @@ def pose_distance(
     Parameters
     ----------
     clip : the skeleton
-    a, b : (J, 4) or (T, J, 4), rotations of the joints in their parents, as ``Clip.rotations``. One pose is compared with
-        each of many.
+    a, b : (J, 4) or (T, J, 4), rotations of the joints in their parents, as ``Clip.rotations``. One pose is compared
+        with each of many.
     metric : ``angles`` in rad; ``rotations`` in m rad; ``positions``, ``line`` and ``geodesic`` in m
     weighted : whether joints are weighted by importance
     steps : steps of a line or a geodesic, 1 to 1000
@@ -53,8 +53,8 @@ def pose_distance(
     >>> pose_distance(clip, clip.rotations[0], clip.rotations).shape == (len(clip),)
     True
     """
-    first, single_a = rows("a", a, 2)
-    second, single_b = rows("b", b, 2)
+    first, single_a = rows("a", a, 2, 4)
+    second, single_b = rows("b", b, 2, 4)
     out = _native.pose_distance(clip._native, first, second, metric, weighted, steps, root)
     return float(out[0]) if single_a and single_b else out
 
@@ -114,7 +114,7 @@ def importance(
 
     Parameters
     ----------
-    source : a rig, a clip's skeleton, or a file of a character (glTF, BVH, URDF, ...) as ``sinew clip weights`` reads it
+    source : a rig, a clip's skeleton, or a file of a character (glTF, BVH, URDF) as ``sinew clip weights`` has it
     method : by ``lengths`` of bones, by ``cylinders`` around them, or by the ``mesh`` of a file
     base : initial weight of every joint, in m, or m³ for surfaces; default: as ``sinew clip weights``
     discount : factor on a bone's length for each joint further up, 0 to 1, for ``lengths``

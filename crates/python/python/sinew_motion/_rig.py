@@ -17,10 +17,10 @@ class Rig:
 
     ``Rig.load`` reads a file, ``Rig.arm`` and ``Rig.face`` make a rig to begin with.
 
-    Positions ``q`` have ``nq`` numbers in the order of the joints: an angle or a distance for each axis, ``x y z w`` for a
-    ball joint, and for a free joint (the base of a rig that travels) the quaternion first, then ``x y z``. Speeds ``qd``,
-    accelerations ``qdd`` and efforts ``tau`` have ``nv`` numbers, one by dof: a ball joint has three, its angular velocity
-    in body axes; a free joint six, angular then linear, in body axes.
+    Positions ``q`` have ``nq`` numbers in the order of the joints: an angle or a distance for each axis, ``x y z w``
+    for a ball joint, and for a free joint (the base of a rig that travels) the quaternion first, then ``x y z``.
+    Speeds ``qd``, accelerations ``qdd`` and efforts ``tau`` have ``nv`` numbers, one by dof: a ball joint has three,
+    its angular velocity in body axes; a free joint six, angular then linear, in body axes.
 
     >>> arm = Rig.arm(6)
     >>> arm.dof_names[:2]

@@ -34,7 +34,8 @@ class Tracker:
     method : ``recommended``, or another name of ``methods()``
     rate_hz : ticks a second
     latency_ticks : ticks from a measurement to the tick in which its effort acts
-    settings : other settings, by the names of ``[controller]`` in ``sinew evaluate --format json``, such as ``{"kp": 200}``
+    settings : other settings, by the names of ``[controller]`` in ``sinew evaluate --format json``, such as
+        ``{"kp": 200}``
 
     Raises
     ------
