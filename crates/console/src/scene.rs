@@ -1,6 +1,7 @@
 //! The rig as the page draws it, with the names of its parts.
 
 use serde::Serialize;
+use sinew_board_client::{TelemetryLog, pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
 use sinew_performance::play::{Drive, RigParts};
@@ -196,6 +197,11 @@ impl Scene {
             blocks: Vec::new(),
             ties: Ties::default(),
         }
+    }
+
+    /// Returns the pose that the board commands; `None` while torque is off.
+    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
+        pose::commanded(&self.blocks, self.dofs.len(), log)
     }
 
     /// Returns the message that describes the rig. `line_rate_hz`: snapshots per second that the line can carry.

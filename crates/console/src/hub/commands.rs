@@ -2,12 +2,10 @@
 
 use std::time::Duration;
 
-use sinew_board_client::Line;
+use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, POSE_MAX, State};
 
 use super::act::{Act, Feeding};
-use super::journey::Journey;
-use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
 use crate::local::{CUTS, STOPS};
@@ -212,6 +210,6 @@ impl<L: Line> Hub<'_, L> {
 
     /// Returns a coordinate of the pose that the board commands; `None` if it is not known.
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
-        wanted(self.scene, &self.board.log)?.get(coordinate).copied()
+        self.scene.commanded(&self.board.log)?.get(coordinate).copied()
     }
 }
