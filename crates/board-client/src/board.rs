@@ -60,6 +60,22 @@ impl<L: Line> Board<L> {
     /// [`ClientError::NoController`] if nothing answers within `patience`; [`ClientError::Misfit`] if the versions
     /// differ, or another program still uses the rig after `patience`; [`ClientError::Line`].
     pub fn connect(line: L, nonce: u32, patience: Duration) -> Result<Self, ClientError> {
+        match Self::connect_any(line, nonce, patience)? {
+            (board, false) => Ok(board),
+            (_, true) => Err(ClientError::Misfit(Misfit::Busy)),
+        }
+    }
+
+    /// Sends greetings like [`Self::connect`]. Returns the board, and whether another program has its rig: then there
+    /// is no session, and the board executes only [`Command::Stop`] and [`Command::EStop`].
+    ///
+    /// # Errors
+    /// As in [`Self::connect`], but for a rig that is not free.
+    pub fn connect_any(
+        line: L,
+        nonce: u32,
+        patience: Duration,
+    ) -> Result<(Self, bool), ClientError> {
         let mut board = Self {
             beat_due: line.now(),
             heard: line.now(),
@@ -75,8 +91,10 @@ impl<L: Line> Board<L> {
             outcome: None,
             log: TelemetryLog::default(),
         };
-        board.reconnect(patience)?;
-        Ok(board)
+        match board.reconnect(patience) {
+            Err(ClientError::Misfit(Misfit::Busy)) => Ok((board, true)),
+            greeted => greeted.map(|()| (board, false)),
+        }
     }
 
     /// Starts a new session, for example after a restart of the board.

@@ -4,13 +4,15 @@ use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_performance::play::Recorder;
 
-use crate::hub::{Ended, Hub, OwnShow};
+use crate::hub::{Ended, Hub, OwnShow, Owner};
 use crate::local::{Door, Reply, Request};
+use crate::replay::{Player, Replay};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
 
@@ -29,17 +31,26 @@ pub struct Options {
     pub unattended: bool,
 }
 
-/// Executes a single command on a board that has no console. For a motion, arms the rig first and stops it afterwards.
+/// Executes a single command on a board that has no hub: a motion arms the rig, and stops it afterwards. Other
+/// terminals, which know the board by `name`, may stop the rig meanwhile.
 ///
 /// # Errors
 /// [`ClientError`] if the board does not answer.
 pub fn execute<L: Line>(
     board: &mut Board<L>,
     scene: &Scene,
-    request: &Request,
+    (name, request): (&str, &Request),
     stops: &dyn Fn() -> u32,
 ) -> Result<Reply, ClientError> {
-    Hub::new(board, scene, false).execute(request, stops)
+    let (requests, inbox) = sync_channel(WAITING);
+    let _door = open_door(name, requests)?;
+    let owner = Owner::Drives("board");
+    Hub::new(board, scene, (owner, false), inbox).execute(request, stops)
+}
+
+fn open_door(name: &str, hub: SyncSender<ToHub>) -> Result<Door, ClientError> {
+    Door::open(name, hub)
+        .map_err(|error| ClientError::Impatient(format!("the socket for other commands: {error}")))
 }
 
 /// An open console: pages can connect, and then wait for the hub.
@@ -75,9 +86,25 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
-    /// Runs the hub of a board, which serves pages and other commands; the commands find the console by `name`. `stops`
-    /// counts the signals to end. At the first signal, the hub stops the rig, and ends when torque is off. It ends at
-    /// once at the second signal, if the board does not answer, or if torque is still on a minute later.
+    /// Shows a recording to pages until `stops` counts a signal to end. `name`: name of the recording.
+    ///
+    /// # Errors
+    /// [`ClientError::Line`] if the system has no threads.
+    pub fn replay(
+        self,
+        replay: &Replay,
+        (scene, name): (&Scene, &str),
+        stops: &dyn Fn() -> u32,
+    ) -> Result<(), ClientError> {
+        let (served, inbox, _) = self.serve()?;
+        Player::new(replay, scene, name).run(&inbox, stops);
+        drop(served);
+        Ok(())
+    }
+
+    /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
+    /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
+    /// the hub ends at once. `record`: a recording of the session, with [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.
@@ -85,27 +112,48 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows): (&str, Vec<OwnShow>),
+        (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        let Self { shared, inbox, options, addresses, listeners } = self;
+        shows
+            .iter()
+            .filter_map(|show| show.sound.as_ref())
+            .for_each(|own| self.shared.sounds.add(own));
         let slot = usize::try_from(board.about().capacities.slot_bytes).unwrap_or(usize::MAX);
-        shared.show_bytes.store(slot, Ordering::Relaxed);
+        self.shared.show_bytes.store(slot, Ordering::Relaxed);
+        let (served, inbox, options) = self.serve()?;
+        let door = open_door(name, served.shared.hub.clone())?;
+        let owner = (Owner::Console, options.unattended);
+        let ended = Hub::new(board, scene, owner, inbox).run((shows, record), stops);
+        drop((door, served));
+        ended
+    }
+
+    /// Lets pages in until the first value is dropped.
+    fn serve(self) -> Result<(Served, Receiver<ToHub>, Options), ClientError> {
+        let Self { shared, inbox, options, addresses, listeners } = self;
+        let served = Served { shared, addresses };
         for listener in listeners {
-            let shared = Arc::clone(&shared);
+            let shared = Arc::clone(&served.shared);
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
-        let door = Door::open(name, shared.hub.clone()).map_err(|error| {
-            ClientError::Impatient(format!("the socket for other commands: {error}"))
-        })?;
-        let ended = Hub::new(board, scene, options.unattended).run(shows, &inbox, stops);
-        drop(door);
-        shared.is_over.store(true, Ordering::Relaxed);
+        Ok((served, inbox, options))
+    }
+}
+
+/// A server that lets pages in until it is dropped.
+struct Served {
+    shared: Arc<Shared>,
+    addresses: Vec<SocketAddr>,
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
         // A connection wakes each listener, which then sees that the server is over.
-        for address in addresses {
+        for address in &self.addresses {
             let _ = TcpStream::connect(address);
         }
-        ended
     }
 }

@@ -75,12 +75,35 @@ pub(crate) enum PageCommand {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(crate) enum ToPage<'a> {
-    Shows { slots: &'a [Slot], loaded: Option<u8> },
-    Role { driver: bool, other: Option<&'static str> },
-    Event { t: f64, level: Level, text: &'a str, fault: Option<u8>, joint: Option<&'a str> },
-    Answer { id: u64, ok: bool, text: &'a str },
-    Progress { what: &'static str, done: f32 },
-    Pong { t: f64 },
+    Shows {
+        slots: &'a [Slot],
+        loaded: Option<u8>,
+    },
+    /// `asked`: another page asks this page for the wheel.
+    Role {
+        driver: bool,
+        other: Option<&'static str>,
+        asked: bool,
+    },
+    Event {
+        t: f64,
+        level: Level,
+        text: &'a str,
+        fault: Option<u8>,
+        joint: Option<&'a str>,
+    },
+    Answer {
+        id: u64,
+        ok: bool,
+        text: &'a str,
+    },
+    Progress {
+        what: &'static str,
+        done: f32,
+    },
+    Pong {
+        t: f64,
+    },
 }
 
 /// The importance of an event.
@@ -102,6 +125,19 @@ pub(crate) struct Slot {
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,
+    /// Sound of the show; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) sound: Option<SlotSound>,
+}
+
+/// The sound of a show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct SlotSound {
+    /// Name under which the server has the file.
+    pub(crate) hash: String,
+    pub(crate) name: String,
+    /// Place in the sound at the start of the show, s.
+    pub(crate) offset_s: f64,
 }
 
 /// A cue of a show.
@@ -144,7 +180,7 @@ mod tests {
         ] {
             assert!(read(bad).is_err(), "{bad}");
         }
-        let role = ToPage::Role { driver: true, other: None }.json();
-        assert_eq!(role, r#"{"type":"role","driver":true,"other":null}"#);
+        let role = ToPage::Role { driver: true, other: None, asked: false }.json();
+        assert_eq!(role, r#"{"type":"role","driver":true,"other":null,"asked":false}"#);
     }
 }

@@ -1,6 +1,7 @@
 //! The rig as the page draws it, with the names of its parts.
 
 use serde::Serialize;
+use sinew_board_client::{TelemetryLog, pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
 use sinew_performance::play::{Drive, RigParts};
@@ -12,7 +13,7 @@ use sinew_rig::servo::Address;
 /// Range of a slider to both sides for a joint without a range: rad, and m.
 const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
 /// All limits, by number.
-const LIMITS: [Limit; 14] = [
+pub(crate) const LIMITS: [Limit; 14] = [
     Limit::Range,
     Limit::Speed,
     Limit::Acceleration,
@@ -37,6 +38,8 @@ pub enum Source {
     Simulated,
     /// A board at a port.
     Board,
+    /// A recording: it has no commands.
+    Recording,
 }
 
 /// A rig, in the form that the page needs.
@@ -135,7 +138,7 @@ impl Scene {
             r#type: "head",
             rig: name,
             source,
-            commands: true,
+            commands: source != Source::Recording,
             bodies: bodies(mechanism),
             dofs: &dofs,
             servos: servos.collect(),
@@ -181,6 +184,24 @@ impl Scene {
     pub(crate) fn follows(&self, dof: &SceneDof) -> Option<String> {
         let leader = self.dofs.get(dof.leader?)?;
         Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
+    }
+
+    /// Describes no rig: for a hub without pages that moves nothing.
+    pub fn empty() -> Self {
+        Self {
+            head: String::new(),
+            rig_crc: 0,
+            dofs: Vec::new(),
+            joints: Vec::new(),
+            home: Vec::new(),
+            blocks: Vec::new(),
+            ties: Ties::default(),
+        }
+    }
+
+    /// Returns the pose that the board commands; `None` while torque is off.
+    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
+        pose::commanded(&self.blocks, self.dofs.len(), log)
     }
 
     /// Returns the message that describes the rig. `line_rate_hz`: snapshots per second that the line can carry.

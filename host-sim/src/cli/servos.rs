@@ -2,11 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, bail};
-use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_host_util::command::{note, print};
 use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::fault::FaultOrder;
@@ -19,10 +16,11 @@ use sinew_servo_sim::supply::Supply;
 
 use super::output::OutputPlace;
 use super::rig::read;
+use super::stop::flag;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes LINK.
+/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM, SIGHUP); then it removes LINK.
 /// Programs open LINK as a serial port, at the rate of --baud: the servos answer at no other rate. Programs may close
 /// LINK and open it again. Except for that rate, the servos have factory settings. Torque is off at the start.
 ///
@@ -103,10 +101,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
             .map(|rig| (&rig.description, &rig.mechanism)),
         supply: args.supply(rig.as_ref()),
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))?;
-    }
+    let stop = flag()?;
     let mut memories: Vec<Memory> = vec![[0; size_of::<Memory>()]; wanted.len()];
     let mut lines = fleet::lines(&wanted, &setup, &mut memories)?;
     let ports = args.ports(&fleet::buses(&wanted))?;

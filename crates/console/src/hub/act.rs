@@ -2,11 +2,9 @@
 
 use std::time::Duration;
 
-use sinew_board_client::Line;
+use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
-use super::journey::Journey;
-use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, Refused};
 use crate::message::Level;
@@ -136,7 +134,7 @@ impl<L: Line> Hub<'_, L> {
 
     fn go_on_journey(&mut self, mut feeding: Feeding<Journey>) -> Result<(), Refused> {
         let now = self.now();
-        let commanded = wanted(self.scene, &self.board.log);
+        let commanded = self.scene.commanded(&self.board.log);
         if feeding.motion.is_over(commanded.as_deref(), now) {
             self.hold()?;
             self.arrived = true;

@@ -2,14 +2,13 @@
 
 use std::time::Duration;
 
-use sinew_board_client::Line;
+use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, POSE_MAX, State};
 
 use super::act::{Act, Feeding};
-use super::journey::Journey;
-use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
+use crate::local::{CUTS, STOPS};
 use crate::message::ToPage;
 use crate::server::PageId;
 
@@ -35,7 +34,7 @@ impl<L: Line> Hub<'_, L> {
         Some(match command {
             EStop => {
                 self.end_all();
-                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+                self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
             Hold => {
                 self.end_all();
@@ -43,8 +42,7 @@ impl<L: Line> Hub<'_, L> {
             }
             Stop => {
                 self.end_all();
-                let going = "the rig goes to its rest pose, then torque is off";
-                self.ask(Command::Stop).map(|_| going.to_owned())
+                self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Ping { t } => {
                 self.tell_page(page, &ToPage::Pong { t });
@@ -109,13 +107,24 @@ impl<L: Line> Hub<'_, L> {
             true if !may_drive => Err(Refused::because(
                 "a page of another machine views and stops only: start the console with --allow-drive",
             )),
-            true if self.wheel.take(page, now) => Ok("this page drives".to_owned()),
-            true => Err(Refused::because("another page drives: it must give the wheel back first")),
+            true => {
+                let is_new = !self.wheel.is_at(page);
+                if !self.wheel.take(page, now) {
+                    self.tell_roles();
+                    return Err(Refused::because(
+                        "another page drives; it was asked for the wheel",
+                    ));
+                }
+                // The page before may have been silent while it moved a joint.
+                let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
+                let held = if is_new && is_moved { self.hold() } else { Ok(String::new()) };
+                held.map(|_| "this page drives".to_owned())
+            }
             false if self.wheel.is_at(page) => {
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_moved { self.hold() } else { Ok(String::new()) };
-                self.wheel.free(now);
-                held.map(|_| "nobody drives".to_owned())
+                self.wheel.pass(now);
+                held.map(|_| "this page does not drive any more".to_owned())
             }
             false => Ok("this page does not drive".to_owned()),
         };
@@ -201,6 +210,6 @@ impl<L: Line> Hub<'_, L> {
 
     /// Returns a coordinate of the pose that the board commands; `None` if it is not known.
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
-        wanted(self.scene, &self.board.log)?.get(coordinate).copied()
+        self.scene.commanded(&self.board.log)?.get(coordinate).copied()
     }
 }

@@ -1,5 +1,6 @@
 //! Executes commands from the Unix socket; or, without a console, a single command.
 
+use std::fmt;
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
@@ -8,10 +9,42 @@ use sinew_link::message::{Command, State};
 
 use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
-use crate::local::{Reply, Request};
+use crate::local::{CUTS, Reply, Request, STOPS};
 
-/// A degree in rad, and a millimetre in m.
+/// Number of the command of a hub that executes a single one.
+const OWN: u64 = 0;
+/// A deg in rad, and a mm in m.
 const UNITS: [f64; 2] = [std::f64::consts::PI / 180.0, 1e-3];
+
+/// Program that owns a hub, and what other commands may ask of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// A console: its pages drive, and commands move the rig while nothing else moves.
+    Console,
+    /// A command of this name drives: others stop the rig, and watch.
+    Drives(&'static str),
+    /// A command that watches: it gives up the port for every other command.
+    Watches,
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Console => f.write_str("`sinew console`"),
+            Self::Drives(name) => write!(f, "`sinew {name}`"),
+            Self::Watches => f.write_str("`sinew board monitor`"),
+        }
+    }
+}
+
+/// Requests of other commands that the owner of a hub heeds.
+#[derive(Debug, Default)]
+pub(super) struct Asked {
+    /// Whether a command has stopped the rig.
+    pub(super) stopped: bool,
+    /// Whether a command wants the port.
+    pub(super) yields: bool,
+}
 
 /// A command of another program that waits for the end of its motion.
 #[derive(Debug)]
@@ -31,12 +64,21 @@ impl<L: Line> Hub<'_, L> {
         let done = match request {
             Request::Stop => {
                 self.end_all();
-                let text = "the rig goes to its rest pose, then torque is off";
-                self.ask(Command::Stop).map(|_| text.to_owned())
+                self.asked.stopped = true;
+                self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Request::EStop => {
                 self.end_all();
-                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+                self.asked.stopped = true;
+                self.ask(Command::EStop).map(|_| CUTS.to_owned())
+            }
+            // The socket's thread answers it.
+            Request::Watch => Err(Refused::because("it is no command")),
+            Request::Yield => self.give_up_port(),
+            Request::Home | Request::Jog { .. }
+                if command != OWN && self.owner != Owner::Console =>
+            {
+                Err(Refused::Other(format!("{} has the board", self.owner)))
             }
             Request::Home | Request::Jog { .. } => match self.move_for(request) {
                 Ok(()) => {
@@ -48,6 +90,17 @@ impl<L: Line> Hub<'_, L> {
             },
         };
         self.reply(&answer, done);
+    }
+
+    fn give_up_port(&mut self) -> Result<String, Refused> {
+        self.asked.yields = self.owner == Owner::Watches;
+        if self.asked.yields {
+            return Ok("the port is closed".to_owned());
+        }
+        Err(Refused::Other(format!(
+            "{} has the board; `sinew board monitor` watches it, `sinew stop` stops the rig",
+            self.owner
+        )))
     }
 
     fn reply(&self, answer: &SyncSender<Reply>, done: Result<String, Refused>) {
@@ -134,14 +187,15 @@ impl<L: Line> Hub<'_, L> {
     ) -> Result<Reply, ClientError> {
         self.begin()?;
         let (answer, answers) = sync_channel(1);
+        let mut reply = None;
         if matches!(request, Request::Home | Request::Jog { .. })
             && let Err(refused) = self.arm_now(stops)
         {
             let text = format!("refused: {}", self.text(&refused));
-            return Ok(Reply { ok: false, text });
+            reply = Some(Reply { ok: false, text });
+        } else {
+            self.take_request(OWN, request, answer);
         }
-        self.take_request(0, request, answer);
-        let mut reply = None;
         while reply.is_none() && stops() == 0 {
             self.turn()?;
             reply = answers.try_recv().ok();

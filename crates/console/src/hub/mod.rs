@@ -1,20 +1,22 @@
-//! The hub: one thread that alone uses the session with the board, and serves all pages.
+//! The hub: one thread that alone owns the session with the board, and answers all pages.
 //!
-//! - `wheel`: which page drives. `commands`: commands of pages. `act`: motions and arming, which take several turns of
-//!   the hub.
-//! - `slider`, `journey`: motions, which get the time from their caller. `pose`: the pose that the board commands.
-//!   `shows`: slots and ghosts. `upload`: a show that is sent to the board.
-//! - `tell`: messages to pages. `local`: commands of this user in other terminals.
+//! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
+//!   journey, a show.
+//! - `slider`: motions, which get the time from their caller. `shows`: slots and ghosts. `upload`: a show that is sent to
+//!   the board.
+//! - `tell`: messages to pages. `local`: commands of this user in other terminals. `watchers`: those that watch.
+//! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
 mod commands;
-mod journey;
+mod hosted;
 mod local;
-mod pose;
+mod session_record;
 mod shows;
 mod slider;
 mod tell;
 mod upload;
+mod watchers;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -25,17 +27,23 @@ use sinew_board_client::{Board, ClientError, Line};
 use sinew_firmware::node::SETTING_NAMES;
 use sinew_firmware::supervisor::SOFT_MOST_RAD_S;
 use sinew_link::message::{Applied, Command, Refusal, State, TelemetryParts};
+use sinew_performance::play::Recorder;
 
 use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
-use local::Waiting;
+use local::{Asked, Waiting};
+use session_record::SessionRecord;
 use shows::Shows;
 use tell::Told;
 use upload::Upload;
+use watchers::Watchers;
 use wheel::Wheel;
 
+pub use hosted::Hosted;
+pub use local::Owner;
+pub use session_record::RECORD_HZ;
 pub use shows::OwnShow;
 
 /// Snapshots per second that the hub requests from the board.
@@ -61,14 +69,18 @@ pub enum Ended {
 }
 
 /// A page that has shown the token.
+#[derive(Debug)]
 struct Page {
     out: Outbox,
     may_drive: bool,
 }
 
+#[derive(Debug)]
 pub(crate) struct Hub<'a, L> {
     board: &'a mut Board<L>,
     scene: &'a Scene,
+    owner: Owner,
+    inbox: Receiver<ToHub>,
     is_unattended: bool,
     pages: BTreeMap<PageId, Page>,
     wheel: Wheel,
@@ -92,6 +104,9 @@ pub(crate) struct Hub<'a, L> {
     barred: Option<Duration>,
     /// Command of another terminal whose motion goes on.
     waiting: Option<Waiting>,
+    watchers: Watchers,
+    record: Option<SessionRecord>,
+    asked: Asked,
     /// Whether the last journey has reached its pose.
     arrived: bool,
     /// Time at which the rig was told to stop because the program ends.
@@ -99,11 +114,18 @@ pub(crate) struct Hub<'a, L> {
 }
 
 impl<'a, L: Line> Hub<'a, L> {
-    pub(crate) fn new(board: &'a mut Board<L>, scene: &'a Scene, is_unattended: bool) -> Self {
+    pub(crate) fn new(
+        board: &'a mut Board<L>,
+        scene: &'a Scene,
+        (owner, is_unattended): (Owner, bool),
+        inbox: Receiver<ToHub>,
+    ) -> Self {
         Self {
             told: Told::new(board.now()),
             board,
             scene,
+            owner,
+            inbox,
             is_unattended,
             pages: BTreeMap::new(),
             wheel: Wheel::default(),
@@ -119,6 +141,9 @@ impl<'a, L: Line> Hub<'a, L> {
             lower_at: None,
             barred: None,
             waiting: None,
+            watchers: Watchers::default(),
+            record: None,
+            asked: Asked::default(),
             arrived: false,
             closing: None,
         }
@@ -127,21 +152,20 @@ impl<'a, L: Line> Hub<'a, L> {
     /// Runs until the rig is stopped after a signal, or a second signal ends it.
     pub(crate) fn run(
         mut self,
-        shows: Vec<OwnShow>,
-        inbox: &Receiver<ToHub>,
+        (shows, record): (Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
+        self.record = record.map(SessionRecord::new);
         self.begin()?;
         for show in shows {
             self.put_own(show)?;
         }
         loop {
-            for message in inbox.try_iter().take(MESSAGES) {
-                self.take(message);
-            }
-            self.turn()?;
-            if let Some(ended) = self.close(stops()) {
-                return Ok(ended);
+            let turned = self.turn();
+            let ended = turned.map(|()| self.close(stops())).transpose();
+            if let Some(ended) = ended {
+                self.end_record(None);
+                return ended;
             }
         }
     }
@@ -157,11 +181,42 @@ impl<'a, L: Line> Hub<'a, L> {
         self.read_slots()
     }
 
-    /// Executes a turn: receives from the board, and continues motions, arming, uploads and answers.
+    /// Adds the rows that are due to the recording of the session.
+    fn go_on_record(&mut self) {
+        let shows = matches!(self.act, Some(Act::Show(_)));
+        let (now, log) = (self.board.now(), &self.board.log);
+        let Some(record) = &mut self.record else { return };
+        if let Err(error) = record.go_on(
+            self.scene,
+            log,
+            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0)),
+        ) {
+            self.end_record(Some(error));
+        }
+    }
+
+    /// Writes the end of the recording, if there is one. `error`: the error that ends it.
+    fn end_record(&mut self, error: Option<String>) {
+        let Some(record) = self.record.take() else { return };
+        if let Some(error) = error.or(record.end().err()) {
+            self.event(Level::Error, &format!("the recording has ended: {error}"));
+        }
+    }
+
+    /// Handles messages of pages and commands.
+    fn take_messages(&mut self) {
+        for _ in 0..MESSAGES {
+            let Ok(message) = self.inbox.try_recv() else { break };
+            self.take(message);
+        }
+    }
+
+    /// Handles messages, receives from the board, and goes on with what goes on.
     ///
     /// # Errors
-    /// [`ClientError`] if the port can no longer be used.
+    /// The port is of no use any more.
     fn turn(&mut self) -> Result<(), ClientError> {
+        self.take_messages();
         if let Some(due) = self.lost {
             if self.board.now() >= due {
                 self.find_again();
@@ -179,6 +234,7 @@ impl<'a, L: Line> Hub<'a, L> {
             self.go_on_waiting();
         }
         self.tell();
+        self.go_on_record();
         self.failed.take().map_or(Ok(()), Err)
     }
 
@@ -206,6 +262,7 @@ impl<'a, L: Line> Hub<'a, L> {
             ToHub::Asked { command, request, answer } => {
                 self.take_request(command, &request, answer);
             }
+            ToHub::Watches { views } => self.watchers.add(views),
             ToHub::Gone { command } => self.forget_waiting(command),
         }
     }
@@ -213,9 +270,10 @@ impl<'a, L: Line> Hub<'a, L> {
     fn leave(&mut self, page: PageId) {
         self.pages.remove(&page);
         self.forget_upload(page);
+        self.wheel.forget(page);
         if self.wheel.is_at(page) {
             let now = self.now();
-            self.wheel.free(now);
+            self.wheel.pass(now);
             // A show goes on for 2 s: the page may only be reloading.
             if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
                 let _ = self.hold();

@@ -6,7 +6,6 @@ use sinew_board_client::Line;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, Refusal, State};
 
-use super::pose::wanted;
 use super::{Act, Hub, Page, Refused};
 use crate::frame::{self, Frame};
 use crate::message::{Level, ToPage};
@@ -70,7 +69,8 @@ impl<L: Line> Hub<'_, L> {
                 (None, false, false) => Some("page"),
                 _ => None,
             };
-            page.out.send(&text(ToPage::Role { driver, other }.json()));
+            let asked = driver && self.wheel.is_asked(self.now());
+            page.out.send(&text(ToPage::Role { driver, other, asked }.json()));
         }
     }
 
@@ -135,8 +135,13 @@ impl<L: Line> Hub<'_, L> {
 
     /// Reports new faults and states to pages, and sends them a frame for each snapshot.
     pub(super) fn tell(&mut self) {
-        for record in std::mem::take(&mut self.board.log.faults) {
-            self.tell_fault(&record);
+        let faults = std::mem::take(&mut self.board.log.faults);
+        for record in &faults {
+            self.tell_fault(record);
+        }
+        self.watchers.tell(self.board, &faults);
+        if let Some(record) = &mut self.record {
+            record.hear(&faults);
         }
         if let Some(state) = self.board.state()
             && self.told.state.replace(state) != Some(state)
@@ -175,7 +180,7 @@ impl<L: Line> Hub<'_, L> {
             tick_us: summary.tick_us,
             counts: self.scene.counts(),
             measured: &log.q,
-            wanted: &wanted(self.scene, log).unwrap_or_default(),
+            wanted: &self.scene.commanded(log).unwrap_or_default(),
             ghost: self.ghost.as_deref(),
             dofs: &log.dofs,
             servos: &log.servos,

@@ -144,10 +144,11 @@ const refresh = (swings = new Set()) => {
   events.show(frame?.fault ?? null, may.clear);
   setDisabled(byId("wheel"), !isConnected);
   setHidden(byId("wheel"), false);
-  write(byId("wheel"), role.driver ? "Give it back" : "Take the wheel");
-  byId("wheel").classList.toggle("go", !role.driver);
-  write(byId("role"), role.driver ? "This page drives"
-    : role.other && role.other !== "null" ? `Viewing: a ${role.other} drives` : "Viewing: nobody drives");
+  const isOther = role.other && role.other !== "null";
+  write(byId("wheel"), role.driver ? (role.asked ? "Give it" : "Give it back") : isOther ? "Ask for the wheel" : "Take the wheel");
+  byId("wheel").classList.toggle("go", !role.driver || role.asked === true);
+  write(byId("role"), role.driver ? (role.asked ? "Another page asks for the wheel" : "This page drives")
+    : isOther ? `Viewing: a ${role.other} drives` : "Viewing: nobody drives");
   if (!frame || !parts) {
     write(byId("state"), isConnected ? "waiting" : "not connected");
     write(byId("moves"), "");

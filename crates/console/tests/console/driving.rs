@@ -25,7 +25,10 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
     assert_eq!(page.texts[0]["dofs"][0]["coordinate"], 0);
     assert_eq!(page.texts[1]["slots"][0]["name"], "nod");
     assert_eq!(page.texts[1]["slots"][0]["cues"][0]["name"], "far");
-    assert_eq!(page.texts[2], json!({ "type": "role", "driver": true, "other": null }));
+    assert_eq!(
+        page.texts[2],
+        json!({ "type": "role", "driver": true, "other": null, "asked": false })
+    );
     page.until_state(LIMP);
     assert!(page.shown().wanted.is_nan(), "nothing is wanted of a limp rig");
     let (is_done, text) = page.ask(json!({ "type": "jog", "dof": 0, "goal": 0.1 }));
@@ -76,7 +79,7 @@ fn a_tied_joint_moves_with_its_leader() {
         most_rad: Some(offset),
         ..LinkedLimit::default()
     });
-    let console = OtherSide::start_rig(arm, false);
+    let console = OtherSide::start_on(arm, None, false);
     let mut page = Page::open(&console);
     let leaders = [0, 1].map(|dof| page.texts[0]["dofs"][dof]["leader"].clone());
     assert_eq!(leaders, [json!(null), json!(0)]);
@@ -174,8 +177,14 @@ fn one_page_drives_and_all_may_stop() {
     sleep(ms(450));
     driver.slide(1.0, ms(300));
     driver.until_state(PLAYING);
+    // The viewer has asked for the wheel above, and gets it.
+    assert!(driver.texts.iter().any(|text| text["type"] == "role" && text["asked"] == true));
     assert!(driver.ask(json!({ "type": "wheel", "take": false })).0);
-    assert!(viewer.ask(json!({ "type": "wheel", "take": true })).0);
+    let is_at_the_wheel = |page: &Page| {
+        let mut roles = page.texts.iter().rev().filter(|text| text["type"] == "role");
+        roles.next().is_some_and(|role| role["driver"] == true)
+    };
+    viewer.until("the wheel", is_at_the_wheel);
     assert!(!driver.ask(json!({ "type": "home" })).0);
     assert!(driver.ask(json!({ "type": "stop" })).0);
     driver.until_state(LOWERING);

@@ -4,4 +4,6 @@
 mod attacks;
 mod client;
 mod driving;
+mod load;
 mod other_side;
+mod replay;

@@ -90,8 +90,10 @@ impl PlaceArgs {
         let mut names = consoles();
         if let Some(port) = self.board.path() {
             let own = name_of_port(port);
-            return Ok(names.contains(&own).then_some(own));
+            names.retain(|name| *name == own);
         }
+        // A command that only watches closes its port for this one.
+        names.retain(|name| !ask(name, &Request::Yield).is_ok_and(|reply| reply.ok));
         if names.len() > 1 {
             bail!("several consoles run ({}): `--port PORT` names the board", names.join(", "));
         }
@@ -113,10 +115,10 @@ impl PlaceArgs {
             RigParts::new(&rig.description, &rig.mechanism, DrivenArgs::default().on_board());
         let parts = parts.with_context(|| path.display().to_string())?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, &parts, Source::Board);
-        let mut board = self.board.open()?;
+        let (mut board, name) = self.board.open_named()?;
         check_rig(&board, &parts)?;
         let stop = Stop::new()?;
-        Ok(execute(&mut board, &scene, request, &|| stop.times())?)
+        Ok(execute(&mut board, &scene, (&name, request), &|| stop.times())?)
     }
 }
 

@@ -1,5 +1,7 @@
 //! `sinew console`: a page that shows a rig, moves it and stops it.
 
+mod browser;
+mod recorded;
 mod simulated;
 
 use std::net::{IpAddr, SocketAddr};
@@ -8,7 +10,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, local};
+use sinew_console::{Console, Ended, Options, OwnShow, OwnSound, Scene, Source};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
@@ -16,33 +18,39 @@ use sinew_rig::new;
 use sinew_rig::servo::Address;
 use sinew_servo_sim::fault::{Fault, FaultOrder};
 use sinew_show::Show;
+use sinew_show::sound::Sound;
 
 use super::board::{check_rig, open};
 use super::driven::DrivenArgs;
+use super::output::OutputPath;
 use super::performance::PerformanceArgs;
 use super::play::show;
 use super::rig::read;
+use super::sound;
 use super::stack::with_stack;
 use super::stop::Stop;
 use super::target::Target;
 use super::unit_args::UnitArgs;
+
+use browser::Redirect;
 
 /// Number of joints of the arm that is used if no rig is given.
 const JOINTS: usize = 6;
 
 /// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
 ///
-/// It prints the address of the page, which contains a secret token, and serves the page until Ctrl-C. The page needs
-/// no network. Without --target, this program simulates the board and its servos; without --rig, the rig is a desk arm
-/// of six joints.
+/// It prints the address of the page, with a secret token, opens it in the browser of a desktop, and serves the page
+/// until Ctrl-C. The page needs no network. A recording is shown on the same page, which then moves nothing.
+/// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
+/// six joints.
 ///
-/// One page drives; all pages can hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
-/// and torque is switched off. A second Ctrl-C ends the program at once.
+/// One page drives; all pages may hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
+/// and torque is switched off. A second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 pub(super) struct ConsoleArgs {
-    /// Shows of `sinew bake` for the page's list, or clips. The command first bakes a clip into a show, as `sinew bake
-    /// --fit` does.
-    #[arg(value_name = "SHOW|CLIP")]
+    /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
+    /// does it. Or a recording of `--record`, alone.
+    #[arg(value_name = "SHOW|CLIP|RECORDING")]
     shows: Vec<String>,
 
     /// The rig: rig.toml, URDF or MJCF. Default: the arm of `sinew rig new --arm 6`.
@@ -80,6 +88,15 @@ pub(super) struct ConsoleArgs {
     /// later.
     #[arg(long)]
     unattended: bool,
+
+    /// Record the session into this Parquet file, which `sinew report` and this command read: 30 rows a second.
+    #[arg(long, value_name = "FILE.parquet")]
+    record: Option<OutputPath>,
+
+    /// Do not open the page in a browser. Without a desktop, over ssh and if the output is no terminal, it is never
+    /// opened.
+    #[arg(long)]
+    no_open: bool,
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
@@ -105,6 +122,33 @@ impl ConsoleArgs {
             }
         }
         Ok(())
+    }
+
+    /// Opens the port for pages.
+    fn open(&self) -> anyhow::Result<Console> {
+        let options = Options {
+            listen: self.listen,
+            allow_drive: self.allow_drive,
+            unattended: self.unattended,
+        };
+        Console::open(options).context("the page's port")
+    }
+
+    /// Prints the addresses, and opens the first in a browser.
+    fn tell(&self, addresses: &[String]) -> anyhow::Result<Option<Redirect>> {
+        for address in addresses {
+            print(&format!("{address}\n"))?;
+        }
+        if let Some(listen) = self.listen.filter(|listen| !listen.ip().is_loopback()) {
+            let may = if self.allow_drive { "watch, stop and drive" } else { "watch and stop" };
+            let whole = listen.ip().is_unspecified();
+            let at = if whole { ", at any address of this machine" } else { "" };
+            note(format_args!(
+                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
+            ));
+        }
+        let opened = addresses.first().filter(|_| !self.no_open);
+        Ok(opened.and_then(|address| browser::open(address)))
     }
 
     /// Returns the rig in the file, or the desk arm.
@@ -149,17 +193,33 @@ impl ConsoleArgs {
         let own = |name: &String| {
             let path = Path::new(name);
             let crc = parts.rig_crc();
-            let bytes = if let Some(bytes) = show::read(path)? {
-                bytes
+            let (bytes, sound) = if let Some(file) = show::read(path)? {
+                (file.bytes, file.sound.and_then(|sound| own_sound(path, &sound)))
             } else {
                 let on_rig = PerformanceArgs::default();
-                show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?
+                (show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?, None)
             };
             Show::open(&bytes)?.check_rig(crc).with_context(|| name.clone())?;
             let stem = path.file_stem().unwrap_or(path.as_os_str());
-            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into() })
+            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into(), sound })
         };
         self.shows.iter().map(own).collect()
+    }
+}
+
+/// Returns the sound of a show; without its file the show plays without it.
+fn own_sound(show: &Path, sound: &Sound) -> Option<OwnSound> {
+    match sound::find(show, sound) {
+        Ok(found) => Some(OwnSound {
+            hash: sound::hex(&sound.sha256),
+            name: sound.name.clone(),
+            offset_s: sound.offset_us as f64 * 1e-6,
+            bytes: found.bytes.into(),
+        }),
+        Err(error) => {
+            note(format_args!("warning: {error:#}: the show plays without its sound"));
+            None
+        }
     }
 }
 
@@ -170,6 +230,9 @@ pub(super) fn run(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
 
 fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     args.check()?;
+    if let Some(recording) = args.recording()? {
+        return args.replay(recording);
+    }
     let rig = args.rig()?;
     let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
     let parts = parts.with_context(|| args.name())?;
@@ -179,12 +242,13 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     let serve = |source| Served { args, rig: &rig, parts: &parts, source, stop: &stop };
     match &args.target {
         Target::Port(port) => {
-            let mut board = open(Some(port), "--target")?;
+            let (mut board, name) = open(Some(port), "--target")?;
             check_rig(&board, &parts)?;
-            serve(Source::Board).on(&mut board, shows)
+            serve(Source::Board).on(&mut board, &name, shows)
         }
         Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
-            serve(Source::Simulated).on(board, shows)
+            let name = format!("simulated-{}", std::process::id());
+            serve(Source::Simulated).on(board, &name, shows)
         }),
     }
 }
@@ -199,32 +263,19 @@ struct Served<'a> {
 }
 
 impl Served<'_> {
-    fn on<L: Line>(self, board: &mut Board<L>, shows: Vec<OwnShow>) -> anyhow::Result<ExitCode> {
+    fn on<L: Line>(
+        self,
+        board: &mut Board<L>,
+        name: &str,
+        shows: Vec<OwnShow>,
+    ) -> anyhow::Result<ExitCode> {
         let Self { args, rig, parts, source, stop } = self;
-        let options = Options {
-            listen: args.listen,
-            allow_drive: args.allow_drive,
-            unattended: args.unattended,
-        };
-        let console = Console::open(options).context("the page's port")?;
+        let console = args.open()?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, source);
-        for address in console.addresses() {
-            print(&format!("{address}\n"))?;
-        }
-        if let Some(listen) = args.listen.filter(|listen| !listen.ip().is_loopback()) {
-            let may = if args.allow_drive { "watch, stop and drive" } else { "watch and stop" };
-            let whole = listen.ip().is_unspecified();
-            let at = if whole { ", at any address of this machine" } else { "" };
-            note(format_args!(
-                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
-            ));
-        }
+        let record = args.recorder(rig, parts)?;
+        let _redirect = args.tell(&console.addresses())?;
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        let name = match &args.target {
-            Target::Port(port) => local::name_of_port(port),
-            Target::Sim | Target::Nucleo => format!("simulated-{}", std::process::id()),
-        };
-        match console.run(board, &scene, (&name, shows), &|| stop.times()) {
+        match console.run(board, &scene, (name, shows, record), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)

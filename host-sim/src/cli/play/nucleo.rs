@@ -15,7 +15,7 @@ use sinew_performance::play::{Line, Memory, RigParts};
 use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::device::MEMORY_LEN;
 
-use super::board::perform_on;
+use super::board::{Timing, perform_on};
 use crate::cli::board::put;
 
 /// The emulator: the environment variable that names it, and the path in cargo's target folder where `cargo xtask
@@ -62,7 +62,7 @@ pub(super) fn perform(
     rig: &LoadedRig,
     parts: &RigParts,
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
 ) -> anyhow::Result<ExitCode> {
     let [line] = parts.lines.as_slice() else {
         bail!(
@@ -84,7 +84,8 @@ pub(super) fn perform(
     let mut board = Board::connect(board, nonce(), STARTS)?;
     let stored = parts.board_rig().map_err(anyhow::Error::msg)?;
     put(&mut board, &item(Kind::Rig, RIG_SCHEMA, &stored, 0, "sinew play")?, &stored)?;
-    let ended = perform_on(&mut board, parts, bytes, rounds)?;
+    let name = format!("nucleo-{}", std::process::id());
+    let ended = perform_on((&mut board, &name), (rig, parts), bytes, timing, None)?;
     let time_s = board.now().as_secs_f64();
     let bus = &board.line_mut().bus;
     let (own, all) = (bus.iter().filter(|burst| burst.is_own).count(), bus.len());

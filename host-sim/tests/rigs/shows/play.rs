@@ -53,9 +53,13 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         let play = ["play", &show, "--rig", &rig, "--drive", drive];
         let [table, notes] = done(&play);
         assert!(notes.contains(rate), "{notes}");
-        let states =
-            ["limp", "arming", "holding", "playing", "holding", "stopping", "lowering", "limp"];
-        let told: Vec<&str> = notes.lines().filter_map(|line| line.split(" s  ").nth(1)).collect();
+        let approach = "going to the show's first pose";
+        let states = ["limp", "arming", "holding", approach, "playing", "holding", "stopping"];
+        let states = [&states[..], &["lowering", "limp"]].concat();
+        let told: Vec<&str> = notes
+            .lines()
+            .filter_map(|line| line.split(" s  ").nth(1)?.split(": ").next())
+            .collect();
         assert_eq!(told[told.len() - states.len()..], states, "{notes}");
         assert!(
             table.contains("faults: none") && table.contains(" 0 overruns, 0 not whole"),
