@@ -190,7 +190,7 @@ impl<L: Line> Performance<'_, L> {
             at
         } else {
             let approach = self.parts.approach(self.show, &self.board.log.q);
-            if let Some(approach) = &approach {
+            if let Some(approach) = approach {
                 let since_s = now.saturating_sub(self.begun).as_secs_f64();
                 note(format_args!("{since_s:7.2} s  {}", approach_text(approach)));
             }

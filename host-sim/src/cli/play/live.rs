@@ -55,7 +55,7 @@ impl Live {
             if report.state == State::Playing
                 && let Some(approach) = sim.approach()
             {
-                self.tell(format_args!("{:7.2} s  {}", sim.time_s(), approach_text(&approach)));
+                self.tell(format_args!("{:7.2} s  {}", sim.time_s(), approach_text(approach)));
             }
         }
         if sim.runs() && !std::mem::replace(&mut self.has_begun, true) {
@@ -128,9 +128,9 @@ impl Live {
 }
 
 /// Describes the beginning of a show.
-pub(super) fn approach_text(approach: &Approach) -> String {
+pub(super) fn approach_text(approach: Approach) -> String {
     let Approach { way_s, late_s } = approach;
-    let late = if *late_s > 0.0 {
+    let late = if late_s > 0.0 {
         format!(", which it passes at speed: the show begins slowly and is {late_s:.2} s late")
     } else {
         String::new()

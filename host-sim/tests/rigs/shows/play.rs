@@ -53,8 +53,18 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         let play = ["play", &show, "--rig", &rig, "--drive", drive];
         let [table, notes] = done(&play);
         assert!(notes.contains(rate), "{notes}");
-        let states =
-            ["limp", "arming", "holding", "playing", "holding", "stopping", "lowering", "limp"];
+        let states = [
+            "limp",
+            "arming",
+            "holding",
+            "playing",
+            "goes to the first pose: 1.0 s",
+            "the show begins",
+            "holding",
+            "stopping",
+            "lowering",
+            "limp",
+        ];
         let told: Vec<&str> = notes.lines().filter_map(|line| line.split(" s  ").nth(1)).collect();
         assert_eq!(told[told.len() - states.len()..], states, "{notes}");
         assert!(
@@ -65,6 +75,22 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         assert!(mean > 0.0 && mean <= bound_deg && largest < 15.0, "{table}");
         assert_eq!(hash(&table), hash(&done(&play)[0]));
     }
+}
+
+#[test]
+fn a_preroll_fixes_when_the_show_begins() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = arm(folder.path());
+    let play = ["play", &show, "--rig", &rig, "--preroll"];
+    let [_, notes] = done(&[&play[..], &["3"]].concat());
+    let time_s = |state: &str| -> f64 {
+        let line = notes.lines().find(|line| line.ends_with(state)).expect(state);
+        line.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let preroll_s = time_s("the show begins") - time_s("  holding");
+    assert!((preroll_s - 3.0).abs() < 0.05, "{preroll_s}: {notes}");
+    refused(&[&play[..], &["0.2"]].concat(), "--preroll: expected at least 1.0");
+    refused(&[&play[..], &["-1"]].concat(), "expected a number of seconds from 0 to 300");
 }
 
 #[test]
@@ -98,7 +124,7 @@ fn playing(rig: &str, show: &str) -> (Child, BufReader<std::process::ChildStderr
         .unwrap();
     let mut notes = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    while !line.ends_with("playing\n") {
+    while !line.contains("goes to the first pose") {
         line.clear();
         assert!(notes.read_line(&mut line).unwrap() > 0, "it ended before");
     }
