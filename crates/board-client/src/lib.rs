@@ -12,6 +12,8 @@
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.
+//! - [`Journey`]: a motion of all joints to a pose; [`pose`]: poses, among them the pose that the board commands.
+//! - [`console`]: asks a hub that uses a board.
 //! - [`port`]: finds the port of a controller, and recognizes a port that has servos instead.
 //!
 //! ```no_run
@@ -27,6 +29,8 @@
 //! # Files
 //! - `board`: a session. `upload`: items that a board stores.
 //! - `line`: bytes to and from a board. `port`: serial ports with a board.
+//! - `journey`: motions to a pose. `pose`: poses as coordinates and as dofs.
+//! - `console/`: the socket of a hub, for other commands.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.
@@ -36,15 +40,20 @@
 #![warn(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::missing_errors_doc)]
 
 mod board;
+#[cfg(unix)]
+pub mod console;
 mod error;
+mod journey;
 mod line;
 pub mod port;
+pub mod pose;
 mod servos;
 mod telemetry_log;
 mod upload;
 
 pub use board::{Board, SILENCE, nonce};
 pub use error::ClientError;
+pub use journey::Journey;
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;
 pub use telemetry_log::{TelemetryLog, TimedPose};

@@ -115,6 +115,10 @@ impl Console {
         (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
+        shows
+            .iter()
+            .filter_map(|show| show.sound.as_ref())
+            .for_each(|own| self.shared.sounds.add(own));
         let slot = usize::try_from(board.about().capacities.slot_bytes).unwrap_or(usize::MAX);
         self.shared.show_bytes.store(slot, Ordering::Relaxed);
         let (served, inbox, options) = self.serve()?;

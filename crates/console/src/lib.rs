@@ -16,10 +16,10 @@
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
-//! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
+//! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
 //! - `hub/`: the loop, commands, sliders, shows, uploads, hubs of other commands.
-//! - `replay/`: a recording in place of a board.
-//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
+//! - `replay/`: a recording in place of a board. `sounds`: sounds of shows, which pages play.
+//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -33,8 +33,10 @@ mod page;
 mod replay;
 mod scene;
 mod server;
+mod sounds;
 
 pub use console::{Console, Options, execute};
 pub use hub::{Ended, Hosted, OwnShow, Owner, RECORD_HZ};
 pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};
+pub use sounds::OwnSound;

@@ -125,6 +125,19 @@ pub(crate) struct Slot {
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,
+    /// Sound of the show; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) sound: Option<SlotSound>,
+}
+
+/// The sound of a show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct SlotSound {
+    /// Name under which the server has the file.
+    pub(crate) hash: String,
+    pub(crate) name: String,
+    /// Place in the sound at the start of the show, s.
+    pub(crate) offset_s: f64,
 }
 
 /// A cue of a show.

@@ -1,12 +1,13 @@
 //! The rig as the page draws it, with the names of its parts.
 
 use serde::Serialize;
+use sinew_board_client::{TelemetryLog, pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
 use sinew_performance::play::{Drive, RigParts};
 use sinew_report::rig::bodies;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{JointModel, Link};
+use sinew_rig::mechanism::{JointModel, Link, Ties};
 use sinew_rig::servo::Address;
 
 /// Range of a slider to both sides for a joint without a range: rad, and m.
@@ -54,6 +55,8 @@ pub struct Scene {
     pub(crate) home: Vec<f32>,
     /// Index of the first coordinate and number of coordinates of each joint.
     pub(crate) blocks: Vec<(usize, usize)>,
+    /// Joints that follow others.
+    ties: Ties,
 }
 
 /// A dof with its slider.
@@ -72,6 +75,8 @@ pub(crate) struct SceneDof {
     pub(crate) effort: Option<f32>,
     /// Index of the coordinate in a pose; `None` for a ball joint.
     pub(crate) coordinate: Option<usize>,
+    /// Index of the dof that it follows; `None` if it follows no other.
+    pub(crate) leader: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -156,8 +161,29 @@ impl Scene {
                 .collect(),
             home: mechanism.home().into_iter().map(single).collect(),
             blocks: blocks.collect(),
+            ties: mechanism.ties(),
             dofs,
         }
+    }
+
+    /// Moves the followers of a pose to where their leaders put them.
+    pub(crate) fn follow(&self, q: &mut [f32]) {
+        for tie in self.ties.each() {
+            let [own, leader] = tie.places();
+            q[own] = single(tie.factor * f64::from(q[leader]) + tie.offset);
+        }
+    }
+
+    /// Returns the factor of the fastest dof that follows a dof, without its sign; `None` if no other follows it.
+    pub(crate) fn leads(&self, dof: usize) -> Option<f32> {
+        let followers = self.ties.each().filter(|tie| tie.dofs()[1] == dof);
+        followers.map(|tie| single(tie.factor.abs())).reduce(f32::max)
+    }
+
+    /// Returns why a dof does not move by itself: it follows another one.
+    pub(crate) fn follows(&self, dof: &SceneDof) -> Option<String> {
+        let leader = self.dofs.get(dof.leader?)?;
+        Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
     }
 
     /// Describes no rig: for a hub without pages that moves nothing.
@@ -169,7 +195,13 @@ impl Scene {
             joints: Vec::new(),
             home: Vec::new(),
             blocks: Vec::new(),
+            ties: Ties::default(),
         }
+    }
+
+    /// Returns the pose that the board commands; `None` while torque is off.
+    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
+        pose::commanded(&self.blocks, self.dofs.len(), log)
     }
 
     /// Returns the message that describes the rig. `line_rate_hz`: snapshots per second that the line can carry.
@@ -201,7 +233,7 @@ fn single(number: f64) -> f32 {
 
 fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
     let (mut dofs, mut coordinate) = (Vec::new(), 0);
-    let of_board = parts.compact().dofs();
+    let (of_board, ties) = (parts.compact().dofs(), mechanism.ties());
     for (body, link) in mechanism.bodies.iter().enumerate() {
         let kind = link.joint.kind();
         let is_ball = kind.coordinate_count() != kind.dof_count();
@@ -221,6 +253,7 @@ fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
                 speed: Some(of_board[index].speed).filter(|speed| speed.is_finite()),
                 effort: Some(of_board[index].effort).filter(|effort| effort.is_finite()),
                 coordinate: (!is_ball).then_some(coordinate + axis),
+                leader: ties.of(body).map(|tie| tie.dofs()[1]),
             });
         }
         coordinate += kind.coordinate_count();

@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
-    CheckError, Curve, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError,
-    MotionError, Performance, Report, RigMotion, check, rate_at_rows, refit,
+    CheckError, Curve, Excess, Fit, FitError, Instant, Kind, Limits, LoopError, MotionError,
+    Performance, Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;
@@ -241,6 +241,7 @@ impl Baker<'_> {
         mut fitted: Fit,
         of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, ShowMarks), BakeError>,
     ) -> Result<(Fit, Baked, Report), BakeError> {
+        let settings = fitted.settings;
         let mut tight = limits.clone();
         let mut fits = 0;
         loop {
@@ -258,7 +259,7 @@ impl Baker<'_> {
                 let before = fitted.motion.fingerprint();
                 // Frees the motion, which may be long, before the next one is made.
                 let progress = fitted.into_progress();
-                fitted = refit(self.mechanism, &tight, given, &progress, FitSettings::default())?;
+                fitted = refit(self.mechanism, &tight, given, &progress, settings)?;
                 // An equal motion would give an equal show.
                 if fitted.motion.fingerprint() != before {
                     break;

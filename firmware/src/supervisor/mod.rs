@@ -81,6 +81,7 @@ pub use guard::{
 pub use moving::Moving;
 pub use overload::Overload;
 pub use permission::Permission;
+pub(crate) use permission::smooth;
 pub use registers::{RegisterDiffers, Registers};
 pub use settings::{LOWER_MOST, SOFT_MOST_RAD_S, Settings};
 pub use state::{Allows, Feed, Mode, Operator, Source, State};

@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
-use super::{blend, export, find, idle, inspect, jaw, map, weights};
+use super::{blend, export, face, find, idle, inspect, jaw, map, weights};
 
-/// Inspect, map, search, blend and export clips of motion capture; make the motion of a jaw from a sound, or a loop of
-/// idle life.
+/// Inspect, map, search, blend and export clips of motion capture; make the motion of a jaw from a sound, of a face from
+/// mouth cues or blend shapes, or a loop of idle life.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]
@@ -25,6 +25,7 @@ enum Command {
     Blend(blend::Args),
     Export(export::Args),
     Jaw(jaw::Args),
+    Face(face::Args),
     Idle(idle::Args),
     Weights(weights::Args),
 }
@@ -38,6 +39,7 @@ pub(super) fn run(args: &ClipCommands) -> anyhow::Result<ExitCode> {
         Command::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
         Command::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
         Command::Jaw(args) => jaw::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Face(args) => face::run(args).map(|()| ExitCode::SUCCESS),
         Command::Idle(args) => idle::run(args).map(|()| ExitCode::SUCCESS),
         Command::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
     }

@@ -113,7 +113,7 @@ impl ClipArgs {
             .or(on_rig.of_clips())
             .or(on_rig.of_own())
             .or(self.units.given())
-            .or(on_rig.fit.then_some("--fit"));
+            .or(on_rig.fits().then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }

@@ -61,7 +61,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mapping = args.mapping.as_deref();
     let performance =
         args.on_rig.perform(&rig, &args.clip, mapping, None, (FOR_OTHERS, args.units))?;
-    if let Some(done) = performance.fit_summary() {
+    if let Some(line) = performance.headline(&rig.mechanism) {
+        note(format_args!("{line}"));
+    }
+    if let Some(done) = performance.fit_summary(&rig.mechanism) {
         note(format_args!("fitted: {}", done.trim_end()));
     }
     let resampled;

@@ -126,7 +126,8 @@ fn milliseconds(text: &str) -> Result<f64, String> {
     within(text, [1.0, 1000.0], "ms")
 }
 
-fn lead(text: &str) -> Result<f64, String> {
+/// Parses a time by which a motion is moved ahead, ms.
+pub(super) fn lead(text: &str) -> Result<f64, String> {
     within(text, [0.0, 500.0], "ms")
 }
 

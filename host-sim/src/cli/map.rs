@@ -8,13 +8,8 @@ use sinew_figure::measured::{Measured, UnitOverrides};
 use sinew_host_util::command::{note, print};
 use sinew_mocap::files::ClipFile;
 use sinew_mocap::{Up, format};
-use sinew_performance::{ClipSettings, PreparedClip};
-use sinew_retarget::Landmark;
-use sinew_retarget::mapping::Mapping;
-use sinew_retarget::performer::Performer;
-use sinew_retarget::rig::RigMatch;
+use sinew_performance::{ClipSettings, PreparedClip, propose_mapping};
 use sinew_retarget::skeleton::{MapHead, SkeletonMatch, figure_mapping};
-use sinew_retarget::solve::{Settings, best_tilt};
 
 use super::rig::read;
 use super::unit_args::UnitArgs;
@@ -63,22 +58,9 @@ fn on_rig(clip: &Path, rig: &Path, units: UnitOverrides) -> anyhow::Result<Strin
     let settings = ClipSettings { cutoff_hz: None, units };
     let clip = PreparedClip::read(&ClipFile::new(clip), settings)?;
     note(format_args!("note: {}: {}", clip.clip.name, clip.measured));
-    let mechanism = &loaded.mechanism;
-    let of_rig = RigMatch::of(mechanism).with_context(|| loaded.description.name.clone())?;
-    let joints = clip.joints();
-    let names = [loaded.description.name.as_str(), clip.clip.name.as_str()];
-    let of_clip = |landmark: Landmark| {
-        let found = clip.matched.get(landmark);
-        found.map_or((0.0, "nothing".to_owned()), |found| (found.confidence, found.reason.clone()))
-    };
-    let skeleton = &clip.clip.skeleton;
-    let mut mapping = Mapping::propose(names, mechanism, &of_rig, skeleton, &joints, of_clip);
-    if let Ok(performer) = Performer::of(&clip.clip, &joints) {
-        mapping.performance.tilt_rad =
-            best_tilt(mechanism, &of_rig, &clip.clip, &performer, &Settings::of(&of_rig));
-    }
+    let (mapping, of_rig) = propose_mapping(&loaded, &clip)?;
     for left_out in &of_rig.left_out {
-        let joint = &mechanism.bodies[left_out.joint].joint_name;
+        let joint = &loaded.mechanism.bodies[left_out.joint].joint_name;
         note(format_args!("left out: {joint}: {}", left_out.reason));
     }
     tell_lowest(

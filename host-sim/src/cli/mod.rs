@@ -11,6 +11,7 @@ mod driven;
 mod evaluate;
 mod evaluation;
 mod export;
+mod face;
 mod figure;
 mod find;
 mod guide;
@@ -35,6 +36,7 @@ mod servo;
 #[cfg(unix)]
 mod servos;
 mod setup;
+mod sound;
 mod stack;
 mod stop;
 mod sweep;

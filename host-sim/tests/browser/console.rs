@@ -12,13 +12,13 @@ use crate::page::{Page, with_url};
 const PATIENCE: Duration = Duration::from_mins(1);
 
 /// A running console.
-struct Served {
+pub(crate) struct Served {
     process: Child,
-    address: String,
+    pub(crate) address: String,
 }
 
 impl Served {
-    fn start(arguments: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
         let mut process = command()
             .arg("console")
             .args(arguments)
@@ -34,7 +34,7 @@ impl Served {
     }
 
     /// Returns the address without the token: all addresses that the page may request begin with it.
-    fn origin(&self) -> &str {
+    pub(crate) fn origin(&self) -> &str {
         self.address.split('#').next().unwrap()
     }
 }
@@ -62,7 +62,7 @@ fn text(page: &Page, id: &str) -> String {
 
 /// Waits until an expression of the page is true.
 #[track_caller]
-fn wait_until(page: &Page, expression: &str) {
+pub(crate) fn wait_until(page: &Page, expression: &str) {
     let begun = Instant::now();
     while page.ask(expression) != true {
         let state = text(page, "state");
@@ -73,13 +73,13 @@ fn wait_until(page: &Page, expression: &str) {
 }
 
 #[track_caller]
-fn wait_for_state(page: &Page, state: &str) {
+pub(crate) fn wait_for_state(page: &Page, state: &str) {
     wait_until(page, &format!("document.getElementById('state').textContent === '{state}'"));
 }
 
 /// Arms the rig as soon as it rests: until then, arming is refused.
 #[track_caller]
-fn arm(page: &Page) {
+pub(crate) fn arm(page: &Page) {
     let begun = Instant::now();
     while text(page, "state") == "limp" {
         assert!(begun.elapsed() < PATIENCE, "{}", text(page, "answer"));

@@ -2,11 +2,9 @@
 
 use std::time::Duration;
 
-use sinew_board_client::Line;
+use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
-use super::journey::Journey;
-use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, Refused};
 use crate::message::Level;
@@ -116,10 +114,17 @@ impl<L: Line> Hub<'_, L> {
             feeding.due = now + EVERY;
             let commanded = self.wanted(feeding.motion.coordinate);
             let velocity = feeding.motion.velocity(commanded, now);
-            let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
-            self.send(Stream::Jog { dof, velocity })?;
+            if let Some(mut pose) = feeding.motion.pose() {
+                self.scene.follow(&mut pose);
+                self.send_pose(pose, now)?;
+            } else {
+                let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
+                self.send(Stream::Jog { dof, velocity })?;
+            }
         }
-        if self.follow(&mut feeding, Feed::Jog)? {
+        let feed =
+            if self.scene.leads(feeding.motion.dof).is_some() { Feed::Live } else { Feed::Jog };
+        if self.follow(&mut feeding, feed)? {
             self.act.get_or_insert(Act::Slider(feeding));
         } else {
             self.barred = Some(now);
@@ -129,7 +134,7 @@ impl<L: Line> Hub<'_, L> {
 
     fn go_on_journey(&mut self, mut feeding: Feeding<Journey>) -> Result<(), Refused> {
         let now = self.now();
-        let commanded = wanted(self.scene, &self.board.log);
+        let commanded = self.scene.commanded(&self.board.log);
         if feeding.motion.is_over(commanded.as_deref(), now) {
             self.hold()?;
             self.arrived = true;
@@ -138,9 +143,7 @@ impl<L: Line> Hub<'_, L> {
         }
         if now >= feeding.due {
             feeding.due = now + EVERY;
-            let q = feeding.motion.at(now).into_iter().collect();
-            let sent_us = u32::try_from(now.as_micros() & u128::from(u32::MAX)).unwrap_or(0);
-            self.send(Stream::Live(LiveFrame { sent_us, q }))?;
+            self.send_pose(feeding.motion.at(now), now)?;
         }
         if self.follow(&mut feeding, Feed::Live)? {
             self.act.get_or_insert(Act::Journey(feeding));
@@ -186,6 +189,11 @@ impl<L: Line> Hub<'_, L> {
             _ => {}
         }
         Ok(())
+    }
+
+    fn send_pose(&mut self, pose: Vec<f32>, now: Duration) -> Result<(), Refused> {
+        let sent_us = u32::try_from(now.as_micros() & u128::from(u32::MAX)).unwrap_or(0);
+        self.send(Stream::Live(LiveFrame { sent_us, q: pose.into_iter().collect() }))
     }
 
     fn send(&mut self, stream: Stream) -> Result<(), Refused> {

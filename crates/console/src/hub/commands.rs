@@ -2,12 +2,10 @@
 
 use std::time::Duration;
 
-use sinew_board_client::Line;
+use sinew_board_client::{Journey, Line};
 use sinew_link::message::{Command, POSE_MAX, State};
 
 use super::act::{Act, Feeding};
-use super::journey::Journey;
-use super::pose::wanted;
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
 use crate::local::{CUTS, STOPS};
@@ -154,6 +152,9 @@ impl<L: Line> Hub<'_, L> {
         let Some(coordinate) = own.coordinate else {
             return Err(Refused::because("a ball joint has no slider of its own"));
         };
+        if let Some(why) = self.scene.follows(own) {
+            return Err(Refused::Other(why));
+        }
         if let Some(Act::Slider(feeding)) = &mut self.act
             && feeding.motion.dof == dof
         {
@@ -165,9 +166,14 @@ impl<L: Line> Hub<'_, L> {
         }
         let at = self.wanted(coordinate).or_else(|| self.board.log.q.get(coordinate).copied());
         let at = at.ok_or_else(|| Refused::because("the pose is not known yet"))?;
-        let most = own.speed.unwrap_or(self.soft_rad_s).min(self.soft_rad_s);
+        let leads = self.scene.leads(dof);
+        let soft = self.soft_rad_s / leads.unwrap_or(1.0).max(1.0);
+        let most = own.speed.unwrap_or(soft).min(soft);
         let mut slider = Slider::new((dof, coordinate), at, (own.range, most), now);
         slider.feed(goal, now);
+        if leads.is_some() {
+            slider.lead(self.pose_now(self.scene.home.len())?);
+        }
         self.act = Some(Act::Slider(Feeding::new(slider, now)));
         Ok(String::new())
     }
@@ -180,15 +186,7 @@ impl<L: Line> Hub<'_, L> {
                 self.state()
             )));
         }
-        let from: Vec<f32> = (0..to.len())
-            .filter_map(|k| self.wanted(k).or_else(|| self.board.log.q.get(k).copied()))
-            .collect();
-        if from.len() != to.len() {
-            return Err(Refused::because("the pose is not known yet"));
-        }
-        if to.len() > POSE_MAX {
-            return Err(Refused::because("the rig has more joints than a live pose carries"));
-        }
+        let from = self.pose_now(to.len())?;
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
         let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now);
@@ -197,8 +195,21 @@ impl<L: Line> Hub<'_, L> {
         Ok("the rig moves".to_owned())
     }
 
+    /// Returns the pose from which a motion of all joints begins: that which the board commands, or has measured.
+    fn pose_now(&self, count: usize) -> Result<Vec<f32>, Refused> {
+        let own = |k: usize| self.wanted(k).or_else(|| self.board.log.q.get(k).copied());
+        let pose: Vec<f32> = (0..count).filter_map(own).collect();
+        if pose.len() != count {
+            return Err(Refused::because("the pose is not known yet"));
+        }
+        if count > POSE_MAX {
+            return Err(Refused::because("the rig has more joints than a live pose carries"));
+        }
+        Ok(pose)
+    }
+
     /// Returns a coordinate of the pose that the board commands; `None` if it is not known.
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
-        wanted(self.scene, &self.board.log)?.get(coordinate).copied()
+        self.scene.commanded(&self.board.log)?.get(coordinate).copied()
     }
 }

@@ -131,6 +131,9 @@ impl<L: Line> Hub<'_, L> {
             })?;
             let coordinate =
                 dof.coordinate.ok_or_else(|| Refused::because("it is a ball joint"))?;
+            if let Some(why) = self.scene.follows(dof) {
+                return Err(Refused::Other(why));
+            }
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "a board has f32, and the range limits it"
@@ -146,6 +149,7 @@ impl<L: Line> Hub<'_, L> {
                 return Err(Refused::because("this is beyond the range of the joint"));
             }
             to[coordinate] = goal;
+            self.scene.follow(&mut to);
         }
         self.travel(&to).map(|_| ())
     }

@@ -2,17 +2,15 @@
 //!
 //! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
 //!   journey, a show.
-//! - `slider`, `journey`: motions, without a clock of their own. `pose`: the pose that the board commands. `shows`:
-//!   slots and ghosts. `upload`: a show on its way to the board.
-//! - `tell`: what pages are told. `local`: commands of this user in other terminals. `watchers`: those that watch.
+//! - `slider`: motions, which get the time from their caller. `shows`: slots and ghosts. `upload`: a show that is sent to
+//!   the board.
+//! - `tell`: messages to pages. `local`: commands of this user in other terminals. `watchers`: those that watch.
 //! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
 mod commands;
 mod hosted;
-mod journey;
 mod local;
-pub(crate) mod pose;
 mod session_record;
 mod shows;
 mod slider;

@@ -7,8 +7,8 @@ use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, State};
 use sinew_performance::play::{Recorder, Tick, TickOfJoint};
 
-use super::pose;
 use crate::scene::Scene;
+use sinew_board_client::pose;
 
 /// Rate of the rows, Hz: that of the pictures. If the line carries fewer, rows are repeated.
 pub const RECORD_HZ: f64 = 30.0;
@@ -81,8 +81,8 @@ fn joints(scene: &Scene, log: &TelemetryLog) -> Vec<TickOfJoint> {
     if log.q.len() != scene.home.len() {
         return Vec::new();
     }
-    let measured = pose::dofs(&scene.blocks, &log.q);
-    let wanted = pose::wanted(scene, log).map(|wanted| pose::dofs(&scene.blocks, &wanted));
+    let measured = pose::of_dofs(&scene.blocks, &log.q);
+    let wanted = scene.commanded(log).map(|wanted| pose::of_dofs(&scene.blocks, &wanted));
     let joint = |(index, measured): (usize, &f32)| {
         let dof = log.dofs.get(index);
         let error = log.targets.get(index).copied().filter(|_| wanted.is_some());

@@ -8,7 +8,8 @@ use sinew_link::message::{Command, Item, Kind};
 use sinew_show::{Player, Show};
 
 use super::{Hub, Refused};
-use crate::message::{CueMark, Slot, ToPage};
+use crate::message::{CueMark, Slot, SlotSound, ToPage};
+use crate::sounds::OwnSound;
 
 /// Name of the approver that a board stores with a show of the console.
 pub(super) const APPROVER: &str = "sinew console";
@@ -22,6 +23,8 @@ pub struct OwnShow {
     pub name: String,
     /// The show's bytes.
     pub bytes: Arc<[u8]>,
+    /// The show's sound.
+    pub sound: Option<OwnSound>,
 }
 
 /// The board's slots, and the shows whose bytes this program has.
@@ -51,7 +54,8 @@ impl Shows {
             let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
             let [a, b, c, d, ..] = item.hash;
             let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
-            let unknown = Slot { index: slot, name, duration_s: None, cues: Vec::new() };
+            let unknown =
+                Slot { index: slot, name, duration_s: None, cues: Vec::new(), sound: None };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
                 describe(slot, &self.known[index].1)
@@ -84,7 +88,12 @@ fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
     let cues =
         cues.map(|cue| CueMark { t: cue.sample as f32 / rate_hz, name: cue.name.to_owned() });
     let duration_s = Some(show.duration_s());
-    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect() })
+    let sound = own.sound.as_ref().map(|sound| SlotSound {
+        hash: sound.hash.clone(),
+        name: sound.name.clone(),
+        offset_s: sound.offset_s,
+    });
+    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect(), sound })
 }
 
 /// Returns the pose of a show at a time, s; `None` if the show is invalid, or is not of this rig.

@@ -31,6 +31,8 @@ pub(super) struct Slider {
     fed: Duration,
     /// Time at which the joint reached its goal.
     still: Duration,
+    /// Pose of the rig, if other joints follow this one; otherwise empty.
+    pose: Vec<f32>,
 }
 
 impl Slider {
@@ -43,7 +45,21 @@ impl Slider {
     ) -> Self {
         let at = at.clamp(range[0], range[1]);
         let (velocity, goal) = (0.0, at);
-        Self { dof, coordinate, goal, range, most, at, velocity, told: now, fed: now, still: now }
+        let (told, fed, still, pose) = (now, now, now, Vec::new());
+        Self { dof, coordinate, goal, range, most, at, velocity, told, fed, still, pose }
+    }
+
+    /// Makes the slider lead other joints: it gives poses instead of speeds. `pose`: that of the rig now.
+    pub(super) fn lead(&mut self, pose: Vec<f32>) {
+        self.pose = pose;
+    }
+
+    /// Returns the pose of the rig with the joint where it is now, or `None` if no other joint follows it. The caller
+    /// moves the followers.
+    pub(super) fn pose(&self) -> Option<Vec<f32>> {
+        let mut pose = self.pose.clone();
+        *pose.get_mut(self.coordinate)? = self.at;
+        Some(pose)
     }
 
     /// Sets the goal. The page repeats its message while the slider is held.

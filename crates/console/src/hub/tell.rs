@@ -6,7 +6,6 @@ use sinew_board_client::Line;
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{FaultRecord, Refusal, State};
 
-use super::pose::wanted;
 use super::{Act, Hub, Page, Refused};
 use crate::frame::{self, Frame};
 use crate::message::{Level, ToPage};
@@ -181,7 +180,7 @@ impl<L: Line> Hub<'_, L> {
             tick_us: summary.tick_us,
             counts: self.scene.counts(),
             measured: &log.q,
-            wanted: &wanted(self.scene, log).unwrap_or_default(),
+            wanted: &self.scene.commanded(log).unwrap_or_default(),
             ghost: self.ghost.as_deref(),
             dofs: &log.dofs,
             servos: &log.servos,

@@ -7,6 +7,7 @@ use sinew_board_client::{ClientError, Line, item};
 use sinew_firmware::node::SHOW_SCHEMA;
 use sinew_link::message::{Command, Item, Kind};
 use sinew_show::Show;
+use sinew_show::sound::split;
 
 use super::shows::{APPROVER, OwnShow};
 use super::{Hub, Refused};
@@ -68,6 +69,11 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn take_content(&mut self, page: PageId, bytes: Arc<[u8]>) {
         let is_announced = |upload: &mut Upload| upload.page == page && upload.sending.is_none();
         let Some(mut upload) = self.upload.take_if(is_announced) else { return };
+        // The section for a sound stays here; only a show of the command line has its sound's file.
+        let bytes = match split(&bytes) {
+            Ok((show, Some(_))) => show.into(),
+            _ => bytes,
+        };
         match self.check(page, &bytes) {
             Ok(item) => {
                 let slot = upload.slot.filter(|slot| self.shows.has(*slot));
@@ -123,7 +129,11 @@ impl<L: Line> Hub<'_, L> {
                 self.upload = Some(upload);
             }
             Ok(None) => {
-                let show = OwnShow { name: upload.name.clone(), bytes: Arc::clone(&sending.bytes) };
+                let show = OwnShow {
+                    name: upload.name.clone(),
+                    bytes: Arc::clone(&sending.bytes),
+                    sound: None,
+                };
                 self.shows.know(sending.item.clone(), show);
                 self.end_upload(&upload, Ok("the show is on the board".to_owned()));
             }

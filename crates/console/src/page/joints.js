@@ -53,6 +53,7 @@ export const joints = (head, { send, choose }) => {
       make("span", {}, dof.limited ? position(dof, x) : "no limit")));
     const item = make("li", {}, label, make("div", { className: "track" }, slider, mark), ends);
     if (dof.coordinate === null) ends.replaceChildren("A ball joint: shown, but not moved by a slider.");
+    if (dof.leader !== null) ends.replaceChildren(`Follows ${head.dofs[dof.leader].name}.`);
     item.addEventListener("pointerdown", () => choose(index));
     slider.addEventListener("focus", () => choose(index));
     slider.addEventListener("pointerdown", (event) => {
@@ -118,7 +119,7 @@ export const joints = (head, { send, choose }) => {
       rows.forEach((row, index) => {
         const dof = head.dofs[index];
         const at = dof.coordinate;
-        setDisabled(row.slider, !isAllowed || at === null);
+        setDisabled(row.slider, !isAllowed || at === null || dof.leader !== null);
         if (at === null) return;
         const [measured, wanted] = [frame.measured[at], frame.wanted[at]];
         if (Number.isFinite(wanted)) shown[index] = wanted;

@@ -24,6 +24,7 @@ pub(crate) const FILES: &[(&str, &str, &[u8])] = &[
     ("servos.js", JAVASCRIPT, include_bytes!("servos.js")),
     ("show.js", JAVASCRIPT, include_bytes!("show.js")),
     ("socket.js", JAVASCRIPT, include_bytes!("socket.js")),
+    ("sound.js", JAVASCRIPT, include_bytes!("sound.js")),
     ("state.js", JAVASCRIPT, include_bytes!("state.js")),
     ("tabs.js", JAVASCRIPT, include_bytes!("tabs.js")),
     ("view.js", JAVASCRIPT, include_bytes!("view.js")),

@@ -5,8 +5,9 @@ use sinew_performance::play::{Part, Recording, RecordingError, RigParts};
 use thiserror::Error;
 
 use crate::frame::{Frame, PLAYS};
-use crate::hub::{RATE_HZ, pose};
+use crate::hub::RATE_HZ;
 use crate::scene::{LIMITS, Scene};
+use sinew_board_client::pose;
 
 /// The reason why a recording cannot be shown.
 #[derive(Debug, Error)]
@@ -181,5 +182,5 @@ fn positions(scene: &Scene, dofs: &[f32]) -> Vec<f32> {
     for (first, _) in scene.blocks.iter().filter(|(_, count)| *count == 4) {
         rest[first + 3] = 1.0;
     }
-    pose::add(&scene.blocks, &rest, dofs)
+    pose::with_offsets(&scene.blocks, &rest, dofs)
 }

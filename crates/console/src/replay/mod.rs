@@ -80,7 +80,13 @@ impl<'a> Player<'a> {
         out.send(&text(self.scene.head(self.replay.rate_hz)));
         #[expect(clippy::cast_possible_truncation, reason = "a message has f32")]
         let duration_s = Some(self.replay.duration_s as f32);
-        let slot = Slot { index: 0, name: self.name.to_owned(), duration_s, cues: Vec::new() };
+        let slot = Slot {
+            index: 0,
+            name: self.name.to_owned(),
+            duration_s,
+            cues: Vec::new(),
+            sound: None,
+        };
         out.send(&text(ToPage::Shows { slots: &[slot], loaded: Some(0) }.json()));
         out.send(&text(ToPage::Role { driver: false, other: None, asked: false }.json()));
         for (t, words) in self.replay.events.iter().take(EVENTS_MAX) {

@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 
 use crate::local::{Reply, Request, View};
 use crate::message::FromPage;
+use crate::sounds::Sounds;
 
 pub(crate) use socket::{Outbox, binary, text};
 pub(crate) use token::Token;
@@ -61,6 +62,7 @@ pub(crate) struct Shared {
     /// Maximum length of a show, bytes.
     pub(crate) show_bytes: AtomicUsize,
     pub(crate) is_over: AtomicBool,
+    pub(crate) sounds: Sounds,
     pages: AtomicU64,
     open: AtomicUsize,
     strangers: AtomicUsize,
@@ -75,6 +77,7 @@ impl Shared {
             allow_drive,
             show_bytes: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
+            sounds: Sounds::default(),
             pages: AtomicU64::new(1),
             open: AtomicUsize::new(0),
             strangers: AtomicUsize::new(0),
@@ -124,7 +127,7 @@ fn serve(stream: TcpStream, peer: SocketAddr, stranger: Count, shared: &Shared) 
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut reader = socket::Reader::new(stream.try_clone()?, Instant::now() + PATIENCE);
-    let (answer, host, rest) = head::answer(&mut reader, stream.local_addr()?)?;
+    let (answer, host, rest) = head::answer(&mut reader, stream.local_addr()?, &shared.sounds)?;
     head::write(&mut &stream, &answer, &host)?;
     if matches!(answer, head::Answer::Upgrade(_)) {
         let may_drive = shared.allow_drive || peer.ip().to_canonical().is_loopback();

@@ -156,8 +156,14 @@ impl Page {
     }
 }
 
-/// Reads a frame of a rig with one coordinate.
+/// Reads the first coordinate of a frame.
 fn picture(bytes: &[u8]) -> Picture {
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    Picture { state: bytes[1], flags: bytes[3], measured: number(24), wanted: number(28) }
+    let count = usize::from(u16::from_le_bytes([bytes[18], bytes[19]]));
+    Picture {
+        state: bytes[1],
+        flags: bytes[3],
+        measured: number(24),
+        wanted: number(24 + 4 * count),
+    }
 }

@@ -7,6 +7,8 @@ use serde_json::json;
 use sinew_console::Ended;
 use sinew_console::local::{Request, ask, consoles};
 use sinew_link::message::{Command, Feed};
+use sinew_rig::description::LinkedLimit;
+use sinew_rig::new;
 
 use crate::client::{FAULTED, HOLDING, LIMP, LOWERING, PLAYING, Page};
 use crate::other_side::OtherSide;
@@ -62,6 +64,53 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
     assert!(page.ask(json!({ "type": "clear" })).0);
     page.until_state(LIMP);
     assert_eq!(console.end(), Ended::Stopped);
+}
+
+#[test]
+fn a_tied_joint_moves_with_its_leader() {
+    // bend2 = 0.5 turn1 + 20 deg.
+    let offset = 20_f64.to_radians();
+    let mut arm = new::arm(2).unwrap();
+    arm.limits.push(LinkedLimit {
+        joint: "bend2".to_owned(),
+        other: "turn1".to_owned(),
+        other_factor: -0.5,
+        least_rad: Some(offset),
+        most_rad: Some(offset),
+        ..LinkedLimit::default()
+    });
+    let console = OtherSide::start_on(arm, None, false);
+    let mut page = Page::open(&console);
+    let leaders = [0, 1].map(|dof| page.texts[0]["dofs"][dof]["leader"].clone());
+    assert_eq!(leaders, [json!(null), json!(0)]);
+    page.arm();
+    let why = "`bend2` follows `turn1`: move `turn1`";
+    let (is_done, text) = page.ask(json!({ "type": "jog", "dof": 1, "goal": 0.5 }));
+    assert!(!is_done && text.contains(why), "{text}");
+    let own = Request::Jog { joint: "bend2".to_owned(), by: 5.0 };
+    let refused = ask(&console.name, &own).unwrap();
+    assert!(!refused.ok && refused.text.contains(why), "{}", refused.text);
+    let start = page.shown().wanted;
+    let begun = Instant::now();
+    while (page.shown().wanted - start - 0.1).abs() >= 2e-3 && begun.elapsed() < ms(10_000) {
+        page.slide(start + 0.1, ms(200));
+    }
+    assert!((page.shown().wanted - start - 0.1).abs() < 2e-3, "{:?}", page.shown());
+    assert!(page.ask(json!({ "type": "release", "dof": 0 })).0);
+    page.until_state(HOLDING);
+    let name = console.name.clone();
+    let jog = Request::Jog { joint: "turn1".to_owned(), by: -5.0 };
+    let command = spawn(move || ask(&name, &jog).unwrap());
+    page.until("its end", |_| command.is_finished());
+    let reply = command.join().unwrap();
+    assert!(reply.ok, "{}", reply.text);
+    let told = console.told.lock().unwrap();
+    assert!(told.jogs.is_empty() && told.poses.len() > 10);
+    for (index, pose) in told.poses.iter().enumerate() {
+        let off = f64::from(pose[1]) - 0.5 * f64::from(pose[0]) - offset;
+        // A command's motion begins where the rig stands, which gravity moves by a little.
+        assert!(off.abs() < 0.02, "pose {index}: off by {off}");
+    }
 }
 
 #[test]

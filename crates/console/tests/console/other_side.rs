@@ -21,11 +21,12 @@ use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
 
-/// All that a board got: commands, and speeds of jogs.
+/// All that a board got: commands, speeds of jogs, and poses.
 #[derive(Debug, Default)]
 pub(crate) struct Told {
     pub(crate) commands: Vec<Command>,
     pub(crate) jogs: Vec<f32>,
+    pub(crate) poses: Vec<Vec<f32>>,
 }
 
 /// A line that records the messages of the host.
@@ -40,11 +41,11 @@ impl Line for Tapped {
         let mut told = self.told.lock().unwrap();
         self.decoder.feed(bytes, |message| match message {
             ToController::Command(command) => told.commands.push(command.item),
-            ToController::Stream(stream) => {
-                if let Stream::Jog { velocity, .. } = stream.item {
-                    told.jogs.push(velocity);
-                }
-            }
+            ToController::Stream(stream) => match stream.item {
+                Stream::Jog { velocity, .. } => told.jogs.push(velocity),
+                Stream::Live(frame) => told.poses.push(frame.q.to_vec()),
+                _ => {}
+            },
             ToController::Hello(_) => {}
         });
         drop(told);
@@ -200,5 +201,5 @@ fn nod(rig: u32) -> OwnShow {
         course: &[],
     };
     let written = write(&motion, &Settings::default()).unwrap();
-    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into() }
+    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into(), sound: None }
 }

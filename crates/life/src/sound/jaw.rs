@@ -7,18 +7,13 @@ use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
 use super::RATE_HZ;
+use crate::limit::within;
 
-/// Shares of the maximum speed and acceleration that a jaw uses. The splines of a show need the rest.
-const SPEED_SHARE: f64 = 0.9;
-const ACCELERATION_SHARE: f64 = 0.75;
 /// Distance of a closed jaw from its home, towards open, rad: 0.3 deg. The error of a show is smaller, so the jaw stays
 /// in its range even if home is an end of it.
 const MARGIN_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
 /// Share of the way from home to the end of the range at which a jaw is fully open.
 const OPEN_SHARE: f64 = 0.8;
-/// Largest half width of a moving mean, in intervals. The mean is used twice, which smooths over twice its width: 120
-/// ms.
-const HALF_MAX: usize = 6;
 /// Smallest share of the opening that is still accepted as a motion.
 const LEAST: f64 = 0.05;
 
@@ -141,34 +136,22 @@ impl Jaw {
             }
         }
         let way = self.open_rad - self.closed_rad;
-        let limits = [SPEED_SHARE * self.speed, ACCELERATION_SHARE * self.acceleration];
-        let mut half = 0;
-        loop {
-            let smooth = mean_around(&mean_around(opening, half), half);
-            let needed = peaks(&smooth).map(|peak| peak * way.abs());
-            let share = needed
-                .iter()
-                .zip(limits)
-                .map(|(needed, limit)| if *needed > limit { limit / needed } else { 1.0 })
-                .fold(1.0, f64::min);
-            if share < 1.0 && half < HALF_MAX {
-                half += 1;
-                continue;
-            }
-            if share < LEAST {
-                return Err(JawError::TooSlow {
-                    joint: self.joint.clone(),
-                    percent: 100.0 * share,
-                });
-            }
-            let angle = |open: &f64| self.closed_rad + share * way * open.clamp(0.0, 1.0);
-            return Ok(JawMotion {
-                angles_rad: smooth.iter().map(angle).collect(),
-                smoothed_s: (4 * half) as f64 / RATE_HZ,
-                fastest: share * needed[0],
-                share,
+        let ways: Vec<f64> = opening.iter().map(|open| open * way.abs()).collect();
+        // The CSV has every second row.
+        let limited = within(&ways, RATE_HZ, 2, [self.speed, self.acceleration]);
+        if limited.share < LEAST {
+            return Err(JawError::TooSlow {
+                joint: self.joint.clone(),
+                percent: 100.0 * limited.share,
             });
         }
+        let angle = |open: &f64| self.closed_rad + open.clamp(0.0, way.abs()).copysign(way);
+        Ok(JawMotion {
+            angles_rad: limited.values.iter().map(angle).collect(),
+            smoothed_s: limited.smoothed_s,
+            fastest: limited.fastest,
+            share: limited.share,
+        })
     }
 
     /// Returns the motion as a CSV of keys for `sinew bake`, at half of [`RATE_HZ`].
@@ -181,31 +164,4 @@ impl Jaw {
         }
         text
     }
-}
-
-/// Returns, for each value, the mean of it and of `half` values on both sides. Values before the beginning and after
-/// the end count as the first and the last value. O(n).
-fn mean_around(values: &[f64], half: usize) -> Vec<f64> {
-    let Some(last) = values.len().checked_sub(1).filter(|_| half > 0) else {
-        return values.to_vec();
-    };
-    let value = |at: usize| values[at.saturating_sub(half).min(last)];
-    let mut sum: f64 = (0..=2 * half).map(value).sum();
-    (0..=last)
-        .map(|at| {
-            let mean = sum / (2 * half + 1) as f64;
-            sum += value(at + 2 * half + 1) - value(at);
-            mean
-        })
-        .collect()
-}
-
-/// Returns the largest speed and acceleration of the rows that are written, at half of [`RATE_HZ`].
-fn peaks(values: &[f64]) -> [f64; 2] {
-    let rate_hz = 0.5 * RATE_HZ;
-    let rows: Vec<f64> = values.iter().step_by(2).copied().collect();
-    let speed = rows.windows(2).map(|w| (w[1] - w[0]).abs() * rate_hz);
-    let acceleration =
-        rows.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() * rate_hz * rate_hz);
-    [speed.fold(0.0, f64::max), acceleration.fold(0.0, f64::max)]
 }

@@ -52,6 +52,20 @@ pub enum SoundError {
     Silent,
 }
 
+/// Returns the duration of a WAV file, s.
+///
+/// # Errors
+/// [`SoundError`] if the file is not WAV, or too long.
+pub fn duration_s(file: impl Read) -> Result<f64, SoundError> {
+    let reader = WavReader::new(file)?;
+    let spec = reader.spec();
+    if !(4000..=384_000).contains(&spec.sample_rate) || spec.channels == 0 {
+        return Err(SoundError::Format { rate_hz: spec.sample_rate, channels: spec.channels });
+    }
+    let duration_s = f64::from(reader.duration()) / f64::from(spec.sample_rate);
+    if duration_s > DURATION_MAX_S { Err(SoundError::TooLong) } else { Ok(duration_s) }
+}
+
 /// Reads the loudness of a WAV file. The memory depends on the duration, not on the sample rate.
 ///
 /// # Errors

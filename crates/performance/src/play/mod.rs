@@ -38,6 +38,7 @@ pub use error::{PartsError, SimulatedRigError};
 pub use line::Line;
 pub use options::Options;
 pub use peer::PeerController;
+pub use pulse_ranges::PulseRange;
 pub use record::{Recorder, SCHEMA, Tick, TickOfJoint};
 pub use recording::{JointRows, Part, Recording, RecordingError, ServoRows};
 pub use rig_parts::RigParts;

@@ -1,12 +1,9 @@
 //! Hobby servos, which are driven by pulses of a PCA9685.
 
-use std::f64::consts::FRAC_PI_2;
-
 use sinew_rig::servo::Address;
 use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
 use sinew_servo_bus::{Cost, Timing, Traffic};
 use sinew_servo_sim::bench::{Chip, OSCILLATOR_HZ};
-use sinew_servo_sim::firmware::pulse::{MIDDLE_US, QUARTER_TURN_US};
 use sinew_wiring::Pulses;
 
 use super::servo_part::{ServoPart, single};
@@ -48,14 +45,15 @@ pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
     }
 }
 
-/// Returns the setup of a servo's channel: 1.5 ms in the middle, 1 ms more per quarter turn, within its range.
+/// Returns the setup of a servo's channel: its pulses at the ends of its range.
 pub(super) fn setup(part: &ServoPart, range_rad: [f32; 2]) -> ChannelSetup {
     let channel = channel(part.own.address).unwrap_or_default();
-    ChannelSetup { channel, pulse_us: range_rad.map(pulse_us), range_rad }
+    ChannelSetup { channel, pulse_us: range_rad.map(|rad| pulse_us(part, rad)), range_rad }
 }
 
-pub(super) fn pulse_us(rad: f32) -> f32 {
-    single(MIDDLE_US + f64::from(rad) * QUARTER_TURN_US / FRAC_PI_2)
+/// Returns the pulse of a servo's own position, us.
+pub(super) fn pulse_us(part: &ServoPart, rad: f32) -> f32 {
+    single(part.own.kind.pulses.pulse_us(rad.into()))
 }
 
 /// Returns the divider of the chip's clock.

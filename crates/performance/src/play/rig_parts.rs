@@ -1,7 +1,9 @@
 //! Parts of a rig's controller, buses and simulated servos.
 
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
-use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
+use sinew_firmware::controller::{
+    Approach, ControllerSettings, ServoSetup, approach, estimated_us,
+};
 use sinew_firmware::node::NodeSettings;
 use sinew_rig::description::{Servo, Supply as RigSupply};
 use sinew_rig::mechanism::JointModel;
@@ -13,13 +15,14 @@ use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_sim::variation::Variation;
 use sinew_servo_tools::position_gain::PositionGain;
+use sinew_show::{Show, ShowFrames};
 
-use super::CompactRig;
 use super::error::PartsError;
 use super::line::{Line, lines};
 use super::options::Options;
 use super::schedule::{Load, Needs, choose};
 use super::servo_part::{Drive, ServoPart, drives, setup, single};
+use super::{COORDINATES, CompactRig};
 use crate::rig_hash;
 
 /// Clock of the reference board's processor, an STM32F446, Hz.
@@ -156,6 +159,14 @@ impl RigParts {
             variation.change_servo(&mut part.own.kind, tick_s);
         }
         self.variation = variation;
+    }
+
+    /// Computes the beginning of a show from a pose: the rig's way to the first pose, and whether the show begins at
+    /// speed. `None` if the show is not one of this rig, or the way takes longer than 5 minutes.
+    pub fn approach(&self, show: &[u8], from: &[f32]) -> Option<Approach> {
+        let dt_s = 1e-6 * self.tick_us() as f32;
+        let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;
+        approach(&self.board, &self.settings.supervisor, &mut frames, dt_s, from)
     }
 
     /// Returns the CRC by which shows identify this rig.

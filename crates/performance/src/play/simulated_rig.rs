@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
-use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
+use sinew_firmware::controller::{Approach, Incomplete, Inputs, Report, Start};
 use sinew_firmware::node;
 use sinew_firmware::supervisor::{
     Command, Fault, FaultSet, Feed, GuardSettings, Permission, Source,
@@ -37,6 +37,7 @@ pub struct SimulatedRig<'a, P> {
     buses: Buses,
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
+    show: Option<&'a [u8]>,
     ticks: u64,
     /// Number of ticks that were not complete; in these a board would not feed its watchdog.
     incomplete: u64,
@@ -74,6 +75,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
             buses: parts.all_buses()?,
             lines: lines(parts, memories, plant)?,
             wires: Wires::default(),
+            show,
             ticks: 0,
             incomplete: 0,
             last: None,
@@ -156,6 +158,11 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
     /// Returns what the controller permits the drives to do.
     pub fn permission(&self) -> &Permission {
         self.controller.permission()
+    }
+
+    /// Computes the beginning of the show from the commanded pose; `None` without a show.
+    pub fn approach(&self) -> Option<Approach> {
+        self.parts.approach(self.show?, self.controller.commanded().0)
     }
 
     /// Returns whether the show ran in the last tick.

@@ -269,9 +269,18 @@ fn pulses_are_told_as_far_as_joints_go() {
     let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
     let all = parts.pulses_us();
     assert_eq!(all.len(), 8);
-    let (_, pulses_us) = all.iter().find(|(name, _)| *name == "jaw").unwrap();
-    assert!((pulses_us[1] - pulses_us[0] - 250.0).abs() < 0.1, "{pulses_us:?}");
-    assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
+    let jaw = all.iter().find(|of| of.servo == "jaw").unwrap();
+    assert!((jaw.us[1] - jaw.us[0] - 250.0).abs() < 0.1 && !jaw.is_measured, "{jaw:?}");
+    assert!(jaw.us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{jaw:?}");
+    // The pulses of the file: 160 deg in 1750 us.
+    let servo = rig.servos.iter_mut().find(|servo| servo.name == "jaw").unwrap();
+    servo.pulse_us = Some([600.0, 1480.0, 2350.0]);
+    servo.travel_rad = Some(160_f64.to_radians());
+    let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
+    let all = parts.pulses_us();
+    let jaw = all.iter().find(|of| of.servo == "jaw").unwrap();
+    assert!(jaw.is_measured && jaw.us.iter().any(|us| (us - 1480.0).abs() < 0.1), "{jaw:?}");
+    assert!((jaw.us[1] - jaw.us[0] - 22.5 / 160.0 * 1750.0).abs() < 0.1, "{jaw:?}");
 }
 
 /// Without damping, only the loop acts on a swing through the gear. A stiff gear has a fast observer, which is

@@ -11,11 +11,6 @@ use thiserror::Error;
 
 use crate::feasibility::RigMotion;
 
-/// Pulse of a hobby servo in the middle of its range, us.
-const MIDDLE_US: f64 = 1500.0;
-/// Pulse difference from the middle to an end, us: typical for hobby servos, but each should be calibrated.
-const HALF_RANGE_US: f64 = 1000.0;
-
 /// Positions of one servo during a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoTrack {
@@ -153,15 +148,11 @@ impl Numbering {
         // `actuation` has ensured that the kind is known.
         let model = rig.servo_model(&servo.model).unwrap_or_default();
         let range_rad = model.range_rad.value.max(1e-6);
-        match servo.address {
-            Address::Channel(_) => {
-                Self { middle: MIDDLE_US, per_rad: 2.0 * HALF_RANGE_US / range_rad }
-            }
-            Address::Id(_) => {
-                let per_rad = model.resolution_rad.value.max(1e-9).recip();
-                Self { middle: (0.5 * range_rad * per_rad).round(), per_rad }
-            }
+        if let Some(pulses) = rig.pulses(servo) {
+            return Self { middle: pulses.us[1], per_rad: pulses.us_per_rad() };
         }
+        let per_rad = model.resolution_rad.value.max(1e-9).recip();
+        Self { middle: (0.5 * range_rad * per_rad).round(), per_rad }
     }
 }
 

@@ -73,7 +73,7 @@ impl Efforts {
     }
 
     /// Computes the efforts without friction for positions, speeds and accelerations.
-    fn without_friction(
+    pub(super) fn without_friction(
         &mut self,
         motion: [&[f64]; 3],
         out: &mut Vec<f64>,

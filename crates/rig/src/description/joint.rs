@@ -134,7 +134,8 @@ impl Joint {
 
 /// A limit on the sum of two joints' positions: `least <= factor · q[joint] + other_factor · q[other] <= most`.
 ///
-/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`.
+/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`. The sum is in the unit of the first joint.
+/// If one joint turns and the other slides, the second factor is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedLimit {
     /// Name of the first joint, of one dof.
@@ -145,13 +146,13 @@ pub struct LinkedLimit {
     pub factor: f64,
     /// Factor of the second joint. Default: -1.
     pub other_factor: f64,
-    /// Minimum sum of two joints that turn.
+    /// Minimum sum, if the first joint turns.
     pub least_rad: Option<f64>,
-    /// Maximum sum of two joints that turn.
+    /// Maximum sum, if the first joint turns.
     pub most_rad: Option<f64>,
-    /// Minimum sum of two joints that slide, m.
+    /// Minimum sum, if the first joint slides, m.
     pub least_m: Option<f64>,
-    /// Maximum sum of two joints that slide, m.
+    /// Maximum sum, if the first joint slides, m.
     pub most_m: Option<f64>,
 }
 

@@ -31,6 +31,7 @@ pub(super) fn empty(name: Option<&str>) -> Description {
         bodies: Vec::new(),
         joints: Vec::new(),
         limits: Vec::new(),
+        face_shapes: Vec::new(),
         drives: Vec::new(),
         servos: Vec::new(),
         servo_models: Vec::new(),

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::note::{NoteKind, Notes};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m.
+/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m. If one joint turns and the other slides, the
+/// multiplier is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tie {
     pub(super) joint: String,
@@ -98,19 +99,10 @@ const ROUNDING: f64 = 1e-9;
 
 /// Checks that a rig can tie these joints.
 fn check(tie: &Tie, joint: &Joint, of: &Joint) -> Result<(), &'static str> {
-    match (joint.kind, of.kind) {
-        (JointType::Revolute, JointType::Revolute)
-        | (JointType::Prismatic, JointType::Prismatic) => {}
-        (
-            JointType::Revolute | JointType::Prismatic,
-            JointType::Revolute | JointType::Prismatic,
-        ) => {
-            return Err(
-                "one turns and the other slides: nothing ties them, until one servo drives both by a matrix \
-                        [[1], [factor]]",
-            );
-        }
-        _ => return Err("only joints of one dof follow each other in a rig"),
+    let has_one_dof =
+        |joint: &Joint| matches!(joint.kind, JointType::Revolute | JointType::Prismatic);
+    if !has_one_dof(joint) || !has_one_dof(of) {
+        return Err("only joints of one dof follow each other in a rig");
     }
     if tie.multiplier.abs() <= 0.0 {
         return Err(

@@ -88,7 +88,7 @@ impl<'m> Servo<'m> {
     pub fn on_pulses(kind: &Parameters) -> Self {
         // The servo's resolution is a dead band; the potentiometer itself has no steps.
         let rad_per_count = kind.resolution_rad / 64.0;
-        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind.range_rad);
+        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind);
         Self::with(kind, Program::Pulse(firmware), rad_per_count)
     }
 

@@ -23,8 +23,7 @@ use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
 use crate::load::{Arm, Plant, Push, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
-use crate::model::Parameters;
-use crate::rig::{HORN_KG_M2, RigServosError};
+use crate::rig::{HORN_KG_M2, RigServosError, kind};
 use drives::Driven;
 pub use hand::Hand;
 use hand::{Grip, Holds};
@@ -118,7 +117,7 @@ impl RigPlant {
             let described = &description.servos[index];
             // `actuation` has already refused unknown models.
             let Some(model) = description.servo_model(&described.model) else { continue };
-            let middle = 0.5 * Parameters::of_model(&model)?.range_rad;
+            let middle = 0.5 * kind(description, described, &model)?.range_rad;
             benched[index] = Some((place, middle));
             let range = actuation.servos[index].settings().range_rad;
             stops_rad.push(range.map(|end| f64::from(end) + middle));

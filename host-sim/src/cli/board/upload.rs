@@ -13,6 +13,7 @@ use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
 use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_show::Show;
+use sinew_show::sound::split;
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
@@ -116,12 +117,14 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
         file.display(),
         FileKind::found(found)
     );
-    Show::open(&bytes).with_context(|| file.display().to_string())?;
+    // The section for a sound stays on the host.
+    let (bytes, _) = split(&bytes).with_context(|| file.display().to_string())?;
+    Show::open(bytes).with_context(|| file.display().to_string())?;
     let mut board = common.board.open()?;
     if let Some(slot) = replace {
         board.ask(Command::DeleteShow { slot })?;
     }
-    let slot = put_show(&mut board, &bytes, &common.approved_by)?;
+    let slot = put_show(&mut board, bytes, &common.approved_by)?;
     print(&format!("{} is in slot {slot}\n", file.display()))?;
     Ok(ExitCode::SUCCESS)
 }

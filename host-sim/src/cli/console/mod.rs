@@ -10,7 +10,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source};
+use sinew_console::{Console, Ended, Options, OwnShow, OwnSound, Scene, Source};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
@@ -18,6 +18,7 @@ use sinew_rig::new;
 use sinew_rig::servo::Address;
 use sinew_servo_sim::fault::{Fault, FaultOrder};
 use sinew_show::Show;
+use sinew_show::sound::Sound;
 
 use super::board::{check_rig, open};
 use super::driven::DrivenArgs;
@@ -25,6 +26,7 @@ use super::output::OutputPath;
 use super::performance::PerformanceArgs;
 use super::play::{nucleo, show};
 use super::rig::read;
+use super::sound;
 use super::stack::with_stack;
 use super::stop::Stop;
 use super::target::Target;
@@ -190,17 +192,33 @@ impl ConsoleArgs {
         let own = |name: &String| {
             let path = Path::new(name);
             let crc = parts.rig_crc();
-            let bytes = if let Some(bytes) = show::read(path)? {
-                bytes
+            let (bytes, sound) = if let Some(file) = show::read(path)? {
+                (file.bytes, file.sound.and_then(|sound| own_sound(path, &sound)))
             } else {
                 let on_rig = PerformanceArgs::default();
-                show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?
+                (show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?, None)
             };
             Show::open(&bytes)?.check_rig(crc).with_context(|| name.clone())?;
             let stem = path.file_stem().unwrap_or(path.as_os_str());
-            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into() })
+            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into(), sound })
         };
         self.shows.iter().map(own).collect()
+    }
+}
+
+/// Returns the sound of a show; without its file the show plays without it.
+fn own_sound(show: &Path, sound: &Sound) -> Option<OwnSound> {
+    match sound::find(show, sound) {
+        Ok(found) => Some(OwnSound {
+            hash: sound::hex(&sound.sha256),
+            name: sound.name.clone(),
+            offset_s: sound.offset_us as f64 * 1e-6,
+            bytes: found.bytes.into(),
+        }),
+        Err(error) => {
+            note(format_args!("warning: {error:#}: the show plays without its sound"));
+            None
+        }
     }
 }
 

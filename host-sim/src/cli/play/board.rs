@@ -4,9 +4,10 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line, TelemetryLog};
 use sinew_console::{Hosted, Owner, Scene, Source};
+use sinew_firmware::controller::Approach;
 use sinew_host_util::command::note;
 use sinew_link::message::{Command, FaultRecord, Feed, State, TelemetryParts};
 use sinew_performance::play::RigParts;
@@ -17,12 +18,22 @@ use super::live::{Live, Moment, Row};
 use crate::cli::board::{
     READY, arm, check_rig, clear_lost_link, end_by_hand, named, open, put_show, tell_faults,
 };
+use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Time between two checks of the state.
 const LOOK: Duration = Duration::from_millis(50);
 /// Telemetry rate, Hz.
 const RATE_HZ: f32 = 20.0;
+
+/// Timing of a performance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Timing {
+    /// Number of rounds of a loop; with `None` it plays until Ctrl-C.
+    pub(super) rounds: Option<u32>,
+    /// Time from the armed rig to the start of the show, s; `None`: as soon as the rig is at the first pose.
+    pub(super) preroll_s: Option<f64>,
+}
 
 /// Step of the performance that is in progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,27 +51,34 @@ struct Performance<'b, L> {
     /// Number of summaries received before the last command was executed. Only newer ones count.
     before: u32,
     begun: Duration,
-    /// Time when the show began; `None` before.
+    show: &'b [u8],
+    preroll_s: Option<f64>,
+    /// Beginning of the show from the armed pose; `None` before the rig is armed.
+    approach: Option<Approach>,
+    /// Time of the command to play; `None` before the rig is armed.
+    play_at: Option<Duration>,
+    /// Time when the show's clock started; `None` before.
     played: Option<Duration>,
     /// Time after which a loop is stopped; `None` for a loop that plays until Ctrl-C, and for a show that ends by
     /// itself.
     most: Option<Duration>,
     faults: usize,
     live: Live,
+    player: Option<Player>,
 }
 
-/// Uploads a show if the board lacks it, arms the rig, plays, and stops it. `rounds`: number of rounds of a loop;
-/// with `None` it plays until Ctrl-C.
+/// Uploads a show if the board lacks it, arms the rig, plays, and stops it.
 pub(super) fn perform(
     path: &Path,
     silence: Duration,
     (rig, parts): (&LoadedRig, &RigParts),
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let (mut board, name) = open(Some(path), "--target")?;
     board.set_silence(silence);
-    perform_on((&mut board, &name), (rig, parts), bytes, rounds)
+    perform_on((&mut board, &name), (rig, parts), bytes, timing, player)
 }
 
 /// Plays a show on a board with an open session. Other terminals know the board by `name`.
@@ -68,7 +86,8 @@ pub(super) fn perform_on<L: Line>(
     (board, name): (&mut Board<L>, &str),
     (rig, parts): (&LoadedRig, &RigParts),
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
+    player: Option<Player>,
 ) -> anyhow::Result<ExitCode> {
     let show = Show::open(bytes)?;
     check_rig(board, parts)?;
@@ -84,19 +103,26 @@ pub(super) fn perform_on<L: Line>(
     note(format_args!("the board runs {ticks_hz:.0} ticks a second"));
     let live = Live::new(&show);
     let of_table = TelemetryParts::ALL.and(TelemetryParts::TARGETS);
-    let of_watchers = TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS);
+    // The pose is for the way to the first pose, the servos are for other terminals.
+    let of_watchers = TelemetryParts::SUMMARY.and(TelemetryParts::POSE).and(TelemetryParts::SERVOS);
     board.telemetry(RATE_HZ, if live.is_watched() { of_table } else { of_watchers })?;
-    let most = rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
+    let most =
+        timing.rounds.map(|rounds| Duration::from_secs_f32(show.duration_s() * rounds as f32));
     let mut performance = Performance {
         begun: board.now(),
         hosted,
         parts,
         phase: Phase::Ready,
         before: 0,
+        show: bytes,
+        preroll_s: timing.preroll_s,
+        approach: None,
+        play_at: None,
         played: None,
         most: most.filter(|_| show.is_loop()),
         faults: 0,
         live,
+        player,
     };
     let ended = performance.run(&stop);
     performance.live.end();
@@ -173,10 +199,7 @@ impl<L: Line> Performance<'_, L> {
                 self.begin(Phase::Ready);
             }
             (Phase::Ready, _) => self.arm(state)?,
-            (Phase::Arming, State::Holding) => {
-                self.command(Command::Play(Feed::Show), Phase::Playing)?;
-                self.played = Some(self.now());
-            }
+            (Phase::Arming, State::Holding) => self.play()?,
             // The show has ended, or a fault makes the rig hold.
             (Phase::Playing, State::Holding) => self.command(Command::Stop, Phase::Stopping)?,
             (Phase::Arming | Phase::Playing, State::Stopping | State::Lowering | State::Limp) => {
@@ -203,6 +226,31 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
+    /// Plays when the time has come: the way to the first pose then ends with the preroll.
+    fn play(&mut self) -> anyhow::Result<()> {
+        let now = self.now();
+        let at = if let Some(at) = self.play_at {
+            at
+        } else {
+            let approach = self.parts.approach(self.show, &self.log().q);
+            self.approach = approach;
+            let way_s = approach.map_or(0.0, |approach| f64::from(approach.way_s));
+            let preroll_s = self.preroll_s.unwrap_or(way_s);
+            if way_s > preroll_s {
+                self.command(Command::Stop, Phase::Stopping)?;
+                bail!(
+                    "--preroll: expected at least {way_s:.2} s, which the way to the first pose takes; the rig stops"
+                );
+            }
+            now + Duration::from_secs_f64(preroll_s - way_s)
+        };
+        self.play_at = Some(at);
+        if now >= at {
+            self.command(Command::Play(Feed::Show), Phase::Playing)?;
+        }
+        Ok(())
+    }
+
     fn faulted(&self) -> ExitCode {
         tell_faults(self.hosted.board());
         ExitCode::FAILURE
@@ -219,11 +267,20 @@ impl<L: Line> Performance<'_, L> {
             state: state.to_string(),
             is_playing: state == State::Playing,
             runs: summary.show_ms > 0,
+            approach: self.approach,
             show_s: 1e-3 * f64::from(summary.show_ms),
             errors_deg: summary.errors.map(|errors| [errors.mean_deg, errors.largest_deg]),
             supply_v: Some(summary.supply_v).filter(|v| *v > 0.0),
             tick_us: Some(summary.tick_us),
         };
+        if let Some(player) = &mut self.player {
+            player.note(moment.is_playing && moment.runs);
+        }
+        if self.phase == Phase::Playing && moment.runs && self.played.is_none() {
+            // The clock started that long ago.
+            let clock = Duration::from_millis(summary.show_ms.into());
+            self.played = Some(self.hosted.board().now().saturating_sub(clock));
+        }
         self.live.show(&moment, || rows(parts, log));
         for fault in log.faults.iter().skip(self.faults) {
             self.live.tell(format_args!("{time_s:7.2} s  {}", named(fault.fault)));

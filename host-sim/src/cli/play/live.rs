@@ -4,6 +4,7 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
+use sinew_firmware::controller::Approach;
 use sinew_host_util::command::note;
 use sinew_show::Show;
 
@@ -12,7 +13,7 @@ const WORST: usize = 6;
 /// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);
 /// Words for the motion before the show.
-const APPROACH: &str = ", on the way to the show's first pose";
+const APPROACH: &str = "going to the show's first pose";
 /// Widths of the columns with text: together with the numbers, a line has 80 columns.
 const NAME: usize = 20;
 const LIMITER: usize = 18;
@@ -24,6 +25,8 @@ pub(super) struct Moment {
     /// Whether the rig is playing, and whether its show runs: before, the rig goes to the show's first pose.
     pub(super) is_playing: bool,
     pub(super) runs: bool,
+    /// Beginning of the show, if it is known.
+    pub(super) approach: Option<Approach>,
     /// Place in the show, s.
     pub(super) show_s: f64,
     /// Mean and largest following error, deg; `None` while torque is off.
@@ -69,29 +72,20 @@ impl Live {
         !self.bar.is_hidden()
     }
 
-    /// Tells a new state and the beginning of the show, and updates the table when it is due.
+    /// Tells a new state, and updates the table when it is due.
     pub(super) fn show(&mut self, moment: &Moment, rows: impl FnOnce() -> Vec<Row>) {
-        if self.told != moment.state {
-            self.told.clone_from(&moment.state);
-            self.tell(format_args!("{:7.2} s  {}", moment.time_s, moment.state));
-        }
-        let had_begun = self.has_begun;
-        self.has_begun = moment.is_playing && (had_begun || moment.runs);
-        if self.has_begun && !had_begun {
-            self.tell(format_args!("{:7.2} s  the show begins", moment.time_s));
+        self.has_begun = moment.is_playing && (self.has_begun || moment.runs);
+        let is_approach = moment.is_playing && !self.has_begun;
+        let label = if is_approach { APPROACH } else { &moment.state };
+        if self.told != label {
+            label.clone_into(&mut self.told);
+            let way = if is_approach { approach_text(moment.approach) } else { String::new() };
+            self.tell(format_args!("{:7.2} s  {label}{way}", moment.time_s));
         }
         if self.is_watched() && self.shown.elapsed() >= EVERY {
             self.shown = Instant::now();
-            self.bar.set_message(text(moment, &self.place(moment), rows()));
-        }
-    }
-
-    /// Returns words for the place in the show: before it begins, the rig goes to its first pose.
-    fn place(&self, moment: &Moment) -> String {
-        match (moment.is_playing, self.has_begun) {
-            (false, _) => String::new(),
-            (true, false) => APPROACH.to_owned(),
-            (true, true) => format!(", show {:.2} of {:.2} s", moment.show_s, self.show_s),
+            let place = self.has_begun.then_some([moment.show_s, self.show_s]);
+            self.bar.set_message(text(moment, label, place, rows()));
         }
     }
 
@@ -106,8 +100,20 @@ impl Live {
     }
 }
 
-/// Returns the table. `place`: words for the place in the show.
-fn text(moment: &Moment, place: &str, mut rows: Vec<Row>) -> String {
+/// Describes the way to the first pose, and how late a show is that begins at speed.
+fn approach_text(approach: Option<Approach>) -> String {
+    let Some(Approach { way_s, late_s }) = approach else { return String::new() };
+    let late = if late_s > 0.0 {
+        format!(", which it passes at speed: the show begins slowly and is {late_s:.2} s late")
+    } else {
+        String::new()
+    };
+    format!(": {way_s:.1} s{late}")
+}
+
+/// Returns the table. `place`: place in the show and its length, s.
+fn text(moment: &Moment, label: &str, place: Option<[f64; 2]>, mut rows: Vec<Row>) -> String {
+    let place = place.map_or_else(String::new, |[at, of]| format!(", show {at:.2} of {of:.2} s"));
     let facts = [
         moment
             .errors_deg
@@ -117,9 +123,8 @@ fn text(moment: &Moment, place: &str, mut rows: Vec<Row>) -> String {
     ];
     let facts: Vec<String> = facts.into_iter().flatten().collect();
     let mut text = format!(
-        "{:7.2} s  {}{place}\n  {}\n  {:<NAME$} {:>9} {:>10} {:>6} {:>7}  limited by",
+        "{:7.2} s  {label}{place}\n  {}\n  {:<NAME$} {:>9} {:>10} {:>6} {:>7}  limited by",
         moment.time_s,
-        moment.state,
         facts.join("; "),
         "joint",
         "error deg",
@@ -169,6 +174,7 @@ mod tests {
             state: "playing".to_owned(),
             is_playing: true,
             runs: false,
+            approach: None,
             show_s: 0.0,
             errors_deg: Some([123.456, 123.456]),
             supply_v: Some(24.123),
@@ -188,7 +194,7 @@ mod tests {
             limiter: Some("the largest change of the acceleration".to_owned()),
         };
         let limp = Row { error: None, effort: None, ..row.clone() };
-        let text = text(&moment(), ", show 1234.50 of 1234.50 s", vec![limp, row]);
+        let text = text(&moment(), APPROACH, Some([1234.5, 1234.5]), vec![limp, row]);
         for line in text.lines() {
             assert!(line.chars().count() <= 80, "{line}");
         }
@@ -208,16 +214,14 @@ mod tests {
             show_s: 1.0,
         };
         live.show(&moment(), Vec::new);
-        assert_eq!(live.place(&moment()), APPROACH);
+        assert_eq!(live.told, APPROACH);
         live.show(&Moment { runs: true, ..moment() }, Vec::new);
-        assert_eq!(live.place(&moment()), ", show 0.00 of 1.00 s");
+        assert_eq!(live.told, "playing");
         // At the seam of a loop the show's place is 0 for a moment.
         live.show(&moment(), Vec::new);
-        assert_eq!(live.place(&moment()), ", show 0.00 of 1.00 s");
-        let holding = Moment { is_playing: false, state: "holding".to_owned(), ..moment() };
-        live.show(&holding, Vec::new);
-        assert_eq!((live.place(&holding), live.told.as_str()), (String::new(), "holding"));
+        assert_eq!(live.told, "playing");
+        live.show(&Moment { is_playing: false, state: "holding".to_owned(), ..moment() }, Vec::new);
         live.show(&moment(), Vec::new);
-        assert_eq!(live.place(&moment()), APPROACH);
+        assert_eq!(live.told, APPROACH);
     }
 }

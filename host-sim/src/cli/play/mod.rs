@@ -8,6 +8,7 @@ mod real_time;
 pub(super) mod show;
 mod sim;
 
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -17,11 +18,13 @@ use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_performance::rig_hash;
 use sinew_servo_sim::variation::{Change, Variation};
 use sinew_show::Show;
+use sinew_show::sound::Sound;
 
 use super::board::SilenceArg;
 use super::clips::seconds;
 use super::driven::DrivenArgs;
 use super::performance::{ON_STAND, PerformanceArgs};
+use super::sound::{self, Player, PlayerCommand};
 use super::stack::with_stack;
 use super::target::Target;
 use super::unit_args::UnitArgs;
@@ -100,9 +103,20 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
+    /// Start this program with the show, and end it with the show: a player of the show's sound. `{}` is the file, and
+    /// `{s}` the place in the sound at the start of the show, in s: `aplay -q {}`. Needs real time. The sound must be
+    /// beside the show, or in the working directory. The console plays the sound by itself, and keeps both together.
+    #[arg(long, value_name = "COMMAND")]
+    sound_with: Option<PlayerCommand>,
+
     /// Number of rounds of a looping show. Default: in real time, the show loops until Ctrl-C; otherwise 2 rounds.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
+
+    /// Time from the armed rig to the start of the show, in s: the way to the first pose, after a wait. Refused if that
+    /// way takes longer. Default: the show starts as soon as the rig is at its first pose.
+    #[arg(long, value_name = "S", value_parser = preroll, allow_negative_numbers = true)]
+    preroll: Option<f64>,
 
     /// Play only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
@@ -149,18 +163,21 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
     if let Some(plant) = args.varied() {
         note(format_args!("the simulated plant differs from {}: {plant}", args.rig.display()));
     }
-    let bytes = args.read_or_bake(&rig, &mut parts, bare)?;
+    let show = args.read_or_bake(&rig, &mut parts, bare)?;
+    let player = args.player(show.sound.as_ref())?;
+    let bytes = show.bytes;
     let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
     match (&args.target, nucleo) {
         (Target::Port(port), _) => {
-            let rig = (&rig, &parts);
-            board::perform(port, args.silence.time(), rig, &bytes, rounds(true)?)
+            let timing = board::Timing { rounds: rounds(true)?, preroll_s: args.preroll };
+            board::perform(port, args.silence.time(), (&rig, &parts), &bytes, timing, player)
         }
         (Target::Nucleo, Some(files)) => {
             // Emulation is slower than real time, so loops end by themselves.
-            nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
+            let timing = board::Timing { rounds: rounds(false)?, preroll_s: args.preroll };
+            nucleo::perform(&files, &rig, &parts, &bytes, timing)
         }
-        (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes),
+        (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes, player),
     }
 }
 
@@ -183,6 +200,32 @@ impl Args {
             self.target.refuse(&[(self.silence.is_given(), "--silence-s")], "a board at a port")?;
         }
         Ok(())
+    }
+
+    /// Returns the player of the show's sound.
+    fn player(&self, sound: Option<&Sound>) -> anyhow::Result<Option<Player>> {
+        let Some(command) = &self.sound_with else {
+            if let Some(sound) = sound.filter(|_| self.is_real_time()) {
+                note(format_args!(
+                    "note: the show has a sound, {}: `--sound-with 'aplay -q {{}}'` plays it",
+                    sound.name
+                ));
+            }
+            return Ok(None);
+        };
+        let path = Path::new(&self.show);
+        let sound = sound.with_context(|| {
+            format!("--sound-with: {} has no sound: `sinew bake --sound` adds it", path.display())
+        })?;
+        let is_in_time = self.is_real_time() || matches!(self.target, Target::Port(_));
+        ensure!(is_in_time, "--sound-with: sounds need real time: expected --real-time");
+        let found = sound::find(path, sound)?;
+        command.player(&found.path, sound).map(Some)
+    }
+
+    /// Whether a simulation keeps the pace of the clock.
+    fn is_real_time(&self) -> bool {
+        self.pace.real_time || !self.pace.fast && io::stdout().is_terminal()
     }
 
     /// Refuses files that do not exist. A clip without an extension may be built in.
@@ -209,5 +252,12 @@ impl Args {
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))
+    }
+}
+
+fn preroll(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.0..=300.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0 to 300".into()),
     }
 }

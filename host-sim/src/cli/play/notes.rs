@@ -1,7 +1,7 @@
 //! Notes on the control loop before a show plays: its buses, rates and pulses, and the joints without servos.
 
 use sinew_host_util::command::note;
-use sinew_performance::play::{Drive, RigParts};
+use sinew_performance::play::{Drive, PulseRange, RigParts};
 
 /// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
@@ -72,15 +72,16 @@ fn tell_rate(parts: &RigParts) {
 /// Prints the pulses for hobby servos at the ends of their joints' ranges.
 fn tell_pulses(parts: &RigParts) {
     let all = parts.pulses_us();
-    let told = |of: &[&(&str, [f32; 2])]| {
-        let each = of.iter().map(|(name, [least, most])| {
-            format!("{name} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
+    let told = |of: &[&PulseRange<'_>]| {
+        let each = of.iter().map(|PulseRange { servo, us: [least, most], .. }| {
+            format!("{servo} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
         });
         each.collect::<Vec<_>>().join(", ")
     };
     let [safe_least, safe_most] = SAFE_PULSES_US;
-    let (safe, wide): (Vec<_>, Vec<_>) =
-        (all.iter()).partition(|(_, [least, most])| *least >= safe_least && *most <= safe_most);
+    // Somebody has tried the pulses that the rig's file has.
+    let (safe, wide): (Vec<_>, Vec<_>) = (all.iter())
+        .partition(|of| of.is_measured || of.us[0] >= safe_least && of.us[1] <= safe_most);
     if !safe.is_empty() {
         note(format_args!("pulses within the joints' ranges: {}", told(&safe)));
     }

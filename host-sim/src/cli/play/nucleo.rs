@@ -19,7 +19,7 @@ use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::line::LineDevice;
 
-use super::board::perform_on;
+use super::board::{Timing, perform_on};
 use crate::cli::board::put;
 
 /// The emulator: the environment variable that names it, and the path in cargo's target folder where `cargo xtask
@@ -128,11 +128,11 @@ pub(super) fn perform(
     rig: &LoadedRig,
     parts: &RigParts,
     bytes: &[u8],
-    rounds: Option<u32>,
+    timing: Timing,
 ) -> anyhow::Result<ExitCode> {
     with_board(files, rig, parts, |board, bursts| {
         let name = format!("nucleo-{}", std::process::id());
-        let ended = perform_on((board, &name), (rig, parts), bytes, rounds)?;
+        let ended = perform_on((board, &name), (rig, parts), bytes, timing, None)?;
         let (time_s, [own, theirs]) = (board.now().as_secs_f64(), bursts.get());
         print(&format!(
             "the emulated NUCLEO-F446RE ran {time_s:.2} s of its time: {own} bursts to servos, {theirs} of theirs\n"

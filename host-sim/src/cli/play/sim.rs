@@ -1,6 +1,5 @@
 //! `sinew play --target sim`: plays a show on simulated servos, with the controller in this program.
 
-use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
@@ -18,6 +17,7 @@ use super::Args;
 use super::live::{Live, Moment, Row};
 use super::real_time::RealTime;
 use crate::cli::output::OutputPath;
+use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Opens the socket by which other terminals stop the rig.
@@ -54,6 +54,7 @@ impl SimulatedLive {
             state: report.state.to_string(),
             is_playing: report.state == State::Playing,
             runs: sim.runs(),
+            approach: (report.state == State::Playing).then(|| sim.approach()).flatten(),
             show_s: if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) },
             errors_deg: report
                 .following
@@ -109,6 +110,7 @@ impl Args {
         rig: &LoadedRig,
         parts: &RigParts,
         bytes: &[u8],
+        mut player: Option<Player>,
     ) -> anyhow::Result<ExitCode> {
         let of_rig = || self.rig.display().to_string();
         let of_record =
@@ -118,7 +120,7 @@ impl Args {
         let mut sim =
             SimulatedRig::new(parts, Some(bytes), &mut memories, plant).with_context(of_rig)?;
         let mut recorder = self.recorder(rig, parts)?;
-        let is_real_time = self.pace.real_time || !self.pace.fast && io::stdout().is_terminal();
+        let is_real_time = self.is_real_time();
         let stop = Stop::new()?;
         let show = Show::open(bytes)?;
         let rounds = self.rounds(&show, is_real_time)?;
@@ -128,7 +130,7 @@ impl Args {
         };
         let mut live = SimulatedLive::new(&show);
         let mut bell = is_real_time.then(open_bell).flatten();
-        let (mut director, mut tally) = (Director::default(), Tally::new(parts));
+        let (mut director, mut tally) = (Director::with_preroll(self.preroll), Tally::new(parts));
         let mut pace = RealTime::begin();
         let ended = loop {
             let (is_stopped, is_cut) = bell.as_mut().map(Bell::asked).unwrap_or_default();
@@ -142,6 +144,9 @@ impl Args {
                 recorder.note(&sim).with_context(of_record)?;
             }
             live.show(&sim, director.waits_for());
+            if let Some(player) = &mut player {
+                player.note(sim.permission().runs);
+            }
             if ended.is_some() || stop.times() > 1 {
                 break ended;
             }
@@ -181,6 +186,10 @@ impl Args {
                 let name = &parts.names[usize::from(dof)];
                 bail!("the controller refused (joint {dof} is `{name}`): {why}")
             }
+            Some(Ended::Preroll(needed_ms)) => bail!(
+                "--preroll: expected at least {:.2} s, which the way to the first pose takes",
+                1e-3 * f64::from(needed_ms)
+            ),
             Some(Ended::Refused(why)) => bail!("the controller refused: {why}"),
             None => {
                 note(format_args!(

@@ -290,7 +290,10 @@ impl Args {
             baked.written.bytes.len(),
             feasibility(mechanism, &performance.limits, &report, rounding, None)
         );
-        if let Some(done) = performance.fit_summary() {
+        if let Some(line) = performance.headline(mechanism) {
+            text.extend([line, "\n".to_owned()]);
+        }
+        if let Some(done) = performance.fit_summary(mechanism) {
             text.extend([format!("\nFitted: {done}")]);
         }
         let played = ShowPlayback::new(&baked.written.bytes)?.motion(motion.dt_s);

@@ -11,6 +11,7 @@ mod play;
 #[cfg(unix)]
 mod report;
 mod servos;
+mod talk;
 
 use crate::common::sinew;
 

@@ -53,9 +53,13 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         let play = ["play", &show, "--rig", &rig, "--drive", drive];
         let [table, notes] = done(&play);
         assert!(notes.contains(rate), "{notes}");
-        let states = ["limp", "arming", "holding", "playing", "the show begins", "holding"];
-        let states = [&states[..], &["stopping", "lowering", "limp"]].concat();
-        let told: Vec<&str> = notes.lines().filter_map(|line| line.split(" s  ").nth(1)).collect();
+        let approach = "going to the show's first pose";
+        let states = ["limp", "arming", "holding", approach, "playing", "holding", "stopping"];
+        let states = [&states[..], &["lowering", "limp"]].concat();
+        let told: Vec<&str> = notes
+            .lines()
+            .filter_map(|line| line.split(" s  ").nth(1)?.split(": ").next())
+            .collect();
         assert_eq!(told[told.len() - states.len()..], states, "{notes}");
         assert!(
             table.contains("faults: none") && table.contains(" 0 overruns, 0 not whole"),
@@ -98,7 +102,7 @@ fn playing(rig: &str, show: &str) -> (Child, BufReader<std::process::ChildStderr
         .unwrap();
     let mut notes = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
-    while !line.ends_with("the show begins\n") {
+    while !line.ends_with("playing\n") {
         line.clear();
         assert!(notes.read_line(&mut line).unwrap() > 0, "it ended before");
     }

@@ -49,6 +49,10 @@ pub struct KeyedMotion {
     pub keys: Option<usize>,
     /// For each joint with changes that are faster than its maximum speed: the fastest such change.
     pub jumps: Vec<Jump>,
+    /// Coordinates that the file has; `None` for all.
+    pub given: Option<Vec<usize>>,
+    /// Whether the motion is a loop.
+    pub is_loop: bool,
 }
 
 /// A change from a key to the next that is faster than the joint's maximum speed.
@@ -134,7 +138,8 @@ pub fn read(
         let motion = RigMotion { dt_s, rows: (0..rows).map(row).collect() };
         let motion = if is_rate_of_shows(dt_s) { motion } else { resampled(mechanism, &motion)? };
         motion.check(mechanism)?;
-        return Ok(KeyedMotion { motion, start_s, keys: None, jumps });
+        let (given, is_loop) = (Some(given), false);
+        return Ok(KeyedMotion { motion, start_s, keys: None, jumps, given, is_loop });
     }
     let rate_hz = rate_hz(duration_s / (rows - 1) as f64);
     let at = |time_s: f64| {
@@ -149,7 +154,8 @@ pub fn read(
     let rows_s = times(duration_s, rate_hz);
     let motion = RigMotion { dt_s: rate_hz.recip(), rows: rows_s.map(at).collect() };
     motion.check(mechanism)?;
-    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps })
+    let (given, is_loop) = (Some(given), false);
+    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps, given, is_loop })
 }
 
 /// Reads the times of the rows and the keys of each coordinate. Returns also whether the table has easings.

@@ -1,19 +1,20 @@
-//! The pose that the board commands: the measured pose plus the offsets that the board sends.
+//! Poses of a rig as coordinates and as dofs, and the pose that the board commands: the measured pose plus the offsets
+//! that the board sends.
 
-use sinew_board_client::TelemetryLog;
+use crate::TelemetryLog;
 
-use crate::scene::Scene;
-
-/// Returns the commanded pose; `None` while torque is off, or if the board does not send offsets of all dofs.
-pub(crate) fn wanted(scene: &Scene, log: &TelemetryLog) -> Option<Vec<f32>> {
+/// Returns the commanded pose of a rig with this number of dofs; `None` while torque is off, or if the board does not
+/// send offsets of all dofs. `blocks`: first coordinate and number of coordinates of each joint.
+pub fn commanded(blocks: &[(usize, usize)], dofs: usize, log: &TelemetryLog) -> Option<Vec<f32>> {
     log.summary?.errors?;
-    let is_whole = log.q.len() == scene.home.len() && log.targets.len() == scene.dofs.len();
-    is_whole.then(|| add(&scene.blocks, &log.q, &log.targets))
+    let coordinates = blocks.last().map_or(0, |(first, count)| first + count);
+    let is_whole = log.q.len() == coordinates && log.targets.len() == dofs;
+    is_whole.then(|| with_offsets(blocks, &log.q, &log.targets))
 }
 
-/// Adds offsets by dof to a pose. A ball joint has four coordinates, and its offset is a rotation vector in its body's
+/// Returns a pose to which offsets by dof are added. A ball joint has four coordinates, and its offset is a rotation vector in its body's
 /// axes.
-pub(crate) fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
+pub fn with_offsets(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
     let mut q = pose.to_vec();
     let mut offsets = offsets.iter().copied();
     for (first, count) in blocks {
@@ -29,7 +30,7 @@ pub(crate) fn add(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> V
 }
 
 /// Returns the positions of the dofs of a pose; for a ball joint the rotation vector.
-pub(super) fn dofs(blocks: &[(usize, usize)], pose: &[f32]) -> Vec<f32> {
+pub fn of_dofs(blocks: &[(usize, usize)], pose: &[f32]) -> Vec<f32> {
     let mut dofs = Vec::new();
     for (first, count) in blocks {
         let own = &pose[*first..*first + *count];
@@ -69,16 +70,16 @@ mod tests {
         let blocks = [(0, 0), (0, 1), (1, 4), (5, 1)];
         let rest = [0.0, 0.0, 0.0, 0.0, 1.0, 0.0];
         let turns = [0.3, 0.5, -1.0, 2.0, -0.2];
-        let pose = add(&blocks, &rest, &turns);
+        let pose = with_offsets(&blocks, &rest, &turns);
         let near = |a: &[f32]| a.iter().zip(turns).all(|(a, b)| (a - b).abs() < 1e-5);
-        assert!(near(&dofs(&blocks, &pose)));
+        assert!(near(&of_dofs(&blocks, &pose)));
         let other: Vec<f32> = pose
             .iter()
             .enumerate()
             .map(|(k, x)| if (1..5).contains(&k) { -x } else { *x })
             .collect();
-        assert!(near(&dofs(&blocks, &other)));
-        assert!(dofs(&blocks, &rest).iter().all(|x| x.abs() < 1e-6));
+        assert!(near(&of_dofs(&blocks, &other)));
+        assert!(of_dofs(&blocks, &rest).iter().all(|x| x.abs() < 1e-6));
     }
 
     #[test]
@@ -86,7 +87,8 @@ mod tests {
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let pose = [0.5, half, 0.0, 0.0, half, -0.1];
         let quarter = std::f32::consts::FRAC_PI_2;
-        let q = add(&[(0, 0), (0, 1), (1, 4), (5, 1)], &pose, &[0.25, quarter, 0.0, 0.0, 0.1]);
+        let q =
+            with_offsets(&[(0, 0), (0, 1), (1, 4), (5, 1)], &pose, &[0.25, quarter, 0.0, 0.0, 0.1]);
         let expected = [0.75, 1.0, 0.0, 0.0, 0.0, 0.0];
         assert!(q.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{q:?}");
     }

@@ -13,7 +13,7 @@ const PEAK: f32 = 1.5;
 
 /// A motion from one pose to another, with a smooth start and end.
 #[derive(Debug, Clone)]
-pub(super) struct Journey {
+pub struct Journey {
     from: Vec<f32>,
     to: Vec<f32>,
     /// For each ball joint: the index of the first coordinate of its quaternion.
@@ -25,7 +25,7 @@ pub(super) struct Journey {
 impl Journey {
     /// Plans a motion. `blocks`: first coordinate and number of coordinates of each joint; `most_rad_s`: the maximum
     /// speed of a joint.
-    pub(super) fn new(
+    pub fn new(
         from: &[f32],
         to: &[f32],
         blocks: &[(usize, usize)],
@@ -54,8 +54,14 @@ impl Journey {
         Self { from: from.to_vec(), to, balls, begun: now, takes }
     }
 
+    /// Makes the motion last at least this long.
+    #[must_use]
+    pub fn lasting(self, least: Duration) -> Self {
+        Self { takes: self.takes.max(least), ..self }
+    }
+
     /// Returns the planned pose at a time.
-    pub(super) fn at(&self, now: Duration) -> Vec<f32> {
+    pub fn at(&self, now: Duration) -> Vec<f32> {
         let s = now.saturating_sub(self.begun).div_duration_f32(self.takes).min(1.0);
         let part = s * s * (3.0 - 2.0 * s);
         let mut q: Vec<f32> =
@@ -72,7 +78,7 @@ impl Journey {
 
     /// Returns whether the motion is over: its time has passed, and the pose that the board commands has arrived, or
     /// the board had enough time to arrive.
-    pub(super) fn is_over(&self, commanded: Option<&[f32]>, now: Duration) -> bool {
+    pub fn is_over(&self, commanded: Option<&[f32]>, now: Duration) -> bool {
         let Some(after) = now.checked_sub(self.begun + self.takes) else { return false };
         let Some(commanded) = commanded else { return after >= ARRIVE_BLIND };
         // A ball joint's quaternion may have the other sign.

@@ -1,0 +1,358 @@
+"""Boards: at a port, simulated, or owned by a console."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import weakref
+from collections.abc import Sequence
+from types import TracebackType
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _sinew_motion as _native
+from ._arrays import Array, row
+from ._rig import Rig
+from ._show import Show
+
+BoardError = _native.BoardError
+
+
+class BoardState(NamedTuple):
+    """The state of a rig, from the newest telemetry."""
+
+    state: str
+    """off, limp, arming, holding, playing, stopping, lowering, faulted, ..."""
+    q: Array
+    """The measured pose, ``(nq,)``."""
+    effort: Array
+    """The commanded efforts, ``(nv,)``, N m or N."""
+    supply_v: float
+    """The supply of the servos, V; 0 if it is not measured."""
+    show_s: float
+    """The position in the show, s."""
+    error: float
+    """The largest angle between pose and target, rad; NaN without a target."""
+    temperature: Array
+    """The temperatures of the servos, degC; NaN for servos that do not report it."""
+    heat: Array
+    """The heat of the windings by the model, 1 at its maximum."""
+
+
+class BoardFault(NamedTuple):
+    """A fault in the log of a board."""
+
+    name: str
+    state: str
+    """The state in which it occurred."""
+    servo: int | None
+    time_s: float
+    """The time after the board's start."""
+    times: int
+    is_warning: bool
+    when: str
+    """The condition."""
+    remedy: str
+
+
+_open: weakref.WeakSet[Board] = weakref.WeakSet()
+
+
+class Board:
+    """A board with its rig. Use it in a ``with`` block: at its end, and after an exception or Ctrl-C in it, the rig
+    goes to its rest pose, is lowered, and torque is off. A second Ctrl-C leaves at once; the board then lowers the
+    rig itself.
+
+    Nothing moves before ``arm``. Errors of the board are ``BoardError``, wrong input is ``ValueError``. After a
+    motion that Ctrl-C ended, the rig holds until the block ends.
+
+    >>> with Board.open("sim", Rig.arm(2)) as board:
+    ...     board.state().state
+    'limp'
+    """
+
+    def __init__(self, native: _native.NativeBoard, rig: Rig) -> None:
+        self._native = native
+        self.rig = rig
+        _open.add(self)
+
+    @classmethod
+    def open(
+        cls, target: str | os.PathLike[str], rig: Rig | None = None, *, servos: Sequence[str] = ()
+    ) -> Board:
+        """Opens a board.
+
+        Parameters
+        ----------
+        target : ``"sim"`` for a simulated board of ``rig``, ``"sim:arm.toml"`` for one of a file's rig; or the serial
+            port of a board that has ``rig``
+        rig : the rig; not with ``"sim:FILE"``
+        servos : kinds of servos for joints that have none, as ``sinew play --servo``
+
+        Raises
+        ------
+        ValueError
+            Without a rig, or if the file is not one.
+        BoardError
+            If nothing answers, or the board has another rig.
+
+        >>> Board.open("sim")
+        Traceback (most recent call last):
+            ...
+        ValueError: rig: expected the rig of the board, or "sim:FILE"
+        """
+        text = os.fspath(target)
+        kind, _, file = text.partition(":")
+        if kind == "sim" and file:
+            if rig is not None:
+                raise ValueError('rig: expected none beside "sim:FILE"')
+            rig = Rig.load(file)
+        if rig is None:
+            raise ValueError('rig: expected the rig of the board, or "sim:FILE"')
+        port = None if kind == "sim" else text
+        return cls(_native.open_board(rig._native, port, list(servos)), rig)
+
+    def __enter__(self) -> Board:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Stops the rig, waits until torque is off, and ends the session.
+
+        >>> board = Board.open("sim", Rig.arm(2))
+        >>> board.close()
+        """
+        _open.discard(self)
+        self._native.close()
+
+    def arm(self) -> None:
+        """Switches torque on at the measured pose, and waits until the rig holds.
+
+        Raises
+        ------
+        BoardError
+            If the controller refuses, with its reason.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.arm()
+        ...     board.state().state
+        'holding'
+        """
+        self._native.arm()
+
+    def goto(self, q: npt.ArrayLike, duration: float = 0.0) -> None:
+        """Moves the armed rig to a pose, smoothly, and waits until it is there; then the rig holds.
+
+        Parameters
+        ----------
+        q : (nq,), within the ranges
+        duration : shortest time of the motion, s; it takes longer if a joint would exceed 14 degrees a second
+
+        Raises
+        ------
+        ValueError
+            For a wrong length or NaN.
+        BoardError
+            If the pose is out of range, the rig does not hold, or a fault ends the motion.
+
+        >>> import numpy as np
+        >>> arm = Rig.arm(2)
+        >>> with Board.open("sim", arm) as board:
+        ...     board.arm()
+        ...     goal = board.state().q + [0.05, 0.0]
+        ...     board.goto(goal)
+        ...     bool(np.abs(board.state().q - goal).max() < 0.05)
+        True
+        """
+        self._native.goto(row("q", q), float(duration))
+
+    def live(self, q: npt.ArrayLike) -> None:
+        """Sends a pose to follow. Call it at least ten times a second; without poses the rig holds.
+
+        The controller limits speeds: a far pose is reached later.
+
+        Raises
+        ------
+        ValueError
+            For a wrong length or NaN.
+        BoardError
+            If the pose is out of range, or the rig is not armed.
+
+        >>> import time
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.arm()
+        ...     q = board.state().q
+        ...     for _ in range(20):
+        ...         board.live(q)
+        ...         time.sleep(0.02)
+        ...     board.state().state
+        'playing'
+        """
+        self._native.live(row("q", q))
+
+    def play(self, show: Show, *, rounds: int = 1) -> None:
+        """Uploads a show if the board does not have it, plays it, and waits for its end; then the rig holds.
+
+        Parameters
+        ----------
+        show : a show of this rig
+        rounds : number of rounds of a loop
+
+        Raises
+        ------
+        BoardError
+            If the show is of another rig, or a fault ends it.
+
+        >>> arm = Rig.arm(2)
+        >>> with Board.open("sim", arm) as board:
+        ...     board.arm()
+        ...     q = board.state().q
+        ...     board.play(bake([q, q], arm, rate_hz=2))
+        ...     board.state().state
+        'holding'
+        """
+        self._native.play(show._native, rounds)
+
+    def hold(self) -> None:
+        """Ends a motion: the rig stands where it is.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.arm()
+        ...     board.hold()
+        """
+        self._native.hold()
+
+    def stop(self) -> None:
+        """Stops the rig: it goes to its rest pose and is lowered. Waits until torque is off.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.arm()
+        ...     board.stop()
+        ...     board.state().state
+        'limp'
+        """
+        self._native.stop()
+
+    def estop(self) -> None:
+        """Switches torque off at once: the rig falls.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.estop()
+        """
+        self._native.estop()
+
+    def clear(self) -> None:
+        """Clears latched faults whose cause is removed.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.estop()
+        ...     board.clear()
+        """
+        self._native.clear()
+
+    def state(self) -> BoardState:
+        """Returns the state of the rig.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.state().q.shape
+        (2,)
+        """
+        name, q, effort, supply_v, show_s, error, servos = self._native.state()
+        temperature = [np.nan if celsius is None else float(celsius) for celsius, _ in servos]
+        heat = [percent / 100.0 for _, percent in servos]
+        return BoardState(
+            name, np.array(q), np.array(effort), supply_v, show_s, error, np.array(temperature), np.array(heat)
+        )
+
+    def faults(self) -> list[BoardFault]:
+        """Returns the board's log of faults, the newest last, with their remedies.
+
+        >>> with Board.open("sim", Rig.arm(2)) as board:
+        ...     board.faults()
+        []
+        """
+        return [BoardFault(*fault) for fault in self._native.faults()]
+
+
+class Console:
+    """A running ``sinew console``, which owns a board and lets other programs ask for some things.
+
+    ``open`` finds it. The console moves its armed rig; arming takes its page.
+    """
+
+    def __init__(self, native: _native.NativeConsole) -> None:
+        self._native = native
+
+    @classmethod
+    def open(cls, name: str | None = None) -> Console:
+        """Finds a console of this user, by name; without a name, the only one that runs.
+
+        Raises
+        ------
+        BoardError
+            If there is none, or there are several.
+
+        >>> Console.open("no-port")  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+            ...
+        sinew_motion.BoardError: there is no console `no-port`: ...
+        """
+        return cls(_native.open_console(name))
+
+    @property
+    def name(self) -> str:
+        """The name, made of the board's port."""
+        return self._native.name
+
+    def home(self) -> str:
+        """Moves the armed rig to its home pose, and waits until it is there.
+
+        >>> board = Console.open("dev-ttyACM0")  # doctest: +SKIP
+        >>> board.home()  # doctest: +SKIP
+        'the rig is there'
+        """
+        return self._native.home()
+
+    def jog(self, joint: str, *, angle: float | None = None, distance: float | None = None) -> str:
+        """Moves a joint of the armed rig by an angle in rad, or a slide by a distance in m, and waits for the end.
+
+        >>> board = Console.open("dev-ttyACM0")  # doctest: +SKIP
+        >>> board.jog("turn1", angle=0.1)  # doctest: +SKIP
+        'the rig is there'
+        """
+        if (angle is None) == (distance is None):
+            raise ValueError("expected an angle or a distance")
+        # The console counts in degrees and millimetres.
+        by = np.rad2deg(angle) if angle is not None else 1000.0 * (distance or 0.0)
+        return self._native.jog(joint, float(by))
+
+    def stop(self) -> str:
+        """Stops the rig: it goes to its rest pose, then torque is off.
+
+        >>> board = Console.open("dev-ttyACM0")  # doctest: +SKIP
+        >>> board.stop()  # doctest: +SKIP
+        'the rig goes to its rest pose, then torque is off'
+        """
+        return self._native.stop()
+
+    def estop(self) -> str:
+        """Switches torque off at once.
+
+        >>> board = Console.open("dev-ttyACM0")  # doctest: +SKIP
+        >>> board.estop()  # doctest: +SKIP
+        'torque is off'
+        """
+        return self._native.estop()
+
+
+@atexit.register
+def _close_all() -> None:
+    """Stops the rigs of boards that are still open when the program ends."""
+    for board in list(_open):
+        board.close()

@@ -1,0 +1,85 @@
+//! Arrays of NumPy as rows of numbers, and back.
+
+use numpy::ndarray::{Array, Dimension, IntoDimension};
+use numpy::{IntoPyArray as _, PyArray, PyReadonlyArray2, PyUntypedArrayMethods as _};
+use pyo3::prelude::*;
+
+use crate::error::value;
+
+/// Rows of numbers, copied from an array, so that no other thread of Python can change them.
+#[derive(Debug, Clone)]
+pub(crate) struct Rows {
+    pub(crate) count: usize,
+    pub(crate) width: usize,
+    pub(crate) numbers: Vec<f64>,
+}
+
+impl Rows {
+    /// Copies an array whose rows must have `width` numbers.
+    pub(crate) fn of(
+        name: &str,
+        array: &PyReadonlyArray2<'_, f64>,
+        width: usize,
+    ) -> PyResult<Self> {
+        let &[count, found] = array.shape() else { return Err(value("an array of rows")) };
+        if found != width {
+            return Err(value(format!("{name}: expected {width} numbers in a row, found {found}")));
+        }
+        Ok(Self { count, width, numbers: array.as_array().iter().copied().collect() })
+    }
+
+    /// Returns an error unless there are `count` rows.
+    pub(crate) fn expect(&self, name: &str, count: usize) -> PyResult<()> {
+        if self.count == count {
+            return Ok(());
+        }
+        Err(value(format!(
+            "{name}: expected {count} rows, as many as the first array has, found {}",
+            self.count
+        )))
+    }
+
+    /// Returns a row.
+    pub(crate) fn row(&self, index: usize) -> &[f64] {
+        &self.numbers[index * self.width..][..self.width]
+    }
+
+    /// Returns all rows in the core's precision.
+    pub(crate) fn single(&self) -> SingleRows {
+        SingleRows {
+            width: self.width,
+            numbers: self.numbers.iter().copied().map(single).collect(),
+        }
+    }
+}
+
+/// Rows of numbers in the core's precision.
+#[derive(Debug, Clone)]
+pub(crate) struct SingleRows {
+    width: usize,
+    numbers: Vec<f32>,
+}
+
+impl SingleRows {
+    /// Returns a row.
+    pub(crate) fn row(&self, index: usize) -> &[f32] {
+        &self.numbers[index * self.width..][..self.width]
+    }
+}
+
+/// Narrows a number to the core's precision. NaN stays NaN, and a number that is too large becomes infinite: the core
+/// refuses both.
+#[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
+pub(crate) fn single(number: f64) -> f32 {
+    number as f32
+}
+
+/// Makes an array of NumPy from numbers in the order of its memory.
+pub(crate) fn array<'py, D: Dimension>(
+    py: Python<'py>,
+    shape: impl IntoDimension<Dim = D>,
+    numbers: Vec<f64>,
+) -> PyResult<Bound<'py, PyArray<f64, D>>> {
+    let shape = shape.into_dimension();
+    Ok(Array::from_shape_vec(shape, numbers).map_err(value)?.into_pyarray(py))
+}

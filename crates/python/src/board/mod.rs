@@ -1,0 +1,232 @@
+//! Boards: a thread keeps the session with a board alive, and executes one order after the other.
+
+mod console;
+mod open;
+mod order;
+mod session;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use numpy::PyReadonlyArray1;
+use pyo3::create_exception;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use sinew_performance::play::ServoChoice;
+
+use crate::arrays::single;
+use crate::error::value;
+use crate::rig::NativeRig;
+use crate::show::NativeShow;
+use order::{Order, Reply};
+
+pub(crate) use console::{NativeConsole, open_console};
+
+create_exception!(
+    sinew_motion,
+    BoardError,
+    PyRuntimeError,
+    "An error of a board, or a refusal of its controller, in the words of the command."
+);
+
+/// Stack of the thread: a controller with all its capacities is built on the stack.
+const STACK_BYTES: usize = 256 << 20;
+
+/// Interval of looks at signals.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Maximum time until an order that was cancelled is answered.
+const CANCEL: Duration = Duration::from_secs(3);
+
+/// An order, and the way of its reply.
+type Asked = (Order, SyncSender<Result<Reply, String>>);
+
+/// A session with a board, in a thread. After the last use of this value the thread stops the rig.
+#[pyclass(frozen, module = "sinew_motion._sinew_motion")]
+pub(crate) struct NativeBoard {
+    orders: Mutex<Option<Sender<Asked>>>,
+    is_cancelled: Arc<AtomicBool>,
+    nq: usize,
+}
+
+/// Opens a board: a simulated one, or the one at a port.
+#[pyfunction]
+pub(crate) fn open_board(
+    py: Python<'_>,
+    rig: PyRef<'_, NativeRig>,
+    port: Option<PathBuf>,
+    servos: Vec<String>,
+) -> PyResult<NativeBoard> {
+    let servos = servos
+        .iter()
+        .map(|text| text.parse::<ServoChoice>().map_err(value))
+        .collect::<PyResult<Vec<_>>>()?;
+    let nq = rig.loaded.mechanism.coordinate_count();
+    let loaded = (*rig.loaded).clone();
+    let is_cancelled = Arc::new(AtomicBool::new(false));
+    let (orders, inbox) = channel();
+    let (opened, open) = sync_channel(1);
+    let cancelled = Arc::clone(&is_cancelled);
+    let serve = move || {
+        let tell = opened.clone();
+        let served = open::serve(loaded, port, &servos, &cancelled, &inbox, move || {
+            let _ = tell.send(Ok(Reply::Done));
+        });
+        if let Err(error) = served {
+            // After the opening, the reply to an order has told the error.
+            let _ = opened.try_send(Err(format!("{error:#}")));
+        }
+    };
+    thread::Builder::new().name("board".to_owned()).stack_size(STACK_BYTES).spawn(serve)?;
+    let board = NativeBoard { orders: Mutex::new(Some(orders)), is_cancelled, nq };
+    board.wait(py, open)?;
+    Ok(board)
+}
+
+impl NativeBoard {
+    /// Executes an order. After a signal the order is cancelled, and the signal's exception is raised.
+    fn ask(&self, py: Python<'_>, order: Order) -> PyResult<Reply> {
+        let (reply, replies) = sync_channel(1);
+        let sent = {
+            let orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
+            let orders =
+                orders.as_ref().ok_or_else(|| BoardError::new_err("the board is closed"))?;
+            orders.send((order, reply))
+        };
+        sent.map_err(|_| BoardError::new_err("the session is over"))?;
+        self.wait(py, replies)
+    }
+
+    fn wait(&self, py: Python<'_>, replies: Receiver<Result<Reply, String>>) -> PyResult<Reply> {
+        let replies = Mutex::new(replies);
+        let receive = |time| {
+            py.detach(|| replies.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time))
+        };
+        loop {
+            match receive(LOOK) {
+                Ok(reply) => return reply.map_err(BoardError::new_err),
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(BoardError::new_err("the session is over"));
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if let Err(signal) = py.check_signals() {
+                self.is_cancelled.store(true, Ordering::Relaxed);
+                let _ = receive(CANCEL);
+                self.is_cancelled.store(false, Ordering::Relaxed);
+                return Err(signal);
+            }
+        }
+    }
+
+    fn done(&self, py: Python<'_>, order: Order) -> PyResult<()> {
+        self.ask(py, order).map(|_| ())
+    }
+
+    /// Copies a pose.
+    fn pose(&self, q: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f32>> {
+        let q: Vec<f32> = q.as_array().iter().copied().map(single).collect();
+        if q.len() != self.nq {
+            return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
+        }
+        // Written so that NaN fails.
+        match q.iter().position(|x| !(x.abs() <= 1e6)) {
+            None => Ok(q),
+            Some(bad) => {
+                Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))
+            }
+        }
+    }
+}
+
+/// Returns a duration of s.
+fn duration(name: &str, seconds: f64) -> PyResult<Duration> {
+    if (0.0..=3600.0).contains(&seconds) {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    Err(value(format!("{name}: expected a number of s from 0 to 3600, found {seconds}")))
+}
+
+/// The state of a rig in numbers.
+type StateRow = (String, Vec<f64>, Vec<f64>, f64, f64, f64, Vec<(Option<i8>, u8)>);
+
+/// A fault: name, state, servo, time after the board's start, occurrences, whether it is a warning, condition, remedy.
+type FaultRow = (String, String, Option<u16>, f64, u16, bool, &'static str, &'static str);
+
+#[pymethods]
+impl NativeBoard {
+    fn arm(&self, py: Python<'_>) -> PyResult<()> {
+        self.done(py, Order::Arm)
+    }
+
+    fn goto(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>, seconds: f64) -> PyResult<()> {
+        let order = Order::Goto { q: self.pose(&q)?, least: duration("duration", seconds)? };
+        self.done(py, order)
+    }
+
+    fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
+        self.done(py, Order::Live { q: self.pose(&q)? })
+    }
+
+    fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
+        if rounds == 0 {
+            return Err(value("rounds: expected 1 or more, found 0"));
+        }
+        self.done(py, Order::Play { bytes: show.bytes.clone(), rounds })
+    }
+
+    fn hold(&self, py: Python<'_>) -> PyResult<()> {
+        self.done(py, Order::Hold)
+    }
+
+    fn stop(&self, py: Python<'_>) -> PyResult<()> {
+        self.done(py, Order::Stop)
+    }
+
+    fn estop(&self, py: Python<'_>) -> PyResult<()> {
+        self.done(py, Order::EStop)
+    }
+
+    fn clear(&self, py: Python<'_>) -> PyResult<()> {
+        self.done(py, Order::Clear)
+    }
+
+    fn state(&self, py: Python<'_>) -> PyResult<StateRow> {
+        let Reply::State(state) = self.ask(py, Order::State)? else {
+            return Err(BoardError::new_err("the state is not known"));
+        };
+        let wide = |numbers: Vec<f32>| numbers.into_iter().map(f64::from).collect();
+        Ok((
+            state.name,
+            wide(state.q),
+            wide(state.effort),
+            f64::from(state.supply_v),
+            f64::from(state.show_ms) * 1e-3,
+            f64::from(state.error_rad),
+            state.servos,
+        ))
+    }
+
+    fn faults(&self, py: Python<'_>) -> PyResult<Vec<FaultRow>> {
+        let Reply::Faults(faults) = self.ask(py, Order::Faults)? else {
+            return Err(BoardError::new_err("the log of faults is not known"));
+        };
+        Ok(faults)
+    }
+
+    /// Stops the rig, and ends the session. Nothing happens if the session is over.
+    fn close(&self, py: Python<'_>) -> PyResult<()> {
+        let is_open = self.orders.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        if !is_open {
+            return Ok(());
+        }
+        let closed = self.done(py, Order::Close);
+        self.orders.lock().unwrap_or_else(PoisonError::into_inner).take();
+        closed
+    }
+}

@@ -1,0 +1,111 @@
+//! The thread of a session: opens the board, or simulates one, and executes orders.
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, TryRecvError};
+use std::thread;
+use std::time::Duration;
+
+use anyhow::{Context as _, ensure};
+use sinew_board_client::{Board, Line, nonce, port};
+use sinew_performance::play::{
+    BoardEnd, Chip, Memory, Options, RigParts, ServoChoice, SimulatedBoard, pipe, put_servos,
+};
+use sinew_performance::rig::LoadedRig;
+use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::plant::RigPlant;
+
+use super::Asked;
+use super::order::{Order, Reply};
+use super::session::Session;
+
+/// Stack of the simulated board.
+const STACK_BYTES: usize = 256 << 20;
+/// Maximum time until a simulated board has started.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Longest wait for the board between two looks at orders.
+const TURN: Duration = Duration::from_millis(4);
+
+/// Opens the board at a port, or simulates one, and executes orders until the session is closed. `opened` is called
+/// when the board answers.
+pub(super) fn serve(
+    mut rig: LoadedRig,
+    port: Option<PathBuf>,
+    servos: &[ServoChoice],
+    is_cancelled: &AtomicBool,
+    orders: &Receiver<Asked>,
+    opened: impl FnOnce(),
+) -> anyhow::Result<()> {
+    let name = rig.description.name.clone();
+    if put_servos(&mut rig.description, servos).with_context(|| name.clone())? > 0 {
+        rig.mechanism = rig.description.mechanism()?;
+    }
+    let options = Options { is_of_board: true, ..Options::default() };
+    let parts =
+        RigParts::new(&rig.description, &rig.mechanism, options).with_context(|| name.clone())?;
+    let Some(path) = port else {
+        return thread::scope(|scope| {
+            let (line, end) = pipe();
+            let builder = thread::Builder::new().name("simulated".to_owned());
+            let simulate = || simulate(&rig, &parts, end);
+            let simulated = builder.stack_size(STACK_BYTES).spawn_scoped(scope, simulate)?;
+            let served = Board::connect(line, nonce(), PATIENCE).map_err(Into::into);
+            let served = served.and_then(|mut board| {
+                opened();
+                obey(&mut board, &rig, is_cancelled, orders)
+            });
+            // The line is gone, so the board ends. Its error is the reason if it has never begun.
+            simulated.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+            served
+        });
+    };
+    let mut board = port::open(&path)?;
+    let (here, own) = (board.about().rig, parts.rig_crc());
+    ensure!(
+        here == own,
+        "the board has rig {here:08x}, the given one is {own:08x}: `sinew board upload rig FILE --port PORT` uploads it"
+    );
+    opened();
+    obey(&mut board, &rig, is_cancelled, orders)
+}
+
+fn simulate(rig: &LoadedRig, parts: &RigParts, end: BoardEnd) -> anyhow::Result<()> {
+    let chip = Chip::blank();
+    SimulatedBoard::<RigPlant>::store_rig(parts, &chip)?;
+    let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+    let plant = parts.plant(&rig.description, &rig.mechanism)?;
+    let mut board = SimulatedBoard::new(parts, &mut memories, plant, chip)?;
+    match board.serve(end, &AtomicBool::new(false), |_| {}) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        served => Ok(served?),
+    }
+}
+
+/// Executes orders until the session is closed, or Python has dropped the board: then the rig is stopped.
+fn obey<L: Line>(
+    board: &mut Board<L>,
+    rig: &LoadedRig,
+    is_cancelled: &AtomicBool,
+    orders: &Receiver<Asked>,
+) -> anyhow::Result<()> {
+    let mut session = Session::new(board, &rig.mechanism, is_cancelled)?;
+    loop {
+        match orders.try_recv() {
+            Ok((Order::Close, reply)) => {
+                let _ = reply.send(session.stop().map(|()| Reply::Done).map_err(text));
+                return Ok(());
+            }
+            Ok((order, reply)) => {
+                let _ = reply.send(session.execute(order).map_err(text));
+            }
+            Err(TryRecvError::Empty) => session.turn(TURN)?,
+            Err(TryRecvError::Disconnected) => return session.stop(),
+        }
+    }
+}
+
+#[expect(clippy::needless_pass_by_value, reason = "converts an error at its end")]
+fn text(error: anyhow::Error) -> String {
+    format!("{error:#}")
+}

@@ -1,0 +1,52 @@
+//! Orders for a board, and replies.
+
+use std::time::Duration;
+
+use super::FaultRow;
+
+/// An order of Python.
+#[derive(Debug)]
+pub(super) enum Order {
+    Arm,
+    Goto {
+        q: Vec<f32>,
+        least: Duration,
+    },
+    Live {
+        q: Vec<f32>,
+    },
+    Play {
+        bytes: Vec<u8>,
+        rounds: u32,
+    },
+    Hold,
+    Stop,
+    EStop,
+    Clear,
+    State,
+    Faults,
+    /// Stops the rig, and ends the session.
+    Close,
+}
+
+/// The result of an order.
+#[derive(Debug)]
+pub(super) enum Reply {
+    Done,
+    State(Box<RigState>),
+    Faults(Vec<FaultRow>),
+}
+
+/// The state of a rig, from the newest telemetry.
+#[derive(Debug)]
+pub(super) struct RigState {
+    pub(super) name: String,
+    pub(super) q: Vec<f32>,
+    pub(super) effort: Vec<f32>,
+    pub(super) supply_v: f32,
+    pub(super) show_ms: u32,
+    /// Largest angle between pose and target; NaN without a target.
+    pub(super) error_rad: f32,
+    /// Temperature in degC, and heat in percent of its maximum, of each servo.
+    pub(super) servos: Vec<(Option<i8>, u8)>,
+}

@@ -1,0 +1,54 @@
+//! The native part of the Python package `sinew_motion`: arrays in and out around the crates that the command `sinew`
+//! uses.
+//!
+//! `python/sinew_motion` checks shapes and has the documentation of each function. This crate converts numbers and
+//! errors, and calls.
+//!
+//! - `arrays`, `error`, `work`: arrays of NumPy, exceptions, and long work without Python's global lock.
+//! - `rig`, `dynamics`, `tracker`: rigs, their dynamics in f32, and the tick of the controller.
+//! - `clip`, `show`: recorded clips, their way to a rig, and shows.
+//! - `errors`, `heading`, `metrics`: state errors, distances of poses, importance of joints.
+//! - `board/`: boards at ports, simulated boards, consoles.
+//! - `evaluate`, `motions`: the evaluation and its sweeps, and the motions that they track.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::needless_pass_by_value, reason = "PyO3 passes arrays and objects by value")]
+
+mod arrays;
+#[cfg(unix)]
+mod board;
+mod clip;
+mod dynamics;
+mod error;
+mod errors;
+mod evaluate;
+mod heading;
+mod metrics;
+mod motions;
+mod rig;
+mod show;
+mod tracker;
+mod work;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _sinew_motion {
+    #[cfg(unix)]
+    #[pymodule_export]
+    use crate::board::{BoardError, NativeBoard, NativeConsole, open_board, open_console};
+    #[pymodule_export]
+    use crate::clip::{NativeClip, read_clip};
+    #[pymodule_export]
+    use crate::errors::errors;
+    #[pymodule_export]
+    use crate::evaluate::{evaluate, methods, sweep};
+    #[pymodule_export]
+    use crate::metrics::{geodesic, importance, pose_distance};
+    #[pymodule_export]
+    use crate::rig::{NativeRig, load_rig, new_arm, new_face};
+    #[pymodule_export]
+    use crate::show::{NativeShow, bake, map, open_show, retarget};
+    #[pymodule_export]
+    use crate::tracker::NativeTracker;
+}

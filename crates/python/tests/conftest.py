@@ -1,0 +1,47 @@
+"""Folders and files that the tests need."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from typing import Any
+
+import pytest
+
+import sinew_motion as sm
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def golden(path: str) -> Any:
+    """Reads a golden file of the repository."""
+    return json.loads((ROOT / "tests" / path).read_text())
+
+
+@pytest.fixture(scope="session")
+def data() -> pathlib.Path:
+    """The folder of mocap and robots; without it, tests are skipped."""
+    folder = os.environ.get("SINEW_DATA")
+    if not folder:
+        pytest.skip("SINEW_DATA is not set")
+    return pathlib.Path(folder)
+
+
+@pytest.fixture(scope="session")
+def program() -> str:
+    """The command ``sinew``; without it, tests that compare with it are skipped."""
+    path = os.environ.get("SINEW_PROGRAM")
+    if not path:
+        pytest.skip("SINEW_PROGRAM is not set")
+    return path
+
+
+@pytest.fixture(scope="session")
+def arm() -> sm.Rig:
+    return sm.Rig.arm(6)
+
+
+@pytest.fixture(scope="session")
+def clip() -> sm.Clip:
+    return sm.read_clip("punches_01", seconds=1.0)

@@ -1,0 +1,124 @@
+//! The package for Python: a wheel, and its tests in fresh environments of every Python that is installed.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use sinew_steps::step;
+
+use crate::python::Venv;
+use crate::{deny, lints, nextest};
+
+/// The package's folder, a separate workspace.
+pub(crate) const FOLDER: &str = "crates/python";
+/// The builder of wheels, as a program.
+const MATURIN: &str = "maturin==1.16.0";
+/// Versions of Python that the wheel must run on. The last one that is found also checks types and the notebook.
+const VERSIONS: [&str; 4] = ["3.10", "3.11", "3.12", "3.13"];
+/// Packages of every environment.
+const TESTED_WITH: [&str; 2] = ["numpy", "pytest==9.2.0"];
+/// More packages for the last version: types, notebook, and the dynamics of another library.
+const MORE: [&str; 6] =
+    ["mypy==2.4.1", "pin==4.1.0", "matplotlib", "nbclient", "ipykernel", "pandas"];
+/// Maximum size of the wheel, bytes.
+const WHEEL_MAX: u64 = 8_000_000;
+
+/// Builds the wheel, and tests it.
+pub(crate) fn run() -> Result<()> {
+    let found = interpreters();
+    let wheel = build()?;
+    let absent: Vec<&str> = VERSIONS
+        .into_iter()
+        .filter(|version| !found.iter().any(|(found, _)| found == version))
+        .collect();
+    let Some(last) = found.len().checked_sub(1) else {
+        bail!("no Python of {} is installed: the wheel is not tested", VERSIONS.join(", "));
+    };
+    for (index, (version, python)) in found.iter().enumerate() {
+        test(version, python, &wheel, index == last)?;
+    }
+    if !absent.is_empty() {
+        eprintln!("\n== not tested, because they are not installed: Python {}", absent.join(", "));
+    }
+    Ok(())
+}
+
+/// Checks the format of the package's Rust, which `cargo fmt --all` leaves out.
+pub(crate) fn format() -> Result<()> {
+    let manifest = format!("{FOLDER}/Cargo.toml");
+    let mut fmt = step::cargo();
+    fmt.args(["fmt", "--check", "--manifest-path", &manifest]);
+    step::run("format of the package for Python", &mut fmt)
+}
+
+/// Builds the wheel and lints its code. Returns its path.
+fn build() -> Result<PathBuf> {
+    deny::check(Some(&format!("{FOLDER}/Cargo.toml")))?;
+    let venv = Venv::install("maturin", &[MATURIN], MATURIN, |_| Ok(()))?;
+    let folder = step::root().join("target/wheel");
+    let _ = fs::remove_dir_all(&folder);
+    let mut maturin = Command::new(venv.folder.join("bin/maturin"));
+    maturin.current_dir(step::root().join(FOLDER));
+    maturin.args(["build", "--release", "--locked", "--out"]).arg(&folder);
+    maturin.env("CARGO_TARGET_DIR", step::root().join("target/python"));
+    step::run("build and lint the wheel", lints::while_compiling(&mut maturin))?;
+    let mut entries = fs::read_dir(&folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    let wheel = entries.next().with_context(|| format!("no wheel in {}", folder.display()))?;
+    let size = fs::metadata(&wheel)?.len();
+    eprintln!("   {}: {:.2} MB", wheel.display(), size as f64 / 1e6);
+    ensure!(size <= WHEEL_MAX, "the wheel has {size} bytes; expected at most {WHEEL_MAX}");
+    Ok(wheel)
+}
+
+/// Tests the wheel in a fresh environment of an interpreter.
+fn test(version: &str, python: &Path, wheel: &Path, is_last: bool) -> Result<()> {
+    let venv = Venv { folder: step::root().join("target").join(format!("wheel-{version}")) };
+    let _ = fs::remove_dir_all(&venv.folder);
+    let mut make = Command::new(python);
+    step::run(&format!("Python {version}"), make.args(["-m", "venv"]).arg(&venv.folder))?;
+    let more: &[&str] = if is_last { &MORE } else { &[] };
+    let wheel = wheel.display().to_string();
+    venv.pip(&[&["install", &wheel][..], &TESTED_WITH, more].concat())?;
+    let package = step::root().join(FOLDER);
+    let run = |title: &str, arguments: &[&str]| {
+        let mut command = Command::new(venv.folder.join("bin/python"));
+        command.current_dir(&package).arg("-m").args(arguments);
+        // The command is compared with the package if it is built.
+        if let Some(program) = nextest::program("sinew").ok().filter(|program| program.exists()) {
+            command.env("SINEW_PROGRAM", program);
+        }
+        step::run(&format!("{title}, Python {version}"), &mut command)
+    };
+    run("tests of the wheel", &["pytest", "--quiet"])?;
+    if is_last {
+        run("types", &["mypy", "--strict", "python/sinew_motion", "examples"])?;
+    }
+    Ok(())
+}
+
+/// Returns the interpreters that are installed, by version: of the path, or of pyenv.
+fn interpreters() -> Vec<(&'static str, PathBuf)> {
+    let works = |python: &Path| {
+        step::output(Command::new(python).args(["-c", "import ensurepip, venv"])).is_some()
+    };
+    let find = |version: &'static str| {
+        let on_path = PathBuf::from(format!("python{version}"));
+        let all = std::iter::once(on_path).chain(of_pyenv(version));
+        all.into_iter().find(|python| works(python)).map(|python| (version, python))
+    };
+    VERSIONS.into_iter().filter_map(find).collect()
+}
+
+/// Returns pyenv's interpreters of a version.
+fn of_pyenv(version: &str) -> Vec<PathBuf> {
+    let own = std::env::var_os("PYENV_ROOT").map(PathBuf::from);
+    let root = own.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".pyenv")));
+    let entries = root.and_then(|root| fs::read_dir(root.join("versions")).ok());
+    let names = entries.into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_it = |path: &PathBuf| {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+        name.is_some_and(|name| name.starts_with(&format!("{version}.")))
+    };
+    names.filter(is_it).map(|path| path.join("bin/python")).collect()
+}
