@@ -25,17 +25,17 @@ fn the_hands_of_small_arms_go_along_a_walk_and_a_wave() {
     done(folder, &["rig", "import", urdf.to_str().expect("UTF-8"), "-o", "so100.toml"]);
     done(folder, &["rig", "new", "--arm", "6", "-o", "starter.toml"]);
     for rig in ["so100.toml", "starter.toml"] {
-        for (clip, most) in [
-            ("cmu/walk/07_01.bvh", 1.0),
+        for (clip, [mean_most, most]) in [
+            ("cmu/walk/07_01.bvh", [0.5, 1.0]),
             // The wave passes above the arm's own upright axis, about which the arm then turns at its maximum speed.
-            ("bandai/broad-12hz/dataset-2_wave-left-hand_active_006.bvh", 20.0),
+            ("bandai/broad-12hz/dataset-2_wave-left-hand_active_006.bvh", [3.0, 20.0]),
         ] {
             let clip = data.join(clip);
             let clip = clip.to_str().expect("UTF-8");
             let export = ["clip", "export", clip, "--rig", rig, "--mirror", "-o", "o.csv"];
             let said = done(folder, &export);
             let [mean, largest] = off_path(&said);
-            assert!(mean < 0.1 * most && largest < most, "{rig}: {said}");
+            assert!(mean < mean_most && largest < most, "{rig}: {said}");
             // The SO-100's file says 1 rad/s, which is too slow for both.
             assert!(
                 rig == "starter.toml" || said.contains("--fit slows the motion down"),
