@@ -53,7 +53,8 @@ pub fn split(file: &[u8]) -> Result<(&[u8], Option<Sound>), SoundError> {
     let total = file.get(8..12).and_then(<[u8]>::first_chunk::<4>);
     let total = total.map_or(0, |total| u32::from_le_bytes(*total) as usize);
     let Some((show, section)) = file.split_at_checked(total) else { return Ok((file, None)) };
-    if !file.starts_with(&SHOW_MAGIC) || section.is_empty() {
+    // A file without its length is cut off: it is no show.
+    if !file.starts_with(&SHOW_MAGIC) || total == 0 || section.is_empty() {
         return Ok((file, None));
     }
     let wrong = SoundError::Section(section.len());

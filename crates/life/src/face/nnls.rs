@@ -9,7 +9,18 @@ const HOLD: f64 = 1e-3;
 /// Returns the weights, none below zero, whose sum of `columns` is nearest to `target`; among nearly equal ones those
 /// that are nearest to `wanted`. Coordinate descent: O(rounds · columns · rows).
 pub(super) fn nnls(columns: &[Vec<f64>], target: &[f64], wanted: &[f64]) -> Vec<f64> {
-    let mut weights = wanted.to_vec();
+    // All weights first become smaller or larger together: coordinates alone are slow to share what is in reach.
+    let sum = |weights: &[f64], row: usize| -> f64 {
+        columns.iter().zip(weights).map(|(column, weight)| weight * column[row]).sum()
+    };
+    let [mut product, mut square] = [0.0; 2];
+    for (row, target) in target.iter().enumerate() {
+        let sum = sum(wanted, row);
+        product += sum * target;
+        square += sum * sum;
+    }
+    let share = if square > 0.0 { f64::max(product / square, 0.0) } else { 1.0 };
+    let mut weights: Vec<f64> = wanted.iter().map(|weight| share * weight).collect();
     let mut rest: Vec<f64> = target.to_vec();
     let subtract = |rest: &mut [f64], column: &[f64], change: f64| {
         for (rest, value) in rest.iter_mut().zip(column) {

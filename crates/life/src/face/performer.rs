@@ -46,7 +46,7 @@ pub struct FaceMotion {
     pub start_s: f64,
     /// Positions of the moved joints at [`RATE_HZ`], rad or m.
     pub rows: Vec<Vec<f64>>,
-    /// Each moved joint.
+    /// Each joint that a shape of the file moves.
     pub joints: Vec<JointMeasure>,
     /// Shapes of the file that move joints.
     pub used: Vec<String>,
@@ -114,7 +114,7 @@ pub fn perform(
         })
         .collect();
     let mut limited = Vec::new();
-    let mut measures = Vec::new();
+    let (mut measures, mut places) = (Vec::new(), Vec::new());
     for (index, joint) in poses.joints.iter().enumerate() {
         let meant: Vec<f64> = rows.iter().map(|row| row[index]).collect();
         let kept = within(&meant, RATE_HZ, 1, [joint.speed, joint.acceleration]);
@@ -123,7 +123,7 @@ pub fn perform(
             return Err(FaceError::TooSlow { joint: joint.name.clone(), percent });
         }
         let speed_share = if joint.speed.is_finite() { kept.fastest / joint.speed } else { 0.0 };
-        measures.push(JointMeasure {
+        let measure = JointMeasure {
             name: joint.name.clone(),
             slides: joint.slides,
             way: way(&kept.values),
@@ -132,13 +132,19 @@ pub fn perform(
             share: kept.share,
             correlation: correlation(&meant, &kept.values),
             jerk: jerk(&kept.values),
-        });
+        };
+        // A joint of other shapes alone is free for another motion, such as idle life.
+        let moves = |shape: &usize| poses.shapes[*shape].1[index].abs() > 0.0;
+        if found.iter().flatten().any(moves) {
+            measures.push(measure);
+            places.push(index);
+        }
         limited.push(kept.values);
     }
     let row = |row: usize| {
         let mut offsets: Vec<f64> = limited.iter().map(|values| values[row]).collect();
         poses.hold(&mut offsets);
-        offsets.iter().zip(&poses.joints).map(|(offset, joint)| joint.home + offset).collect()
+        places.iter().map(|place| poses.joints[*place].home + offsets[*place]).collect()
     };
     Ok(FaceMotion {
         start_s,

@@ -56,7 +56,7 @@ fn all_files_of_mouth_cues_move_the_jaw_alike() {
     for motion in &motions {
         assert!(motion.len() >= 105, "{}", motion.len());
         for (row, deg) in motion.iter().enumerate().take(95) {
-            assert!((deg - motions[0][row]).abs() < 0.6, "row {row}: {deg} {}", motions[0][row]);
+            assert!((deg - motions[0][row]).abs() < 1.5, "row {row}: {deg} {}", motions[0][row]);
         }
         // Silence is closed, the vowel in the middle of 0.2 to 0.45 s is open, lips meet in between.
         assert!(motion[5] > -1.0 && motion[32] < -10.0, "{} {}", motion[5], motion[32]);
