@@ -11,6 +11,22 @@ const THERE: f32 = 2e-3;
 /// Ratio of the profile's peak speed to its mean speed.
 const PEAK: f32 = 1.5;
 
+/// Place of a rig in relation to the goal of its motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Arrival {
+    /// The board commands the goal.
+    There,
+    /// The board does not send the pose that it commands.
+    Unknown,
+    /// The board commands another pose.
+    Misses {
+        /// Coordinate that is farthest from the goal.
+        coordinate: usize,
+        /// Its distance, rad or m; for a ball joint a part of the quaternion.
+        off: f32,
+    },
+}
+
 /// A motion from one pose to another, with a smooth start and end.
 #[derive(Debug, Clone)]
 pub struct Journey {
@@ -77,16 +93,32 @@ impl Journey {
     }
 
     /// Returns whether the motion is over: its time has passed, and the pose that the board commands has arrived, or
-    /// the board had enough time to arrive.
+    /// the board had enough time to arrive. [`Self::arrival`] tells whether it has.
     pub fn is_over(&self, commanded: Option<&[f32]>, now: Duration) -> bool {
         let Some(after) = now.checked_sub(self.begun + self.takes) else { return false };
-        let Some(commanded) = commanded else { return after >= ARRIVE_BLIND };
+        match self.arrival(commanded) {
+            Arrival::There => true,
+            Arrival::Unknown => after >= ARRIVE_BLIND,
+            Arrival::Misses { .. } => after >= ARRIVE,
+        }
+    }
+
+    /// Compares the pose that the board commands with the goal.
+    pub fn arrival(&self, commanded: Option<&[f32]>) -> Arrival {
+        let Some(commanded) = commanded else { return Arrival::Unknown };
         // A ball joint's quaternion may have the other sign.
-        let is_there = |(k, (a, b)): (usize, (&f32, &f32))| {
+        let off = |(k, (a, b)): (usize, (&f32, &f32))| {
             let is_ball = self.balls.iter().any(|first| (*first..first + 4).contains(&k));
-            (a - b).abs() < THERE || is_ball && (a + b).abs() < THERE
+            let off = (a - b).abs();
+            (k, if is_ball { off.min((a + b).abs()) } else { off })
         };
-        commanded.iter().zip(&self.to).enumerate().all(is_there) || after >= ARRIVE
+        let all = commanded.iter().zip(&self.to).enumerate().map(off);
+        match all.max_by(|(_, a), (_, b)| a.total_cmp(b)) {
+            Some((coordinate, off)) if off >= THERE || off.is_nan() => {
+                Arrival::Misses { coordinate, off }
+            }
+            _ => Arrival::There,
+        }
     }
 }
 
@@ -114,5 +146,13 @@ mod tests {
         assert!(!journey.is_over(Some(&to), s(1)));
         assert!(journey.is_over(Some(&to), s(12)) && !journey.is_over(Some(&from), s(12)));
         assert!(journey.is_over(None, s(12)) && journey.is_over(Some(&from), s(40)));
+        assert_eq!(journey.arrival(Some(&before)), Arrival::There);
+        assert_eq!(journey.arrival(Some(&to)), Arrival::There);
+        assert_eq!(journey.arrival(None), Arrival::Unknown);
+        let near = [0.49, half, 0.0, 0.0, half];
+        let arrival = journey.arrival(Some(&near));
+        assert!(
+            matches!(arrival, Arrival::Misses { coordinate: 0, off } if (off - 0.01).abs() < 1e-6)
+        );
     }
 }

@@ -53,7 +53,7 @@ mod upload;
 
 pub use board::{Board, SILENCE, nonce};
 pub use error::ClientError;
-pub use journey::Journey;
+pub use journey::{Arrival, Journey};
 pub use line::{Line, SerialBoard};
 pub use servos::BoardServos;
 pub use telemetry_log::{TelemetryLog, TimedPose};

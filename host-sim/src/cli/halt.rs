@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use anyhow::ensure;
 use sinew_board_client::port::TAKE_OVER;
-use sinew_console::local::{Reply, Request, ask, consoles, name_of_port};
+use sinew_console::local::{Reply, Request, ask_all, consoles, name_of_port};
 use sinew_host_util::command::print;
 use sinew_link::message::Command;
 
@@ -63,8 +63,8 @@ impl HaltArgs {
             "no command of this user drives a rig; `--target PORT` names the port of a board"
         );
         let mut is_done = true;
-        for name in names {
-            let reply = ask(&name, request).unwrap_or_else(|error| Reply {
+        for (name, reply) in names.iter().zip(ask_all(&names, request)) {
+            let reply = reply.unwrap_or_else(|error| Reply {
                 ok: false,
                 text: format!("it does not answer: {error}"),
             });

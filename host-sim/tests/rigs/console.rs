@@ -12,7 +12,7 @@ use crate::common::{command, end_by, path, text};
 /// Starts a console, and waits until it serves its page.
 fn start(folder: &Path, args: &[&str]) -> Child {
     let mut console = command();
-    console.env("XDG_RUNTIME_DIR", folder).arg("console").args(args);
+    console.env("SINEW_SOCKETS", folder.join("sinew")).arg("console").args(args);
     let mut console = console.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let mut address = String::new();
     BufReader::new(console.stdout.take().unwrap()).read_line(&mut address).unwrap();
@@ -29,7 +29,11 @@ fn emulated_nucleo_is_the_board_of_a_console() {
     says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
     let mut console = start(folder.path(), &["--rig", &rig, "--target", "nucleo"]);
     let own = |args: &[&str]| {
-        let output = command().env("XDG_RUNTIME_DIR", folder.path()).args(args).output().unwrap();
+        let output = command()
+            .env("SINEW_SOCKETS", folder.path().join("sinew"))
+            .args(args)
+            .output()
+            .unwrap();
         text(&output.stdout) + &text(&output.stderr)
     };
     let watched = own(&["board", "monitor", "--samples", "2", "--interval-ms", "50"]);

@@ -79,7 +79,7 @@ impl Desk {
 
 fn own_command(folder: &Path, args: &[&str]) -> Command {
     let mut command = command();
-    command.env("XDG_RUNTIME_DIR", folder).args(args);
+    command.env("SINEW_SOCKETS", folder.join("sinew")).args(args);
     command
 }
 
@@ -172,7 +172,7 @@ fn the_rig_of_a_killed_play_is_stopped_at_once() {
     let seen = desk.board.begin();
     let off_s = seen.states.last().unwrap().0 - seen.states[0].0;
     // Without the command, the board lowers the rig after 2 s, and its torque is off later.
-    println!("torque was off {off_s:.2} s after the play was watched");
+    assert!(off_s < 3.0, "torque was off {off_s:.2} s after the play was watched");
 }
 
 #[test]
@@ -212,6 +212,11 @@ fn a_monitor_leaves_the_port_to_a_play_and_watches_it() {
     let mut lines = lines.peekable();
     assert!(lines.peek().unwrap().starts_with("limp"));
     let reader = spawn(move || lines.collect::<Vec<String>>());
+    // A command for another board leaves it alone.
+    let refused = desk.says(&["board", "jog", "turn1", "5"], 2);
+    assert!(refused.contains("no console has this board"), "{refused}");
+    sleep(Duration::from_millis(300));
+    assert_eq!(sockets(desk.folder.path()).len(), 1);
     ends(desk.play("2"), 0);
     sleep(Duration::from_secs(6));
     end_by(&mut monitor, "-INT");
@@ -261,6 +266,14 @@ fn a_simulated_play_is_stopped_from_another_terminal() {
         let mut play = own_command(folder.path(), &["play", &show, "--rig", &rig, "--real-time"]);
         let play = play.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let end = Instant::now() + PATIENCE;
+        while sockets(folder.path()).is_empty() {
+            assert!(Instant::now() < end);
+            sleep(Duration::from_millis(20));
+        }
+        // A monitor of a board does not take it for one.
+        let monitor = ["board", "monitor", "--samples", "1"];
+        let said = both(&own_command(folder.path(), &monitor).output().unwrap());
+        assert!(!said.contains("watching"), "{said}");
         while !own_command(folder.path(), &[request]).output().unwrap().status.success() {
             assert!(Instant::now() < end);
             sleep(Duration::from_millis(100));

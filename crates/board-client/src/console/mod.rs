@@ -5,14 +5,16 @@
 //! the rig holds. A command that watches gets a line for each view of the rig until it ends.
 
 mod client;
+mod folder;
 
-use std::path::{Path, PathBuf};
-use std::{env, fs};
+use std::fs;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use sinew_link::message::{FaultRecord, Servo, Summary};
 
-pub use client::{Watching, ask, consoles, watch};
+pub use client::{Watching, ask, ask_all, consoles, roles, watch};
+pub use folder::folder;
 
 /// A command for a running hub.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +37,30 @@ pub enum Request {
     Watch,
     /// A hub that only watches closes its port, so that this command can open it.
     Yield,
+    /// The hub tells its [`Role`].
+    Who,
+}
+
+/// Kind of a hub.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// A console, or a command that drives a board.
+    Drives,
+    /// A command that watches a board.
+    Watches,
+    /// A command that simulates a rig without a board.
+    Simulates,
+}
+
+impl Role {
+    /// Returns the word by which a hub tells its role.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Drives => "drives",
+            Self::Watches => "watches",
+            Self::Simulates => "simulates",
+        }
+    }
 }
 
 /// View of a rig, for a command that watches.
@@ -66,14 +92,4 @@ pub fn name_of_port(port: &Path) -> String {
         .collect::<String>()
         .trim_matches('-')
         .to_owned()
-}
-
-/// Returns the folder with the sockets of this user's hubs.
-pub fn folder() -> PathBuf {
-    if let Some(runtime) = env::var_os("XDG_RUNTIME_DIR").filter(|path| !path.is_empty()) {
-        return PathBuf::from(runtime).join("sinew");
-    }
-    let user = env::var("USER").unwrap_or_default();
-    let user: String = user.chars().filter(char::is_ascii_alphanumeric).collect();
-    env::temp_dir().join(format!("sinew-{user}"))
 }

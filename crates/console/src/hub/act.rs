@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use sinew_board_client::{Journey, Line};
+use sinew_board_client::{Arrival, Journey, Line};
 use sinew_link::message::{Command, Feed, LiveFrame, Refusal, State, Stream};
 
 use super::slider::Slider;
@@ -137,8 +137,13 @@ impl<L: Line> Hub<'_, L> {
         let commanded = self.scene.commanded(&self.board.log);
         if feeding.motion.is_over(commanded.as_deref(), now) {
             self.hold()?;
-            self.arrived = true;
-            self.event(Level::Info, "the rig is there");
+            let arrival = feeding.motion.arrival(commanded.as_deref());
+            let arrived = self.arrival_text(arrival);
+            match &arrived {
+                Ok(text) => self.event(Level::Info, text),
+                Err(text) => self.event(Level::Warning, text),
+            }
+            self.arrived = Some(arrived);
             return Ok(());
         }
         if now >= feeding.due {
@@ -149,6 +154,26 @@ impl<L: Line> Hub<'_, L> {
             self.act.get_or_insert(Act::Journey(feeding));
         }
         Ok(())
+    }
+
+    /// Tells in words whether a motion has ended at its goal.
+    fn arrival_text(&self, arrival: Arrival) -> Result<String, String> {
+        match arrival {
+            Arrival::There => Ok("the rig is there".to_owned()),
+            Arrival::Unknown => {
+                Ok("the motion has ended; the board does not tell where it holds the rig"
+                    .to_owned())
+            }
+            Arrival::Misses { coordinate, off } => {
+                let mut dofs = self.scene.dofs.iter();
+                let place = match dofs.find(|dof| dof.coordinate == Some(coordinate)) {
+                    Some(dof) if dof.slides => format!("`{}` by {:.1} mm", dof.name, 1e3 * off),
+                    Some(dof) => format!("`{}` by {:.1} deg", dof.name, off.to_degrees()),
+                    None => "a ball joint".to_owned(),
+                };
+                Err(format!("the rig has not reached its goal in time: it misses {place}"))
+            }
+        }
     }
 
     /// Lets the board follow a feed, and returns whether the motion goes on. It ends when the board no longer plays.
@@ -211,9 +236,21 @@ impl<L: Line> Hub<'_, L> {
         self.go_on_arming();
     }
 
-    /// Asks the board to arm, and answers the page, unless a later attempt may succeed.
+    /// Ends a wait for arming, and answers its page with the reason.
+    pub(super) fn end_arming(&mut self, why: &str) {
+        if let Some(Arming { page, id: Some(id), .. }) = self.arming.take() {
+            self.answer(page, id, Err(Refused::because(why)));
+        }
+    }
+
+    /// Asks the board to arm, and answers the page, unless a later attempt may succeed. Only a page that drives arms.
     pub(super) fn go_on_arming(&mut self) {
         let now = self.now();
+        if self.arming.as_ref().is_some_and(|arming| !self.wheel.is_at(arming.page)) {
+            self.end_arming("this page does not drive any more");
+        } else if self.wheel.is_silent(now) {
+            self.end_arming("this page was silent");
+        }
         let Some(arming) = self.arming.take_if(|arming| now >= arming.due) else { return };
         let answer = match self.ask(Command::Arm) {
             Err(refused) if passes(&refused) && now < arming.until => {

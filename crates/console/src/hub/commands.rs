@@ -90,7 +90,8 @@ impl<L: Line> Hub<'_, L> {
     /// released.
     pub(super) fn end_all(&mut self) {
         self.bar_slider();
-        (self.act, self.arming) = (None, None);
+        self.act = None;
+        self.end_arming("the rig was told to stand");
     }
 
     /// Bars a slider whose motion was ended by something other than its page: it must be released first.
@@ -115,12 +116,16 @@ impl<L: Line> Hub<'_, L> {
                         "another page drives; it was asked for the wheel",
                     ));
                 }
+                if is_new {
+                    self.end_arming("another page drives");
+                }
                 // The page before may have been silent while it moved a joint.
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_new && is_moved { self.hold() } else { Ok(String::new()) };
                 held.map(|_| "this page drives".to_owned())
             }
             false if self.wheel.is_at(page) => {
+                self.end_arming("this page does not drive any more");
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_moved { self.hold() } else { Ok(String::new()) };
                 self.wheel.pass(now);
@@ -190,7 +195,7 @@ impl<L: Line> Hub<'_, L> {
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
         let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now);
-        self.arrived = false;
+        self.arrived = None;
         self.act = Some(Act::Journey(Feeding::new(journey, now)));
         Ok("the rig moves".to_owned())
     }

@@ -9,7 +9,7 @@ use sinew_link::message::{Command, State};
 
 use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
-use crate::local::{CUTS, Reply, Request, STOPS};
+use crate::local::{CUTS, Reply, Request, Role, STOPS};
 
 /// Number of the command of a hub that executes a single one.
 const OWN: u64 = 0;
@@ -75,6 +75,11 @@ impl<L: Line> Hub<'_, L> {
             // The socket's thread answers it.
             Request::Watch => Err(Refused::because("it is no command")),
             Request::Yield => self.give_up_port(),
+            Request::Who => {
+                let watches = self.owner == Owner::Watches;
+                let role = if watches { Role::Watches } else { Role::Drives };
+                Ok(role.name().to_owned())
+            }
             Request::Home | Request::Jog { .. }
                 if command != OWN && self.owner != Owner::Console =>
             {
@@ -159,11 +164,8 @@ impl<L: Line> Hub<'_, L> {
         let Some(waiting) = &self.waiting else { return };
         if !matches!(self.act, Some(Act::Journey(_))) {
             let answer = waiting.answer.clone();
-            let done = if self.arrived {
-                Ok("the rig is there".to_owned())
-            } else {
-                Err(Refused::Other(format!("the motion was ended: the rig is {}", self.state())))
-            };
+            let ended = || Err(format!("the motion was ended: the rig is {}", self.state()));
+            let done = self.arrived.clone().unwrap_or_else(ended).map_err(Refused::Other);
             self.reply(&answer, done);
             self.waiting = None;
             self.tell_roles();
@@ -211,19 +213,29 @@ impl<L: Line> Hub<'_, L> {
     fn arm_now(&mut self, stops: &dyn Fn() -> u32) -> Result<(), Refused> {
         let end = self.now() + READY;
         while let Err(refused) = self.ask(Command::Arm) {
-            if !passes(&refused) || self.now() >= end || stops() > 0 {
+            if !passes(&refused) || self.now() >= end {
                 return Err(refused);
             }
             self.wait(AGAIN)?;
+            self.check_stops(stops)?;
         }
         let before = self.board.log.summaries;
         while self.board.log.summaries < before + 2 || self.state() == State::Arming {
             self.wait(Duration::ZERO)?;
+            self.check_stops(stops)?;
         }
         match self.state() {
             State::Holding => Ok(()),
             state => Err(Refused::Other(format!("the rig is {state}"))),
         }
+    }
+
+    /// Fails if another terminal has stopped the rig, or a signal has asked this program to end.
+    fn check_stops(&self, stops: &dyn Fn() -> u32) -> Result<(), Refused> {
+        if self.asked.stopped {
+            return Err(Refused::because("another terminal has stopped the rig"));
+        }
+        if stops() > 0 { Err(Refused::because("stopped by a signal")) } else { Ok(()) }
     }
 
     /// Serves the board for a time.

@@ -107,8 +107,8 @@ pub(crate) struct Hub<'a, L> {
     watchers: Watchers,
     record: Option<SessionRecord>,
     asked: Asked,
-    /// Whether the last journey has reached its pose.
-    arrived: bool,
+    /// Where the last journey has ended; `None` if it was ended before.
+    arrived: Option<Result<String, String>>,
     /// Time at which the rig was told to stop because the program ends.
     closing: Option<Duration>,
 }
@@ -144,7 +144,7 @@ impl<'a, L: Line> Hub<'a, L> {
             watchers: Watchers::default(),
             record: None,
             asked: Asked::default(),
-            arrived: false,
+            arrived: None,
             closing: None,
         }
     }
@@ -185,11 +185,12 @@ impl<'a, L: Line> Hub<'a, L> {
     fn go_on_record(&mut self) {
         let shows = matches!(self.act, Some(Act::Show(_)));
         let (now, log) = (self.board.now(), &self.board.log);
+        let is_lost = self.lost.is_some();
         let Some(record) = &mut self.record else { return };
         if let Err(error) = record.go_on(
             self.scene,
             log,
-            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0)),
+            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0), is_lost),
         ) {
             self.end_record(Some(error));
         }
@@ -356,7 +357,8 @@ impl<'a, L: Line> Hub<'a, L> {
                 Level::Warning,
                 "the program ends: the rig goes to its rest pose, then torque is off",
             );
-            (self.act, self.arming) = (None, None);
+            self.act = None;
+            self.end_arming("the program ends");
             let _ = self.ask(Command::Stop);
             self.told.before = self.board.log.summaries;
         }

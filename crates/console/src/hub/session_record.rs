@@ -13,24 +13,58 @@ use sinew_board_client::pose;
 /// Rate of the rows, Hz: that of the pictures. If the line carries fewer, rows are repeated.
 pub const RECORD_HZ: f64 = 30.0;
 
+/// Longest time between a row and the newest summary of the board. Otherwise the state at the time of the row is
+/// unknown.
+const FRESH: Duration = Duration::from_millis(500);
+/// Maximum number of rows in a turn of the hub. After a pause of the program many rows are due.
+const ROWS: usize = 32;
+
 /// A recording that is written while the hub runs.
 pub(super) struct SessionRecord {
     recorder: Recorder,
+    rows: Rows,
+    faults: Vec<String>,
+}
+
+/// Times of the rows of a recording.
+#[derive(Debug, Default)]
+struct Rows {
     /// Time of the first row, and number of rows.
     begun: Option<Duration>,
-    rows: u32,
-    faults: Vec<String>,
+    count: u32,
+    /// Number of summaries, and the time when it has changed.
+    summaries: u32,
+    heard: Duration,
+}
+
+impl Rows {
+    /// Returns the rows that are due: the time since the first row, s, and whether the state of the rig is known then.
+    fn due(&mut self, now: Duration, summaries: u32, is_lost: bool) -> Vec<(f64, bool)> {
+        if std::mem::replace(&mut self.summaries, summaries) != summaries {
+            self.heard = now;
+        }
+        let begun = *self.begun.get_or_insert(now);
+        let since_s = now.saturating_sub(begun).as_secs_f64();
+        let mut rows = Vec::new();
+        while f64::from(self.count) <= since_s * RECORD_HZ && rows.len() < ROWS {
+            let time_s = f64::from(self.count) / RECORD_HZ;
+            let at = begun + Duration::from_secs_f64(time_s);
+            rows.push((time_s, !is_lost && at.abs_diff(self.heard) <= FRESH));
+            self.count += 1;
+        }
+        rows
+    }
 }
 
 impl std::fmt::Debug for SessionRecord {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SessionRecord").field("rows", &self.rows).finish_non_exhaustive()
+        f.debug_struct("SessionRecord").field("rows", &self.rows.count).finish_non_exhaustive()
     }
 }
 
 impl SessionRecord {
     pub(super) fn new(recorder: Recorder) -> Self {
-        Self { recorder, begun: None, rows: 0, faults: Vec::new() }
+        Self { recorder, rows: Rows::default(), faults: Vec::new() }
     }
 
     pub(super) fn hear(&mut self, faults: &[FaultRecord]) {
@@ -41,31 +75,35 @@ impl SessionRecord {
         self.faults.extend(faults.iter().map(name));
     }
 
-    /// Adds the rows that are due. `runs`: whether a show runs.
+    /// Adds the rows that are due. `runs`: whether a show runs; `is_lost`: whether the board does not answer. Values of
+    /// a time without messages of the board are unknown.
     pub(super) fn go_on(
         &mut self,
         scene: &Scene,
         log: &TelemetryLog,
-        (now, runs): (Duration, bool),
+        (now, runs, is_lost): (Duration, bool, bool),
     ) -> Result<(), String> {
         let Some(summary) = log.summary else { return Ok(()) };
-        let since = now.saturating_sub(*self.begun.get_or_insert(now));
-        while f64::from(self.rows) <= since.as_secs_f64() * RECORD_HZ {
+        for (time_s, is_known) in self.rows.due(now, log.summaries, is_lost) {
             let faults = std::mem::take(&mut self.faults);
+            let faults = (!faults.is_empty()).then(|| faults.join(", "));
             let servo = |servo: &sinew_link::message::Servo| {
                 let voltage = Some(summary.supply_v).filter(|v| *v > 0.0);
                 [None, servo.temperature_c.map(f32::from), voltage]
             };
-            let tick = Tick {
-                time_s: f64::from(self.rows) / RECORD_HZ,
-                state: summary.state.to_string(),
-                runs: runs && summary.state == State::Playing,
-                faults: (!faults.is_empty()).then(|| faults.join(", ")),
-                joints: joints(scene, log),
-                servos: log.servos.iter().map(servo).collect(),
+            let tick = if is_known {
+                Tick {
+                    time_s,
+                    state: Some(summary.state.to_string()),
+                    runs: runs && summary.state == State::Playing,
+                    faults,
+                    joints: joints(scene, log),
+                    servos: log.servos.iter().map(servo).collect(),
+                }
+            } else {
+                Tick { time_s, faults, ..Tick::default() }
             };
             self.recorder.put(&tick).map_err(|error| error.to_string())?;
-            self.rows += 1;
         }
         Ok(())
     }
@@ -94,4 +132,34 @@ fn joints(scene: &Scene, log: &TelemetryLog) -> Vec<TickOfJoint> {
         }
     };
     measured.iter().enumerate().map(joint).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_without_the_board_is_unknown() {
+        let (mut rows, ms) = (Rows::default(), Duration::from_millis);
+        let mut all = Vec::new();
+        // The board speaks for 1 s, is silent, and is lost after 2 s.
+        for turn in 0..300 {
+            let summaries = 1 + u32::try_from(turn / 4).unwrap().min(25);
+            all.extend(rows.due(ms(10 * turn), summaries, turn >= 200));
+        }
+        assert!((88..=91).contains(&all.len()), "{}", all.len());
+        assert!(all.iter().all(|(time_s, is_known)| *is_known == (*time_s <= 1.501)), "{all:?}");
+        // The program stands still for 10 s: its next turns are short, and nothing of the pause is known.
+        let mut turns = 0;
+        loop {
+            turns += 1;
+            let due = rows.due(ms(13_000 + 4 * turns), 100 + u32::try_from(turns).unwrap(), false);
+            assert!(due.len() <= ROWS);
+            assert!(due.iter().all(|(time_s, is_known)| !is_known || *time_s > 12.4), "{due:?}");
+            if due.len() < ROWS {
+                break;
+            }
+        }
+        assert_eq!(turns, 10);
+    }
 }

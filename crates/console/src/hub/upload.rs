@@ -162,9 +162,9 @@ impl<L: Line> Hub<'_, L> {
     /// Ends upload and arming because the board does not answer, and answers their pages with the reason.
     pub(super) fn give_up(&mut self, why: &str) {
         let upload = self.upload.take().and_then(|upload| Some((upload.page, upload.id?)));
-        let arming = self.arming.take().and_then(|arming| Some((arming.page, arming.id?)));
-        for (page, id) in upload.into_iter().chain(arming) {
+        if let Some((page, id)) = upload {
             self.answer(page, id, Err(Refused::because(why)));
         }
+        self.end_arming(why);
     }
 }

@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::mpsc::{Receiver, sync_channel};
 
-use super::{Door, Reply, Request};
+use super::{Door, Reply, Request, Role};
 use crate::server::ToHub;
 
 /// Number of requests that wait.
@@ -42,6 +42,7 @@ impl Bell {
                     is_cut = true;
                     (true, super::CUTS)
                 }
+                Request::Who => (true, Role::Simulates.name()),
                 _ => (
                     false,
                     "refused: the rig is simulated by `sinew play`, and can only be stopped",

@@ -10,7 +10,8 @@ use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
 pub use sinew_board_client::console::{
-    Reply, Request, View, Watching, ask, consoles, folder, name_of_port, watch,
+    Reply, Request, Role, View, Watching, ask, ask_all, consoles, folder, name_of_port, roles,
+    watch,
 };
 
 pub use bell::Bell;
@@ -25,7 +26,7 @@ pub(crate) const CUTS: &str = "torque is off";
 /// # Errors
 /// An I/O error, also if other users may enter the folder.
 pub fn private_folder() -> io::Result<PathBuf> {
-    let folder = folder();
+    let folder = folder()?;
     create_folder(&folder)?;
     Ok(folder)
 }

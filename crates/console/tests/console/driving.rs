@@ -1,17 +1,20 @@
 //! A page that drives: arming, sliders, shows, stops; and which motions end when the page is gone.
 
+use std::os::unix::net::UnixListener;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 use sinew_console::Ended;
-use sinew_console::local::{Request, ask, consoles};
+use sinew_console::local::{Request, ask, ask_all, consoles, private_folder};
 use sinew_link::message::{Command, Feed};
 use sinew_rig::description::LinkedLimit;
 use sinew_rig::new;
 
 use crate::client::{FAULTED, HOLDING, LIMP, LOWERING, PLAYING, Page};
-use crate::other_side::OtherSide;
+use crate::other_side::{OtherSide, Prepared};
 
 fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
@@ -111,6 +114,32 @@ fn a_tied_joint_moves_with_its_leader() {
         // A command's motion begins where the rig stands, which gravity moves by a little.
         assert!(off.abs() < 0.02, "pose {index}: off by {off}");
     }
+}
+
+#[test]
+fn a_motion_that_misses_its_goal_says_so() {
+    // bend2 <= turn1 + 30 deg.
+    let mut arm = new::arm(2).unwrap();
+    arm.limits.push(LinkedLimit {
+        joint: "bend2".to_owned(),
+        other: "turn1".to_owned(),
+        least_rad: Some(-4.0),
+        most_rad: Some(30_f64.to_radians()),
+        ..LinkedLimit::default()
+    });
+    let console = OtherSide::start_on(arm, None, false);
+    let mut page = Page::open(&console);
+    page.arm();
+    let name = console.name.clone();
+    let jog = Request::Jog { joint: "bend2".to_owned(), by: 20.0 };
+    let command = spawn(move || ask(&name, &jog).unwrap());
+    while !command.is_finished() {
+        page.hear().unwrap();
+        page.say(&json!({ "type": "ping", "t": 0 }));
+    }
+    let reply = command.join().unwrap();
+    assert!(!reply.ok && reply.text.contains("it misses `bend2` by"), "{}", reply.text);
+    page.until_state(HOLDING);
 }
 
 #[test]
@@ -245,6 +274,80 @@ fn commands_of_other_terminals_move_and_stop() {
     page.until_state(LOWERING);
     assert!(ask(&console.name, &Request::EStop).unwrap().ok);
     page.until_state(FAULTED);
+}
+
+#[test]
+fn a_hub_that_stands_still_delays_no_stop() {
+    let console = OtherSide::start(false);
+    let still = format!("test-{}-still", std::process::id());
+    let path = private_folder().unwrap().join(format!("{still}.sock"));
+    // Nobody accepts its connections.
+    let _listener = UnixListener::bind(&path).unwrap();
+    assert!(consoles().contains(&still));
+    let begun = Instant::now();
+    let replies = ask_all(&[still.clone(), console.name.clone()], &Request::Stop);
+    std::fs::remove_file(path).unwrap();
+    assert!(begun.elapsed() < ms(4000), "{:?}", begun.elapsed());
+    assert!(replies[1].as_ref().unwrap().ok && console.was_told(&Command::Stop));
+    let late = replies[0].as_ref().unwrap_err().to_string();
+    assert!(late.contains("no answer within 2 s"), "{late}");
+}
+
+#[test]
+fn a_stop_ends_a_command_that_waits_to_arm() {
+    let board = Prepared::new(new::arm(1).unwrap(), None);
+    let (told, is_busy) = (Arc::clone(&board.told), Arc::clone(&board.is_busy));
+    is_busy.store(true, Ordering::Relaxed);
+    let name = format!("test-{}-arms", std::process::id());
+    let own = name.clone();
+    let command = spawn(move || board.execute(&own, &Request::Home));
+    let attempts = || {
+        let told = told.lock().unwrap();
+        told.commands.iter().filter(|command| **command == Command::Arm).count()
+    };
+    let begun = Instant::now();
+    while attempts() < 3 {
+        assert!(begun.elapsed() < ms(20_000) && !command.is_finished());
+        sleep(ms(5));
+    }
+    assert!(ask(&name, &Request::Stop).unwrap().ok);
+    let before = attempts();
+    is_busy.store(false, Ordering::Relaxed);
+    let reply = command.join().unwrap();
+    assert!(!reply.ok && reply.text.contains("another terminal has stopped"), "{}", reply.text);
+    assert_eq!(attempts(), before);
+    assert!(told.lock().unwrap().poses.is_empty());
+}
+
+#[test]
+fn a_page_that_gives_up_the_wheel_does_not_arm_any_more() {
+    let console = OtherSide::start(false);
+    console.is_busy.store(true, Ordering::Relaxed);
+    let (mut driver, mut viewer) = (Page::open(&console), Page::open(&console));
+    driver.until_state(LIMP);
+    let refused = |page: &Page, id: u64| {
+        page.texts.iter().any(|text| text["id"] == id && text["ok"] == false)
+    };
+    driver.say(&json!({ "type": "arm", "id": 100 }));
+    assert!(driver.ask(json!({ "type": "wheel", "take": false })).0);
+    driver.until("a refusal", |page| refused(page, 100));
+    assert!(viewer.ask(json!({ "type": "wheel", "take": true })).0);
+    // The page falls silent.
+    viewer.say(&json!({ "type": "arm", "id": 101 }));
+    while !refused(&viewer, 101) {
+        viewer.hear().unwrap();
+    }
+    // The board is ready, and nobody asks it to arm.
+    console.is_busy.store(false, Ordering::Relaxed);
+    let attempts = || {
+        let told = console.told.lock().unwrap();
+        told.commands.iter().filter(|command| **command == Command::Arm).count()
+    };
+    let before = attempts();
+    sleep(ms(300));
+    assert_eq!(attempts(), before);
+    driver.picture = None;
+    driver.until_state(LIMP);
 }
 
 #[test]

@@ -7,9 +7,10 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use sinew_board_client::{Board, Line, nonce};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source};
-use sinew_link::Decoder;
-use sinew_link::message::{Command, Stream, ToController};
+use sinew_console::local::{Reply, Request};
+use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, execute};
+use sinew_link::message::{Answer, Command, Outcome, Refusal, Stream, ToController, ToHost};
+use sinew_link::{Decoder, FRAME_MAX, encode};
 use sinew_performance::play::{
     Chip, Drive, HostEnd, Memory, Options as Driven, RigParts, SimulatedBoard, pipe,
 };
@@ -34,13 +35,26 @@ struct Tapped {
     line: HostEnd,
     decoder: Decoder<ToController>,
     told: Arc<Mutex<Told>>,
+    /// Whether the board is too busy to arm: the line then answers in its place.
+    is_busy: Arc<AtomicBool>,
+    answers: Vec<u8>,
 }
 
 impl Line for Tapped {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut told = self.told.lock().unwrap();
+        let (is_busy, answers) = (self.is_busy.load(Ordering::Relaxed), &mut self.answers);
+        let before = answers.len();
         self.decoder.feed(bytes, |message| match message {
-            ToController::Command(command) => told.commands.push(command.item),
+            ToController::Command(command) => {
+                if is_busy && command.item == Command::Arm {
+                    let (session, seq) = (command.session, command.seq);
+                    let outcome = Outcome::Refused(Refusal::Busy);
+                    let answer = ToHost::Answer(Answer { session, seq, item: outcome });
+                    answers.extend(encode(&answer, &mut [0; FRAME_MAX]).unwrap());
+                }
+                told.commands.push(command.item);
+            }
             ToController::Stream(stream) => match stream.item {
                 Stream::Jog { velocity, .. } => told.jogs.push(velocity),
                 Stream::Live(frame) => told.poses.push(frame.q.to_vec()),
@@ -49,11 +63,18 @@ impl Line for Tapped {
             ToController::Hello(_) => {}
         });
         drop(told);
-        self.line.send(bytes)
+        if self.answers.len() > before { Ok(()) } else { self.line.send(bytes) }
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
-        self.line.receive(into, wait)
+        let count = self.answers.len().min(into.len());
+        if count == 0 {
+            return self.line.receive(into, wait);
+        }
+        for (to, from) in into.iter_mut().zip(self.answers.drain(..count)) {
+            *to = from;
+        }
+        Ok(count)
     }
 
     fn now(&self) -> Duration {
@@ -103,6 +124,7 @@ pub(crate) struct OtherSide {
     pub(crate) token: String,
     pub(crate) told: Arc<Mutex<Told>>,
     pub(crate) servo: Arc<Mutex<AtServo>>,
+    pub(crate) is_busy: Arc<AtomicBool>,
     stops: Arc<AtomicU32>,
     hub: Option<JoinHandle<Ended>>,
     board: Option<JoinHandle<()>>,
@@ -122,33 +144,12 @@ impl OtherSide {
 
     /// Starts a rig.
     pub(crate) fn start_on(arm: Description, drive: Option<Drive>, with_show: bool) -> Self {
-        let mechanism = arm.mechanism().unwrap();
-        let driven = Driven { is_of_board: true, drive, ..Driven::default() };
-        let parts = Arc::new(RigParts::new(&arm, &mechanism, driven).unwrap());
-        let scene = Scene::new(&arm.name, &mechanism, &parts, Source::Simulated);
-        let shows = if with_show { vec![nod(parts.rig_crc())] } else { Vec::new() };
-        let (line, end) = pipe();
-        let servo: Arc<Mutex<AtServo>> = Arc::default();
-        let seen = Arc::clone(&servo);
-        let look = move |board: &mut SimulatedBoard<'_, RigPlant>| {
-            board.look_at_servos(|servos| seen.lock().unwrap().look(&servos[0]));
-        };
-        let simulate = move || {
-            let chip = Chip::blank();
-            SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
-            let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
-            let plant = parts.plant(&arm, &mechanism).unwrap();
-            let mut board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
-            // It ends when its host is gone.
-            let _ = board.serve(end, &AtomicBool::new(false), look);
-        };
-        let builder = thread::Builder::new().stack_size(STACK_BYTES);
-        let board = builder.spawn(simulate).unwrap();
+        let Prepared { rig, scene, line, told, is_busy, servo, board } = Prepared::new(arm, drive);
+        let shows = if with_show { vec![nod(rig)] } else { Vec::new() };
         let console = Console::open(Options::default()).unwrap();
         let address = console.addresses().remove(0);
         let (host, token) = address.strip_prefix("http://").unwrap().split_once("/#").unwrap();
-        let (told, stops) = (Arc::new(Mutex::new(Told::default())), Arc::new(AtomicU32::new(0)));
-        let line = Tapped { line, decoder: Decoder::new(), told: Arc::clone(&told) };
+        let stops = Arc::new(AtomicU32::new(0));
         let counted = Arc::clone(&stops);
         let name = format!("test-{}-{}", std::process::id(), host.replace([':', '.'], "-"));
         let own_name = name.clone();
@@ -159,7 +160,7 @@ impl OtherSide {
         });
         let (host, token) = (host.to_owned(), token.to_owned());
         let (hub, board) = (Some(hub), Some(board));
-        Self { host, name: own_name, token, told, servo, stops, hub, board }
+        Self { host, name: own_name, token, told, servo, is_busy, stops, hub, board }
     }
 
     /// Returns whether the board got a command.
@@ -171,6 +172,62 @@ impl OtherSide {
     pub(crate) fn end(mut self) -> Ended {
         self.stops.store(1, Ordering::Relaxed);
         self.hub.take().unwrap().join().unwrap()
+    }
+}
+
+/// A simulated board that waits for its host.
+pub(crate) struct Prepared {
+    rig: u32,
+    scene: Scene,
+    line: Tapped,
+    pub(crate) told: Arc<Mutex<Told>>,
+    pub(crate) is_busy: Arc<AtomicBool>,
+    servo: Arc<Mutex<AtServo>>,
+    board: JoinHandle<()>,
+}
+
+impl Prepared {
+    pub(crate) fn new(arm: Description, drive: Option<Drive>) -> Self {
+        let mechanism = arm.mechanism().unwrap();
+        let driven = Driven { is_of_board: true, drive, ..Driven::default() };
+        let parts = Arc::new(RigParts::new(&arm, &mechanism, driven).unwrap());
+        let scene = Scene::new(&arm.name, &mechanism, &parts, Source::Simulated);
+        let (line, end) = pipe();
+        let servo: Arc<Mutex<AtServo>> = Arc::default();
+        let seen = Arc::clone(&servo);
+        let look = move |board: &mut SimulatedBoard<'_, RigPlant>| {
+            board.look_at_servos(|servos| seen.lock().unwrap().look(&servos[0]));
+        };
+        let rig = parts.rig_crc();
+        let simulate = move || {
+            let chip = Chip::blank();
+            SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
+            let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
+            let plant = parts.plant(&arm, &mechanism).unwrap();
+            let mut board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
+            // It ends when its host is gone.
+            let _ = board.serve(end, &AtomicBool::new(false), look);
+        };
+        let builder = thread::Builder::new().stack_size(STACK_BYTES);
+        let board = builder.spawn(simulate).unwrap();
+        let (told, is_busy) = (Arc::default(), Arc::default());
+        let line = Tapped {
+            line,
+            decoder: Decoder::new(),
+            told: Arc::clone(&told),
+            is_busy: Arc::clone(&is_busy),
+            answers: Vec::new(),
+        };
+        Self { rig, scene, line, told, is_busy, servo, board }
+    }
+
+    /// Executes a command of another terminal on a board without a console.
+    pub(crate) fn execute(self, name: &str, request: &Request) -> Reply {
+        let mut board = Board::connect(self.line, nonce(), Duration::from_secs(20)).unwrap();
+        let reply = execute(&mut board, &self.scene, (name, request), &|| 0).unwrap();
+        drop(board);
+        self.board.join().unwrap();
+        reply
     }
 }
 

@@ -26,7 +26,7 @@ fn tick(row: u32) -> Tick {
     let joint = TickOfJoint { numbers, limiter: Some("heat".to_owned()), swings: None };
     Tick {
         time_s,
-        state: if is_holding { "holding" } else { "limp" }.to_owned(),
+        state: Some(if is_holding { "holding" } else { "limp" }.to_owned()),
         runs: false,
         faults: (row == 120).then(|| "fault 2 (link lost)".to_owned()),
         joints: vec![joint],

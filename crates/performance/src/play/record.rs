@@ -78,7 +78,7 @@ pub struct Tick {
     /// Time since the start, s. Ticks have the same distance.
     pub time_s: f64,
     /// State of the supervisor.
-    pub state: String,
+    pub state: Option<String>,
     /// Whether a show runs.
     pub runs: bool,
     /// New faults and warnings, separated by commas.
@@ -122,7 +122,7 @@ impl Tick {
         };
         Self {
             time_s: sim.time_s(),
-            state: report.state.to_string(),
+            state: Some(report.state.to_string()),
             runs: sim.runs(),
             faults: (!faults.is_empty()).then(|| faults.join(", ")),
             joints: (0..sim.parts.names.len()).map(joint).collect(),
@@ -205,7 +205,7 @@ impl Recorder {
     /// An I/O error.
     pub fn put(&mut self, tick: &Tick) -> Result<(), ParquetError> {
         self.time_s.push(Some(tick.time_s));
-        self.state.push(Some(tick.state.as_str().into()));
+        self.state.push(tick.state.as_deref().map(Into::into));
         self.runs.push(Some(tick.runs));
         self.faults.push(tick.faults.as_deref().map(Into::into));
         let nothing = TickOfJoint::default();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, ensure};
 use sinew_board_client::ClientError;
-use sinew_console::local::{Watching, consoles, name_of_port, watch};
+use sinew_console::local::{Role, Watching, consoles, name_of_port, roles, watch};
 use sinew_console::{Hosted, Owner, Scene};
 use sinew_host_util::command::{note, print};
 use sinew_link::message::{FaultRecord, Servo, State, Summary, TelemetryParts};
@@ -78,12 +78,16 @@ fn is_of_port(error: &anyhow::Error) -> bool {
 }
 
 impl MonitorArgs {
-    /// Returns the name of the hub that has the board; without a port, of the only hub.
+    /// Returns the name of the hub that has the board; without a port, of the only hub of a board.
     fn hub(&self) -> Option<String> {
         let mut names = consoles();
         match self.board.path() {
             Some(port) => Some(name_of_port(port)).filter(|name| names.contains(name)),
-            None => names.pop().filter(|_| names.is_empty()),
+            None => {
+                let mut roles = roles(&names).into_iter();
+                names.retain(|_| roles.next().flatten() != Some(Role::Simulates));
+                names.pop().filter(|_| names.is_empty())
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, Line};
-use sinew_console::local::{Reply, Request, ask, consoles, name_of_port};
+use sinew_console::local::{Reply, Request, Role, ask, consoles, name_of_port, roles};
 use sinew_console::{Scene, Source, execute};
 use sinew_host_util::command::print;
 use sinew_link::message::{State, TelemetryParts};
@@ -92,8 +92,14 @@ impl PlaceArgs {
             let own = name_of_port(port);
             names.retain(|name| *name == own);
         }
-        // A command that only watches closes its port for this one.
-        names.retain(|name| !ask(name, &Request::Yield).is_ok_and(|reply| reply.ok));
+        let roles = roles(&names);
+        let watch = roles.iter().filter(|role| **role == Some(Role::Watches)).count();
+        let mut roles = roles.into_iter();
+        // A command that watches closes its port when this command opens it.
+        names.retain(|_| matches!(roles.next(), Some(None | Some(Role::Drives))));
+        if names.is_empty() && watch > 1 {
+            bail!("several commands watch boards: `--port PORT` names the board");
+        }
         if names.len() > 1 {
             bail!("several consoles run ({}): `--port PORT` names the board", names.join(", "));
         }
