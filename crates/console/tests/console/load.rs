@@ -84,7 +84,7 @@ fn a_slider_reaches_the_goal_of_the_servo_soon() {
     let mut page = Page::open(&console);
     page.arm();
     let way_deg = || console.servo.lock().unwrap().way_deg;
-    // Until the first count, and until 0.2 deg: a motion begins softly.
+    // Times until the goal changes by a count, and by 0.2 deg. They differ, because a motion begins softly.
     let [mut first, mut times] = [(); 2].map(|()| Vec::new());
     for turn in 0..40 {
         sleep(ms(700));

@@ -64,8 +64,8 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE of
-    /// `sinew play`, slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
+    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE, which
+    /// is slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
     /// USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
