@@ -9,8 +9,8 @@ use super::error::FaceError;
 use super::names::{MouthSet, VISEMES, is_same};
 use super::track::{Cue, Weights};
 
-/// Distance in time at which a dominance has fallen to 1/e, s; and the largest permitted share of this distance in the
-/// duration of the mouth shape.
+/// Distance in time at which a dominance has fallen to 1/e, s; and the maximum of this distance as a share of the mouth
+/// shape's duration.
 const REACH_S: f64 = 0.06;
 const REACH_SHARE: f64 = 0.35;
 /// Dominance of lips that close or touch the teeth, and of silence. All other mouth shapes have dominance 1.

@@ -25,7 +25,7 @@ pub struct JointMeasure {
     pub name: String,
     /// Whether the joint slides; its numbers are then in m.
     pub slides: bool,
-    /// Distance between the ends of the motion, rad or m.
+    /// Difference between the largest and the smallest position, rad or m.
     pub way: f64,
     /// Largest speed as a share of the limit; 0 without a limit.
     pub speed_share: f64,

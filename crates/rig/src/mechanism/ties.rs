@@ -6,8 +6,8 @@ use super::{JointModel, LinkedRange, Mechanism};
 /// Difference of the ends of a range, rad or m, below which the range ties its joints.
 const TIED: f64 = 1e-9;
 
-/// A joint that follows its leader; the leader follows no other joint. If one of both turns and the other slides, the
-/// factor is in rad/m or m/rad.
+/// A joint that follows its leader; the leader follows no other joint. If one of the joints turns and the other
+/// slides, the factor is in rad/m or m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tie {
     /// Index of the body that the follower moves.

@@ -24,9 +24,9 @@ const AGAIN: Duration = Duration::from_millis(100);
 /// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
 ///
 /// Nothing moves. The command prints a line at each change of the state and in every interval, until Ctrl-C. It also
-/// watches a rig while `sinew play`, `record` or `console` of this user drives it. If no other command has used the
-/// board, the last output is a table of durations: of ticks, of exchanges with the servos, of the host link, and from
-/// one tick to the next.
+/// watches a rig while `sinew play`, `record` or `console` of this user drives it. At the end it prints a table of
+/// durations, unless another command then uses the board: of ticks, of exchanges with the servos, of the host link, and
+/// from one tick to the next.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]
