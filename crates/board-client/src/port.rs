@@ -50,11 +50,12 @@ pub fn open_any(path: &Path) -> Result<(Board<SerialBoard>, bool), ClientError> 
 }
 
 /// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
-/// ports.
+/// ports. Waits as [`open`] does if the rig is not limp yet.
 ///
 /// # Errors
 /// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
-/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program still uses its rig
+/// after 30 s.
 pub fn find(
     candidates: Option<&[PathBuf]>,
     waits: &dyn Fn(),

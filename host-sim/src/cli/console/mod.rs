@@ -108,7 +108,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
+    /// Refuses a port without --rig, options that have no effect at a port, and faults on the target `nucleo`.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
             self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "`--target sim`")?;

@@ -94,7 +94,7 @@ pub(in crate::cli) fn bake(
 }
 
 impl Args {
-    /// Returns the bytes of the show: read, or baked from a clip. `bare`: the CRC of the rig without the servos of
+    /// Returns the show and its sound: reads a show, or bakes a clip. `bare`: the CRC of the rig without the servos of
     /// --servo.
     pub(super) fn read_or_bake(
         &self,
