@@ -54,8 +54,8 @@ pub fn open_any(path: &Path) -> Result<(Board<SerialBoard>, bool), ClientError> 
 ///
 /// # Errors
 /// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
-/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program still uses its rig
-/// after 30 s.
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program still uses its
+/// rig after 30 s.
 pub fn find(
     candidates: Option<&[PathBuf]>,
     waits: &dyn Fn(),

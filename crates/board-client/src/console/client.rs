@@ -1,4 +1,4 @@
-//! The end of the socket of the command that asks a hub.
+//! The asking command's end of the socket.
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};

@@ -18,22 +18,22 @@ pub use client::{Watching, ask, consoles, watch};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 pub enum Request {
-    /// Moves the rig to its rest pose, lowers it, and switches torque off.
+    /// The hub moves the rig to its rest pose, lowers it, and switches torque off.
     Stop,
-    /// Switches torque off at once.
+    /// The hub switches torque off at once.
     EStop,
-    /// Moves the armed rig to its home pose.
+    /// The hub moves the armed rig to its home pose.
     Home,
-    /// Moves a joint of the armed rig by an angle or a distance.
+    /// The hub moves a joint of the armed rig by an angle or a distance.
     Jog {
         /// Name of the joint.
         joint: String,
         /// Angle in deg, or distance in mm.
         by: f64,
     },
-    /// Requests views of the rig until the asking command ends.
+    /// The hub sends views of the rig until the asking command ends.
     Watch,
-    /// Makes a hub that only watches close its port, so that the asking command can open it.
+    /// A hub that only watches closes its port, so that the asking command can open it.
     Yield,
 }
 
