@@ -22,7 +22,7 @@ class Step(NamedTuple):
     feedforward: Array
     """The part of the efforts that gravity and the desired acceleration need, ``(nv,)``, N m or N."""
     limited: list[str | None]
-    """Why each effort was limited: ``torque``, ``force``, ``not_finite``, ``supply``; ``None`` if it was not."""
+    """Limit that acted on each effort: ``torque``, ``force``, ``not_finite``, ``supply``; ``None`` without one."""
 
 
 class Tracker:
