@@ -1,6 +1,5 @@
 //! The pose of a shape: `{ jaw = 25, lid = -5 }`, in degrees, or in mm for joints that slide.
 
-use toml::Value as TomlValue;
 use toml::de::DeValue;
 
 use super::error::UnlocatedError;
@@ -36,6 +35,20 @@ impl Pose {
     }
 }
 
+/// Returns a name as a key in quotes, on one line.
+fn quoted(name: &str) -> String {
+    let mut key = String::from("\"");
+    for letter in name.chars() {
+        match letter {
+            '"' | '\\' => key.extend(['\\', letter]),
+            _ if letter.is_control() => key.extend(format!("\\u{:04X}", u32::from(letter)).chars()),
+            _ => key.push(letter),
+        }
+    }
+    key.push('"');
+    key
+}
+
 fn slides(name: &str, joints: &[Joint]) -> bool {
     let joint = joints.iter().find(|joint| joint.name == name);
     joint.is_some_and(|joint| joint.kind == JointType::Prismatic)
@@ -65,7 +78,7 @@ impl Value for Pose {
             let key = if !name.is_empty() && name.chars().all(is_bare) {
                 name.clone()
             } else {
-                TomlValue::String(name.clone()).to_string()
+                quoted(name)
             };
             format!("{key} = {}", position.text(false))
         };
