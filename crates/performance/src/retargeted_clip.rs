@@ -211,9 +211,12 @@ impl RetargetedClip {
         clip_time_s: f64,
         poses: &'a [Pose],
     ) -> impl Iterator<Item = f64> + 'a {
-        let targets_m = &self.hand_targets_m[self.frame_at(clip_time_s)];
-        self.hands.iter().zip(targets_m).filter_map(|(hand, target_m)| {
-            let target_m = DVec3::from_array((*target_m)?.map(f64::from));
+        let ([before, after], part) = self.frames_at(clip_time_s);
+        let targets_m = self.hand_targets_m[before].iter().zip(&self.hand_targets_m[after]);
+        self.hands.iter().zip(targets_m).filter_map(move |(hand, (before_m, after_m))| {
+            let [before_m, after_m] =
+                [before_m.or(*after_m)?, after_m.or(*before_m)?].map(|m| m.map(f64::from));
+            let target_m = DVec3::from_array(before_m).lerp(DVec3::from_array(after_m), part);
             let [shoulder_m, place_m] = [hand.shoulder, hand.point]
                 .map(|point| poses.get(point.body).map(|pose| pose.point(point.position_m)));
             Some((place_m? - shoulder_m?).distance(target_m) / hand.arm_m)
@@ -254,6 +257,15 @@ impl RetargetedClip {
         let errors: Vec<f64> = self.motion.rows.iter().enumerate().flat_map(of_row).collect();
         let most = errors.iter().copied().fold(0.0, f64::max);
         (!errors.is_empty()).then(|| [errors.iter().sum::<f64>() / errors.len() as f64, most])
+    }
+
+    /// Returns the frames before and after a time of the clip, and the share of the second.
+    fn frames_at(&self, clip_time_s: f64) -> ([usize; 2], f64) {
+        let last = self.hand_targets_m.len() - 1;
+        let place = (clip_time_s / self.motion.dt_s).max(0.0).min(last as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to last")]
+        let before = place as usize;
+        ([before, (before + 1).min(last)], place - before as f64)
     }
 
     /// Returns the frame at a time of the clip.

@@ -20,8 +20,8 @@ const PIECE: usize = 4096;
 /// Interval of looks at signals, and of calls of a progress function.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Stack of a thread that works: trackers of the largest rig are large.
-const STACK_BYTES: usize = 64 << 20;
+/// Stack of a thread that works, bytes: an evaluation builds a tracker of some 0.5 MB on it.
+const STACK_BYTES: usize = 16 << 20;
 
 /// Calls `work` with ranges of rows until all `count` rows are done, without the global lock.
 pub(crate) fn in_pieces(
@@ -82,11 +82,17 @@ pub(crate) fn in_background<T: Send + 'static>(
     let progress = Progress::default();
     let (of_work, (send, receive)) = (progress.clone(), sync_channel(1));
     let body = move || {
-        let result = catch_unwind(AssertUnwindSafe(|| work(&of_work)));
+        let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build();
+        let result = catch_unwind(AssertUnwindSafe(|| match pool {
+            Ok(pool) => pool.install(|| work(&of_work)),
+            Err(error) => {
+                Err(anyhow::Error::new(error).context("the threads could not be started"))
+            }
+        }));
         // Nobody waits for a cancelled result.
         let _ = send.send(result);
     };
-    thread::Builder::new().name("sinew".to_owned()).stack_size(STACK_BYTES).spawn(body)?;
+    thread::Builder::new().name("sinew".to_owned()).spawn(body)?;
     let tell = || -> PyResult<()> {
         py.check_signals()?;
         if let Some(told) = told {

@@ -21,7 +21,7 @@ pub enum QemuError {
     NoImage {
         /// Path at which it is expected.
         path: PathBuf,
-        /// The variable that can name another image.
+        /// Name of the environment variable that can name another image.
         variable: &'static str,
     },
     /// QEMU is not installed.

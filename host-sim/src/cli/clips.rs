@@ -69,7 +69,7 @@ pub(super) struct ClipArgs {
     )]
     speed_shares: Vec<f64>,
 
-    /// Seed of the motions of the rig's own joints.
+    /// Seed of the built-in motions of --rig, which are used without --clips.
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
     motion_seed: u64,
 }

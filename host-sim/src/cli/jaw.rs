@@ -53,8 +53,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value_t = -35.0, value_parser = gate, allow_negative_numbers = true)]
     gate_db: f64,
 
-    /// Time by which the motion is moved earlier, in ms, from 0 to 500. The default compensates the delay of attack and
-    /// window; add the delay of the servo.
+    /// Time by which the motion is moved earlier, in ms, from 0 to 500. The default compensates the delay of about 20
+    /// ms that --attack-ms and the averaging of the sound cause; add the delay of the servo.
     #[arg(long, value_name = "MS", default_value_t = 20.0, value_parser = lead, allow_negative_numbers = true)]
     lead_ms: f64,
 
