@@ -60,8 +60,8 @@ pub(super) struct PerformanceArgs {
     pub(super) fit: bool,
 
     /// Fit, and keep the time: nothing becomes slower; where a limit is met, the motion becomes smaller or rounder at
-    /// that time. Default: true for a show with a time code, otherwise false. `--keep-time=false` lets `--fit` slow
-    /// such a show down.
+    /// that time. Default: true for a show with a sound or a time code, otherwise false. `--keep-time=false` lets
+    /// `--fit` slow such a show down.
     #[arg(
         long,
         value_name = "BOOL",
