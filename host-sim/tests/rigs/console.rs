@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use super::board::says;
-use crate::common::{command, end_by, path};
+use crate::common::{command, end_by, path, text};
 
 /// Starts a console, and waits until it serves its page.
 fn start(folder: &Path, args: &[&str]) -> Child {
@@ -18,6 +18,28 @@ fn start(folder: &Path, args: &[&str]) -> Child {
     BufReader::new(console.stdout.take().unwrap()).read_line(&mut address).unwrap();
     assert!(address.starts_with("http://127.0.0.1:"), "{address}");
     console
+}
+
+/// The page's commands act by the same hub; this test gives those of other terminals.
+#[test]
+#[ignore = "needs the emulator: `cargo xtask emulate`"]
+fn emulated_nucleo_is_the_board_of_a_console() {
+    let folder = tempfile::tempdir().unwrap();
+    let rig = path(folder.path(), "arm.toml");
+    says(&["rig", "new", "--arm", "3", "-o", &rig], 0);
+    let mut console = start(folder.path(), &["--rig", &rig, "--target", "nucleo"]);
+    let own = |args: &[&str]| {
+        let output = command().env("XDG_RUNTIME_DIR", folder.path()).args(args).output().unwrap();
+        text(&output.stdout) + &text(&output.stderr)
+    };
+    let watched = own(&["board", "monitor", "--samples", "2", "--interval-ms", "50"]);
+    assert!(watched.contains("watching nucleo-") && watched.contains("tick "), "{watched}");
+    let stopped = own(&["estop"]);
+    assert!(stopped.contains("torque is off"), "{stopped}");
+    let watched = own(&["board", "monitor", "--samples", "1"]);
+    assert!(watched.contains("faulted, fault 16"), "{watched}");
+    end_by(&mut console, "-INT");
+    assert_eq!(console.wait().unwrap().code(), Some(0));
 }
 
 #[test]

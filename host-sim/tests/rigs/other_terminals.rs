@@ -257,7 +257,7 @@ fn two_simulated_boards_do_not_share_a_link() {
 fn a_simulated_play_is_stopped_from_another_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, show] = baked(folder.path());
-    for (request, code, word) in [("stop", 0, "stopping"), ("estop", 1, "emergency stop")] {
+    for (request, code, word) in [("stop", 0, "lowering"), ("estop", 1, "emergency stop")] {
         let mut play = own_command(folder.path(), &["play", &show, "--rig", &rig, "--real-time"]);
         let play = play.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let end = Instant::now() + PATIENCE;

@@ -150,7 +150,7 @@ fn a_slider_that_falls_silent_holds() {
 fn one_page_drives_and_all_may_stop() {
     let console = OtherSide::start(false);
     let (mut driver, mut viewer) = (Page::open(&console), Page::open(&console));
-    let role = json!({ "type": "role", "driver": false, "other": "page" });
+    let role = json!({ "type": "role", "driver": false, "other": "page", "asked": false });
     assert_eq!(viewer.texts.last(), Some(&role));
     viewer.until_state(LIMP);
     for command in [

@@ -43,9 +43,9 @@ fn ten_thousand_connections_do_not_move_a_joint() {
     page.arm();
     let mut flood = Vec::new();
     let mut opened = 0;
-    for turn in 0..100 {
+    for _ in 0..100 {
         // The joint follows its slider meanwhile.
-        page.slide(if turn % 2 == 0 { 0.3 } else { -0.3 }, ms(20));
+        page.slide(2.5, ms(20));
         let more = (0..100).filter_map(|_| TcpStream::connect(&console.host).ok());
         flood.extend(more.inspect(|_| opened += 1));
         // A program has a limit of open files.
@@ -84,15 +84,19 @@ fn a_slider_reaches_the_goal_of_the_servo_soon() {
     let mut page = Page::open(&console);
     page.arm();
     let way_deg = || console.servo.lock().unwrap().way_deg;
-    let mut times = Vec::new();
+    // Until the first count, and until 0.2 deg: a motion begins softly.
+    let [mut first, mut times] = [(); 2].map(|()| Vec::new());
     for turn in 0..40 {
         sleep(ms(700));
         let before = way_deg();
         let goal = if turn % 2 == 0 { 0.4 } else { -0.4 };
         let said = Instant::now();
         let mut due = said;
-        // The goal of a servo that stands may still change by a count.
+        let mut moved = None;
         while way_deg() - before < 0.2 {
+            if way_deg() > before {
+                moved.get_or_insert(said.elapsed());
+            }
             assert!(said.elapsed() < ms(3000));
             if Instant::now() >= due {
                 due += ms(50);
@@ -101,11 +105,16 @@ fn a_slider_reaches_the_goal_of_the_servo_soon() {
             sleep(Duration::from_micros(500));
         }
         times.push(said.elapsed());
+        first.push(moved.unwrap_or(said.elapsed()));
         page.ask(json!({ "type": "release", "dof": 0 }));
         page.until_state(HOLDING);
     }
     times.sort();
-    println!("from a page's goal to the servo's: median {:?}, largest {:?}", times[20], times[39]);
+    first.sort();
+    println!(
+        "from a page's goal to the servo's: first count median {:?}, largest {:?}; 0.2 deg median {:?}, largest {:?}",
+        first[20], first[39], times[20], times[39]
+    );
     assert!(times[20] < ms(300), "{:?}", times[20]);
     assert_gentle(&console);
 }
@@ -143,7 +152,8 @@ fn used() -> (f64, u64) {
 #[test]
 fn sixty_servos_need_little_and_always_the_same() {
     let seconds = std::env::var(SOAK).map_or(5, |seconds| seconds.parse().unwrap());
-    let console = OtherSide::start_on(porcupine(), None, false);
+    let console =
+        OtherSide::start_on(porcupine(), Some(sinew_performance::play::Drive::Position), false);
     let mut page = Page::open(&console);
     page.until_state(LIMP);
     let look = |page: &mut Page, time: Duration| {

@@ -129,7 +129,7 @@ def importance(
         For an unknown method, a setting out of range, or a file without a mesh.
 
     >>> weights = importance(Rig.arm(6))
-    >>> round(sum(weights.values()), 6), weights["turn1"] > weights["lift3"]
+    >>> round(sum(weights.values()), 6), weights["turn1"] > weights["bend6"]
     (1.0, True)
     """
     of = source._native if isinstance(source, (Rig, Clip)) else os.fspath(source)

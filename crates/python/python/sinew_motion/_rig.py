@@ -24,7 +24,7 @@ class Rig:
 
     >>> arm = Rig.arm(6)
     >>> arm.dof_names[:2]
-    ['turn1', 'lift2']
+    ['turn1', 'bend2']
     """
 
     def __init__(self, native: _native.NativeRig) -> None:
@@ -74,7 +74,7 @@ class Rig:
         """Makes the desk arm of ``sinew rig new --arm``, with 1 to 40 joints.
 
         >>> Rig.arm(3).joint_names
-        ['base', 'turn1', 'lift2', 'lift3']
+        ['base', 'turn1', 'bend2', 'bend3']
         """
         return cls(_native.new_arm(joints))
 
@@ -239,7 +239,7 @@ class Rig:
             If there is no such body, or as ``fk``.
 
         >>> arm = Rig.arm(6)
-        >>> arm.jacobian(arm.home, "lift2").shape
+        >>> arm.jacobian(arm.home, "bend2").shape
         (6, 6)
         """
         array, single = rows("q", q)

@@ -50,7 +50,7 @@ class Tracker:
     >>> Tracker(arm, settings={"kp": -1.0})
     Traceback (most recent call last):
         ...
-    ValueError: kp is -1; it must be a finite number above 0
+    ValueError: kp: expected a finite number above 0, found -1
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class Tracker:
 
         >>> import numpy as np
         >>> arm = Rig.arm(2)
-        >>> tracker = Tracker(arm, "local", rate_hz=500)
+        >>> tracker = Tracker(arm, "local", rate_hz=500, settings={"kp": 1e5})
         >>> lifted = tracker.step(arm.home + [0.0, 1.0], arm.home, np.zeros(2))
         >>> lifted.limited[1]
         'torque'

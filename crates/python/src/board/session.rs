@@ -41,6 +41,8 @@ pub(super) struct Session<'a, L> {
     /// First coordinate and number of coordinates of each joint.
     blocks: Vec<(usize, usize)>,
     is_cancelled: &'a AtomicBool,
+    /// Number of summaries at the end of the last order that may have changed the state.
+    changed: u32,
     /// Number of summaries before the board followed live poses; `None` while it does not.
     live: Option<u32>,
     /// Time of the first live pose that the board does not follow yet.
@@ -56,7 +58,8 @@ impl<'a, L: Line> Session<'a, L> {
         board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
         let blocks = mechanism.coordinate_ranges();
         let blocks = blocks.into_iter().map(|range| (range.start, range.len())).collect();
-        Ok(Self { board, mechanism, blocks, is_cancelled, live: None, live_begun: None })
+        let (changed, live, live_begun) = (board.log.summaries, None, None);
+        Ok(Self { board, mechanism, blocks, is_cancelled, changed, live, live_begun })
     }
 
     /// Receives from the board, and sends it heartbeats.
@@ -65,9 +68,18 @@ impl<'a, L: Line> Session<'a, L> {
     }
 
     pub(super) fn execute(&mut self, order: Order) -> anyhow::Result<Reply> {
-        if !matches!(order, Order::Live { .. } | Order::State | Order::Faults) {
+        let changes = !matches!(order, Order::Live { .. } | Order::State | Order::Faults);
+        if changes {
             (self.live, self.live_begun) = (None, None);
         }
+        let reply = self.obey(order);
+        if changes {
+            self.changed = self.board.log.summaries;
+        }
+        reply
+    }
+
+    fn obey(&mut self, order: Order) -> anyhow::Result<Reply> {
         match order {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => self.goto(&q, least)?,
@@ -308,7 +320,7 @@ impl<'a, L: Line> Session<'a, L> {
 
     fn state(&mut self) -> anyhow::Result<RigState> {
         let end = self.board.now() + READY;
-        while self.board.log.summary.is_none() || self.board.log.q.is_empty() {
+        while self.board.log.summaries < self.changed + 2 || self.board.log.q.is_empty() {
             ensure!(self.board.now() < end, "the controller sends no telemetry");
             self.wait(EVERY)?;
         }

@@ -43,7 +43,8 @@ pub(in crate::cli) fn clear_lost_link<L: Line>(board: &mut Board<L>) -> anyhow::
     let is_since = |record: &&FaultRecord| {
         record.start == first.start && record.time_us >= first.time_us && !record.is_warning()
     };
-    if !log.iter().filter(is_since).all(|record| record.fault == Fault::LinkLost.number()) {
+    let of_link = [Fault::LinkLate, Fault::LinkLost].map(Fault::number);
+    if !log.iter().filter(is_since).all(|record| of_link.contains(&record.fault)) {
         return Ok(false);
     }
     board.ask(Command::ClearFaults)?;

@@ -24,7 +24,7 @@ use super::board::{check_rig, open};
 use super::driven::DrivenArgs;
 use super::output::OutputPath;
 use super::performance::PerformanceArgs;
-use super::play::show;
+use super::play::{nucleo, show};
 use super::rig::read;
 use super::sound;
 use super::stack::with_stack;
@@ -64,9 +64,10 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this
-    /// rig, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
-    #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
+    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE of
+    /// `sinew play`, slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
+    /// USB port where a board answers (`auto`).
+    #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
     /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
@@ -110,9 +111,7 @@ impl ConsoleArgs {
     /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
-            bail!(
-                "--target nucleo: the emulated board is slower than real time; use `sim` or a port"
-            );
+            self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "`--target sim`")?;
         }
         if let Target::Port(_) = self.target {
             self.target.refuse(&self.driven.given(), "the simulated board")?;
@@ -246,7 +245,14 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
             check_rig(&board, &parts)?;
             serve(Source::Board).on(&mut board, &name, shows)
         }
-        Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
+        Target::Nucleo => {
+            let files = nucleo::Files::find()?;
+            nucleo::with_board(&files, &rig, &parts, |board, _| {
+                let name = format!("nucleo-{}", std::process::id());
+                serve(Source::Simulated).on(board, &name, shows)
+            })
+        }
+        Target::Sim => simulated::with_board(&rig, &parts, faults, |board| {
             let name = format!("simulated-{}", std::process::id());
             serve(Source::Simulated).on(board, &name, shows)
         }),

@@ -3,7 +3,7 @@
 mod board;
 mod live;
 mod notes;
-mod nucleo;
+pub(super) mod nucleo;
 mod real_time;
 pub(super) mod show;
 mod sim;

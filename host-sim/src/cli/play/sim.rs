@@ -21,9 +21,10 @@ use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
 /// Opens the socket by which other terminals stop the rig.
-fn open_bell() -> anyhow::Result<Bell> {
+fn open_bell() -> Option<Bell> {
     let name = format!("simulated-{}", std::process::id());
-    Bell::open(&name).context("the socket for other commands")
+    let tell = |error| note(format_args!("`sinew stop` cannot stop this play: {error}"));
+    Bell::open(&name).map_err(tell).ok()
 }
 
 /// The live display of a simulated rig.
@@ -128,7 +129,7 @@ impl Args {
             rounds.is_some_and(|rounds| tally.ticks() as f64 >= f64::from(rounds) * round_ticks)
         };
         let mut live = SimulatedLive::new(&show);
-        let mut bell = is_real_time.then(open_bell).transpose()?;
+        let mut bell = is_real_time.then(open_bell).flatten();
         let (mut director, mut tally) = (Director::with_preroll(self.preroll), Tally::new(parts));
         let mut pace = RealTime::begin();
         let ended = loop {
