@@ -173,6 +173,10 @@ impl NativeBoard {
         self.done(py, Order::Live { q: self.pose(&q)? })
     }
 
+    fn load(&self, py: Python<'_>, show: PyRef<'_, NativeShow>) -> PyResult<()> {
+        self.done(py, Order::Load { bytes: show.bytes.clone() })
+    }
+
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
         if rounds == 0 {
             return Err(value("rounds: expected 1 or more, found 0"));
