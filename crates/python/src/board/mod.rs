@@ -19,7 +19,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use sinew_performance::play::ServoChoice;
 
-use crate::arrays::single;
+use crate::arrays::{is_usable, single};
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
@@ -134,8 +134,7 @@ impl NativeBoard {
         if q.len() != self.nq {
             return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
         }
-        // Written so that NaN fails.
-        match q.iter().position(|x| !(x.abs() <= 1e6)) {
+        match q.iter().position(|x| !is_usable(f64::from(*x))) {
             None => Ok(q),
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))

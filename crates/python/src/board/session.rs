@@ -271,18 +271,17 @@ impl<'a, L: Line> Session<'a, L> {
         let show = Show::open(bytes)?;
         show.check_rig(self.board.about().rig)?;
         let item = item(Kind::Show, SHOW_SCHEMA, bytes, self.board.about().rig, "sinew_motion")?;
-        let slot = match self.board.slot_of(&item)? {
-            Some(slot) => slot,
-            None => {
-                match self.board.upload(&item, bytes, &mut |_| ()) {
-                    Err(ClientError::Refused(Refusal::State(state))) => bail!(
-                        "the board takes a new show only while torque is off, and the rig is {state}: `load` it \
+        let slot = if let Some(slot) = self.board.slot_of(&item)? {
+            slot
+        } else {
+            match self.board.upload(&item, bytes, &mut |_| ()) {
+                Err(ClientError::Refused(Refusal::State(state))) => bail!(
+                    "the board takes a new show only while torque is off, and the rig is {state}: `load` it \
                          before `arm`"
-                    ),
-                    uploaded => uploaded?,
-                }
-                self.board.slot_of(&item)?.context("the board does not have the show")?
+                ),
+                uploaded => uploaded?,
             }
+            self.board.slot_of(&item)?.context("the board does not have the show")?
         };
         self.ask(Command::LoadShow { slot })
     }
