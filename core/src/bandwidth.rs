@@ -64,8 +64,8 @@ impl Bandwidth {
         Self::of_loaded_gear(stiffness_nm_rad, rotor_inertia_kg_m2, f32::MAX, dt_s)
     }
 
-    /// Returns the bandwidth of a joint with a known load, kg m²: `0.3 √(K (1 / J_rotor + 1 / J_load))`, with the
-    /// limits of [`Self::of_gear`].
+    /// Returns the bandwidth of a joint whose load has a known inertia (kg m²): `0.3 √(K (1 / J_rotor + 1 / J_load))`,
+    /// with the limits of [`Self::of_gear`].
     ///
     /// A load that is lighter than the rotor counts as the rotor's inertia: while the rotor crosses the gear's play,
     /// the joint's friction holds such a load. Pass the largest load inertia that the joint has in any pose. O(1).

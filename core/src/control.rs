@@ -249,7 +249,8 @@ impl TorqueLimit {
         self.force_n
     }
 
-    /// Limits a wrench to the bounds, and reports which bound was reached.
+    /// Limits a wrench to the bounds, and reports which bound it exceeded. A wrench that is not finite becomes zero,
+    /// with [`LimitReason::NotFinite`].
     ///
     /// ```
     /// use sinew_core::{Wrench, control::{LimitReason, TorqueLimit}, glam::Vec3};
@@ -268,7 +269,8 @@ impl TorqueLimit {
         self.cut(wanted)
     }
 
-    /// Limits a torque in place, like `apply`. `slides` is whether the joint may have a force.
+    /// Limits a torque in place, like `apply`. If `slides` is false, the joint cannot slide, and its force is assumed
+    /// to be zero.
     #[inline]
     pub(crate) fn bound(self, torque: &mut Limited<Wrench>, slides: bool) {
         let wanted = torque.value;

@@ -79,7 +79,8 @@ impl<const N: usize> TorqueController<N> {
     /// no torque limits. O(n).
     ///
     /// # Errors
-    /// [`ControllerError`] if the tree is empty or the method was made for another tree.
+    /// [`ControllerError`] if the tree is empty, the method was made for another tree, or the β of Linear Compensation
+    /// is not finite.
     #[expect(clippy::needless_pass_by_value, reason = "a controller has its own rig")]
     pub fn new(tree: Tree<N>, gains: Gains, method: Method<N>) -> Result<Self, ControllerError> {
         let mut controller = Self::uninit();

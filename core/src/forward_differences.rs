@@ -81,8 +81,9 @@ impl<const N: usize> ForwardDifferences<N> {
     /// frames, s. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the
-    /// frame has fewer poses than the tree has joints, or a pose is not finite or unit.
+    /// [`StateInputError`], and nothing changes, if the time step is not a positive number (at least 1e-9 s), the frame
+    /// has fewer poses than the tree has joints, or a pose is not finite, has no unit rotation, or is more than 1e6 m
+    /// from its parent.
     pub fn restart(
         &mut self,
         tree: &Tree<N>,
@@ -104,7 +105,7 @@ impl<const N: usize> ForwardDifferences<N> {
     /// Accepts the next frame while there are not yet two earlier frames, and writes no targets. O(n).
     ///
     /// # Errors
-    /// As in [`Self::advance`].
+    /// [`StateInputError`], and nothing changes, in the cases of [`Self::restart`] for a frame.
     pub(crate) fn lead(
         &mut self,
         tree: &Tree<N>,
@@ -126,7 +127,8 @@ impl<const N: usize> ForwardDifferences<N> {
     ///
     /// # Errors
     /// [`StateInputError`], and nothing changes, if the frame has fewer poses than the tree has joints, a pose is not
-    /// finite or unit, the targets are for fewer joints, or [`Self::restart`] was not called.
+    /// finite, has no unit rotation, or is more than 1e6 m from its parent, the targets are for fewer joints, or
+    /// [`Self::restart`] was not called.
     pub fn advance(
         &mut self,
         tree: &Tree<N>,

@@ -155,8 +155,8 @@ impl JointKind {
         }
     }
 
-    /// Returns the part of a vector pair that a joint allows. The callers handle the trivial kinds themselves,
-    /// because most joints of a figure are of these kinds.
+    /// Returns the part of a vector pair that a joint allows. The callers handle spherical and free joints themselves,
+    /// because most joints of a figure are spherical.
     pub(crate) fn on_axes(self, rotation: Quat, angular: Vec3, linear: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Fixed => (Vec3::ZERO, Vec3::ZERO),

@@ -70,7 +70,8 @@ impl<const N: usize> JointStates<N> {
     /// Sets the poses of all joints, with zero velocities: for the first measurement, which has no predecessor. O(n).
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing changes, if a pose is missing, not finite or not unit.
+    /// [`StateInputError`], and nothing changes, if a pose is missing or not finite, its rotation is not unit, or its
+    /// position is more than 1e6 m from the parent.
     pub fn set_at_rest(&mut self, poses: &[Transform]) -> Result<(), StateInputError> {
         let poses = checked_poses(poses, self.states.len())?;
         for (state, pose) in self.states.iter_mut().zip(poses) {
@@ -102,8 +103,8 @@ impl<const N: usize> JointStates<N> {
     /// ```
     ///
     /// # Errors
-    /// [`StateInputError`], and nothing changes, if a pose is missing, not finite or not unit, or the time is not a
-    /// positive number (at least 1e-9 s).
+    /// [`StateInputError`], and nothing changes, if a pose is missing or not finite, its rotation is not unit, a new or
+    /// a previous position is more than 1e6 m from the parent, or the time is not a positive number (at least 1e-9 s).
     pub fn update_poses(
         &mut self,
         poses: &[Transform],

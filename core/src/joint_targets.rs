@@ -139,7 +139,7 @@ impl<const N: usize> JointTargets<N> {
     }
 
     /// Returns all targets as slices, for code that sets every item: states, accelerations, and world states of the
-    /// bodies. The world states then count as valid. Values must be finite and rotations unit.
+    /// bodies. The world states then count as valid. All values must be finite, and rotations unit quaternions.
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,

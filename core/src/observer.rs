@@ -77,9 +77,9 @@ impl ObserverSettings {
     }
 
     /// Returns settings of an extended state observer with this bandwidth (Han, "From PID to Active Disturbance
-    /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Acceleration that the commands do not
-    /// explain is estimated as a disturbance. The effect of wrong masses, friction and loads is learnt in about
-    /// `3 / bandwidth`; noise above the bandwidth is filtered out.
+    /// Rejection Control", 2009; one bandwidth for all poles, Gao 2003). Acceleration that the commands do not explain
+    /// is estimated as a disturbance. The effect of wrong masses, friction and loads is learnt in about `3 / bandwidth`
+    /// seconds; noise above the bandwidth is filtered out.
     ///
     /// All three poles of the estimation error are at `β = exp(-bandwidth dt)`. For the step
     /// `v += dt (a + d), x += dt v`, the gains are `1 - β³`, `(1 - β)² (1 + 2β) / dt` and `(1 - β)³ / dt²`.
@@ -129,8 +129,8 @@ impl ObserverSettings {
     }
 }
 
-/// An estimator of a rig's state, from the poses of its joints and the accelerations commanded to it. Up to `D`
-/// commands may be on their way to the drives (at least 1: the last command, without a delay).
+/// An estimator of a rig's state, from the poses of its joints and the accelerations commanded to it. The observer
+/// stores the commands of the last ticks, one more than the delay in ticks: at most `D`.
 ///
 /// With inverse dynamics every joint obeys `q̈ = command + disturbance`, whatever its inertia. The estimate therefore
 /// takes only a few operations per joint, and the prediction applies the commands that are on their way. O(n D).
@@ -193,11 +193,13 @@ struct Command {
 /// Degree to which a joint is at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Stance {
-    /// The target moves, or the joint is on its way to a constant target, or it has no open zone.
+    /// The target moves, or the joint has not yet been near a constant target for long enough, or the joint has no rest
+    /// zone.
     Moves,
-    /// The target is constant, and the joint has reached it: the observer need not follow fast motion.
+    /// The target is constant, and the joint has been near it for some time: the observer need not follow fast motion.
     Stands,
-    /// The target is constant, and the joint is within its open zone.
+    /// The target is constant, the rest zone is fully open, and the joint is within it, or stands at most half its
+    /// radius outside it.
     Rests,
 }
 

@@ -30,7 +30,7 @@ pub struct JointState {
 const FARTHEST_M: f32 = 1e6;
 
 /// Checks that differences of this pose are valid: its rotation is a unit quaternion, and its position is at most
-/// [`FARTHEST_M`] from the origin.
+/// [`FARTHEST_M`] from the origin of the parent's frame.
 #[expect(
     clippy::inline_always,
     reason = "a few operations per tick, shared by several callers: a call would cost as much"
@@ -175,7 +175,8 @@ impl BodyState {
         }
     }
 
-    /// Returns the state of the joint between `parent` and this body: [`Self::seen_from`], turned to body axes.
+    /// Returns the state of the joint between `parent` and this body: [`Self::seen_from`], with the velocity in body
+    /// axes.
     ///
     /// ```
     /// use sinew_core::{BodyState, Transform, glam::Vec3};
@@ -229,13 +230,13 @@ impl BodyState {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StateInputError {
-    /// A component is NaN or infinite.
+    /// A component is NaN or infinite, or a position is too far from the parent for differences (more than 1e6 m).
     NonFinite,
     /// The rotation is not a unit quaternion.
     RotationNotUnit,
-    /// The tree has no joint with this index.
+    /// The tree has no joint with this index, or there are fewer poses or items than joints.
     NoSuchJoint,
-    /// The time step of a difference is not a positive number.
+    /// The time step of a difference is not a positive number (at least 1e-9 s).
     TimeStep,
 }
 

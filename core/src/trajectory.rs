@@ -36,7 +36,7 @@ impl<'a> Trajectory<'a> {
     /// every pose is checked once.
     ///
     /// # Errors
-    /// [`TrajectoryError`] if the poses are not a whole number of frames, a pose is not finite or its rotation not
+    /// [`TrajectoryError`] if the poses are not one or more whole frames, a pose is not finite or its rotation is not
     /// unit, or the time step is not a positive number.
     pub fn new(
         poses: &'a [Transform],
@@ -216,8 +216,9 @@ pub fn interpolate_smoothly(window: [&Transform; 4], fraction: f32) -> Transform
 /// later frame, accelerations two. O(n).
 ///
 /// # Errors
-/// [`StateInputError`], and later joints are unchanged, if a pose is not finite or unit, the time step is not
-/// positive, or the targets are for fewer joints.
+/// [`StateInputError`], and this joint and later joints are unchanged, if a pose is not finite, has no unit rotation,
+/// or is more than 1e6 m from its parent, the time step is below 1e-9 s or not finite, or the targets are for fewer
+/// joints.
 pub fn forward_targets<const N: usize>(
     [now, next, after]: [&[Transform]; 3],
     dt_s: f32,
@@ -319,8 +320,9 @@ pub fn live_targets<const N: usize>(
 /// joint sensors give without a model. O(n).
 ///
 /// # Errors
-/// [`StateInputError`], and later joints are unchanged, if a pose is not finite or unit, the time step is not
-/// positive, or the states are for fewer joints.
+/// [`StateInputError`], and this joint and later joints are unchanged, if a pose is not finite, has no unit rotation,
+/// or is more than 1e6 m from its parent, the time step is below 1e-9 s or not finite, or the states are for fewer
+/// joints.
 ///
 /// ```
 /// use sinew_core::{JointStates, Transform, glam::Vec3, trajectory::backward_states};

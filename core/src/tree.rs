@@ -111,8 +111,8 @@ impl<const N: usize> Tree<N> {
     /// Adds a body and returns its index. O(1).
     ///
     /// # Errors
-    /// [`TreeError`], and the tree is unchanged, if the tree is full, the parent was not added before, there is
-    /// already a root, or a number of the body is invalid.
+    /// [`TreeError`], and the tree is unchanged, if the tree is full, the parent was not added before, there is already
+    /// a root, a number of the body is invalid, or a fixed or free joint has a rotor.
     pub fn push(&mut self, body: Body) -> Result<usize, TreeError> {
         let index = self.bodies.len();
         if index == N {

@@ -7,8 +7,8 @@ pub const BREATH_S: f32 = 3.0;
 
 /// Returns the duty of the light's 8-bit PWM at a time in ms, 0 to 255.
 ///
-/// The cosine is an approximation by micromath. Such an approximation is harmless only for the light: its error is
-/// below half a step of the duty (tested), nobody sees it, and no soft-float library is linked for a light.
+/// The cosine is an approximation by micromath, so that no soft-float library is linked for a light. Its error is below
+/// half a step of the duty (tested), which nobody sees. Nothing but the light may use such an approximation.
 ///
 /// ```
 /// assert_eq!(sinew_firmware::indicator::breath(0), 0);

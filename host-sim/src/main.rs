@@ -2,8 +2,9 @@
 //!
 //! # Files
 //! - `cli/mod`: the top-level commands. Each has a file of its name in `cli/` (`bake`, `report`), or a folder:
-//!   `board/`, `play/`, `record/`, `rig/`, `servo/` (`servo simulate` is in `cli/servos`).
-//! - `cli/clip`: its commands are in `cli/inspect`, `map`, `find`, `blend`, `export` and `weights`.
+//!   `board/`, `console/`, `play/`, `record/`, `rig/`, `servo/` (`servo simulate` is in `cli/servos`). `stop` and
+//!   `estop` are in `cli/halt`.
+//! - `cli/clip`: its commands are in `cli/inspect`, `map`, `find`, `blend`, `export`, `weights`, `jaw` and `idle`.
 //! - `cli/evaluation`: the command `evaluate`. Without a sub-command it runs `cli/evaluate` (the paper's tables, and
 //!   their report in `page`); its sub-commands are in `cli/robustness`, `latency`, `sweep`, `verify` and `figure`.
 //! - `cli/clips`, `methods`, `setup`, `unit_args`, `performance`, `driven`, `target`: options that commands share.

@@ -88,8 +88,8 @@ impl<const N: usize> TorqueController<N> {
     /// method.
     ///
     /// # Errors
-    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements belong to another tree, or the
-    /// length of `out` is not the number of dofs.
+    /// [`CoordinatesError::Count`], and nothing is written, if targets or measurements are not for the tree's number of
+    /// joints, or the length of `out` is not the number of dofs.
     ///
     /// ```
     /// use sinew_core::coordinates::DofCommand;

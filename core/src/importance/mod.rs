@@ -1,9 +1,9 @@
 //! Importance of joints: weights from how much of the figure a joint moves, and how far.
 //!
-//! A small rotation of a joint moves all bodies beyond it, and it moves distant bodies farther. Three functions
-//! measure this on a skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones
-//! with a thickness, [`MeshSurface`] from a skinned mesh. The weights apply to errors of joint rotations, when not
-//! all errors can be small.
+//! A small rotation of a joint moves all bodies beyond it, and it moves distant bodies farther. Three methods measure
+//! this on a skeleton at rest: [`descendants_length`] from bones alone, [`cylinder_surface`] from bones with a
+//! thickness, [`MeshSurface`] from a skinned mesh. The weights apply to errors of joint rotations, when not all errors
+//! can be small.
 //!
 //! After D. Holden, "Joint Error Propagation" (2025).
 //!

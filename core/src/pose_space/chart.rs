@@ -115,7 +115,7 @@ pub(super) fn way(
     )
 }
 
-/// Returns the difference of two angles in [-π, π], wrapped to at most half a turn.
+/// Wraps a difference of two angles, each in [-π, π], to at most half a turn in either direction.
 fn nearer_angle(angle_rad: f32) -> f32 {
     if angle_rad > PI {
         angle_rad - 2.0 * PI

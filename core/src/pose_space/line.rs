@@ -19,7 +19,8 @@ impl<const N: usize> PoseSpace<'_, N> {
     ///
     /// This is eq. (4) of the paper, over the line of its section 2.2; every joint takes the shorter way round. Along
     /// the line, bones keep their lengths. In exact arithmetic the result is never below [`Self::position_distance`].
-    /// In the paper's list of the line's points, both weights are swapped.
+    /// The paper's formula for the points of the line exchanges the weights of the two ends; this function uses the
+    /// correct weights.
     pub fn line_distance(
         &self,
         a: &PoseCoordinates<N>,

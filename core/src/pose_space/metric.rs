@@ -61,8 +61,8 @@ impl<const N: usize> PoseSpace<'_, N> {
         math::sqrt(squares.sum())
     }
 
-    /// Returns, for each joint, the length of the bones that it rotates: the mean distance of its child joints, m; 0
-    /// if there are none. O(n).
+    /// Returns, for each joint, the mean length of the bones that it rotates, which is the mean distance from the joint
+    /// to its child joints, m; 0 for a joint without children. O(n).
     pub fn bone_lengths_m(&self) -> Vec<f32, N> {
         let mut bones: Vec<(f32, f32), N> =
             fixed::collect(self.tree.bodies().iter().map(|_| (0.0, 0.0)));
@@ -77,9 +77,9 @@ impl<const N: usize> PoseSpace<'_, N> {
         )
     }
 
-    /// Returns the distance in space: the root of the sum of the squared distances (m) of all joints,
-    /// `|F(a) - F(b)|`. It ignores that bones keep their lengths, and is therefore a lower bound of every path
-    /// between the poses. O(n).
+    /// Returns the distance in space: the root of the sum of the squared distances (m) of all joints, `|F(a) - F(b)|`.
+    /// It ignores that bones keep their lengths. It is therefore a lower bound of the length of every path between the
+    /// poses. O(n).
     pub fn position_distance(&self, a: &BodyPoses<N>, b: &BodyPoses<N>) -> f32 {
         let ways = self.weighted().zip(a.positions_m().zip(b.positions_m()));
         math::sqrt(ways.map(|((_, weight), (a, b))| weight * (a - b).dot(a - b)).sum())

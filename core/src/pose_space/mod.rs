@@ -68,7 +68,7 @@ pub struct PoseSpace<'t, const N: usize> {
     root: Root,
 }
 
-/// Choice whether the root's pose counts.
+/// The choice whether distances include the root's pose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum Root {
@@ -143,8 +143,8 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
     /// The part of a pose that a joint does not allow is ignored: bones keep the rig's lengths.
     ///
     /// # Errors
-    /// [`PoseSpaceError::Count`] if the number of poses is not the number of joints, [`PoseSpaceError::Pose`] if a
-    /// pose is not finite, farther than 1e6 m away, or its rotation not unit.
+    /// [`PoseSpaceError::Count`] if the number of poses is not the number of joints, [`PoseSpaceError::Pose`] if a pose
+    /// is not finite, a component of its position is above 1e6 m in absolute value, or its rotation is not unit.
     pub fn coordinates(&self, poses: &[Transform]) -> Result<PoseCoordinates<N>, PoseSpaceError> {
         let bodies = self.tree.bodies();
         if poses.len() != bodies.len() {
@@ -215,7 +215,7 @@ impl<'t, const N: usize> PoseSpace<'t, N> {
     }
 }
 
-/// Maximum distance of a position, m. Beyond it, f32 does not resolve a tenth of a metre.
+/// Maximum absolute value of a position's component, m. Beyond it, f32 does not resolve a tenth of a metre.
 const FARTHEST_M: f32 = 1e6;
 
 impl<const N: usize> PoseCoordinates<N> {
@@ -249,7 +249,8 @@ pub enum PoseSpaceError {
         /// Number of poses or weights.
         found: usize,
     },
-    /// A pose is not finite, farther than 1e6 m away, or its rotation is not a unit quaternion.
+    /// A pose is not finite, a component of its position is above 1e6 m in absolute value, or its rotation is not a
+    /// unit quaternion.
     Pose {
         /// Index of the joint.
         joint: usize,

@@ -28,9 +28,10 @@ use crate::tree::{Body, Tree};
 ///
 /// Each call makes a fixed number of Gauss-Newton steps (twenty in a workspace's first call), from the last call's
 /// solution: the deviation of each joint from its desired pose. The deviation changes slowly in a performance, which
-/// makes a single step enough (see [`DEFAULT_SWEEPS`]). A step is stiffened where a body is pulled away, and damped
-/// while a joint is pressed against the end of its range. Each step is solved exactly in O(n) by sweeps of the
-/// articulated-body algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational inertia `ρᵢ²`).
+/// makes a single step enough (see [`DEFAULT_SWEEPS`]). A step is stiffened if a body is pulled away from the joint
+/// that carries it, and damped while a joint is pressed against the end of its range. Each step is solved exactly in
+/// O(n) by sweeps of the articulated-body algorithm over virtual inertias (Gauss's principle: mass `wᵢ` and rotational
+/// inertia `ρᵢ²`).
 ///
 /// ```
 /// use sinew_core::{Body, Inertia, JointKind, Transform, Tree, glam::Vec3};
@@ -283,7 +284,8 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// Sweeps from the leaves to the root: the desired motion of every joint, as a function of its parent's motion.
+    /// Sweeps from the leaves to the root. Computes the best motion of every joint as a function of its parent's
+    /// motion.
     fn inward(&mut self, projection: &ManifoldProjection<N>, bodies: &[Body]) {
         let pressed = self.joints.iter().take(bodies.len()).any(Joint::is_pressed);
         let damping = if pressed { PRESSED_DAMPING } else { 0.0 };
@@ -318,7 +320,7 @@ impl<const N: usize> ProjectionWorkspace<N> {
         }
     }
 
-    /// Sweeps from the root to the leaves: the motion of every joint, now that its parent's motion is known.
+    /// Sweeps from the root to the leaves. Moves every joint, because its parent's motion is now known.
     fn outward(
         &mut self,
         projection: &ManifoldProjection<N>,

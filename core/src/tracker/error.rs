@@ -182,7 +182,7 @@ pub enum TrackerError {
     Importance(ImportanceError),
     /// Ranges or weights were set for a method without a projection.
     NoProjection,
-    /// The supply was made for another rig.
+    /// The supply is for another number of joints than the rig has.
     SupplyJoints {
         /// Number of the rig's joints.
         expected: usize,
@@ -192,7 +192,7 @@ pub enum TrackerError {
     /// The supply has weights that [`Settings::sharing`](super::Settings::sharing) does not use, or lacks required
     /// weights.
     SupplyWeights,
-    /// The number of rest zones is not the number of joints, or a zone is not a finite number, zero or more.
+    /// The number of radii of rest zones is not the number of joints, or a radius is not a finite number, zero or more.
     Rest,
     /// With the method `recommended`, the latency plus the tick exceed [`MAX_DELAY_S`](super::MAX_DELAY_S).
     TooLate,

@@ -126,8 +126,8 @@ impl<const N: usize, const D: usize> Tracker<N, D> {
     /// Creates a tracker of a rig, for all methods except resolved acceleration. O(n).
     ///
     /// # Errors
-    /// [`TrackerError`] if a setting or the timing is invalid, or invalid for this rig, or the latency is more than
-    /// `D - 1`.
+    /// [`TrackerError`] if a setting or the timing is invalid, or invalid for this rig. With an observer that predicts,
+    /// also if the latency is more than `D - 1` ticks.
     pub fn new(tree: Tree<N>, settings: &Settings, timing: Timing) -> Result<Self, TrackerError> {
         Self::with_workspace(tree, settings, timing, Workspace::new())
     }
@@ -217,17 +217,17 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`Bandwidth`](crate::bandwidth::Bandwidth). O(n).
     ///
     /// # Errors
-    /// [`TrackerError::Observer`], and nothing is changed.
-    /// [`Observer::set_bandwidths`](crate::observer::Observer::set_bandwidths) names the limits.
+    /// [`TrackerError::Observer`], and nothing changes, if the settings have no observer, or in the cases of
+    /// [`Observer::set_bandwidths`](crate::observer::Observer::set_bandwidths).
     pub fn set_bandwidths(&mut self, rad_s: &[f32]) -> Result<(), TrackerError> {
         Ok(self.estimate.observer_mut().set_bandwidths(rad_s)?)
     }
 
     /// Sets the radius of the rest zone of each joint, rad (for slides, m); 0 for no zone. O(n).
     ///
-    /// While a joint's target is slower than [`STANDS_RAD_S`], an error within the zone counts as zero, and the
-    /// observer learns nothing from it. A suitable radius is half the play of the joint's gear plus a step of its
-    /// encoder: within it, the loop can only hunt.
+    /// While a joint's target is slower than [`STANDS_RAD_S`] and the joint itself slower than ten times this speed, an
+    /// error within the zone counts as zero, and the observer learns nothing from it. A suitable radius is half the
+    /// play of the joint's gear plus a step of its encoder: within it, the loop can only hunt.
     ///
     /// A joint stands when it has been within four radii of a constant target for 0.3 s. It then learns nothing
     /// within one and a half radii. If it has its own bandwidth ([`Self::set_bandwidths`]), it uses 0.6 of it while
@@ -306,8 +306,8 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// Starts like a new tracker at tick `index`: reads the frames before those of the tick, and accepts a reading
     /// from a tick earlier. If the reading has no speeds, the rig counts as at rest.
     ///
-    /// The first [`Self::step`] calls this function itself, with its own reading. If the projection must find its
-    /// first pose, the call takes as long as about twenty ticks.
+    /// The call may be left out: the first [`Self::step`] then reads the earlier frames itself, and starts from its own
+    /// reading. If the projection must find its first pose, the call takes as long as about twenty ticks.
     ///
     /// # Errors
     /// [`StepError`] if a frame or the reading is refused. Call the function again.
@@ -356,9 +356,9 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
     /// [`Self::skip`].
     ///
     /// # Errors
-    /// [`StepError`] if a frame or a reading is refused: the number of poses is not the number of joints, a pose is
-    /// not finite or its rotation is not unit. There are then no torques, and the servos must be kept in a safe
-    /// state.
+    /// [`StepError`] if a frame or the reading is refused: the number of poses or coordinates does not fit the rig, a
+    /// number is not finite or too large, a rotation is not unit, or the frame is of another kind than the first
+    /// frames. There are then no torques, and the servos must be kept in a safe state.
     pub fn step<'m>(
         &mut self,
         frames: &mut impl FrameSource,
@@ -441,7 +441,7 @@ impl<const N: usize, const D: usize, const R: usize> Tracker<N, D, R> {
         self.estimate.states()
     }
 
-    /// Returns the results of the last tick: commands, torques.
+    /// Returns the workspace with the results of the last tick: commands and torques.
     pub fn workspace(&self) -> &Workspace<N, R> {
         &self.workspace
     }

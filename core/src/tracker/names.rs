@@ -65,7 +65,8 @@ impl MethodName {
     /// The paper's three methods, in the paper's order.
     pub const PAPER: [Self; 3] = [Self::Local, Self::World, Self::LinearCompensation];
 
-    /// All methods except [`Self::Accumulated`], which needs the setting of a reference body.
+    /// All methods except [`Self::Accumulated`], which equals [`Self::Egocentric`] unless
+    /// [`Settings::reference`](super::Settings::reference) names a body other than the root.
     pub const ALL: [Self; 7] = [
         Self::Local,
         Self::World,

@@ -14,7 +14,7 @@ use crate::tree::Tree;
 pub const STANDS_RAD_S: f32 = 0.02;
 /// Maximum speed of a joint at rest, rad/s. A faster joint only passes through its zone.
 const GLIDES_RAD_S: f32 = 0.2;
-/// Time in which a zone opens, s.
+/// Time in which a zone opens, s. The next constant is the time in which it closes.
 const OPENS_S: f32 = 0.1;
 const CLOSES_S: f32 = 0.02;
 /// Radius, in units of the zone's radius, within which a joint is near its target. A joint that swings through the play
@@ -33,9 +33,9 @@ const SLIDE_RAD_M: f32 = 10.0;
 /// The rest zones of all joints.
 ///
 /// An encoder behind a gear with play does not show the joint's position within the play, and stiction holds a joint
-/// that is slightly off. A loop that corrects such an error hunts. While the target is constant, an error within a
-/// zone of half the play plus a step of the encoder therefore counts as zero; of a larger error, only the part beyond
-/// the zone counts. The zone opens and closes over several ticks, so that no command jumps.
+/// that is slightly off. A loop that corrects such an error hunts. While the target is constant and the joint hardly
+/// moves, an error within a zone of half the play plus a step of the encoder therefore counts as zero; of a larger
+/// error, only the part beyond the zone counts. The zone opens and closes over several ticks, so that no command jumps.
 #[derive(Debug)]
 pub(super) struct Rest<const N: usize> {
     dt_s: f32,

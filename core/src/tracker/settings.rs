@@ -22,7 +22,7 @@ pub const RECOMMENDED_ROTATION_WEIGHT_M: f32 = 0.5;
 /// Bandwidth of the recommended observer, rad/s; limited to one over the tick.
 pub const BANDWIDTH_RAD_S: f32 = 100.0;
 
-/// Base importance of every joint in the importance by lengths, m.
+/// Base importance of every joint in the importance by lengths, m. The next constant is its discount for each bone.
 const IMPORTANCE_BASE_M: f32 = 0.1;
 const IMPORTANCE_DISCOUNT: f32 = 0.9;
 
@@ -50,7 +50,8 @@ const IMPORTANCE_DISCOUNT: f32 = 0.9;
 pub struct Settings<B: Default = usize> {
     /// Method of measuring the state error.
     pub method: MethodName,
-    /// Reference body of all its descendants, for `accumulated`. The reference of all other bodies is the world.
+    /// Body relative to which `accumulated` measures the errors of all its descendants. The errors of other bodies are
+    /// relative to the world.
     pub reference: B,
     /// Weight β of Linear Compensation: 0 is World Space Error, 1 is the paper's method.
     pub beta: f32,
@@ -265,8 +266,8 @@ impl<B: Default + Clone> Settings<B> {
         }
     }
 
-    /// Checks every value; NaN is refused. With [`MethodName::Recommended`], differences and observer are fixed and
-    /// must be left out.
+    /// Checks every value, and whether the values fit together; NaN is refused. With [`MethodName::Recommended`],
+    /// differences and observer are fixed: they must be left out, or have the fixed values.
     ///
     /// # Errors
     /// [`SettingError`] with the key.

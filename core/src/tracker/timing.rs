@@ -4,8 +4,8 @@ use crate::pose_step::rate;
 
 use super::error::{SettingError, TrackerError};
 
-/// Maximum delay from a measurement to the end of the actuated tick, s. In simulations with masses off by 15 % and
-/// sensors of 12 bits, `recommended` is unstable beyond this delay on every rig.
+/// Maximum delay from a measurement to the end of the tick in which its torque acts, s. In simulations with masses off
+/// by 15 % and sensors of 12 bits, `recommended` is unstable beyond this delay on every rig.
 pub const MAX_DELAY_S: f32 = 0.010;
 
 /// The period of a tracker, and the latency of its torques.
@@ -14,8 +14,9 @@ pub const MAX_DELAY_S: f32 = 0.010;
 pub struct Timing {
     /// Time between ticks, and between frames, s: a finite number, at least 1e-9.
     pub dt_s: f32,
-    /// Ticks from a measurement to the tick in which its torque acts, not counting the tick itself. The observer
-    /// predicts over them with [`ObserverChoice::predict`](super::ObserverChoice::predict).
+    /// Number of ticks between a measurement and the tick in which its torque acts; 0 if the torque acts in the tick of
+    /// its measurement. The observer predicts over them with
+    /// [`ObserverChoice::predict`](super::ObserverChoice::predict).
     pub latency_ticks: usize,
 }
 

@@ -11,16 +11,16 @@ use sinew_link::{Decoder, FRAME_MAX, Next, Sender, encode};
 
 use crate::{ClientError, Line, TelemetryLog};
 
-/// Interval between greetings.
+/// Interval between greetings while there is no session.
 const HELLO_EVERY: Duration = Duration::from_millis(100);
-/// Interval between heartbeats: a quarter of the time-out after which a rig holds its pose.
+/// Interval between heartbeats: a quarter of the time without a message after which the board holds the rig.
 const BEAT_EVERY: Duration = Duration::from_millis(50);
 
-/// Default time-out: a host that drives a rig counts as deaf after this time without a valid message.
+/// Default time without a valid message after which a host that drives a rig counts as deaf.
 pub const SILENCE: Duration = Duration::from_secs(1);
-/// Time-out while torque is off: a board that erases flash sends nothing for up to 4 s.
+/// Shortest such time while torque is off: a board that erases flash sends nothing for up to 4 s.
 const SILENCE_LIMP: Duration = Duration::from_secs(6);
-/// Number of `Stop` commands that a deaf host sends, and the wait after each: a frame may be lost.
+/// Number of `Stop` commands that a deaf host sends, because a frame may be lost; and the wait after each.
 const LAST_WORDS: (u32, Duration) = (3, Duration::from_millis(30));
 
 /// A session with a controller.
@@ -36,7 +36,7 @@ pub struct Board<L> {
     /// Time of the last valid message.
     heard: Duration,
     silence: Duration,
-    /// Whether the host received nothing for too long, and therefore sends nothing.
+    /// Whether the host received nothing for too long. It then sends nothing more, except an e-stop.
     is_deaf: bool,
     /// Whether the rig is neither off nor limp nor faulted, by the latest message.
     is_driven: bool,
@@ -46,19 +46,36 @@ pub struct Board<L> {
     pub log: TelemetryLog,
 }
 
-/// Returns a number for a greeting, different for each run of a program.
+/// Returns a number for greetings that differs in each run of a program.
 pub fn nonce() -> u32 {
     let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     since.subsec_nanos() ^ std::process::id().rotate_left(16)
 }
 
 impl<L: Line> Board<L> {
-    /// Sends greetings until there is a session, also while another program has the rig. `nonce`: see [`nonce()`].
+    /// Sends greetings until there is a session. If another program uses the rig, waits until the rig is free. `nonce`:
+    /// see [`nonce()`].
     ///
     /// # Errors
-    /// [`ClientError::NoController`] if nothing answers within `patience`, [`ClientError::Misfit`] if the versions
-    /// differ or the rig is not free by then, [`ClientError::Line`].
+    /// [`ClientError::NoController`] if nothing answers within `patience`; [`ClientError::Misfit`] if the versions
+    /// differ, or another program still uses the rig after `patience`; [`ClientError::Line`].
     pub fn connect(line: L, nonce: u32, patience: Duration) -> Result<Self, ClientError> {
+        match Self::connect_any(line, nonce, patience)? {
+            (board, false) => Ok(board),
+            (_, true) => Err(ClientError::Misfit(Misfit::Busy)),
+        }
+    }
+
+    /// Sends greetings like [`Self::connect`]. Returns the board, and whether another program has its rig: then there
+    /// is no session, and the board executes only [`Command::Stop`] and [`Command::EStop`].
+    ///
+    /// # Errors
+    /// As in [`Self::connect`], but for a rig that is not free.
+    pub fn connect_any(
+        line: L,
+        nonce: u32,
+        patience: Duration,
+    ) -> Result<(Self, bool), ClientError> {
         let mut board = Self {
             beat_due: line.now(),
             heard: line.now(),
@@ -74,11 +91,13 @@ impl<L: Line> Board<L> {
             outcome: None,
             log: TelemetryLog::default(),
         };
-        board.reconnect(patience)?;
-        Ok(board)
+        match board.reconnect(patience) {
+            Err(ClientError::Misfit(Misfit::Busy)) => Ok((board, true)),
+            greeted => greeted.map(|()| (board, false)),
+        }
     }
 
-    /// Starts a new session, after a restart of the board.
+    /// Starts a new session, for example after a restart of the board.
     ///
     /// # Errors
     /// As in [`Self::connect`].
@@ -107,15 +126,13 @@ impl<L: Line> Board<L> {
         Err(if busy { ClientError::Misfit(Misfit::Busy) } else { ClientError::NoController })
     }
 
-    /// Sets the time without a valid message after which the rig is stopped; [`SILENCE`] by default.
+    /// Sets the time without a valid message after which the rig is stopped while it is driven; by default [`SILENCE`].
+    /// While torque is off, the time is at least 6 s.
     pub fn set_silence(&mut self, silence: Duration) {
         self.silence = silence;
     }
 
-    /// Returns the description of the controller.
-    ///
-    /// # Panics
-    /// Never, because the controller has answered a greeting.
+    /// Returns the description of the controller from its answer to the greeting.
     pub fn about(&self) -> About {
         const NOBODY: About = About {
             protocol: Version::CURRENT,
@@ -133,13 +150,13 @@ impl<L: Line> Board<L> {
         self.welcome.map_or(NOBODY, |welcome| welcome.about)
     }
 
-    /// Returns the version of messages that both ends support.
+    /// Returns the version of messages that both ends know.
     pub fn version(&self) -> Version {
         let minor = self.welcome.and_then(|welcome| welcome.verdict.ok()).unwrap_or(0);
         Version { major: Version::CURRENT.major, minor }
     }
 
-    /// Checks that both ends know the messages of a minor version.
+    /// Checks that both ends know the messages of this minor version.
     ///
     /// # Errors
     /// [`ClientError::Old`] with both versions.
@@ -159,16 +176,16 @@ impl<L: Line> Board<L> {
         self.line.now()
     }
 
-    /// Sends a command until it is answered. Returns its result.
+    /// Sends a command, repeatedly if necessary, until it is answered. Returns its result.
     ///
     /// # Errors
-    /// [`ClientError::Refused`] if it was not executed; [`ClientError::SessionOver`], [`ClientError::NoAnswer`],
-    /// [`ClientError::Line`].
+    /// [`ClientError::Refused`] if the board did not execute it; [`ClientError::SessionOver`];
+    /// [`ClientError::Unexpected`] if the previous command has no answer yet; others as in [`Self::step`].
     pub fn ask(&mut self, command: Command) -> Result<Applied, ClientError> {
         self.ask_limited(command).map(|(applied, _)| applied)
     }
 
-    /// Sends a command like [`Self::ask`]. Returns its result, and the limit that reduced it.
+    /// Sends a command like [`Self::ask`]. Returns its result, and the limit that reduced it, if any.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -198,7 +215,8 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Receives messages, waiting up to `wait`, and sends what is due: heartbeats, and commands without an answer.
+    /// Receives messages for at most `wait`. Before it, sends what is due: a heartbeat, or a command that is not
+    /// answered yet.
     ///
     /// # Errors
     /// [`ClientError::Line`], [`ClientError::NoAnswer`]; [`ClientError::Deaf`] if no valid message arrived for too
@@ -219,7 +237,7 @@ impl<L: Line> Board<L> {
         self.watch()
     }
 
-    /// Sends a heartbeat, with the number of the last received telemetry if the controller supports it.
+    /// Sends a heartbeat. It contains the number of the newest telemetry frame if the controller supports this.
     fn beat(&mut self) -> Result<(), ClientError> {
         self.beat_due = self.line.now() + BEAT_EVERY;
         let heard = self.log.heard().filter(|_| self.acknowledges());
@@ -231,8 +249,8 @@ impl<L: Line> Board<L> {
         self.version().minor >= ACKNOWLEDGED_SINCE
     }
 
-    /// Ends the session of a host that receives nothing: sends `Stop`, then nothing more. The board then moves its
-    /// rig to the rest pose, or holds, and lowers it on its own.
+    /// Ends the session if telemetry is on and nothing was received for too long: sends `Stop`, and then nothing more
+    /// except an emergency stop. The board then moves its rig to the rest pose, or holds, and lowers it on its own.
     fn watch(&mut self) -> Result<(), ClientError> {
         let told_hz = if self.is_driven && self.acknowledges() {
             self.telemetry_hz.max(TELEMETRY_LEAST_HZ)
@@ -256,7 +274,7 @@ impl<L: Line> Board<L> {
         Err(ClientError::Deaf(self.silence))
     }
 
-    /// Receives messages for a time.
+    /// Receives messages for a time, like [`Self::step`].
     ///
     /// # Errors
     /// As in [`Self::step`].
@@ -268,10 +286,10 @@ impl<L: Line> Board<L> {
         Ok(())
     }
 
-    /// Sends an item of the stream, once.
+    /// Sends an item of the stream once; it has no answer.
     ///
     /// # Errors
-    /// [`ClientError::Line`], [`ClientError::Deaf`].
+    /// [`ClientError::Line`], [`ClientError::Deaf`]; [`ClientError::Refused`] if a number is not finite.
     pub fn stream(&mut self, stream: Stream) -> Result<(), ClientError> {
         if self.is_deaf {
             return Err(ClientError::Deaf(self.silence));
@@ -280,7 +298,7 @@ impl<L: Line> Board<L> {
         self.send(&ToController::Stream(numbered))
     }
 
-    /// Requests telemetry. Returns the setting that the controller uses.
+    /// Requests telemetry. Returns the rate and the parts that the controller sends.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -298,15 +316,15 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the state from the newest telemetry.
+    /// Returns the state from the newest summary; `None` before the first.
     pub fn state(&self) -> Option<State> {
         self.log.summary.map(|summary| summary.state)
     }
 
-    /// Returns the state from a summary that is newer than this call: telemetry must be on.
+    /// Waits for a summary that is newer than this call, and returns its state. Telemetry must be on.
     ///
     /// # Errors
-    /// As in [`Self::step`]; [`ClientError::Impatient`] if no summary arrives.
+    /// As in [`Self::step`]; [`ClientError::Impatient`] if no summary arrives within `patience`.
     pub fn fresh_state(&mut self, patience: Duration) -> Result<State, ClientError> {
         let (before, end) = (self.log.summaries, self.line.now() + patience);
         while self.line.now() < end {
@@ -320,7 +338,9 @@ impl<L: Line> Board<L> {
         Err(ClientError::Impatient("the controller sends no telemetry".to_owned()))
     }
 
-    /// Reads the log of faults: the first since they were cleared, then from the latest back.
+    /// Reads the log of faults: the first fault since faults were cleared, then the stored faults from the latest to
+    /// the earliest, then the last warning. If no fault has occurred since then, the log contains only the warning, if
+    /// there is one.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -347,7 +367,7 @@ impl<L: Line> Board<L> {
         number(&self.ask(Command::ReadSetting { key })?)
     }
 
-    /// Writes a setting. Returns the board's new value. The board restarts with it: see [`Self::reconnect`].
+    /// Writes a setting. Returns the value that the board has stored. The board then restarts: see [`Self::reconnect`].
     ///
     /// # Errors
     /// As in [`Self::ask`].

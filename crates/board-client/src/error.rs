@@ -11,7 +11,7 @@ use sinew_servo_tools::{Protocol, ServiceError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClientError {
-    /// The port cannot be opened.
+    /// The port cannot be opened, or another program uses it.
     #[error(transparent)]
     Port(#[from] ServiceError),
     /// The line has failed.
@@ -20,7 +20,7 @@ pub enum ClientError {
          after 2 s it is lowered, and torque is switched off"
     )]
     Line(io::Error),
-    /// Nothing answers a greeting.
+    /// Nothing answers the greetings.
     #[error(
         "no controller answers. Is the board powered and flashed (`sinew board flash`)? To try without hardware, use \
          `sinew board simulate`"
@@ -41,10 +41,10 @@ pub enum ClientError {
         /// Baud rate, bit/s.
         baud: u32,
     },
-    /// No port was given, and none has a controller.
+    /// None of the tried ports has a controller.
     #[error("no controller was found at {0}")]
     NoneFound(String),
-    /// No port was given, and several have a controller.
+    /// Several of the tried ports have a controller.
     #[error("several controllers were found: {0}")]
     Several(String),
     /// The controller refuses a session.
@@ -53,10 +53,10 @@ pub enum ClientError {
     /// The controller refused a command.
     #[error("the controller refused: {0}")]
     Refused(Refusal),
-    /// No answer arrived.
+    /// No answer to this command arrived.
     #[error("the controller has not answered {0:?}: is the cable bad?")]
     NoAnswer(Box<Command>),
-    /// No valid message arrived for this time.
+    /// No valid message arrived for this time, so the rig was stopped.
     #[error(
         "no valid message has arrived from the board for {} s: is the wire from the board broken? The board was asked \
          to stop, and this program sends nothing more: the rig goes to its rest pose or holds; 2 s later it is \
@@ -84,7 +84,7 @@ pub enum ClientError {
     /// The approver's name is invalid.
     #[error("`{0}`: the name of the approver must have 1 to 60 bytes, without control characters")]
     Approver(String),
-    /// An operation took too long.
+    /// An operation took too long, or was not possible.
     #[error("{0}")]
     Impatient(String),
 }

@@ -1,22 +1,22 @@
-//! A motion of all joints to a pose: home, or a moment of a show.
+//! A journey: a motion of all joints to a pose, such as the home pose or a pose of a show.
 
 use std::time::Duration;
 
-/// Time after the motion in which the board, which follows late and slowly, arrives; and the time without news of the
-/// pose that it commands.
+/// Longest time that the board, which follows with a delay, may need after the planned end of the motion. The second
+/// constant is for a board that does not send the pose that it commands.
 const ARRIVE: Duration = Duration::from_secs(20);
 const ARRIVE_BLIND: Duration = Duration::from_secs(3);
-/// Distance at which a pose is reached, rad or m.
+/// Largest distance of each coordinate from its goal at which a pose counts as reached, rad or m.
 const THERE: f32 = 2e-3;
-/// Peak speed of the profile in its mean speed.
+/// Ratio of the profile's peak speed to its mean speed.
 const PEAK: f32 = 1.5;
 
-/// A motion from a pose to another, with a smooth start and end.
+/// A motion from one pose to another, with a smooth start and end.
 #[derive(Debug, Clone)]
 pub struct Journey {
     from: Vec<f32>,
     to: Vec<f32>,
-    /// Ball joints: the index of their quaternion.
+    /// For each ball joint: the index of the first coordinate of its quaternion.
     balls: Vec<usize>,
     begun: Duration,
     takes: Duration,
@@ -39,7 +39,7 @@ impl Journey {
         let mut most = 0.0_f32;
         for ball in &balls {
             let dot: f32 = (*ball..ball + 4).map(|k| from[k] * to[k]).sum();
-            // Both signs are the same rotation: the nearer is taken.
+            // Both signs are the same rotation: the nearer one is used.
             if dot < 0.0 {
                 to[*ball..ball + 4].iter_mut().for_each(|x| *x = -*x);
             }
@@ -60,7 +60,7 @@ impl Journey {
         Self { takes: self.takes.max(least), ..self }
     }
 
-    /// Returns the pose at a time.
+    /// Returns the planned pose at a time.
     pub fn at(&self, now: Duration) -> Vec<f32> {
         let s = now.saturating_sub(self.begun).div_duration_f32(self.takes).min(1.0);
         let part = s * s * (3.0 - 2.0 * s);
@@ -76,7 +76,8 @@ impl Journey {
         q
     }
 
-    /// Returns whether the board has arrived, by the pose that it commands.
+    /// Returns whether the motion is over: its time has passed, and the pose that the board commands has arrived, or
+    /// the board had enough time to arrive.
     pub fn is_over(&self, commanded: Option<&[f32]>, now: Duration) -> bool {
         let Some(after) = now.checked_sub(self.begun + self.takes) else { return false };
         let Some(commanded) = commanded else { return after >= ARRIVE_BLIND };

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use serial2::SerialPort;
 use sinew_servo_tools::{ServiceError, open_alone};
 
-/// A line to a controller, with a clock: the machine's, or an emulator's own.
+/// A line to a controller, with a clock: that of the machine, or that of an emulator.
 pub trait Line {
     /// Sends all bytes.
     ///
@@ -16,7 +16,7 @@ pub trait Line {
     /// An I/O error if the line has failed.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Receives bytes, at once or after up to `wait`. Returns the number of bytes, 0 if none arrived.
+    /// Receives bytes. If there are none, waits for at most `wait`. Returns the number of bytes, 0 if none arrived.
     ///
     /// # Errors
     /// An I/O error if the line has failed.
@@ -40,7 +40,7 @@ impl<L: Line + ?Sized> Line for Box<L> {
     }
 }
 
-/// A serial port for the exclusive use of this program.
+/// A serial port that only this program uses.
 #[derive(Debug)]
 pub struct SerialBoard {
     port: SerialPort,
@@ -50,7 +50,7 @@ pub struct SerialBoard {
 }
 
 impl SerialBoard {
-    /// Opens a port, 8N1, at a rate in bit/s.
+    /// Opens a port at a rate in bit/s, with 8 data bits, no parity and 1 stop bit.
     ///
     /// # Errors
     /// [`ServiceError::Port`] with the problem of the port and its remedy.

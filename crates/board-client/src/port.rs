@@ -7,23 +7,36 @@ use sinew_servo_tools::{Client, Protocol, SerialLine, ServiceError, Settings, an
 
 use crate::{Board, ClientError, SerialBoard, nonce};
 
-/// Baud rates of boards, bit/s, in the order of trying. USB and pseudo-terminals have no rate.
+/// Baud rates of boards, bit/s, in the order in which they are tried. USB ports and pseudo-terminals ignore the rate.
 pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 
-/// Time for a controller to answer, at each rate. After another program has left, the controller first lowers its
-/// rig.
+/// Time for a controller to answer, at each rate.
 const PATIENCE: Duration = Duration::from_millis(1500);
-/// Time for a controller to answer on a port where servos are expected.
+/// Time in which a controller lowers the rig of a program that has ended: 2 s until the link is lost, and 18 s of
+/// lowering, both by default. The port is locked, so no other program of this machine drives the rig.
+pub const TAKE_OVER: Duration = Duration::from_secs(30);
+/// Time for a controller to answer on a port that probably has servos.
 const GLANCE: Duration = Duration::from_millis(400);
-/// Time for any servo to answer.
+/// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
-/// Opens a port, and a session with its controller.
+/// Opens a port, and a session with its controller. If the rig is not limp yet after the end of the program that drove
+/// it, calls `waits`, and waits until the controller has lowered the rig.
 ///
 /// # Errors
 /// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
 /// answer there; [`ClientError::NoController`], [`ClientError::Misfit`].
-pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
+pub fn open(path: &Path, waits: &dyn Fn()) -> Result<Board<SerialBoard>, ClientError> {
+    let (board, is_busy) = open_any(path)?;
+    take_over(board, is_busy, waits)
+}
+
+/// Opens a port like [`open`], without waiting. Returns the board, and whether its rig still belongs to another
+/// program: see [`Board::connect_any`].
+///
+/// # Errors
+/// As in [`open`].
+pub fn open_any(path: &Path) -> Result<(Board<SerialBoard>, bool), ClientError> {
     match greet(path, PATIENCE) {
         Err(ClientError::NoController) => match servos(path)? {
             Some((protocol, baud)) => {
@@ -35,12 +48,16 @@ pub fn open(path: &Path) -> Result<Board<SerialBoard>, ClientError> {
     }
 }
 
-/// Opens the only port with a controller among the candidates: `None` stands for all USB ports.
+/// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
+/// ports.
 ///
 /// # Errors
-/// [`ClientError::NoneFound`] with the ports that were tried, [`ClientError::Several`] with the ports that were
-/// found; others as in [`open`].
-pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
+/// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
+pub fn find(
+    candidates: Option<&[PathBuf]>,
+    waits: &dyn Fn(),
+) -> Result<(PathBuf, Board<SerialBoard>), ClientError> {
     let of_usb;
     let candidates = if let Some(candidates) = candidates {
         candidates
@@ -52,7 +69,7 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
     let mut not = Vec::new();
     for path in candidates {
         match greet(path, PATIENCE) {
-            Ok(board) => found.push((path.clone(), board)),
+            Ok(greeted) => found.push((path.clone(), greeted)),
             Err(ClientError::Port(ServiceError::Port { what, .. })) => {
                 not.push(format!("{} ({what})", path.display()));
             }
@@ -70,19 +87,33 @@ pub fn find(candidates: Option<&[PathBuf]>) -> Result<(PathBuf, Board<SerialBoar
         [] => "any USB port: there is none".to_owned(),
         not => not.join(", "),
     };
-    found.pop().ok_or_else(|| ClientError::NoneFound(none()))
+    let (path, (board, is_busy)) = found.pop().ok_or_else(|| ClientError::NoneFound(none()))?;
+    Ok((path, take_over(board, is_busy, waits)?))
 }
 
-/// Returns `true` if a controller answers at a port: for programs that look for servos.
+fn take_over(
+    mut board: Board<SerialBoard>,
+    is_busy: bool,
+    waits: &dyn Fn(),
+) -> Result<Board<SerialBoard>, ClientError> {
+    if is_busy {
+        waits();
+        board.reconnect(TAKE_OVER)?;
+    }
+    Ok(board)
+}
+
+/// Returns `true` if a controller answers at a port, also one that refuses a session. Programs that look for servos
+/// then leave this port out.
 pub fn has_controller(path: &Path) -> bool {
     matches!(greet(path, GLANCE), Ok(_) | Err(ClientError::Misfit(_)))
 }
 
-fn greet(path: &Path, patience: Duration) -> Result<Board<SerialBoard>, ClientError> {
+fn greet(path: &Path, patience: Duration) -> Result<(Board<SerialBoard>, bool), ClientError> {
     let mut greeted = Err(ClientError::NoController);
     for baud in BAUDS {
         let line = SerialBoard::open(path, baud)?;
-        greeted = Board::connect(line, nonce(), patience);
+        greeted = Board::connect_any(line, nonce(), patience);
         if !matches!(greeted, Err(ClientError::NoController)) {
             break;
         }
@@ -90,7 +121,7 @@ fn greet(path: &Path, patience: Duration) -> Result<Board<SerialBoard>, ClientEr
     greeted
 }
 
-/// Returns the protocol and rate of the servos at a port, if any answer.
+/// Returns the protocol and the baud rate of the servos at a port; `None` if none answers.
 fn servos(path: &Path) -> Result<Option<(Protocol, u32)>, ClientError> {
     let settings = Settings { patience: SERVO_PATIENCE, tries: 1 };
     let line = SerialLine::open(path)?;

@@ -1,4 +1,4 @@
-//! A controller as a line to its servos: it passes packets on while its rig is limp.
+//! A controller as a line to its servos: it passes packets on while torque is off.
 
 use std::io;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use sinew_servo_tools::Exchange;
 
 use crate::{Board, ClientError, Line};
 
-/// Minor version that has these messages.
+/// First minor version of the host link that has these messages.
 const SINCE: u8 = 1;
 
 /// A bus line of a controller's servos.
@@ -23,7 +23,7 @@ pub struct BoardServos<L> {
 }
 
 impl<L: Line> BoardServos<L> {
-    /// Creates access to a bus line, at its own rate. `line`: index, 0 for the first.
+    /// Creates access to a bus line, first at the line's own rate. `line`: index, 0 for the first.
     ///
     /// # Errors
     /// [`ClientError::Old`] if the firmware does not pass packets on.
@@ -42,13 +42,13 @@ impl<L: Line> BoardServos<L> {
         self.board
     }
 
-    /// Returns the time from the first sent to the last received byte of the last exchange, by the controller's
-    /// clock; zero if none was received.
+    /// Returns the duration of the last exchange by the controller's clock, from the first sent to the last received
+    /// byte; zero if no byte was received.
     pub fn took(&self) -> Duration {
         self.took
     }
 
-    /// Returns the line to its own rate.
+    /// Switches the bus line back to its own rate.
     pub fn own_rate(&mut self) {
         self.baud = 0;
     }
@@ -80,7 +80,8 @@ impl<L: Line> BoardServos<L> {
 }
 
 impl<L: Line> Exchange for BoardServos<L> {
-    /// Passes bytes on. The controller listens for at most 20 ms after the last sent byte: later bytes are lost.
+    /// Passes bytes on and receives the answer. The controller listens for at most 20 ms after the last sent byte;
+    /// later bytes are lost.
     fn exchange(
         &mut self,
         bytes: &[u8],

@@ -7,26 +7,27 @@ use sinew_link::message::{Dof, FaultRecord, Servo, SnapshotPart, Summary, TARGET
 pub struct TimedPose {
     /// Tick of the controller.
     pub tick: u32,
-    /// Coordinates of the rig; fewer if some frames did not arrive.
+    /// Coordinates of the rig; fewer if a frame did not arrive.
     pub q: Vec<f32>,
 }
 
-/// Received telemetry, assembled from its frames, and received faults.
+/// Received telemetry, assembled from frames, and received faults.
 #[derive(Debug, Clone, Default)]
 pub struct TelemetryLog {
-    /// Tick of the last frame.
+    /// Tick of the newest frame.
     pub tick: u32,
-    /// Newest summary.
+    /// Newest summary; `None` before the first one.
     pub summary: Option<Summary>,
-    /// Newest pose: the rig's coordinates.
+    /// Newest measured pose: the rig's coordinates.
     pub q: Vec<f32>,
-    /// All poses since this field was set, for recording; `None` disables it.
+    /// All poses that have arrived since this field was set to a list; with `None` poses are not recorded.
     pub poses: Option<Vec<TimedPose>>,
     /// Newest data of dofs.
     pub dofs: Vec<Dof>,
     /// Newest data of servos.
     pub servos: Vec<Servo>,
-    /// Newest commanded minus measured positions of dofs, rad or m; valid while the summary has errors.
+    /// For each dof, the newest commanded position minus the measured position, rad or m. Valid only if the summary has
+    /// `errors`.
     pub targets: Vec<f32>,
     /// Number of received summaries.
     pub summaries: u32,
@@ -38,12 +39,12 @@ pub struct TelemetryLog {
 }
 
 impl TelemetryLog {
-    /// Returns the number of the newest frame.
+    /// Returns the number of the newest frame; `None` before the first.
     pub(crate) fn heard(&self) -> Option<u16> {
         self.next.map(|next| next.wrapping_sub(1))
     }
 
-    /// Stores a frame: its content replaces the older content.
+    /// Stores the content of a frame in place of the older content.
     pub(crate) fn take(&mut self, Telemetry { seq, tick, part }: Telemetry) {
         if let Some(next) = self.next {
             self.lost += u32::from(seq.wrapping_sub(next));
@@ -71,7 +72,8 @@ impl TelemetryLog {
     }
 }
 
-/// Appends numbers of a tick's pose from `first` on. Numbers after a lost frame are dropped.
+/// Appends coordinates of a tick's pose; `first` is the index of the first. Drops them if an earlier frame of the tick
+/// is lost.
 fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
     if first == 0 {
         poses.push(TimedPose { tick, q: q.to_vec() });
@@ -82,7 +84,7 @@ fn keep(poses: &mut Vec<TimedPose>, tick: u32, first: u8, q: &[f32]) {
     }
 }
 
-/// Replaces items of a list from `first` on, and keeps the items after them.
+/// Replaces the items of a list from index `first` on. The items after the new ones stay.
 fn put<T: Clone>(list: &mut Vec<T>, first: u8, items: &[T]) {
     let first = usize::from(first);
     // After a lost part, the older items stay in their places.

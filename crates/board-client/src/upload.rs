@@ -7,13 +7,14 @@ use sinew_link::message::{Applied, BLOCK_MAX, Block, Command, Item, Kind, Locati
 
 use crate::{Board, ClientError, Line};
 
-/// Maximum time of a board's restart, unless it is slow to erase flash.
+/// Maximum wait for a board to answer after its restart. A board that is slow to erase flash may exceed this time.
 const RESTART: Duration = Duration::from_secs(10);
 
-/// Returns the item that describes a content. `rig`: the CRC of the rig that the content belongs to, 0 for any rig.
+/// Returns the description of a content, for storage on a board. `rig`: CRC of the rig to which the content belongs, 0
+/// for any rig.
 ///
 /// # Errors
-/// [`ClientError::Approver`] if the name is invalid.
+/// [`ClientError::Approver`] if the approver's name is empty, too long, or has control characters.
 pub fn item(
     kind: Kind,
     schema: u16,
@@ -34,9 +35,8 @@ pub fn item(
 }
 
 impl<L: Line> Board<L> {
-    /// Uploads a content block by block, continuing the same upload if it was interrupted. `progress` receives the
-    /// number of stored bytes. After a rig or settings the board restarts, and this function returns in a new
-    /// session.
+    /// Uploads a content block by block. Continues an interrupted upload of the same content. `progress` receives the
+    /// number of stored bytes. After a rig or settings the board restarts, and this function returns in a new session.
     ///
     /// # Errors
     /// [`ClientError::Refused`] with the board's reason; others as in [`Self::ask`].
@@ -59,8 +59,8 @@ impl<L: Line> Board<L> {
         if is_there { Ok(()) } else { Err(ClientError::Refused(Refusal::Memory)) }
     }
 
-    /// Sends a command of an upload, first `BeginUpload`. Returns the next command, or `None` after the last. For
-    /// callers that do other things between two blocks.
+    /// Sends a command of an upload; the first is `BeginUpload`. Returns the next command, or `None` after the last.
+    /// Callers can do other things between two blocks.
     ///
     /// # Errors
     /// As in [`Self::upload`].
@@ -92,7 +92,7 @@ impl<L: Line> Board<L> {
         }))
     }
 
-    /// Returns the item that is stored at a location.
+    /// Returns the item that is stored at a location, or `None` if there is none.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -103,7 +103,7 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Returns the item in each slot for shows.
+    /// Returns the item in each slot for shows; `None` for an empty slot.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -113,7 +113,7 @@ impl<L: Line> Board<L> {
             .collect()
     }
 
-    /// Returns the slot of a show with this content for this rig.
+    /// Returns the first slot that has a show with this content for this rig, or `None` if no slot has it.
     ///
     /// # Errors
     /// As in [`Self::ask`].
@@ -126,7 +126,7 @@ impl<L: Line> Board<L> {
     }
 }
 
-/// Returns `true` if the item takes effect by a restart: rig and settings.
+/// Returns `true` if the board restarts to use the item: a rig or settings.
 fn restarts(kind: Kind) -> bool {
     matches!(kind, Kind::Rig | Kind::Settings)
 }

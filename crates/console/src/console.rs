@@ -1,47 +1,59 @@
-//! The console as a program uses it: open the port, print the address, run the hub.
+//! The console as a program uses it: it opens the port for pages, returns the page's addresses, and runs the hub.
 
 use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
 
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_performance::play::Recorder;
 
-use crate::hub::{Ended, Hub, OwnShow};
+use crate::hub::{Ended, Hub, OwnShow, Owner};
 use crate::local::{Door, Reply, Request};
+use crate::replay::{Player, Replay};
 use crate::scene::Scene;
 use crate::server::{Shared, ToHub, Token, accept, listen};
 
-/// Messages that wait for the hub. Then the pages wait.
+/// Maximum number of messages that wait for the hub. If more arrive, the threads of the pages wait.
 const WAITING: usize = 256;
 
-/// Choices of the user.
+/// Options of a console.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
-    /// Another address for pages; `None` for pages of this machine alone. A port of 0 is any free port.
+    /// Address at which pages of other machines are served, too; `None`: only pages of this machine. A port of 0 stands
+    /// for any free port.
     pub listen: Option<SocketAddr>,
-    /// Whether pages of other machines may drive. Otherwise they view, hold and stop.
+    /// Whether pages of other machines may drive. Otherwise they may only watch, hold and stop.
     pub allow_drive: bool,
-    /// Whether a show goes on while nobody is at the wheel.
+    /// Whether a show goes on while no page drives, or the driving page is silent.
     pub unattended: bool,
 }
 
-/// Executes a single command on a board that has no console: a motion arms the rig, and stops it afterwards.
+/// Executes a single command on a board that has no hub: a motion arms the rig, and stops it afterwards. Other
+/// terminals, which know the board by `name`, may stop the rig meanwhile.
 ///
 /// # Errors
 /// [`ClientError`] if the board does not answer.
 pub fn execute<L: Line>(
     board: &mut Board<L>,
     scene: &Scene,
-    request: &Request,
+    (name, request): (&str, &Request),
     stops: &dyn Fn() -> u32,
 ) -> Result<Reply, ClientError> {
-    Hub::new(board, scene, false).execute(request, stops)
+    let (requests, inbox) = sync_channel(WAITING);
+    let _door = open_door(name, requests)?;
+    let owner = Owner::Drives("board");
+    Hub::new(board, scene, (owner, false), inbox).execute(request, stops)
 }
 
-/// An open console. Pages may come, and wait for the hub.
+fn open_door(name: &str, hub: SyncSender<ToHub>) -> Result<Door, ClientError> {
+    Door::open(name, hub)
+        .map_err(|error| ClientError::Impatient(format!("the socket for other commands: {error}")))
+}
+
+/// An open console: pages can connect, and then wait for the hub.
 #[derive(Debug)]
 pub struct Console {
     shared: Arc<Shared>,
@@ -52,10 +64,10 @@ pub struct Console {
 }
 
 impl Console {
-    /// Opens the port for pages, and makes a new token.
+    /// Opens the port for pages, and creates a new token.
     ///
     /// # Errors
-    /// An I/O error if the address is not free, or the system has no random numbers.
+    /// An I/O error if the address cannot be used, or the system gives no random numbers.
     pub fn open(options: Options) -> io::Result<Self> {
         let listeners = listen(options.listen)?;
         let addresses = listeners.iter().map(TcpListener::local_addr).collect::<io::Result<_>>()?;
@@ -64,7 +76,7 @@ impl Console {
         Ok(Self { shared: Arc::new(shared), inbox, options, addresses, listeners })
     }
 
-    /// Returns the addresses for a browser, with the token; the first is for this machine.
+    /// Returns the addresses of the page for a browser, each with the token. The first is for this machine.
     pub fn addresses(&self) -> Vec<String> {
         let token = self.shared.token.text();
         let of = |address: &SocketAddr| match (address.ip().is_unspecified(), address.port()) {
@@ -74,9 +86,25 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
+    /// Shows a recording to pages until `stops` counts a signal to end. `name`: name of the recording.
+    ///
+    /// # Errors
+    /// [`ClientError::Line`] if the system has no threads.
+    pub fn replay(
+        self,
+        replay: &Replay,
+        (scene, name): (&Scene, &str),
+        stops: &dyn Fn() -> u32,
+    ) -> Result<(), ClientError> {
+        let (served, inbox, _) = self.serve()?;
+        Player::new(replay, scene, name).run(&inbox, stops);
+        drop(served);
+        Ok(())
+    }
+
     /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
     /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
-    /// the hub ends at once.
+    /// the hub ends at once. `record`: a recording of the session, with [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.
@@ -84,27 +112,48 @@ impl Console {
         self,
         board: &mut Board<L>,
         scene: &Scene,
-        (name, shows): (&str, Vec<OwnShow>),
+        (name, shows, record): (&str, Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
-        let Self { shared, inbox, options, addresses, listeners } = self;
+        shows
+            .iter()
+            .filter_map(|show| show.sound.as_ref())
+            .for_each(|own| self.shared.sounds.add(own));
         let slot = usize::try_from(board.about().capacities.slot_bytes).unwrap_or(usize::MAX);
-        shared.show_bytes.store(slot, Ordering::Relaxed);
+        self.shared.show_bytes.store(slot, Ordering::Relaxed);
+        let (served, inbox, options) = self.serve()?;
+        let door = open_door(name, served.shared.hub.clone())?;
+        let owner = (Owner::Console, options.unattended);
+        let ended = Hub::new(board, scene, owner, inbox).run((shows, record), stops);
+        drop((door, served));
+        ended
+    }
+
+    /// Lets pages in until the first value is dropped.
+    fn serve(self) -> Result<(Served, Receiver<ToHub>, Options), ClientError> {
+        let Self { shared, inbox, options, addresses, listeners } = self;
+        let served = Served { shared, addresses };
         for listener in listeners {
-            let shared = Arc::clone(&shared);
+            let shared = Arc::clone(&served.shared);
             let builder = thread::Builder::new().name("pages".to_owned());
             builder.spawn(move || accept(&listener, &shared)).map_err(ClientError::Line)?;
         }
-        let door = Door::open(name, shared.hub.clone()).map_err(|error| {
-            ClientError::Impatient(format!("the socket for other commands: {error}"))
-        })?;
-        let ended = Hub::new(board, scene, options.unattended).run(shows, &inbox, stops);
-        drop(door);
-        shared.is_over.store(true, Ordering::Relaxed);
+        Ok((served, inbox, options))
+    }
+}
+
+/// A server that lets pages in until it is dropped.
+struct Served {
+    shared: Arc<Shared>,
+    addresses: Vec<SocketAddr>,
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.shared.is_over.store(true, Ordering::Relaxed);
         // A connection wakes each listener, which then sees that the server is over.
-        for address in addresses {
+        for address in &self.addresses {
             let _ = TcpStream::connect(address);
         }
-        ended
     }
 }

@@ -1,12 +1,12 @@
-//! The state of the rig as numbers: a binary message, little-endian, at most 30 times a second.
+//! A frame: the state of the rig as numbers, in a binary message, little-endian, for each snapshot of the board.
 
 use sinew_link::message::{Dof, Servo};
 
-/// Version of the layout: its first byte.
+/// Version of the layout; the first byte of a frame.
 const LAYOUT: u8 = 1;
-/// Number for "none" in a byte.
+/// Value of a byte if there is no fault, or no limiter.
 const NONE: u8 = 255;
-/// Temperature that is not known, °C.
+/// Value of a temperature that is not known.
 const NO_TEMPERATURE: i8 = -128;
 
 /// Flag: the rig follows a slider.
@@ -15,10 +15,10 @@ pub(crate) const JOGS: u8 = 1;
 pub(crate) const PLAYS: u8 = 2;
 /// Flag: the board does not answer.
 pub(crate) const LOST: u8 = 4;
-/// Flag: there is a ghost.
+/// Flag: the frame contains the pose of the ghost.
 pub(crate) const GHOST: u8 = 8;
 
-/// A frame, before it is written.
+/// Content of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame<'a> {
     pub(crate) state: u8,
@@ -38,7 +38,8 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// Returns the bytes of the frame. A number that the board has not sent is NaN, or its sign for "none".
+    /// Returns the bytes of the frame. Numbers that the board has not sent are NaN; of a servo, the temperature is -128
+    /// and the other numbers are 0. A byte without a fault or a limiter is 255.
     pub(crate) fn bytes(&self) -> Vec<u8> {
         let [n, d, s] = self.counts;
         let ghost = self.ghost.filter(|ghost| ghost.len() == n);

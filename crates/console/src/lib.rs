@@ -9,15 +9,17 @@
 //! - [`Console::open`] opens the page's port and makes the token of the address. [`Console::run`] is the hub: it
 //!   owns the session with the board until the program is told to end.
 //! - [`Scene`] describes the rig for the page.
+//! - [`Hosted`] is the hub of a command without pages, such as `sinew play`: other terminals watch and stop its rig.
 //!
 //! The rules of safety are in `server` (who is let in), `hub/wheel` (who drives) and `hub/jog` (motions that end
 //! with their page).
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
-//! - `message`: what page and hub say to each other as text; `frame`: the state of the rig as numbers.
-//! - `hub/`: the loop, commands, sliders, shows, uploads.
-//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket.
+//! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
+//! - `hub/`: the loop, commands, sliders, shows, uploads, hubs of other commands.
+//! - `replay/`: a recording in place of a board. `sounds`: sounds of shows, which pages play.
+//! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
 
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -28,9 +30,13 @@ mod hub;
 pub mod local;
 mod message;
 mod page;
+mod replay;
 mod scene;
 mod server;
+mod sounds;
 
 pub use console::{Console, Options, execute};
-pub use hub::{Ended, OwnShow};
+pub use hub::{Ended, Hosted, OwnShow, Owner, RECORD_HZ};
+pub use replay::{Replay, ReplayError};
 pub use scene::{Scene, Source};
+pub use sounds::OwnSound;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A message of a page, with the number under which it wants an answer.
+/// A message of a page. The answer to it has the number `id`; without a number there is no answer.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub(crate) struct FromPage {
     pub(crate) id: Option<u64>,
@@ -10,23 +10,24 @@ pub(crate) struct FromPage {
     pub(crate) command: PageCommand,
 }
 
-/// A command of a page. Hold, stop and e-stop are for all pages, the rest is for the page at the wheel.
+/// A command of a page. Every page may hold, stop, e-stop, and ask for the wheel; the other commands are for the page
+/// that has the wheel.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(crate) enum PageCommand {
-    /// The page's proof that it knows the token: its first message.
+    /// The first message of a page: it shows that the page has the token.
     Hello {
         token: String,
     },
-    /// The page lives.
+    /// The page is still open. `t` is returned.
     Ping {
         t: f64,
     },
     /// The rig holds where it is.
     Hold,
-    /// The rig goes to its rest pose, is lowered, then limp.
+    /// The rig goes to its rest pose and is lowered; then torque is off.
     Stop,
-    /// Torque off at once.
+    /// Torque goes off at once.
     EStop,
     /// The page takes the wheel, or gives it back.
     Wheel {
@@ -43,22 +44,22 @@ pub(crate) enum PageCommand {
         #[serde(default, rename = "loop")]
         is_loop: bool,
     },
-    /// A moment of the show as a ghost; `None` takes the ghost away.
+    /// Shows the pose of the show at `t` s as a ghost; `None` removes the ghost.
     Seek {
         t: Option<f64>,
         slot: Option<u8>,
     },
-    /// The rig goes to the pose of a moment of the show.
+    /// The rig goes to the pose of the show at `t` s.
     Follow {
         t: f64,
         slot: Option<u8>,
     },
-    /// The goal of a slider, repeated while the slider is held.
+    /// The goal of a slider; the page repeats it while the slider is held.
     Jog {
         dof: usize,
         goal: f64,
     },
-    /// The slider was let go.
+    /// The slider was released.
     Release {
         #[serde(rename = "dof")]
         _dof: usize,
@@ -74,12 +75,35 @@ pub(crate) enum PageCommand {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub(crate) enum ToPage<'a> {
-    Shows { slots: &'a [Slot], loaded: Option<u8> },
-    Role { driver: bool, other: Option<&'static str> },
-    Event { t: f64, level: Level, text: &'a str, fault: Option<u8>, joint: Option<&'a str> },
-    Answer { id: u64, ok: bool, text: &'a str },
-    Progress { what: &'static str, done: f32 },
-    Pong { t: f64 },
+    Shows {
+        slots: &'a [Slot],
+        loaded: Option<u8>,
+    },
+    /// `asked`: another page asks this page for the wheel.
+    Role {
+        driver: bool,
+        other: Option<&'static str>,
+        asked: bool,
+    },
+    Event {
+        t: f64,
+        level: Level,
+        text: &'a str,
+        fault: Option<u8>,
+        joint: Option<&'a str>,
+    },
+    Answer {
+        id: u64,
+        ok: bool,
+        text: &'a str,
+    },
+    Progress {
+        what: &'static str,
+        done: f32,
+    },
+    Pong {
+        t: f64,
+    },
 }
 
 /// The importance of an event.
@@ -92,7 +116,7 @@ pub(crate) enum Level {
     Error,
 }
 
-/// A slot of the board with a show.
+/// A slot of the board that has a show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Slot {
     #[serde(rename = "slot")]
@@ -101,6 +125,19 @@ pub(crate) struct Slot {
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,
+    /// Sound of the show; `None` without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) sound: Option<SlotSound>,
+}
+
+/// The sound of a show.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct SlotSound {
+    /// Name under which the server has the file.
+    pub(crate) hash: String,
+    pub(crate) name: String,
+    /// Place in the sound at the start of the show, s.
+    pub(crate) offset_s: f64,
 }
 
 /// A cue of a show.
@@ -112,7 +149,7 @@ pub(crate) struct CueMark {
 }
 
 impl ToPage<'_> {
-    /// Returns the message as JSON.
+    /// Returns the message as JSON text.
     pub(crate) fn json(&self) -> String {
         // Numbers that are not finite become `null`.
         serde_json::to_string(self).unwrap_or_default()
@@ -143,7 +180,7 @@ mod tests {
         ] {
             assert!(read(bad).is_err(), "{bad}");
         }
-        let role = ToPage::Role { driver: true, other: None }.json();
-        assert_eq!(role, r#"{"type":"role","driver":true,"other":null}"#);
+        let role = ToPage::Role { driver: true, other: None, asked: false }.json();
+        assert_eq!(role, r#"{"type":"role","driver":true,"other":null,"asked":false}"#);
     }
 }

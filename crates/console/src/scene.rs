@@ -1,19 +1,19 @@
-//! The rig as the page draws and names it.
+//! The rig as the page draws it, with the names of its parts.
 
 use serde::Serialize;
-use sinew_board_client::{TelemetryLog, commanded_pose};
+use sinew_board_client::{TelemetryLog, pose};
 use sinew_firmware::supervisor::Fault;
 use sinew_link::message::{Limit, State};
 use sinew_performance::play::{Drive, RigParts};
 use sinew_report::rig::bodies;
 use sinew_rig::Mechanism;
-use sinew_rig::mechanism::{JointModel, Link};
+use sinew_rig::mechanism::{JointModel, Link, Ties};
 use sinew_rig::servo::Address;
 
-/// Range of a slider for a joint without a range: rad, and m.
+/// Range of a slider to both sides for a joint without a range: rad, and m.
 const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
 /// All limits, by number.
-const LIMITS: [Limit; 14] = [
+pub(crate) const LIMITS: [Limit; 14] = [
     Limit::Range,
     Limit::Speed,
     Limit::Acceleration,
@@ -30,7 +30,7 @@ const LIMITS: [Limit; 14] = [
     Limit::Link,
 ];
 
-/// Kind of the board at the other side of the hub.
+/// The kind of board that the hub uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
@@ -38,21 +38,25 @@ pub enum Source {
     Simulated,
     /// A board at a port.
     Board,
+    /// A recording: it has no commands.
+    Recording,
 }
 
-/// A rig, as the page needs it.
+/// A rig, in the form that the page needs.
 #[derive(Debug)]
 pub struct Scene {
-    /// Text that describes the rig: the message `head`, but for the rates.
+    /// The message `head`, which describes the rig, without the rate of the line.
     head: String,
     pub(crate) rig_crc: u32,
     pub(crate) dofs: Vec<SceneDof>,
-    /// Name of the dof of each servo.
+    /// For each servo, the name of the first dof that its drive moves.
     pub(crate) joints: Vec<Option<String>>,
     /// Home pose, as coordinates.
     pub(crate) home: Vec<f32>,
     /// Index of the first coordinate and number of coordinates of each joint.
     pub(crate) blocks: Vec<(usize, usize)>,
+    /// Joints that follow others.
+    ties: Ties,
 }
 
 /// A dof with its slider.
@@ -69,8 +73,10 @@ pub(crate) struct SceneDof {
     pub(crate) speed: Option<f32>,
     /// Maximum effort, N m or N; `None` without a limit.
     pub(crate) effort: Option<f32>,
-    /// Index in the pose; `None` for a ball joint.
+    /// Index of the coordinate in a pose; `None` for a ball joint.
     pub(crate) coordinate: Option<usize>,
+    /// Index of the dof that it follows; `None` if it follows no other.
+    pub(crate) leader: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -105,7 +111,7 @@ struct FaultText {
 }
 
 impl Scene {
-    /// Describes a rig. `rate_hz`: pictures per second that the hub asks of the board.
+    /// Describes a rig for the page.
     pub fn new(name: &str, mechanism: &Mechanism, parts: &RigParts, source: Source) -> Self {
         let dofs = dofs(mechanism, parts);
         let of_servo = |servo: usize| {
@@ -132,7 +138,7 @@ impl Scene {
             r#type: "head",
             rig: name,
             source,
-            commands: true,
+            commands: source != Source::Recording,
             bodies: bodies(mechanism),
             dofs: &dofs,
             servos: servos.collect(),
@@ -155,16 +161,50 @@ impl Scene {
                 .collect(),
             home: mechanism.home().into_iter().map(single).collect(),
             blocks: blocks.collect(),
+            ties: mechanism.ties(),
             dofs,
         }
     }
 
-    /// Returns the pose that the board commands, or `None` while torque is off.
-    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
-        commanded_pose(&self.blocks, self.dofs.len(), log)
+    /// Moves the followers of a pose to where their leaders put them.
+    pub(crate) fn follow(&self, q: &mut [f32]) {
+        for tie in self.ties.each() {
+            let [own, leader] = tie.places();
+            q[own] = single(tie.factor * f64::from(q[leader]) + tie.offset);
+        }
     }
 
-    /// Returns the message that describes the rig. `line_rate_hz`: pictures per second that the line carries.
+    /// Returns the factor of the fastest dof that follows a dof, without its sign; `None` if no other follows it.
+    pub(crate) fn leads(&self, dof: usize) -> Option<f32> {
+        let followers = self.ties.each().filter(|tie| tie.dofs()[1] == dof);
+        followers.map(|tie| single(tie.factor.abs())).reduce(f32::max)
+    }
+
+    /// Returns why a dof does not move by itself: it follows another one.
+    pub(crate) fn follows(&self, dof: &SceneDof) -> Option<String> {
+        let leader = self.dofs.get(dof.leader?)?;
+        Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
+    }
+
+    /// Describes no rig: for a hub without pages that moves nothing.
+    pub fn empty() -> Self {
+        Self {
+            head: String::new(),
+            rig_crc: 0,
+            dofs: Vec::new(),
+            joints: Vec::new(),
+            home: Vec::new(),
+            blocks: Vec::new(),
+            ties: Ties::default(),
+        }
+    }
+
+    /// Returns the pose that the board commands; `None` while torque is off.
+    pub(crate) fn commanded(&self, log: &TelemetryLog) -> Option<Vec<f32>> {
+        pose::commanded(&self.blocks, self.dofs.len(), log)
+    }
+
+    /// Returns the message that describes the rig. `line_rate_hz`: snapshots per second that the line can carry.
     pub(crate) fn head(&self, line_rate_hz: f32) -> String {
         let mut text = self.head.clone();
         text.pop();
@@ -193,7 +233,7 @@ fn single(number: f64) -> f32 {
 
 fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
     let (mut dofs, mut coordinate) = (Vec::new(), 0);
-    let of_board = parts.compact().dofs();
+    let (of_board, ties) = (parts.compact().dofs(), mechanism.ties());
     for (body, link) in mechanism.bodies.iter().enumerate() {
         let kind = link.joint.kind();
         let is_ball = kind.coordinate_count() != kind.dof_count();
@@ -213,6 +253,7 @@ fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
                 speed: Some(of_board[index].speed).filter(|speed| speed.is_finite()),
                 effort: Some(of_board[index].effort).filter(|effort| effort.is_finite()),
                 coordinate: (!is_ball).then_some(coordinate + axis),
+                leader: ties.of(body).map(|tie| tie.dofs()[1]),
             });
         }
         coordinate += kind.coordinate_count();
@@ -220,7 +261,7 @@ fn dofs(mechanism: &Mechanism, parts: &RigParts) -> Vec<SceneDof> {
     dofs
 }
 
-/// Returns the range of an axis. A ball joint has one for all directions.
+/// Returns the range of an axis; `None` without a finite range. All directions of a ball joint have the same range.
 fn range(link: &Link, axis: usize) -> Option<[f32; 2]> {
     let is_ball = link.joint == JointModel::Spherical;
     let [least, most] = *link.ranges.get(if is_ball { 0 } else { axis })?;

@@ -28,7 +28,7 @@ pub struct Disturbance {
     pub torque_limit_nm: f64,
     /// Maximum sum of the torques of all drives, except the root's, in N m.
     pub supply_nm: f64,
-    /// Latency of torques, in steps. Until the first torque arrives, the drives already apply that torque.
+    /// Latency of torques, in steps. Before the first torque has arrived, the drives already apply it.
     pub latency_steps: usize,
 }
 

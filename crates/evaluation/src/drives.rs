@@ -59,8 +59,8 @@ fn set_drive(drive: &mut Drive, wanted: &[Wrench], poses: &[Pose]) {
     }
 }
 
-/// A queue of torques on their way to the drives. Its length is the latency in steps. The torques are in body
-/// axes, since a motor keeps its torque while its body turns.
+/// A queue of torques that have not yet arrived at the drives. Its length is the latency in steps. The torques are in
+/// body axes, since a motor keeps its torque while its body turns.
 struct DelayLine {
     steps: usize,
     waiting: VecDeque<Vec<Wrench>>,

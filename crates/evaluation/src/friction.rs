@@ -10,7 +10,7 @@ use sinew_rig::mechanism::{JointModel, Link};
 use super::controller::narrow;
 use super::reference::{Performance, rotation_vector};
 
-/// The drives of a rig whose joints have friction.
+/// Feed-forward of friction, for the drives of a rig whose joints have friction.
 pub(super) struct FrictionFeed {
     /// Friction along every dof of each body's joint, and the maximum effort of its drive.
     joints: Vec<(Friction, f32)>,
@@ -19,7 +19,7 @@ pub(super) struct FrictionFeed {
 }
 
 impl FrictionFeed {
-    /// Creates the drives of a rig; `None` if no joint has friction.
+    /// Creates the feed-forward for a rig; `None` if no joint has friction.
     pub(super) fn new(links: &[Link], torque_limit_nm: f64) -> Option<Self> {
         let joint = |link: &Link| {
             // Clamped to stay finite in f32.

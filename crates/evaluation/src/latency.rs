@@ -68,7 +68,7 @@ impl LatencyProtocol {
     /// not depend on the number of threads. `progress` receives the number of completed cells from time to time.
     ///
     /// # Errors
-    /// [`Lost`] for an error that is not a loss of the figure: a motion that is too short, an invalid setting.
+    /// [`Lost`] if a run fails for another reason than a lost figure: a motion that is too short, an invalid setting.
     pub fn run<M: EvaluatedMotion>(
         &self,
         motions: &[(f64, Vec<M>)],
@@ -108,7 +108,7 @@ impl LatencyProtocol {
 /// prediction.
 ///
 /// # Errors
-/// [`Lost`] for an error that is not a loss of the figure: a clip that is too short, an invalid setting.
+/// [`Lost`] if a run fails for another reason than a lost figure: a clip that is too short, an invalid setting.
 pub fn find_largest_latency(
     motions: &[impl EvaluatedMotion],
     setup: &Setup,

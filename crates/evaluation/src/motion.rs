@@ -149,9 +149,9 @@ impl<T: EvaluatedMotion + ?Sized> EvaluatedMotion for Box<T> {
     }
 }
 
-/// Returns the number of steps of a run. It starts at frame 0, where the rig has no error, and ends at the last
-/// but one frame. A step needs the desired motion of three frames (second-order forward differences): the last
-/// step starts at the last but two frames.
+/// Returns the number of steps of a run. It starts at frame 0, where the rig has no error, and ends at the second frame
+/// from the end. A step needs the desired motion of three frames (second-order forward differences), so the last step
+/// starts at the third frame from the end.
 pub fn count_steps(motion: &dyn EvaluatedMotion, seconds: Option<f64>) -> usize {
     count_frames(motion, seconds).saturating_sub(2)
 }

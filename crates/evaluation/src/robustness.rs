@@ -98,7 +98,7 @@ impl RobustnessProtocol {
     /// of threads. `progress` receives the number of completed steps from time to time.
     ///
     /// # Errors
-    /// [`Lost`] for an error that is not a loss of the figure: a motion that is too short, an invalid setting.
+    /// [`Lost`] if a run fails for another reason than a lost figure: a motion that is too short, an invalid setting.
     pub fn run(
         &self,
         motions: &[impl EvaluatedMotion],

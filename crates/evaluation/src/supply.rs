@@ -26,8 +26,8 @@ pub(super) fn make_supply(
     })
 }
 
-/// Returns the squared displacement of the skin per missing newton metre at each joint: the joint's acceleration
-/// changes by `1 / I`, and the skin's by the lever times that.
+/// Returns `(lᵢ / Iᵢ)²` for each joint: the squared change of the skin's acceleration per missing newton metre. The
+/// joint's acceleration changes by `1 / I`, and the skin's acceleration by the lever times this.
 fn weights(tree: &Tree<CAPACITY>, levers_m: &[f64]) -> Vec<f32> {
     let inertias = reflected_inertia(tree, &JointStates::rest(tree), OuterJoints::Free);
     let weight = |(inertia, lever_m): (&ReflectedInertia, &f64)| {

@@ -8,8 +8,8 @@ use super::motion::EvaluatedMotion;
 use super::run::Run;
 use super::setup::Setup;
 
-/// Limit of the mean angular error of all bodies below which a figure counts as tracking, in degrees, provided
-/// that no run is lost. Above it, the figure flails.
+/// Limit of the mean angular error of all bodies, in degrees. A figure counts as tracking if the error is below the
+/// limit and no run is lost. Above the limit, the figure flails.
 pub const TRACKS_BELOW_DEG: f64 = 10.0;
 
 /// The errors of one setup over all clips, or the first clip whose run failed.

@@ -8,8 +8,8 @@
 //!   whose settings are data with a reason for each.
 //! - [`builtin`] makes the built-in clips: a synthetic fighter, generated from seeds and recorded with noise and gaps.
 //! - [`measured`] decides the size and the up axis of a clip or a character. No other module decides them.
-//! - [`pipeline`] prepares files: skip, fill gaps, find flips, low-pass at the recorded rate, resample, map to the
-//!   figure.
+//! - [`pipeline`] prepares files: skip, remove impossible samples, fill gaps, find flips, low-pass at the recorded
+//!   rate, resample, map to the figure.
 
 pub mod body;
 pub mod builtin;

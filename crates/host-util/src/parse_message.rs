@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-/// Names of types in serde's messages, and words for the author of a file.
+/// Names of types in serde's messages, each with the words that replace it for the author of a file.
 const PLAIN: [(&str, &str); 13] = [
     ("u8", "a whole number from 0 to 255"),
     ("u16", "a whole number from 0 to 65535"),

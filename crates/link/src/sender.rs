@@ -12,9 +12,9 @@ const RETRY_MS: u32 = 100;
 /// to any of its transmissions.
 const TRIES: u8 = 10;
 
-/// Maximum time of a command until its final answer, ms, even while the controller works on it. The longest work is
-/// to erase room for a show: an STM32F446 takes up to 4 s for a sector of 128 kB (data sheet, flash memory
-/// programming).
+/// Maximum time of a command until its final answer, ms, even while the controller works on it. The longest work is to
+/// erase room for a show: an STM32F446 that erases 8 bits at a time takes up to 4 s for a sector of 128 kB (data sheet,
+/// flash memory programming).
 const LONGEST_MS: u32 = 60_000;
 
 /// A sender that numbers the commands of a session. The caller supplies the time in ms, which may wrap to 0 after 2³².

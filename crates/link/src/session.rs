@@ -101,7 +101,8 @@ impl Session {
         }
     }
 
-    /// Returns the answer with the outcome of a command. The answer is kept for repetitions of the command.
+    /// Returns the answer with the outcome of a command. If the command is of this session, its answer is kept for
+    /// repetitions of the command.
     pub fn answer(&mut self, session: u16, seq: u16, outcome: Outcome) -> Answer {
         if session == self.id && self.nonce.is_some() {
             self.keep(seq, outcome.clone());

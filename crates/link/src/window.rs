@@ -1,6 +1,6 @@
 //! Tracks received numbers: loss, reordering, duplicates.
 
-/// Number of tracked values below the newest.
+/// Number of tracked values: the newest, and the 31 below it.
 const REMEMBERED: u16 = 32;
 
 /// A record of received numbers. The numbers rise by one and wrap from 65535 to 0.
@@ -31,11 +31,11 @@ pub enum Order {
 /// Counts of a [`Window`]. They stop at their maximum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WindowCounts {
-    /// Numbers newer than all before.
+    /// Numbers that were newer than all earlier arrivals.
     pub fresh: u32,
-    /// Numbers that have not arrived yet.
+    /// Numbers that were skipped, and have not arrived or arrived too late to classify.
     pub lost: u32,
-    /// Numbers that arrived after newer ones.
+    /// Numbers that arrived for the first time, after newer ones.
     pub late: u32,
     /// Numbers that arrived again.
     pub duplicates: u32,

@@ -26,8 +26,8 @@ pub struct LongBone {
     pub longest_m: f64,
 }
 
-/// Refuses a bone that is longer than `longest_m`. The root has no bone, and neither has a joint whose position
-/// varies with the frames, such as the pelvis below a root on the floor in some files. The recording must be in
+/// Refuses a bone that is longer than `longest_m`. The root has no bone, and neither has a joint whose position differs
+/// from its offset in some frame, such as the pelvis below a root on the floor in some files. The recording must be in
 /// metres.
 ///
 /// # Errors

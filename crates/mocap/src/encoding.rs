@@ -79,7 +79,7 @@ fn old(bytes: &[u8]) -> Cow<'_, str> {
     declared.unwrap_or(guess).decode_without_bom_handling(bytes).0
 }
 
-/// Returns the encoding that an XML declaration names.
+/// Returns the encoding that an XML declaration names; `None` if there is no declaration, or if the name is unknown.
 fn declared(bytes: &[u8]) -> Option<&'static encoding_rs::Encoding> {
     /// Number of bytes within which a declaration ends.
     const LOOKED_AT: usize = 512;

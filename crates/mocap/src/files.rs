@@ -103,8 +103,9 @@ pub fn expand(paths: &[PathBuf]) -> Result<Vec<ClipFile>, Error> {
     expand_all(paths).map(|expanded| expanded.clips)
 }
 
-/// Returns the clips that `paths` name, in the order of names. A file is used as given. A folder stands for its
-/// files whose name or, for texts, content is that of a motion; subfolders are not searched.
+/// Returns the clips that `paths` name, in the order of `paths`; those of a folder are in the order of their names. A
+/// file is used as given. A folder stands for its files whose name or, for texts, content is that of a motion;
+/// subfolders are not searched.
 ///
 /// # Errors
 /// [`Error::Folder`] and [`Error::NoClips`]; [`Error::GivenTwice`] for a file that two paths name.

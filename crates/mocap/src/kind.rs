@@ -84,7 +84,8 @@ impl Kind {
         MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, kind)| *kind)
     }
 
-    /// Recognizes a text by its beginning.
+    /// Recognizes a text by its first characters and, if these fit several kinds, by words in the text. Returns `None`
+    /// for other texts.
     fn of_text(text: &str) -> Option<Self> {
         let start: String = text.chars().take(64).collect::<String>().to_ascii_lowercase();
         let has = |word: &str| text.contains(word);
@@ -115,7 +116,8 @@ impl Kind {
         None
     }
 
-    /// Recognizes a file by its name and, for TOML, by tables that only one kind has.
+    /// Recognizes a file by its extension, and a TOML file by tables that only one kind has. Returns `None` for an
+    /// unknown extension.
     fn of_name(path: &Path, text: &str) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         Some(match extension.as_str() {

@@ -33,7 +33,7 @@
 //! - `bvh/`, `asf_amc/`, `deepmimic/`, `format`: a reader for each format, and the choice of the reader.
 //! - `recording`, `clip`, `skeleton`: the two kinds of motion; skeletons and their forward kinematics.
 //! - `read`, `encoding`, `text`, `damage`, `kind`: whole files, their text, implausible data, kinds of files.
-//! - `placed`: rotations of joints that a file only moves.
+//! - `placed`: rotations of joints, computed from positions.
 //! - `up`, `gaps`, `flips`, `filter`, `resample`: the steps of cleaning.
 //! - `files`: the clips in a list of files and folders.
 //! - `skeleton_map`: definition of a figure's bodies by joints, as data.

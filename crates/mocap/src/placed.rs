@@ -1,27 +1,29 @@
-//! Turns joints that a file only moves: rotations from positions.
+//! Computes the rotations of joints for files that contain only positions.
 //!
 //! Some exporters write the position of every joint, and rotations that never change. The bones then point elsewhere
-//! than the rotations say, and a figure that follows rotations would be a statue.
+//! than the rotations say, and a figure that follows the rotations would not move.
 
 use glam::{DQuat, DVec3};
 
 use crate::recording::Frames;
 use crate::skeleton::{JointSample, Skeleton, forward_kinematics};
 
-/// Change of a rotation below which it is constant: 1 minus the cosine of half the angle. Rounded text has this error.
+/// Largest change of a rotation that still counts as constant, as 1 minus the cosine of half the angle. Rounding in a
+/// text causes such changes.
 const TURNS: f64 = 1e-9;
 /// Smallest change of a bone's direction, rad, that counts as motion.
 const MOVES_RAD: f64 = 0.02;
-/// Bones that are shorter than this share of the longest have no direction.
+/// Shortest bone that has a direction, as a share of the longest bone.
 const SHORT: f64 = 1e-6;
-/// Number of corrections of a rotation that several bones determine: it converges in a few.
+/// Number of corrections of a rotation that several bones determine: a few suffice to converge.
 const CORRECTIONS: usize = 20;
 
-/// Computes the rotations of a motion in which no joint but the root turns while joints move. Returns a note, or `None`
-/// for other motions, which stay as they are.
+/// Computes the rotations of a motion in which no joint except the root turns although joints move. Returns a note; or
+/// `None` for any other motion, which is unchanged.
 ///
-/// A joint gets the smallest turn from its parent that points its bones at the joints beyond. Positions do not change.
-/// Turns about bones are unknown.
+/// A joint gets the smallest rotation relative to its parent that points its bones at the joints beyond. Positions in
+/// the world do not change. Rotations about the bones' own axes remain unknown. A frame in which a joint has no sample
+/// becomes a gap of all joints.
 pub(crate) fn turn(skeleton: &mut Skeleton, frames: &mut Frames) -> Option<String> {
     let first: Vec<JointSample> =
         frames.iter().find_map(|frame| frame.iter().copied().collect::<Option<_>>())?;
@@ -87,7 +89,7 @@ impl<'a> Bones<'a> {
         Self { skeleton, children, short }
     }
 
-    /// Returns the samples with rotations that point the bones at their joints.
+    /// Returns the samples with rotations that point each bone at the joint at its end.
     fn turned(&self, local: &[JointSample]) -> Vec<JointSample> {
         let world = forward_kinematics(self.skeleton, local);
         // Turn of each joint in the world, on top of the rotation that the file gives.
@@ -119,8 +121,8 @@ impl<'a> Bones<'a> {
     }
 }
 
-/// Returns the rotation that turns the first direction of each pair onto the second as well as possible, and is the
-/// smallest such rotation from `near`.
+/// Returns the rotation that best turns the first direction of each pair onto the second; of several such rotations,
+/// the one nearest to `near`.
 fn turn_onto(pairs: &[[DVec3; 2]], near: DQuat) -> DQuat {
     let Some([from, to]) = pairs.first() else { return near };
     let first = DQuat::from_rotation_arc(near * *from, *to) * near;
@@ -180,8 +182,8 @@ mod tests {
     }
 
     proptest! {
-        /// Positions of a motion that turns give its bones' directions again, and its whole rotation of a joint with
-        /// several bones.
+        /// From the positions of a motion that rotates, the computed rotations give the directions of its bones again,
+        /// and the whole rotation of a joint with several bones.
         #[test]
         fn rotations_come_back_from_positions(
             turns in prop::collection::vec([-0.8..0.8, -0.8..0.8, -0.8..0.8], 16),

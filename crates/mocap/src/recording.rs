@@ -17,7 +17,8 @@ pub(crate) fn sample_count_max(bytes: usize) -> usize {
     bytes.saturating_mul(2).clamp(100_000, SAMPLE_COUNT_MAX)
 }
 
-/// Maximum magnitude of an offset or an angle. Larger values are regarded as damage; they would overflow later.
+/// Maximum magnitude of an offset, a position or an angle. Larger values are regarded as damage; they would overflow
+/// later.
 pub(crate) const MAGNITUDE_MAX: f64 = 1e9;
 /// Accepted frame times, those of any camera; they limit the number of frames after resampling.
 pub(crate) const FRAME_TIME_S: RangeInclusive<f64> = 1e-5..=1.0;

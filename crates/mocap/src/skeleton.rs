@@ -24,7 +24,7 @@ pub struct SkeletonJoint {
 }
 
 impl Skeleton {
-    /// Returns the index of the joint with this name.
+    /// Returns the index of the joint with this name, or `None`.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
     }

@@ -18,7 +18,7 @@ pub struct SkeletonMap {
     pub name: String,
     /// Length of the file's unit, in metres, for files that do not contain it.
     pub metres_per_unit: f64,
-    /// Frame rate, Hz, for files that do not contain it.
+    /// Frame rate, Hz, for files that do not contain it; `None` if it is unknown.
     pub rate_hz: Option<f64>,
     /// Axis of the files that points up; `None` to derive it from the motion.
     pub up: Option<Up>,

@@ -1,4 +1,5 @@
-//! Measures the memory that readers use for files that request much, against the limit stated in `recording.rs`.
+//! Measures the memory that readers use for files that need much of it, and compares it with the limit stated in
+//! `recording.rs`.
 #![cfg(target_os = "linux")]
 
 use std::fs;

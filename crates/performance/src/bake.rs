@@ -4,8 +4,8 @@ use std::borrow::Cow;
 use std::cell::RefCell;
 
 use sinew_retarget::feasibility::{
-    CheckError, Curve, Excess, Fit, FitError, FitSettings, Instant, Kind, Limits, LoopError,
-    MotionError, Performance, Report, RigMotion, check, rate_at_rows, refit,
+    CheckError, Curve, Excess, Fit, FitError, Instant, Kind, Limits, LoopError, MotionError,
+    Performance, Report, RigMotion, check, rate_at_rows, refit,
 };
 use sinew_rig::board::BoardRig;
 use sinew_rig::mechanism::JointModel;
@@ -16,7 +16,7 @@ use thiserror::Error;
 
 /// Channels of the largest rig.
 const CHANNELS: usize = 256;
-/// Capacity of the largest board. The CRC does not depend on it.
+/// Capacities of the largest board. The CRC of a rig does not depend on them.
 const BODIES: usize = 64;
 const DOFS: usize = 128;
 const SERVOS: usize = 64;
@@ -28,13 +28,13 @@ const FITTED_HZ: f64 = 1000.0;
 /// Lowest rate of the rough check that precedes the fine check, Hz. It checks at least the samples, where accelerations
 /// are largest.
 const ROUGH_HZ: f64 = 100.0;
-/// Rate of rows below which a motion that misses its error bound gets more rows, Hz.
+/// Rate of rows, Hz. A motion with a lower rate that misses its error bound gets more rows.
 const FINE_HZ: f64 = 100.0;
 /// Largest number of fits for one show.
 const FITS: usize = 12;
-/// Factor on the error of a show each time that the show is brought nearer to its motion, and the smallest share of the
-/// largest error that remains. A curve with short spans and quantized steps has accelerations in proportion to its
-/// step.
+/// Factor on the permitted error of a show in each attempt to bring the show nearer to its motion; and the smallest
+/// share of the permitted error that is tried. The accelerations of a curve with short spans are in proportion to its
+/// quantization step.
 const NEARER: f64 = 0.25;
 const NEAREST: f64 = 1.0 / 256.0;
 /// Time before and after an excess in which the error is reduced, and time beside it in which the error grows to its
@@ -42,7 +42,7 @@ const NEAREST: f64 = 1.0 / 256.0;
 const AROUND_S: f64 = 0.03;
 const BESIDE_S: f64 = 0.4;
 
-/// Error of a motion that cannot become a show.
+/// The reason why a motion cannot become a show.
 #[derive(Debug, Error)]
 pub enum BakeError {
     /// The motion exceeds the bounds of the format.
@@ -66,7 +66,7 @@ pub enum BakeError {
     /// The show cannot be checked.
     #[error(transparent)]
     Check(#[from] CheckError),
-    /// Rounding in the show exceeds a limit, however often the motion is fitted.
+    /// The rounding in the show exceeds a limit, although the motion was fitted again several times.
     #[error(
         "`{joint}`: the {} of the fitted show is {} and its limit is {}; a smaller --tolerance-deg, or more room in \
          rig.toml, helps, and a longer --loop-blend-s of a loop",
@@ -100,7 +100,7 @@ pub struct Baked {
 }
 
 impl Baked {
-    /// Returns the minutes of a show like this that fit into a number of bytes.
+    /// Returns how many minutes of a show like this fit into a number of bytes.
     pub fn minutes_in(&self, bytes: usize) -> f64 {
         let per_s = self.written.bytes.len() as f64 / self.duration_s;
         bytes as f64 / per_s / 60.0
@@ -112,7 +112,7 @@ impl Baked {
 pub struct ShowMarks {
     /// Rows of the motion, with names.
     pub cues: Vec<(u32, String)>,
-    /// Time code of the first row.
+    /// Time code of the first row; `None` for a show without time code.
     pub time_code: Option<TimeCode>,
     /// Pairs of a row of the motion and a row of the motion before it was slowed down: see [`course`].
     pub course: Vec<(u32, u32)>,
@@ -177,7 +177,7 @@ impl Baker<'_> {
     /// Writes a show of a rig's motion.
     ///
     /// # Errors
-    /// [`BakeError`] if the motion exceeds the bounds of the format.
+    /// [`BakeError`] if the format cannot express the motion or its rate, or the motion is not one of the rig.
     pub fn bake(&self, motion: &RigMotion, marks: &ShowMarks) -> Result<Baked, BakeError> {
         let once = |motion: &RigMotion, marks: &ShowMarks| {
             let content = Content::of(self.mechanism, motion, marks)?;
@@ -241,6 +241,7 @@ impl Baker<'_> {
         mut fitted: Fit,
         of_fit: impl Fn(&Fit) -> Result<(Cow<'_, RigMotion>, ShowMarks), BakeError>,
     ) -> Result<(Fit, Baked, Report), BakeError> {
+        let settings = fitted.settings;
         let mut tight = limits.clone();
         let mut fits = 0;
         loop {
@@ -258,7 +259,7 @@ impl Baker<'_> {
                 let before = fitted.motion.fingerprint();
                 // Frees the motion, which may be long, before the next one is made.
                 let progress = fitted.into_progress();
-                fitted = refit(self.mechanism, &tight, given, &progress, FitSettings::default())?;
+                fitted = refit(self.mechanism, &tight, given, &progress, settings)?;
                 // An equal motion would give an equal show.
                 if fitted.motion.fingerprint() != before {
                     break;
@@ -267,7 +268,8 @@ impl Baker<'_> {
         }
     }
 
-    /// Makes a show that is near enough to its motion to keep the limits; if no such show exists, the nearest one.
+    /// Makes a show that is near enough to its motion to keep the limits. If there is no such show, returns the nearest
+    /// one with its report.
     fn bake_near(
         &self,
         limits: &Limits,

@@ -52,7 +52,7 @@ pub struct PreparedClip {
 /// Error of a clip that cannot be prepared.
 #[derive(Debug, Error)]
 pub enum ClipError {
-    /// The file is not a motion.
+    /// The file cannot be read, or is not a motion.
     #[error(transparent)]
     Read(#[from] format::Error),
     /// There is no such file.
@@ -114,8 +114,9 @@ pub enum ClipError {
 }
 
 impl PreparedClip {
-    /// Reads a clip, finds its landmarks and its unit, turns it upright, skips an inserted T-pose, fills gaps and
-    /// applies the low-pass filter.
+    /// Reads a clip, finds its landmarks and its unit, turns it upright, skips an inserted T-pose, removes jumps, fills
+    /// gaps and applies the low-pass filter. A clip at an unusual rate is resampled to a whole number of frames per
+    /// second.
     ///
     /// # Errors
     /// [`ClipError`] names the file and the expected content.
@@ -205,7 +206,7 @@ impl PreparedClip {
         Ok(Self { clip, start_s: t_pose as f64 * frame_time_s, matched, measured, notes })
     }
 
-    /// Keeps the first `seconds` of the clip.
+    /// Keeps the first `seconds` of the clip, at least two frames.
     pub fn cut(&mut self, seconds: f64) {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let frames = (seconds / self.clip.frame_time_s).ceil().max(0.0) as usize;

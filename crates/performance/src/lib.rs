@@ -5,15 +5,18 @@
 //!
 //! - [`rig`] loads the user's rigs, reviews them, and computes torques for rows of a table.
 //! - `clip` reads and cleans a clip, `propose` proposes its mapping to a rig, `retargeted_clip` retargets it,
-//!   `own_motion` reads a motion of the rig's own joints; `bake` makes a show of a motion, `rig_performance` fits a
-//!   motion and bakes it, `table` reports on it, `likeness` compares it with the performer.
-//! - [`play`] plays a show on simulated servos: `parts` and `line` contain the parts of controller and bus lines,
-//!   `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
-//! - [`teach`] makes a motion that a hand leads on a rig: `guide_trajectory` is the hand's path, `session` the
+//!   `own_motion` reads a motion of the rig's own joints; `layer` moves joints that such a motion leaves out; `bake`
+//!   makes a show of a motion, `rig_performance` fits a motion and bakes it, `table` reports on it, `likeness` compares
+//!   it with the performer.
+//! - [`play`] plays a show on simulated servos: `rig_parts` and `line` contain the parts of controller and bus
+//!   lines, `simulated_rig` runs a tick, `director` commands it. `play/board` is a whole node with its flash in a file.
+//! - [`teach`] makes a motion from a rig that is led by hand: `guide_trajectory` is the hand's path, `session` the
 //!   simulated rig, `result` the recorded motion.
 
 mod bake;
 mod clip;
+mod layers;
+mod left;
 mod likeness;
 mod own_motion;
 pub mod play;
@@ -28,10 +31,12 @@ pub mod text;
 
 pub use bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course, rig_hash};
 pub use clip::{ClipError, ClipSettings, PreparedClip};
+pub use layers::{LayerChoice, LayerMode, LayeredMotion};
+pub use left::JointLeft;
 pub use likeness::Likeness;
 pub use own_motion::OwnMotion;
 pub use propose::propose_mapping;
 pub use retargeted_clip::{RetargetError, RetargetedClip, retarget_clip};
 pub use rig_clip::RigClip;
 pub use rig_performance::{MotionChoices, RigPerformance, ShowChoices, read_mapping};
-pub use table::{feasibility, fitted, led};
+pub use table::{feasibility, led};

@@ -1,4 +1,4 @@
-//! How much of a performer is left in a motion on a rig, and what would leave more.
+//! How near a motion on a rig is to its performer, and which changes of the rig would bring it nearer.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,8 @@ use sinew_retarget::feasibility::{Excess, Kind, Limits, Report, RigMotion};
 
 use super::text;
 
-/// Mean angle between limbs, deg, mean distance of a hand as a share of the arm, and share of the way, from which a
-/// motion is not the performer's any more.
+/// Limits beyond which a motion no longer looks like the performer's: largest mean angle between limbs, deg; largest
+/// mean distance of a hand, as a share of the arm; smallest share of the joints' way.
 const STRANGE_DEG: f64 = 30.0;
 const STRANGE_SHARE: f64 = 0.25;
 const STRANGE_WAY: f64 = 0.5;
@@ -20,12 +20,12 @@ pub struct Likeness {
     /// Mean and largest distance of a hand from the performer's, scaled to the rig, as shares of the arm; `None` if no
     /// hand's path is followed.
     pub hands: Option<[f64; 2]>,
-    /// Length of the motion's way in the joints, as a share of that before a fit.
+    /// Way of all joints in the motion, as a share of their way before a fit.
     pub way: f64,
 }
 
 impl Likeness {
-    /// Returns a line about limbs or hands; empty if neither is followed.
+    /// Returns a line about the limbs or the hands; an empty text if the rig follows neither.
     pub fn line(&self, limbs: usize) -> String {
         let mut out = String::new();
         if let Some([mean, most]) = self.hands {
@@ -44,7 +44,7 @@ impl Likeness {
         out
     }
 
-    /// Returns why the motion is not the performer's, if it is not.
+    /// Returns the reason why the motion no longer looks like the performer's; `None` if it does.
     pub fn strange(&self) -> Option<String> {
         let mut why = Vec::new();
         match (self.hands, self.limbs_deg) {
@@ -66,7 +66,7 @@ impl Likeness {
     }
 }
 
-/// Returns the way of a motion in all joints, as a share of another motion's.
+/// Returns the sum of the ways of all joints in a motion, as a share of that in another motion, at most 1.
 pub(super) fn way_share(motion: &RigMotion, given: &RigMotion) -> f64 {
     let way = |motion: &RigMotion| -> f64 {
         let step = |pair: &[Vec<f64>]| -> f64 {
@@ -78,8 +78,8 @@ pub(super) fn way_share(motion: &RigMotion, given: &RigMotion) -> f64 {
     if all > 0.0 { (way(motion) / all).min(1.0) } else { 1.0 }
 }
 
-/// Describes what would leave more of a motion, given how it exceeds the limits before a fit: for each kind of limit
-/// the joint that needs the most.
+/// Describes which changes of the rig would preserve more of a motion. `given`: how the motion exceeds the limits
+/// before a fit. There is a line for each kind of limit, with the joint that exceeds it most.
 pub(super) fn helps(limits: &Limits, given: &Report) -> Vec<String> {
     let need = |excess: &Excess| (excess.value / excess.limit).abs();
     let worst = |kind: Kind| {

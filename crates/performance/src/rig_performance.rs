@@ -16,12 +16,13 @@ use sinew_show::TimeCode;
 use sinew_show::write::Settings;
 
 use super::bake::{BakeError, Baked, Baker, CHECK_HZ, ShowMarks, ShowPlayback, course};
+use super::left::{JointLeft, headline};
 use super::likeness::{Likeness, helps, way_share};
 use super::retargeted_clip::RetargetedClip;
 use super::rig::LoadedRig;
 use super::table::fitted;
 
-/// Lowest rate at which a motion is checked for what would help, Hz.
+/// Lowest rate of the check that finds which changes of the rig would preserve more of a motion, Hz.
 const HELP_HZ: f64 = 100.0;
 
 /// Choices for the changes of a motion before its use.
@@ -29,6 +30,8 @@ const HELP_HZ: f64 = 100.0;
 pub struct MotionChoices {
     /// Whether the motion is fitted within all limits of the rig.
     pub fit: bool,
+    /// Whether a fit keeps the time: nothing becomes slower, but smaller or rounder where a limit is met.
+    pub keep_time: bool,
     /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
 }
@@ -42,7 +45,7 @@ pub struct ShowChoices<'a> {
     pub settings: Settings,
     /// Cues: names, and times in the clip, s.
     pub cues: &'a [(String, f64)],
-    /// The time code of the first row.
+    /// The time code of the first row; `None` for a show without time code.
     pub time_code: Option<TimeCode>,
 }
 
@@ -56,9 +59,9 @@ pub struct RigPerformance {
     pub clip: RetargetedClip,
     /// The limits of the rig.
     pub limits: Limits,
-    /// The changes made for a loop; its motion is in `clip`.
+    /// The changes made for a loop, whose motion is in `clip`; `None` if the motion is not a loop.
     pub looped: Option<LoopedMotion>,
-    /// The fitted motion, if a fit was chosen.
+    /// The fitted motion; `None` if no fit was chosen.
     pub fit: Option<Fit>,
     loop_blend_s: Option<f64>,
 }
@@ -93,7 +96,12 @@ impl RigPerformance {
         }
         let fit = choices
             .fit
-            .then(|| fit(mechanism, &limits, &clip.motion, FitSettings::default()))
+            .then(|| {
+                let keep_time = choices.keep_time;
+                let from_rest = loop_blend_s.is_none();
+                let settings = FitSettings { keep_time, from_rest, ..FitSettings::default() };
+                fit(mechanism, &limits, &clip.motion, settings)
+            })
             .transpose()
             .with_context(on_rig)?;
         Ok(Self { name: name.to_owned(), start_s, clip, limits, looped, fit, loop_blend_s })
@@ -169,10 +177,24 @@ impl RigPerformance {
         row.min(rows.saturating_sub(1))
     }
 
-    /// Describes the changes by a fit.
-    pub fn fit_summary(&self) -> Option<String> {
+    /// Describes the changes by a fit; `None` if no fit was chosen.
+    pub fn fit_summary(&self, mechanism: &Mechanism) -> Option<String> {
         let given_s = self.clip.motion.duration_s();
-        self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s))
+        self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s, &self.left(mechanism)))
+    }
+
+    /// Returns the headline of a fit: slower, or smaller, and by how much; `None` if that is not worth a word.
+    pub fn headline(&self, mechanism: &Mechanism) -> Option<String> {
+        let fit = self.fit.as_ref()?;
+        let given = &self.clip.motion;
+        let times_s = [given, &fit.motion].map(RigMotion::duration_s);
+        let left = self.left(mechanism);
+        headline(times_s, way_share(&fit.motion, given), fit.settings.keep_time.then_some(&left))
+    }
+
+    /// Compares each joint that moves with the motion before a fit.
+    pub fn left(&self, mechanism: &Mechanism) -> Vec<JointLeft> {
+        JointLeft::each(mechanism, self.motion(), &self.clip.motion)
     }
 
     /// Converts a time of the clip to a time of the used motion, s.
@@ -195,7 +217,8 @@ impl RigPerformance {
         Likeness { limbs_deg: limbs.mean_and_most(), hands: hands.mean_and_most(), way }
     }
 
-    /// Describes what would leave more of the motion than a fit did, one sentence for each kind of limit.
+    /// Describes which changes of the rig would preserve more of the motion than the fit did, one line for each kind of
+    /// limit.
     ///
     /// # Errors
     /// The motion cannot be checked.

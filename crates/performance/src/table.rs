@@ -7,10 +7,12 @@ use sinew_retarget::feasibility::{Excess, Fit, Limits, LoopedMotion, Report};
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
-use super::text;
+use super::left::JointLeft;
+use super::{left, text};
 
-/// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do
-/// not move and carry no load are left out. `strange`: why the motion is not the performer's, if it is not.
+/// Formats the largest demands of a motion on each joint, with the joint's limits and the excesses. Joints that do not
+/// move and carry no load are left out. `strange`: the reason why the motion no longer looks like the performer's, if
+/// so.
 pub fn feasibility(
     mechanism: &Mechanism,
     limits: &Limits,
@@ -102,8 +104,8 @@ pub fn feasibility(
     out
 }
 
-/// Describes the changes by a fit.
-pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
+/// Describes the changes by a fit. `left`: how much of each joint's motion is left.
+pub(super) fn fitted(limits: &Limits, fit: &Fit, given_s: f64, left: &[JointLeft]) -> String {
     let mut out = String::new();
     let mut line =
         |text: std::fmt::Arguments<'_>| writeln!(out, "{text}").expect("a string takes everything");
@@ -143,6 +145,9 @@ pub fn fitted(limits: &Limits, fit: &Fit, given_s: f64) -> String {
             fit.motion.duration_s(),
             100.0 * slowest
         ));
+    }
+    if fit.settings.keep_time {
+        out += &left::lines(left);
     }
     if out.is_empty() {
         let is_as_given = fit.smoothed.is_empty() && fit.clamped.is_empty();

@@ -166,7 +166,8 @@ impl Drawing<'_> {
         sinew_pose_metrics::blend::least_jerk(t.clamp(0.0, 1.0))
     }
 
-    /// Draws the distances of all pairs of frames: the straight-line distance of the joints.
+    /// Draws the distances of pairs of frames, at most 60 frames of each clip: the straight-line distance of the
+    /// joints.
     fn map(&self, rig: &SpatialRig<BODY_COUNT_MAX>) -> Markup {
         let measuring = RigMeasure::new(rig, Measure::new(Metric::Positions));
         let Pair { a, b, .. } = self.pair;

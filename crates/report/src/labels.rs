@@ -74,8 +74,8 @@ impl Rectangle {
     }
 }
 
-/// Places every text near the point that it names: at the nearest place that covers the least of `drawn`, covers
-/// no other label, and whose line to the point crosses no label.
+/// Places every text near the point that it names. In order of importance: it covers no other label, no line from a
+/// point to its label crosses a label, it covers little of `drawn`, and it is near.
 pub(super) fn place(
     texts: Vec<(String, (f64, f64))>,
     drawn: &[Circle],

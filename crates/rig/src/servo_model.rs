@@ -3,8 +3,8 @@
 
 use crate::description::ServoModel;
 
-/// Name and file of each kind, in the order of the documentation.
-const FILES: [(&str, &str); 9] = [
+/// Name and file of each kind of servo, in the order of the documentation.
+const FILES: [(&str, &str); 11] = [
     ("XL330-M288-T", include_str!("../models/xl330-m288-t.toml")),
     ("XL430-W250-T", include_str!("../models/xl430-w250-t.toml")),
     ("XM430-W350-T", include_str!("../models/xm430-w350-t.toml")),
@@ -12,8 +12,10 @@ const FILES: [(&str, &str); 9] = [
     ("MX-64", include_str!("../models/mx-64.toml")),
     ("STS3215-7.4V", include_str!("../models/sts3215-7.4v.toml")),
     ("STS3215-12V", include_str!("../models/sts3215-12v.toml")),
+    ("SG90", include_str!("../models/sg90.toml")),
     ("MG90S", include_str!("../models/mg90s.toml")),
     ("MG996R", include_str!("../models/mg996r.toml")),
+    ("DS3218", include_str!("../models/ds3218.toml")),
 ];
 
 impl ServoModel {

@@ -38,7 +38,7 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Returns whether this register is the servo's torque switch: torque is on, though it was switched off.
+    /// Returns whether this register is the servo's torque switch: then torque is on although it was switched off.
     pub fn is_torque(&self) -> bool {
         self.item == TORQUE_ENABLE
     }
@@ -51,8 +51,8 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Returns the time to wait for an answer, us, given the time that the answer should take. Leaves half of the rest of
-/// the tick free.
+/// Returns the time to wait for an answer, us. `time_us` is the time that the answer should take, which is the minimum;
+/// a longer wait takes at most half of the rest of the tick.
 pub(crate) fn patient_us(time_us: u32, left_us: u32) -> u32 {
     time_us.saturating_add(LONGEST_DELAY_US).min(left_us / 2).max(time_us)
 }

@@ -20,18 +20,18 @@ pub struct Plausible {
     most: i32,
     step: u32,
     last: Option<i32>,
-    /// A reading that was not believed, and the number of readings due at that time.
+    /// The last reading if it was not believed, and its `steps`.
     doubtful: Option<(i32, u32)>,
 }
 
 impl Plausible {
-    /// Creates bounds, with the maximum change from one reading to the next.
+    /// Creates bounds. `step` is the maximum change from one tick to the next.
     pub const fn new([least, most]: [i32; 2], step: u32) -> Self {
         Self { least, most, step, last: None, doubtful: None }
     }
 
     /// Returns the reading if it is believed. The first reading within bounds is always believed. `steps` is the number
-    /// of readings that were due since the last reading that arrived.
+    /// of ticks since the last believed reading.
     pub fn accept(&mut self, reading: i32, steps: u32) -> Option<i32> {
         if !(self.least..=self.most).contains(&reading) {
             return None;

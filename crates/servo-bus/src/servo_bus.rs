@@ -41,7 +41,7 @@ pub trait ServoBus {
     /// Processes received bytes, split anywhere. Returns whether all requested replies have arrived.
     fn reply(&mut self, bytes: &[u8]) -> bool;
 
-    /// Returns the last believed reading of a servo.
+    /// Returns the last believed reading of a servo, or `None` if there is none.
     fn feedback(&self, servo: usize) -> Option<Feedback>;
 
     /// Starts to compare the registers of a servo with the requirements of a rig; `None` ends the comparison. The
@@ -51,7 +51,7 @@ pub trait ServoBus {
     /// Returns the result of the last [`compare`](Self::compare).
     fn compared(&self) -> Compared;
 
-    /// Returns the health of a servo.
+    /// Returns the health of a servo, or `None` if the bus has no such servo.
     fn health(&self, servo: usize) -> Option<Health>;
 }
 

@@ -53,7 +53,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Returns the value that the register must get when it holds `found`: itself, if it is right already.
+    /// Returns the value to write to the register if it holds `found`. The result is `found` if that is already right.
     pub const fn wanted(&self, found: i32) -> i32 {
         (found & !self.mask) | (self.raw & self.mask)
     }

@@ -41,7 +41,7 @@ impl<'a> Sink<'a> {
         self.buffer.get(..self.len).unwrap_or_default()
     }
 
-    /// Returns the number of bytes written.
+    /// Returns the number of bytes written, or an error if there was too little room.
     pub(crate) fn finish(&self) -> Result<usize, EncodeError> {
         if self.full { Err(EncodeError::Room { has: self.buffer.len() }) } else { Ok(self.len) }
     }

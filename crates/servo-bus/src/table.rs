@@ -85,6 +85,38 @@ pub enum Range {
     Within(u16, u16),
 }
 
+/// A register of which a simulated servo obeys only some values. It refuses the others: a program could otherwise
+/// believe that they have an effect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Restriction {
+    /// First address of the register.
+    pub address: u16,
+    /// Values that the simulated servo obeys.
+    pub obeys: Obeys,
+}
+
+/// The values of a register that a simulated servo obeys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Obeys {
+    /// This value only.
+    Only(i32),
+    /// Every value except this one.
+    AllBut(i32),
+}
+
+impl Restriction {
+    /// Returns whether one of `restrictions` refuses this value of the register at `address`. The restrictions are a
+    /// list instead of a callback, so that a board's image has no indirect call.
+    pub(crate) fn refuse(restrictions: &[Self], address: u16, value: i32) -> bool {
+        restrictions.iter().filter(|restriction| restriction.address == address).any(
+            |restriction| match restriction.obeys {
+                Obeys::Only(only) => value != only,
+                Obeys::AllBut(refused) => value == refused,
+            },
+        )
+    }
+}
+
 /// The unit of one count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
@@ -142,7 +174,7 @@ impl MemoryMap {
     }
 }
 
-/// Converts rev/min to rad/s: 2 pi / 60.
+/// Speed of 1 rev/min in rad/s: 2 pi / 60.
 pub(crate) const RAD_S_PER_RPM: f32 = core::f32::consts::TAU / 60.0;
 
 impl Item {

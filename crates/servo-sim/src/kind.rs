@@ -70,7 +70,7 @@ impl Kind {
         }
     }
 
-    /// Returns the kind without physics, or `None` if it has no register table.
+    /// Returns the register table of the kind, or `None` if it has none.
     pub fn registers(&self) -> Option<RegisterTable> {
         match self {
             Self::Servo(parameters) => RegisterTable::of(&parameters.name),

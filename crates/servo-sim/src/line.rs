@@ -227,6 +227,7 @@ pub fn run_all<W: LineDevice>(lines: &mut [Line<W>], ns: u64) {
 }
 
 /// Returns the line with the next event, and its time. If several events have the same time, the first line is chosen.
+/// Returns `None` if all wires stay silent.
 pub(crate) fn next_of<W: LineDevice>(lines: &[Line<W>]) -> Option<(usize, u64)> {
     let next = lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.next_ns()?)));
     next.min_by_key(|(_, next_ns)| *next_ns)

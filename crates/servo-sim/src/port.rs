@@ -1,10 +1,10 @@
 //! A serial port of this machine that leads to simulated servos: a pseudo-terminal, and a link to it.
 
-use std::fs::Metadata;
+use std::fs::{File, Metadata, TryLockError};
 use std::io::{self, ErrorKind};
 use std::os::fd::OwnedFd;
 use std::os::unix::ffi::OsStrExt as _;
-use std::os::unix::fs::symlink;
+use std::os::unix::fs::{MetadataExt as _, symlink};
 use std::path::{Path, PathBuf};
 use std::slice;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +32,9 @@ pub enum PortError {
     /// A file with the link's name exists and is not a link.
     #[error("{}: exists already and is not a link; choose another name", .0.display())]
     Occupied(PathBuf),
+    /// Another program that runs serves servos at this link.
+    #[error("{}: another simulation serves it; end that one, or choose another name", .0.display())]
+    Taken(PathBuf),
     /// The link could not be created.
     #[error("{}: {source}", link.display())]
     Link {
@@ -53,15 +56,45 @@ pub struct Port {
     /// it.
     program: OwnedFd,
     link: PathBuf,
+    lock: Lock,
+}
+
+/// File beside a link that is locked while a program serves the link. The system releases the lock of a killed program.
+#[derive(Debug)]
+struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Lock {
+    fn of(link: &Path) -> Result<Self, PortError> {
+        let failed = |source| PortError::Link { link: link.to_owned(), source };
+        let name = link.file_name().ok_or_else(|| failed(ErrorKind::InvalidInput.into()))?;
+        let path = link.with_file_name(format!(".{}.lock", name.to_string_lossy()));
+        loop {
+            let file = File::create(&path).map_err(failed)?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Err(PortError::Taken(link.to_owned())),
+                Err(TryLockError::Error(error)) => return Err(failed(error)),
+            }
+            // The program before may have removed the file after it was opened.
+            let own = file.metadata().map_err(failed)?;
+            if path.metadata().is_ok_and(|named| named.ino() == own.ino()) {
+                return Ok(Self { path, _file: file });
+            }
+        }
+    }
 }
 
 impl Port {
-    /// Opens a terminal, and creates `link` to it. Replaces an existing link, which a killed program may have left.
+    /// Opens a terminal, and creates `link` to it. Replaces a link that a killed program has left.
     /// `baud` is the port's rate until a program sets another rate.
     ///
     /// # Errors
     /// [`PortError`] contains the cause.
     pub fn open(link: &Path, baud: u32) -> Result<Self, PortError> {
+        let lock = Lock::of(link)?;
         let servos = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
         grantpt(&servos)?;
         unlockpt(&servos)?;
@@ -81,7 +114,7 @@ impl Port {
             Err(error) => return Err(failed(error)),
         }
         symlink(std::ffi::OsStr::from_bytes(name.as_bytes()), link).map_err(failed)?;
-        Ok(Self { servos, program, link: link.to_owned() })
+        Ok(Self { servos, program, link: link.to_owned(), lock })
     }
 
     /// Returns the path of the link.
@@ -203,6 +236,7 @@ impl Drop for Port {
     fn drop(&mut self) {
         // The link may already have been removed.
         let _ = std::fs::remove_file(&self.link);
+        let _ = std::fs::remove_file(&self.lock.path);
     }
 }
 

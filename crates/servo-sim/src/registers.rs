@@ -39,7 +39,7 @@ const FIRMWARE: u8 = 52;
 
 impl RegisterTable {
     /// Looks up a table by the maker's name of a kind, with or without the suffix for a plug (`-T`) or a voltage
-    /// (`-12V`).
+    /// (`-12V`). Returns `None` if the kind has no table.
     pub fn of(kind: &str) -> Option<Self> {
         let dynamixel =
             Model::of_kind(kind).map(|model| Self::Dynamixel(Table { model, firmware: FIRMWARE }));
@@ -187,7 +187,7 @@ impl LineDevice for Registers<'_> {
         self.now_ns
     }
 
-    /// No watchdog counts, because there is no motion to stop.
+    /// Advances the time. Watchdogs are not simulated, because there is no motion to stop.
     fn run_until(&mut self, ns: u64) {
         self.now_ns = self.now_ns.max(ns);
     }

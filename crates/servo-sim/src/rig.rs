@@ -8,7 +8,7 @@
 use sinew_core::TreeError;
 use sinew_core::coordinates::CoordinatesError;
 use sinew_rig::actuation::{Actuation, JoinedDrive};
-use sinew_rig::description::DescriptionError;
+use sinew_rig::description::{DescriptionError, Servo as DescribedServo, ServoModel};
 use sinew_rig::drive::DriveInputError;
 use sinew_rig::mechanism::{InverseDynamics, JointModel};
 use sinew_rig::servo::{Address, Servo};
@@ -88,7 +88,7 @@ pub fn servos(
     for (described, servo) in description.servos.iter().zip(&actuation.servos) {
         // `actuation` has already refused unknown models.
         let Some(model) = description.servo_model(&described.model) else { continue };
-        let kind = Parameters::of_model(&model)?;
+        let kind = kind(description, described, &model)?;
         let middle = 0.5 * kind.range_rad;
         servos.push(RigServo {
             name: described.name.clone(),
@@ -106,6 +106,22 @@ pub fn servos(
         joints.load(&actuation, drive, &mut servos)?;
     }
     Ok(servos)
+}
+
+/// Returns the parameters of a servo of a rig. A hobby servo has the pulses of the rig's file, and counts positions from
+/// half of a range that contains all of them.
+pub(crate) fn kind(
+    description: &Description,
+    servo: &DescribedServo,
+    model: &ServoModel,
+) -> Result<Parameters, ParametersError> {
+    let mut kind = Parameters::of_model(model)?;
+    if let Some(pulses) = description.pulses(servo) {
+        let [least, most] = pulses.range_rad();
+        kind.range_rad = 2.0 * f64::max(-least, most);
+        kind.pulses = pulses;
+    }
+    Ok(kind)
 }
 
 /// The efforts of all joints near the home pose.

@@ -20,7 +20,7 @@ const TRIES: u32 = 3;
 /// # Errors
 /// [`ServiceError::BadId`]; [`ServiceError::IdTaken`], or [`ServiceError::Noise`] if several servos have the new id;
 /// [`ServiceError::Register`] if torque is on; [`ServiceError::State`] if the servo keeps its old id;
-/// [`ServiceError::Lost`] if the servo then answers with neither id.
+/// [`ServiceError::Lost`] if the servo then answers with neither id; the errors of [`Client::read_bytes`].
 pub fn set_id<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -75,7 +75,7 @@ fn write_id<E: Exchange>(
 /// # Errors
 /// [`ServiceError::NoBaud`]; [`ServiceError::Baud`] if the line does not support the rate: nothing is written then;
 /// [`ServiceError::Register`] if torque is on; [`ServiceError::State`] if the servo keeps its rate;
-/// [`ServiceError::Lost`] if the servo then answers at neither rate.
+/// [`ServiceError::Lost`] if the servo then answers at neither rate; the errors of [`Client::read_bytes`].
 pub fn set_baud<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

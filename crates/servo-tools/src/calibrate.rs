@@ -74,7 +74,7 @@ impl Calibration {
     /// Switches torque off, and starts at the present positions.
     ///
     /// # Errors
-    /// The errors of [`Client::read_bytes`].
+    /// The errors of [`Client::read_bytes`], and [`NotKept`](crate::Registers::NotKept) if torque stays on.
     pub fn begin<E: Exchange>(
         client: &mut Client<E>,
         servos: &[(RigServo, Servo)],
@@ -246,7 +246,7 @@ pub fn offsets(
         .collect())
 }
 
-/// Rounds to 0.01 deg: no hand finds an end better.
+/// Rounds to 0.01 deg: a hand does not find the end of a range more exactly.
 fn hundredths(degrees: f64) -> f64 {
     (degrees * 100.0).round() / 100.0
 }

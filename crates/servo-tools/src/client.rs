@@ -207,7 +207,9 @@ impl<E: Exchange> Client<E> {
     /// Reads bytes and the error byte of a servo. Repeats the question after silence or damage.
     ///
     /// # Errors
-    /// [`ServiceError::Silent`], [`ServiceError::Mute`], [`ServiceError::Noise`] or [`ServiceError::Refused`].
+    /// [`ServiceError::Silent`], [`ServiceError::Mute`], [`ServiceError::Noise`] or [`ServiceError::Refused`], by the
+    /// answer of the servo; [`ServiceError::Line`] or [`ServiceError::Passing`] if the line failed;
+    /// [`ServiceError::Stopped`] after a signal.
     pub fn read_bytes(
         &mut self,
         id: u8,
@@ -321,7 +323,7 @@ pub(crate) fn packet(
     Ok(out)
 }
 
-/// Returns the reason why a Dynamixel refuses. A Feetech reports none.
+/// Returns the error number of a Dynamixel's reply, or `None` if it has none. A Feetech never reports a reason.
 fn error_code(protocol: Protocol, error: u8) -> Option<ErrorCode> {
     match protocol {
         Protocol::Dynamixel => StatusError::from_byte(error).code(),

@@ -26,8 +26,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// Returns what the rig must know of a change of direction, or of a goal that switches torque on; `None` for all
-    /// other differences.
+    /// Returns the consequence for the rig, as text, if this difference reverses the servo or its motor, or lets a goal
+    /// switch torque on. Returns `None` for all other differences.
     pub fn consequence(&self) -> Option<&'static str> {
         let changed = self.has.raw ^ self.should.raw;
         let [is_drive_mode, is_phase] = ["Drive Mode", "Phase"].map(|name| self.name == name);
@@ -111,7 +111,9 @@ pub struct Applied {
 /// off.
 ///
 /// # Errors
-/// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left.
+/// [`Registers::TorqueOn`] if torque is on and may not be switched off; [`Registers::NotKept`] if a difference is left;
+/// [`ServiceError::NotRestored`] if the registers could not be restored after an error; the errors of
+/// [`Client::read_bytes`].
 pub fn apply<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

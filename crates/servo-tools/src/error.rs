@@ -217,11 +217,11 @@ pub enum Registers {
     #[error("{0} can only be read")]
     ReadOnly(&'static str),
     /// The register has its own command, or must not be written.
-    #[error("{name} cannot be written directly; use {instead}")]
+    #[error("{name} cannot be written directly: {instead}")]
     Elsewhere {
         /// Name of the register.
         name: &'static str,
-        /// Command to use instead.
+        /// Command to use instead, or the reason why there is none.
         instead: String,
     },
     /// The value is not allowed.

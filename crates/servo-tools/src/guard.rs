@@ -1,9 +1,10 @@
 //! Guards servos that a tool changes: whatever ends the tool, the servo's previous state is restored, or the tool
 //! reports that it is not.
 //!
-//! A tool changes registers through its [`Guard`], which stores the previous values. At the end of the tool, after an
-//! error and after a signal, the guard restores all of them. If torque was off before, it is switched off first. While
-//! a servo moves, the guard checks temperature, errors, torque, and whether the reported position is possible.
+//! A tool changes registers through its [`Guard`], which stores the previous values. The guard restores all of them
+//! after an error or a signal, and at the end of each tool whose changes are only temporary. If torque was off before,
+//! it is switched off first. While a servo moves, the guard checks temperature, errors, torque, and whether the
+//! reported position is possible.
 //!
 //! A program that was killed cannot restore anything. For this case, a servo with a bus watchdog has its watchdog set
 //! during a move, and stops by itself; and every servo that can limit its torque has it limited. [`left`](crate::left)
@@ -64,8 +65,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(Self { client, servo, was_on, before: Vec::new(), motion: None, is_over: false })
     }
 
-    /// Guards a servo that is moved by at most `most_deg_s`, deg/s. Refuses if the servo has a fault, moves, or was
-    /// left by a program that was killed. Sets its watchdog, if it has one.
+    /// Guards a servo that is moved by at most `most_deg_s`, deg/s. Refuses if the servo has a fault, or a program that
+    /// was killed has left its torque on. Sets its watchdog, if it has one.
     pub(crate) fn begin_move(
         client: &'c mut Client<E>,
         servo: &'c Servo,
@@ -126,7 +127,8 @@ impl<'c, E: Exchange> Guard<'c, E> {
         Ok(())
     }
 
-    /// Writes a register and verifies the value.
+    /// Stores the present value of a register, then writes the register and verifies the new value. Before a change of
+    /// mode, also stores the registers that it resets.
     pub(crate) fn change(&mut self, item: &Item, raw: i32) -> Result<(), ServiceError> {
         let is_mode =
             matches!(self.servo.table, Table::Dynamixel(_)) && item.address == dxl::OPERATING_MODE;
@@ -255,8 +257,8 @@ impl<E: Exchange> Drop for Guard<'_, E> {
 
 impl Motion {
     /// Returns the servo to its state before the move: with torque off if it was off, otherwise at the position that it
-    /// held. A servo that refuses its goal would continue with full torque: its torque is switched off, even if it held
-    /// something.
+    /// held, or at its present position if its encoder has jumped. A servo that refuses its goal would continue with
+    /// full torque: its torque is switched off, even if it held something.
     fn calm<E: Exchange>(
         &self,
         client: &mut Client<E>,

@@ -43,12 +43,13 @@ pub struct Identified {
 }
 
 /// Moves a servo by a few degrees to either side and back, with its light on if it has one. Afterwards torque is on or
-/// off as before, the servo holds the same position, and all registers are as before, even after an error or a signal.
+/// off as before, the servo is at the same position, and all registers are as before, even after an error or a signal.
 ///
 /// # Errors
 /// [`ServiceError::Fault`] if the servo reports a fault, also during the motion; [`ServiceError::State`] if it already
-/// moves, is not in a position mode, is outside of its limits, does not move as commanded, loses its torque, or its
-/// position jumps; [`ServiceError::Stopped`] after a signal.
+/// moves, is not in a position mode, is outside of its limits or has too little room between them, does not move as
+/// commanded, loses its torque, or its position jumps; [`ServiceError::NotRestored`] if its state could not be restored
+/// after an error; the errors of [`Client::read_bytes`].
 pub fn identify<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,

@@ -23,13 +23,13 @@ const FEETECH_ANSWER: Duration = Duration::from_millis(34);
 /// A servo that a program left in the middle of its work.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Left {
-    /// The trace, and the command that helps.
+    /// Description of the trace, and the command that helps.
     pub what: String,
     /// Whether torque is on.
     pub is_on: bool,
 }
 
-/// Checks whether a program that was ended left traces on a servo.
+/// Checks whether a program that was ended left traces on a servo. Returns `None` if there are none.
 ///
 /// # Errors
 /// The errors of [`Client::read_bytes`].
@@ -63,8 +63,8 @@ pub fn look<E: Exchange>(
     Ok((!words.is_empty()).then(|| Left { what: words.join("; "), is_on }))
 }
 
-/// Checks all other servos on a line, at the present protocol and rate: Dynamixels that answer a common ping, and
-/// Feetechs with ids up to 12. Takes up to a second.
+/// Checks all servos on a line except `known`, at the present protocol and rate: Dynamixels that answer a common ping,
+/// and Feetechs with ids up to 12. Takes up to a second.
 ///
 /// # Errors
 /// An error if the line failed; [`ServiceError::Stopped`] after a signal.

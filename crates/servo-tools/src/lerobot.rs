@@ -1,7 +1,8 @@
-//! `LeRobot`'s calibration of motors, taken to a rig file and made of it.
+//! Converts `LeRobot`'s calibration of motors to changes of a rig file, and a rig file to such a calibration.
 //!
-//! `LeRobot` (0.4.4, `motors/motors_bus.py`) keeps a JSON object: for each motor its id, drive mode, homing offset and
-//! range, in counts of its own registers. A Feetech subtracts its homing offset from the encoder, a Dynamixel adds it.
+//! `LeRobot` (0.4.4, `motors/motors_bus.py`) stores a JSON object. For each motor it contains the id, the drive mode,
+//! the homing offset and the range, in counts of the motor's registers. A Feetech subtracts its homing offset from the
+//! encoder, a Dynamixel adds it.
 
 use serde::ser::{Serialize, Serializer};
 use serde::{Deserialize, Serialize as SerializeDerive};
@@ -11,7 +12,7 @@ use sinew_rig::description::{Address, Servo};
 use crate::rig_file::ServoChange;
 use crate::{Protocol, ServiceError, Table};
 
-/// Calibration of one motor, as in the file.
+/// Calibration of one motor, as in `LeRobot`'s file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, SerializeDerive)]
 pub struct MotorCalibration {
     /// Id on the bus.
@@ -20,9 +21,9 @@ pub struct MotorCalibration {
     pub drive_mode: u8,
     /// Value of the register Homing Offset, counts.
     pub homing_offset: i32,
-    /// Least position, counts.
+    /// Minimum position, counts.
     pub range_min: i32,
-    /// Greatest position, counts.
+    /// Maximum position, counts.
     pub range_max: i32,
 }
 
@@ -36,12 +37,12 @@ impl Serialize for Calibrations {
     }
 }
 
-/// Changes of a rig file by a calibration, and remarks about them.
+/// The changes that a calibration makes to a rig file, and notes about them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Taken {
     /// New values of servos.
     pub changes: Vec<ServoChange>,
-    /// Facts that the file cannot hold, or that a person should check.
+    /// Notes for a person: values that the rig file cannot contain, and values to check.
     pub notes: Vec<String>,
 }
 
@@ -49,14 +50,14 @@ fn refused(name: &str, what: String) -> ServiceError {
     ServiceError::Rig { name: name.to_owned(), what }
 }
 
-/// Returns the registers of a rig's servo: `LeRobot` calibrates servos of known kinds.
+/// Returns the register table of a rig's servo. Refuses a kind without a table.
 fn table_of(servo: &Servo) -> Result<Table, ServiceError> {
     Table::named_model(&servo.model, u8::MAX).ok_or_else(|| {
         refused(&servo.name, format!("its kind {} has no register of its position", servo.model))
     })
 }
 
-/// Finds the servo of a motor: by its name, else by its id.
+/// Finds the servo of a motor by its name, otherwise by its id. A servo with this name must have the same id.
 fn servo_of<'r>(
     rig: &'r Description,
     name: &str,
@@ -76,8 +77,9 @@ fn servo_of<'r>(
     }
 }
 
-/// Returns how a rig file changes by a calibration: `range_deg`, `homing_offset_deg`, and `direction` of a motor that
-/// is reversed. `offset_deg` stays: `LeRobot`'s zero is the middle of the range, and the rig's is its own.
+/// Returns the changes that a calibration makes to a rig file: it sets `range_deg`, `homing_offset_deg`, and the
+/// `direction` of a reversed motor. `offset_deg` stays unchanged, because `LeRobot`'s zero is the middle of the range,
+/// and the rig has its own zero.
 ///
 /// # Errors
 /// [`ServiceError::Rig`] if a motor has no servo, or its numbers are not those of its registers.
@@ -100,7 +102,8 @@ pub fn taken(rig: &Description, calibrations: &Calibrations) -> Result<Taken, Se
             return Err(refused(name, format!("drive_mode {drive_mode}: expected 0 or 1")));
         }
         let is_reversed = drive_mode == 1;
-        // A reversed Dynamixel counts the other way round its middle. The rig file knows it as it is not reversed.
+        // A reversed Dynamixel counts in the other direction around its middle. The rig file has the values of the
+        // servo without its reversal.
         let mirrors = is_reversed && table.protocol() == Protocol::Dynamixel;
         let (least, most, homing) = if mirrors {
             (turn - range_max, (turn - range_min).min(turn - 1), -homing_offset)
@@ -133,9 +136,9 @@ pub fn taken(rig: &Description, calibrations: &Calibrations) -> Result<Taken, Se
     Ok(taken)
 }
 
-/// Returns the calibration that `LeRobot` would have of a rig's servos with an id, in the order of the rig file. A
-/// servo without `range_deg` has its whole turn, and without `homing_offset_deg` an offset of 0. A Feetech with
-/// `direction = -1` is one that `LeRobot` reverses.
+/// Returns `LeRobot`'s calibration of those servos of a rig that have an id, in the order of the rig file. Without
+/// `range_deg` the range is the whole turn; without `homing_offset_deg` the offset is 0. A Feetech with `direction =
+/// -1` gets drive mode 1, which makes `LeRobot` reverse it.
 ///
 /// # Errors
 /// [`ServiceError::Rig`] if a kind is unknown, or a range is not within a turn.
@@ -174,7 +177,7 @@ pub fn calibrations(rig: &Description) -> Result<Calibrations, ServiceError> {
     Ok(Calibrations(all))
 }
 
-/// Returns the register of the homing offset.
+/// Returns the register of the homing offset, or `None` if the servo has none.
 pub(crate) fn homing_register(table: &Table) -> Option<sinew_servo_bus::table::Item> {
     table.named("Homing Offset")
 }
@@ -188,7 +191,7 @@ mod tests {
 
     const MODEL: &str = "STS3215-12V";
 
-    /// A rig of two servos, as a person writes it before its calibration.
+    /// Returns the text of a rig file with two servos, as a person writes it before the calibration.
     fn text(model: &str) -> String {
         let mut text = "name = \"arm\"\n[[body]]\nname = \"base\"\n".to_owned();
         for (index, name) in ["shoulder_pan", "shoulder_lift"].into_iter().enumerate() {

@@ -42,7 +42,7 @@
 //! - `guard`, `follow`, `left`: restores a servo that a tool changes; checks reported positions; finds servos that a
 //!   killed program left.
 //! - `calibrate`, `rig_file`: ranges found by hand; the rig file with these ranges.
-//! - `lerobot`: `LeRobot`'s calibration, taken to a rig file and made of it.
+//! - `lerobot`: converts `LeRobot`'s calibration to changes of a rig file, and a rig file to such a calibration.
 //! - `error`: errors of all tools.
 
 #![forbid(unsafe_code)]

@@ -62,10 +62,12 @@ fn reading(item: &Item, raw: i32) -> Reading {
 }
 
 /// Writes a register by name, and returns its value afterwards. Refuses if the number is out of range, the register is
-/// read-only or has its own command, or the register is in EEPROM and torque is on.
+/// read-only or has its own command, or the register is in EEPROM and torque is on; refuses a goal position of a
+/// Feetech while its torque is off.
 ///
 /// # Errors
-/// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number.
+/// [`Registers`] contains cause and remedy; [`Registers::NotKept`] if the servo stored another number;
+/// [`ServiceError::State`] for the goal position of a Feetech without torque; the errors of [`Client::read_bytes`].
 pub fn write<E: Exchange>(
     client: &mut Client<E>,
     servo: &Servo,
@@ -92,7 +94,8 @@ pub fn write<E: Exchange>(
     Ok(reading(&item, raw))
 }
 
-/// Returns the command to use instead of a plain write, for registers that could lose the servo or its settings.
+/// Returns the command to use instead of a plain write, or the reason why there is none, for registers whose change
+/// could make the servo unreachable or lose its settings. Returns `None` for other registers.
 fn elsewhere(servo: &Servo, item: &Item) -> Option<String> {
     let id = servo.id;
     if item.address == servo.table.address(Role::Id) {
@@ -148,7 +151,8 @@ fn counts<E: Exchange>(
     }
 }
 
-/// Returns the allowed values of a register whose range contains values without a meaning.
+/// Returns the allowed values of a register whose range contains invalid or harmful values. Returns `None` if the whole
+/// range is allowed.
 fn choices(servo: &Servo, item: &Item) -> Option<&'static [i32]> {
     match &servo.table {
         Table::Dynamixel(_) if item.address == dxl::OPERATING_MODE => {

@@ -12,11 +12,11 @@ pub struct ServoChange {
     pub name: String,
     /// Range of the servo's own position, deg.
     pub range_deg: Option<[f64; 2]>,
-    /// Servo position at which the drive has its zero, deg.
+    /// The servo's own position at which the drive is at zero, deg.
     pub offset_deg: Option<f64>,
-    /// Value of its register Homing Offset, deg.
+    /// Value of the servo's register Homing Offset, deg.
     pub homing_offset_deg: Option<f64>,
-    /// Direction, 1 or -1.
+    /// Direction of the servo relative to its drive, 1 or -1.
     pub direction: Option<i8>,
 }
 
@@ -136,7 +136,7 @@ fn set(table: &mut dyn TableLike, key: &str, mut value: Value) {
     table.insert(key, Item::Value(value));
 }
 
-/// Rounds to 0.0001 deg: a thousandth of a servo's count, so that counts come back.
+/// Rounds to 0.0001 deg, a thousandth of a servo's count: a conversion back to counts gives the same counts.
 fn short(degrees: f64) -> f64 {
     // Adding zero avoids -0.
     (degrees * 1e4).round() / 1e4 + 0.0

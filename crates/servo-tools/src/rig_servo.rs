@@ -18,7 +18,7 @@ pub struct RigServo {
     pub model: ServoModel,
     /// Range, rad from the middle of the encoder; `None` for the whole range of the kind.
     pub range_rad: Option<[f64; 2]>,
-    /// Value of its register Homing Offset, rad; `None` if the rig leaves it alone.
+    /// Value of the servo's register Homing Offset, rad; `None` if the rig file does not state it.
     pub homing_offset_rad: Option<f64>,
     /// Maximum torque that the rig needs, N m; `None` for the stall torque of the kind.
     pub torque_nm: Option<f64>,
@@ -29,12 +29,12 @@ pub struct RigServo {
 }
 
 impl RigServo {
-    /// Returns the registers of the servo's kind, or `None` for a kind that only the rig file describes.
+    /// Returns the registers of the servo's kind, or `None` for a kind without a known table.
     pub fn table(&self) -> Option<Table> {
         Table::named_model(&self.model.name, u8::MAX)
     }
 
-    /// Returns the servo's protocol, if its kind is known.
+    /// Returns the servo's protocol, or `None` for a kind without a known table.
     pub fn protocol(&self) -> Option<Protocol> {
         self.table().map(|table| table.protocol())
     }

@@ -77,7 +77,8 @@ const TRIES: u32 = 2;
 /// common answer does not contain its model.
 ///
 /// # Errors
-/// An error if the line failed. `tell` receives an event for a rate that the line does not support.
+/// An error if the line failed; [`ServiceError::Stopped`] after a signal. A rate that the line does not support is not
+/// an error: `tell` receives an event.
 pub fn scan<E: Exchange>(
     client: &mut Client<E>,
     settings: &ScanSettings,
@@ -180,7 +181,7 @@ pub(crate) fn answer_together<E: Exchange>(
 /// patience. The answer may come from several servos that disturb each other.
 ///
 /// # Errors
-/// An error if the line failed.
+/// An error if the line failed; [`ServiceError::Stopped`] after a signal.
 pub fn anyone<E: Exchange>(
     client: &mut Client<E>,
 ) -> Result<Option<(Protocol, u32)>, ServiceError> {
@@ -221,7 +222,8 @@ fn to_all(protocol: Protocol) -> Result<(Vec<u8>, Duration), ServiceError> {
 ///
 /// # Errors
 /// [`ServiceError::Nowhere`], or [`ServiceError::Silent`] if only one protocol and one rate are tried;
-/// [`ServiceError::Noise`] if the answer is not a packet; the errors of [`Client::open`].
+/// [`ServiceError::Noise`] if the answer is not a packet; [`ServiceError::Baud`] if the line does not support the only
+/// rate; the errors of [`Client::open`].
 pub fn find<E: Exchange>(
     client: &mut Client<E>,
     id: u8,

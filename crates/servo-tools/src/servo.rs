@@ -91,7 +91,7 @@ impl<E: Exchange> Client<E> {
     /// Restarts a servo, and waits until it answers again. RAM gets its power-up values, and torque is off.
     ///
     /// # Errors
-    /// [`ServiceError::Silent`] if it does not answer again within two seconds.
+    /// [`ServiceError::Silent`] if it does not answer again within two seconds; others as in [`Self::read_bytes`].
     pub fn reboot(&mut self, servo: &Servo) -> Result<(), ServiceError> {
         let request = packet(|out| match &servo.table {
             Table::Dynamixel(_) => dynamixel::Instruction::Reboot.encode(servo.id, out),

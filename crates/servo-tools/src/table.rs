@@ -17,7 +17,8 @@ pub enum Table {
 }
 
 impl Table {
-    /// Looks up a model by name. Ignores the suffixes of kinds in rig files: `XL330-M288-T`, `STS3215-12V`.
+    /// Looks up a model by name. Ignores the suffixes of kinds in rig files: `XL330-M288-T`, `STS3215-12V`. Returns
+    /// `None` if no model has this name.
     pub fn named_model(name: &str, firmware: u8) -> Option<Self> {
         let dynamixel = dynamixel::table::Model::of_kind(name)
             .map(|model| Self::Dynamixel(dynamixel::table::Table { model, firmware }));
@@ -32,7 +33,8 @@ impl Table {
             .ok_or_else(|| ServiceError::NoModel { name: name.to_owned(), known: known(protocol) })
     }
 
-    /// Looks up a Feetech model by the two bytes at address 3, whose order depends on the family.
+    /// Looks up a Feetech model by the two bytes at address 3, whose order depends on the family. Returns `None` if no
+    /// model has this number.
     pub(crate) fn of_feetech(number: [u8; 2]) -> Option<Self> {
         let [sts, scs] = [u16::from_le_bytes(number), u16::from_be_bytes(number)];
         let model = feetech::table::MODELS.iter().find(|model| {
@@ -75,7 +77,7 @@ impl Table {
         }
     }
 
-    /// Returns the register at an address.
+    /// Returns the register that contains an address, if there is one.
     pub fn at(&self, address: u16) -> Option<Item> {
         match self {
             Self::Dynamixel(table) => table.at(address),
@@ -83,7 +85,7 @@ impl Table {
         }
     }
 
-    /// Returns the register with a name. Ignores case and separators between words.
+    /// Returns the register with a name, if there is one. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         match self {
             Self::Dynamixel(table) => table.named(name),

@@ -23,7 +23,8 @@ pub(crate) struct Channel {
     code: Code,
     /// Index of the block that is being read.
     block: u32,
-    /// Index of the next bit in the block, and of the first bit after the channel's. Both 0: nothing was read yet.
+    /// Index of the next bit in the block. `end` is the index of the first bit after the channel's bits. If both are 0,
+    /// nothing was read yet.
     at: u32,
     end: u32,
     /// Whether the block that is being read belongs to the next round of a looped show.
@@ -228,7 +229,7 @@ impl Checked {
     }
 }
 
-/// The source that a channel is read from.
+/// The show, the index and the parameters of the channel that is read.
 struct Source<'a> {
     show: &'a Show<'a>,
     index: usize,

@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use glam::{DQuat, DVec3};
 
-    /// Compared with f64 differences of the rotation p / |p| itself, and of the position.
+    /// Compares speeds and accelerations with f64 differences of the rotation p / |p| itself, and of the position.
     #[test]
     #[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "a test")]
     fn speeds_and_accelerations_are_derivatives() {

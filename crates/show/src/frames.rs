@@ -51,7 +51,7 @@ impl<'a, const COORDS: usize> ShowFrames<'a, COORDS> {
         self.player.show()
     }
 
-    /// Returns the position of the show in a frame.
+    /// Returns the position of the show in a frame; the start for a negative index.
     pub fn position(&self, index: i32) -> Position {
         self.pace.position(u32::try_from(index).unwrap_or(0))
     }

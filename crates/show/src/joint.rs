@@ -34,12 +34,12 @@ impl Joint {
         self as u8
     }
 
-    /// Returns the kind with this number.
+    /// Returns the kind with this number, or `None` if there is none.
     pub fn of_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
 
-    /// Returns the number of its coordinates in `q`, which is also its number of channels.
+    /// Returns the number of the joint's coordinates in `q`, which is also its number of channels.
     pub const fn coordinate_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -50,7 +50,7 @@ impl Joint {
         }
     }
 
-    /// Returns the number of its dofs in `qd` and `qdd`.
+    /// Returns the number of the joint's dofs in `qd` and `qdd`.
     pub const fn dof_count(self) -> usize {
         match self {
             Self::Fixed => 0,
@@ -61,7 +61,7 @@ impl Joint {
         }
     }
 
-    /// Returns `true` if its first four channels are a quaternion.
+    /// Returns `true` if the joint's first four channels are a quaternion.
     pub const fn turns_freely(self) -> bool {
         matches!(self, Self::Spherical | Self::Free)
     }

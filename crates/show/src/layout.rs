@@ -113,13 +113,13 @@ impl Header {
 /// Parameters of a channel's control values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ChannelRecord {
-    /// Value of a control value of 1: rad, m, or of a quaternion's component.
+    /// Size of one step of a control value: in rad, in m, or, for a component of a quaternion, without a unit.
     pub(crate) step: f32,
     /// Minimum of all control values.
     pub(crate) least: i32,
     /// Maximum of all control values.
     pub(crate) most: i32,
-    /// Running mean at the start of a block.
+    /// Running mean of the residuals at the start of each block.
     pub(crate) mean: u8,
     /// Share of the last slope that is expected to continue, in sixteenths.
     pub(crate) trend: u8,

@@ -46,6 +46,7 @@
 //! - `span`, `chart`: a span as a cubic; channels to joint coordinates (a ball joint is p / |p|).
 //! - `player`, `frames`, `blend`: all channels at a position; frames for the tracker; blends.
 //! - `cue`, `time_code`, `time_warp`: cues; the clock of a production; a slowed show's time in its performance.
+//! - `sound`: the section for a sound after a show in its file, for hosts.
 //! - `write/`: a `motion` and `settings` to `channels`, knots (`refine`, `curve`), least squares (`fit`), bits
 //!   (`pack`), and the error of the decoder's result (`measure`).
 
@@ -74,6 +75,8 @@ mod player;
 mod position;
 mod rig;
 mod show;
+#[cfg(feature = "std")]
+pub mod sound;
 mod span;
 mod span_lengths;
 mod time_code;

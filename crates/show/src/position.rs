@@ -18,7 +18,7 @@ impl Rate {
         self.samples as f32 / self.seconds as f32
     }
 
-    /// Returns the progress of a show of this rate in `dt_s`, at most 8 s.
+    /// Returns the progress of a show of this rate in the time `dt_s`, which counts as at most 8 s.
     pub(crate) fn pace(self, dt_s: f32) -> Pace {
         // 2^40: multiplication by a power of two is exact, and 2^43 times 2^20 fits.
         const UNIT: f32 = 1_099_511_627_776.0;
@@ -63,8 +63,8 @@ impl Position {
         if self < end { self } else { Self(self.0.checked_rem(end.0).unwrap_or(0)) }
     }
 
-    /// Returns the samples from a knot to this position: at most a longest span of 2^10, which leaves 22 fractional
-    /// bits.
+    /// Returns the samples from a knot to this position: at most 2^10, the longest span, so that 22 fractional bits
+    /// remain.
     pub(crate) fn since(self, knot: i32) -> f32 {
         let whole = i64::from(knot) << 32;
         let since = self.0.cast_signed().saturating_sub(whole).max(0) >> 10;
@@ -78,8 +78,8 @@ impl Position {
 pub struct Pace(u64);
 
 impl Pace {
-    /// Returns the position of a show after a number of ticks. Exact to 2⁻³² of a sample per tick: 0.4 µs after ten
-    /// minutes of 500 ticks and 100 samples per second.
+    /// Returns the position of a show after a number of ticks. The error is below 2⁻³² of a sample per tick: at most
+    /// 0.7 µs after ten minutes of 500 ticks and 100 samples per second.
     pub const fn position(self, ticks: u32) -> Position {
         Position(self.0.saturating_mul(ticks as u64))
     }

@@ -1,4 +1,5 @@
-//! Compaction: copies the valid records of a log into the next sector. Only this module erases sectors of the log.
+//! Compaction: copies the records of a log that are still valid into the next sector. Only this module erases sectors
+//! of the log.
 
 use embedded_storage::nor_flash::NorFlash;
 

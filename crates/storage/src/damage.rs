@@ -20,7 +20,8 @@ pub(crate) const NOTE_KIND: u8 = 18;
 pub(crate) const NOTES: u32 = 2;
 
 impl Log {
-    /// Returns `true` if there was a newer item of this kind than the newest intact one. O(length of the log).
+    /// Returns `true` if there was a newer item of this kind than the newest intact one, or there may have been one
+    /// among unreachable records. O(length of the log).
     pub(crate) fn is_damaged<F: NorFlash>(
         &self,
         flash: &mut F,

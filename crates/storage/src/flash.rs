@@ -9,7 +9,7 @@ use crate::error::Error;
 
 pub(crate) const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
-/// Length of a read, in bytes, aligned to itself: a driver may require any alignment up to it.
+/// Length and alignment of a read, in bytes, so that a driver may require any alignment up to this length.
 pub(crate) const CHUNK: usize = 64;
 /// Length of a read as a `u32`, see `CHUNK`.
 pub(crate) const CHUNK_LEN: u32 = 64;

@@ -90,7 +90,7 @@ impl Log {
         })
     }
 
-    /// Returns the last record that a test accepts. O(sector), times the cost of the test.
+    /// Returns the last record that `accept` accepts. O(sector), times the cost of `accept`.
     pub(crate) fn newest<F: NorFlash>(
         &self,
         flash: &mut F,
@@ -154,7 +154,7 @@ pub(crate) fn encode(generation: u32) -> [u8; 16] {
     [m0, m1, m2, m3, v0, v1, v2, v3, g0, g1, g2, g3, c0, c1, c2, c3]
 }
 
-/// Returns the generation of a valid sector.
+/// Returns the generation in a sector's header, or `None` if the header is invalid.
 fn decode(raw: [u8; 16]) -> Option<u32> {
     let [.., g0, g1, g2, g3, _, _, _, _] = raw;
     let generation = u32::from_le_bytes([g0, g1, g2, g3]);

@@ -16,8 +16,8 @@ use crate::upload::Upload;
 
 /// The persistent items of a board, in a flash `F`.
 ///
-/// Reading an item takes a pass over it, for its CRC. Without [`Disarmed`], only faults, and the record that they
-/// were cleared, can be written.
+/// Each reading of an item reads all of its bytes, to check its CRC. Without [`Disarmed`], only faults, and the record
+/// that they were cleared, can be written.
 #[derive(Debug)]
 pub struct Store<F> {
     pub(crate) flash: F,
@@ -26,10 +26,10 @@ pub struct Store<F> {
     run: u32,
 }
 
-/// Condition of the log when it was opened.
+/// Condition of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Condition {
-    /// There never was a log: the first item creates it.
+    /// There never was a log: the first item, or [`Store::tidy`], creates it.
     New,
     /// The log is in order.
     Good,
@@ -89,7 +89,7 @@ impl<F: NorFlash> Store<F> {
         &self.board
     }
 
-    /// Returns the flash.
+    /// Ends the store, and returns the flash.
     pub fn close(self) -> F {
         self.flash
     }
@@ -224,8 +224,8 @@ impl<F: NorFlash> Store<F> {
         self.flash.erase(area.start, area.sectors_end(1)).map_err(Error::Flash)
     }
 
-    /// Records a fault, armed or not. It erases nothing; call it when the servos are safe. Returns the number of this
-    /// start, which replaces `fault.run`.
+    /// Records a fault, even while the rig is armed. It erases nothing; call it when the servos are safe. Returns the
+    /// number of this start, which replaces `fault.run`.
     ///
     /// # Errors
     /// [`Error::Untidy`], [`Error::Full`]: keep the fault in RAM until the rig is limp, then call [`Self::tidy`].
@@ -246,8 +246,8 @@ impl<F: NorFlash> Store<F> {
         Faults::of(&self.log, &mut self.flash)
     }
 
-    /// Clears faults, armed or not, so that the next fault becomes the first: faults may be cleared while the rig is
-    /// lowered. The last faults stay. It erases nothing.
+    /// Clears faults: the next fault becomes the first, and the last faults stay. It erases nothing, and works even
+    /// while the rig is armed, because a person may clear faults while the rig is lowered.
     ///
     /// # Errors
     /// As in [`Self::record_fault`].

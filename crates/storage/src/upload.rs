@@ -159,7 +159,7 @@ impl Upload {
         if Hash::finish(hasher) == descriptor.hash { Ok(()) } else { Err(Error::Hash) }
     }
 
-    /// Gives up an upload that cannot succeed, so that it is never continued.
+    /// Gives up an upload whose `result` shows that it cannot succeed, so that it is never continued. Returns `result`.
     fn or_give_up<F: NorFlash>(
         &self,
         flash: &mut F,

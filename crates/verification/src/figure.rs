@@ -108,7 +108,7 @@ pub(super) fn expect_bodies(n: usize) -> Result<(), CaseError> {
     if n == 0 { Err(CaseError::new("n", "no bodies; expected one or more")) } else { Ok(()) }
 }
 
-/// Returns the tree of `rnea` and `control` cases: all joints are spherical, except the root's.
+/// Returns the tree of `rnea` and `control` cases. `root` selects the joint of body 0; all other joints are spherical.
 pub(super) fn tree(n: usize, root: Root, bodies: &[GoldenBody]) -> Result<Tree, CaseError> {
     expect_count("bodies", bodies.len(), n)?;
     expect_bodies(n)?;

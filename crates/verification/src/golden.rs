@@ -40,7 +40,7 @@ impl Golden {
     }
 }
 
-/// A number that is representable in the core's f32.
+/// A number within the range of the core's f32.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(try_from = "f64")]
 pub(super) struct Scalar(pub(super) f64);

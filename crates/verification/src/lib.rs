@@ -1,4 +1,4 @@
-//! Recomputes golden numbers, which independent programs made, with the core.
+//! Recomputes, with the core, golden numbers that independent programs have made.
 //!
 //! # Files
 //! - `golden`, `kind`, `error`: the envelope of a file, its kind, and its possible faults.

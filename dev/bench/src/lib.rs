@@ -31,8 +31,8 @@ pub enum Root {
     Floating,
 }
 
-/// Returns a figure of `count` bodies (at most `N`): trunk, two legs and two arms that branch off it, all joints
-/// spherical.
+/// Returns a rig of `count` bodies (at most `N`) in branches of four bodies: two branches begin at the root, and two at
+/// the end of each branch. All joints are spherical, except that of a floating root.
 ///
 /// # Errors
 /// [`TreeError`] if there are more bodies than the tree has room for.
@@ -40,7 +40,7 @@ pub fn figure<const N: usize>(count: usize, root: Root) -> Result<Tree<N>, TreeE
     let mut numbers = Numbers::new();
     let mut tree = Tree::new();
     for index in 0..count {
-        // Limbs of four bodies; the first body of each is attached to a body of the trunk.
+        // Branches of four bodies: two begin at body 0, and two at the end of each branch.
         let parent = match index {
             0 => None,
             _ if index % 4 == 1 => Some((index / 8) * 4),

@@ -48,7 +48,7 @@ pub struct Instant {
 }
 
 impl Instant {
-    /// An instant whose numbers are all zero.
+    /// An instant with all numbers zero, and all poses the identity.
     pub const NOTHING: Self = Self {
         poses: [Transform::IDENTITY; MOST_JOINTS],
         q: [0.0; 4 * MOST_JOINTS],

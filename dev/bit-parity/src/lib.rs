@@ -3,11 +3,12 @@
 //! - [`run`]: a run that any machine can make, and all its numbers;
 //! - [`replay`]: a stand-in for servos, so that any machine can perform a show without servos, and a hash of its
 //!   torques;
+//! - [`play`]: a show performed with this stand-in, and a hash of the torques of each method;
 //! - [`decode`]: a show that any machine can decode, and a hash of each second;
 //! - [`answer`]: each of them, as the program `parity` on a host and as an image for an emulated board.
 //!
 //! # Files
-//! - `run`, `replay`, `decode`, `play`: the four requests.
+//! - `run`, `decode`, `play`: the three requests; `replay`: the stand-in for servos.
 //! - `host`, `image`, `files`: the program on a host; the image for QEMU; files of the host through semihosting.
 
 #![no_std]

@@ -1,5 +1,5 @@
-//! Data for a test whether two machines compute the same bits: a run that any machine can make, and all numbers of
-//! the run.
+//! Data for a test that compares the bits that two machines compute: a run that any machine can repeat, and all
+//! numbers of the run.
 //!
 //! A run consists of a rig, a method, the desired poses of the joints in each frame, and their measured poses in each
 //! tick. The machine answers with the intermediate results of its torques. The evaluation records all these data

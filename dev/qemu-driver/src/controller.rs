@@ -1,4 +1,5 @@
-//! The node as the peer of the controller in process: the questions of a tick, and the comparison of the answers.
+//! The node in QEMU as the peer of the controller in this process: it gets the same answers and commands in each tick,
+//! and the outputs of both are compared.
 
 use sinew_firmware::supervisor::{Command, Feed, State};
 use sinew_link::message::{Command as Linked, Feed as LinkedFeed};
@@ -12,7 +13,7 @@ use super::error::QemuError;
 use super::node::Node;
 use super::set_up;
 
-/// The controller in the image, compared with the controller in process.
+/// The controller in the image, compared with the controller in this process.
 pub struct QemuController {
     node: Node,
     tick_us: u64,
@@ -64,8 +65,8 @@ impl QemuController {
         self.ticks * self.tick_us
     }
 
-    /// Asks for packets of a line. `own` describes the packets of the controller in process, whose bytes are in
-    /// `out`. The packets of the image are written to `out`.
+    /// Asks for packets of a line. `own` describes the packets of the controller in this process, whose bytes
+    /// are in `out`. The packets of the image are written to `out`.
     fn packets(
         &mut self,
         question: &ToNode<'_>,

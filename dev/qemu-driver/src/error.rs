@@ -21,7 +21,7 @@ pub enum QemuError {
     NoImage {
         /// Path at which it is expected.
         path: PathBuf,
-        /// The variable that can name another image.
+        /// Name of the environment variable that can name another image.
         variable: &'static str,
     },
     /// QEMU is not installed.
@@ -78,7 +78,7 @@ pub enum QemuError {
     /// The host link has no message for a command.
     #[error("the command {0:?} cannot be sent: the host link has no message for it")]
     Command(Command),
-    /// The image and the controller in process differ.
+    /// The results of the image and of the controller in this process differ.
     #[error(
         "tick {tick}: {what} of the image in QEMU differ from those in process. Is it of this version? `cargo xtask \
          node` rebuilds it ({image} names another one)"

@@ -3,11 +3,11 @@
 //! ```text
 //! Node: rig, settings, show, commands, over the link ──> image ──> packets of each line ──> simulated servos
 //!                                                          ║ the same?                         │ answers, to both
-//!                                   controller in process ─╨─ Tally, Recorder  <───────────────┘
+//!                              controller in this process ─╨─ Tally, Recorder  <───────────────┘
 //! ```
-//! The image's packets are sent to the servos. The controller in process receives the same answers and commands in
+//! The image's packets are sent to the servos. The controller in this process receives the same answers and commands in
 //! the same ticks, and all outputs of both are compared: each packet, and in each tick state, commanded pose, efforts
-//! and errors, bit for bit. Therefore tables and recordings of the controller in process are valid for both.
+//! and errors, bit for bit. Therefore tables and recordings of the controller in this process are valid for both.
 //!
 //! - `emulator`: the process of QEMU, as a pair of pipes;
 //! - `node`: a node over these pipes, and its host link;

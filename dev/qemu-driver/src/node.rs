@@ -132,8 +132,8 @@ impl Node {
         }
         self.below()?;
         match self.outcome.take() {
-            // This node must refuse the same commands as the controller in process: the comparison of their states
-            // shows it.
+            // A refusal is no error here: if only one of the two controllers refuses the command, the comparison of
+            // their states shows it.
             Some(Outcome::Refused(_) | Outcome::Applied(_) | Outcome::Limited(..)) => Ok(()),
             _ => Err(QemuError::NoAnswer("a command")),
         }

@@ -6,7 +6,7 @@
 //! ```
 //! The node is that of every board, and the host replaces its hardware. They run in lockstep: one of them runs while
 //! the other waits, and the host sets the time. Therefore every run is the same, and the bytes on the bus and the
-//! host link can be compared with those of a node in process.
+//! host link can be compared with those of a node in another program.
 //!
 //! - [`built_in`]: built-in parts of a rig's board: drives of its servos, and its lines;
 //! - [`arm`]: the built-in parts for the rig of the tests;

@@ -21,5 +21,5 @@ pub const LINE_BPS: u32 = 1_000_000;
 /// Bytes that the host link accepts in a step.
 pub const LINE_IN_STEP: usize = 200;
 
-/// Largest number of bytes from the host in a tick.
+/// Largest number of bytes from the host in a message.
 pub const LINE_AT_ONCE: usize = 1024;

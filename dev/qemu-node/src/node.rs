@@ -1,4 +1,4 @@
-//! Runs the node tick by tick, as its host says.
+//! Runs the node tick by tick; the host starts each tick.
 
 use core::cell::{Cell, RefCell};
 use core::convert::Infallible;

@@ -42,7 +42,7 @@ impl Toolchain {
         }
     }
 
-    /// Whether the toolchain is on this machine and builds for a target.
+    /// Returns whether the toolchain is on this machine and builds for a target.
     fn builds_for(self, target: &str) -> bool {
         match self {
             Self::Rustup => has_target(target),
@@ -93,7 +93,7 @@ impl Toolchain {
     }
 }
 
-/// Whether the toolchain that runs this program has the standard library for a target.
+/// Returns whether the toolchain that runs this program has the standard library for a target.
 pub fn has_target(target: &str) -> bool {
     let installed = step::output(step::command("rustup").args(["target", "list", "--installed"]));
     installed.is_some_and(|list| list.lines().any(|line| line == target))

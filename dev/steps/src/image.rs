@@ -14,7 +14,7 @@ pub struct Image {
     pub package: &'static str,
     /// Name of the program.
     pub name: &'static str,
-    /// Feature of the package that the program needs.
+    /// Feature of the package that the program needs; `None` if it needs none.
     pub feature: Option<&'static str>,
 }
 

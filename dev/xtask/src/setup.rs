@@ -54,7 +54,8 @@ pub(crate) fn rust(version: &str) -> bool {
     found() || (succeeds(&mut rustup(&install)) && found())
 }
 
-/// Returns the browser that reads the report in tests.
+/// Returns the browser that reads the report in tests: `SINEW_CHROMIUM`, otherwise an installed Chromium or Chrome.
+/// `None` if none runs.
 pub(crate) fn chromium() -> Option<String> {
     let chosen = std::env::var("SINEW_CHROMIUM").ok();
     let known = ["chromium", "chromium-browser", "google-chrome"].map(str::to_owned);

@@ -33,8 +33,8 @@ Commands:
             dynamics with other crates; then compares their times
   python    Builds the wheel `sinew-motion`, and tests it in fresh environments of every Python from 3.10 to 3.13 that is
             installed: tests, examples, types, the notebook, and torques beside Pinocchio's (from PyPI)
-  deny      Checks licences, sources and versions of dependencies, and known vulnerabilities if their database can be
-            reached, with cargo-deny and deny.toml
+  deny      Checks lock files, licences, sources and versions of dependencies, and known vulnerabilities if their
+            database can be reached, with cargo-deny and deny.toml
   semver REV
             Lists the changes of the core's interface since revision REV that break its users, with
             cargo-semver-checks

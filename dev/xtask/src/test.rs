@@ -122,7 +122,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     let machines = parity::build()?;
     let image = node::build()?;
     let emulator = emulate::build(emulator)?;
-    // Both hostile hosts together send so many frames, in two minutes.
+    // Number of frames that the two hostile hosts send together.
     tests.env("SINEW_FRAMES", "1000000");
     if data {
         tests.args(["--run-ignored", "all"]);

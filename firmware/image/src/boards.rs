@@ -23,7 +23,7 @@ pub const BOARDS: &[Board] = &[
 pub const EMULATED: Board = BOARDS[0];
 
 impl Board {
-    /// Returns the board with this name.
+    /// Returns the board with this name. Panics if there is none.
     pub(crate) fn named(name: &str) -> Self {
         let board = BOARDS.iter().find(|board| board.name == name);
         *board.unwrap_or_else(|| panic!("{name} is not in the list of boards, {}", file!()))

@@ -1,4 +1,4 @@
-//! Shared by the build scripts of all images and by `cargo xtask`: the list of boards, and the link arguments.
+//! The list of boards and the link arguments, for the build scripts of all images and for `cargo xtask`.
 //!
 //! A board's build script is one line:
 //!
@@ -19,7 +19,8 @@ mod link;
 pub use boards::{BOARDS, Board, EMULATED};
 pub use link::link;
 
-/// Links the image of the board whose build script calls this function, with `scripts` beside `link.x`.
+/// Links the image of the board whose build script calls this function, with the linker scripts `scripts` in addition
+/// to `link.x`.
 ///
 /// # Panics
 /// Panics if the board is not in [`BOARDS`], or has no memory.

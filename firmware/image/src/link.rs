@@ -15,7 +15,8 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// that file but overrides its numbers.
 const REFERENCE: &str = "nucleo_f446re";
 
-/// Passes the link arguments for a board to the images of the crate that is built, with `scripts` beside `link.x`.
+/// Passes the link arguments for a board to the images of the crate that is built, with the linker scripts `scripts` in
+/// addition to `link.x`.
 ///
 /// Does nothing if the target is a host.
 ///

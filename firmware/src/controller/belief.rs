@@ -72,7 +72,8 @@ impl Belief {
     }
 
     /// Returns the believed value of a reading that follows the believed reading `before`. `late` is the number of
-    /// ticks that were left out. Without torque (`is_on` is false) a jump is reported for a while, and then believed.
+    /// ticks that were left out. The offset of a jump is subtracted. Without torque (`is_on` is false) a jump is
+    /// reported for a while, and then believed.
     pub(super) fn step(
         &mut self,
         before: Option<Feedback>,

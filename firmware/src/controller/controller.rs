@@ -57,7 +57,7 @@ pub struct Begun {
 }
 
 /// The control loop of a rig with at most `BODIES` bodies, `DOFS` dofs, `SERVOS` servos and `COORDS` coordinates. It
-/// contains all of its memory: put it in a static.
+/// contains all of its memory, and is therefore large.
 #[derive(Debug)]
 pub struct MotionController<
     'a,
@@ -231,8 +231,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
     /// Sets another rest pose than the rig's home.
     ///
     /// # Errors
-    /// [`ControllerError::Rest`] if the number of coordinates is wrong, or one is not from -1e6 to 1e6;
-    /// [`ControllerError::RestRange`] if one is outside of its joint's range.
+    /// [`ControllerError::Rest`] if the number of coordinates is wrong, or a coordinate is not from -1e6 to 1e6;
+    /// [`ControllerError::RestRange`] if a coordinate is outside of its joint's range.
     pub fn with_rest(mut self, q: &[f32]) -> Result<Self, ControllerError> {
         let rest = self.sources.rest.q_mut();
         let refused = ControllerError::Rest { expected: rest.len(), found: q.len() };
@@ -250,18 +250,19 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
     }
 
-    /// Loads another show, which is read in place, or none. The previous show is released in any case; if it is
-    /// playing, the rig holds. O(size).
+    /// Loads another show, which is read in place; `None` loads no show. The previous show is always released, even if
+    /// the other show is refused; if it is playing, the rig holds. O(size).
     ///
     /// # Errors
-    /// [`ShowError`] if the show cannot be read, or is for another rig. While a show plays this is also a fault.
+    /// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range. While a show
+    /// plays this is also a fault.
     pub fn load_show(&mut self, bytes: Option<&'a [u8]>) -> Result<(), ShowError> {
         let plays = plays_show(self.state, self.permission.source);
         self.sources.load(bytes, (self.rig, self.rig_crc), self.dt_s, plays)
     }
 
-    /// Sets another show, which [`open_show`](super::open_show) has opened in the background, or none. If a show is
-    /// playing, it ends, and the rig holds. O(1).
+    /// Sets another show, which [`open_show`](super::open_show) has opened in the background; `None` sets no show. If a
+    /// show is playing, it ends, and the rig holds. O(1).
     pub fn put_show(&mut self, show: Option<ShowFrames<'a, COORDS>>) {
         self.sources.put(show, plays_show(self.state, self.permission.source));
     }
@@ -354,7 +355,7 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         &self.report
     }
 
-    /// Returns the report of the first servo that moves a dof.
+    /// Returns the report of the first servo that moves a dof, or `None` if no servo moves it.
     pub(crate) fn first_servo(&self, dof: usize) -> Option<&ServoReport> {
         self.report.servos.get(self.watch.servo(dof)?)
     }

@@ -48,7 +48,7 @@ pub(super) fn put(numbers: &mut [f32], at: usize, number: f32) {
     }
 }
 
-/// Returns three numbers, from an index on.
+/// Returns three numbers, from an index on; zeros if there are fewer.
 pub(super) fn three(numbers: &[f32], at: usize) -> Vec3 {
     match numbers.get(at..at.saturating_add(3)) {
         Some(&[x, y, z]) => Vec3::new(x, y, z),
@@ -63,7 +63,7 @@ pub(super) fn put_three(numbers: &mut [f32], at: usize, of: Vec3) {
     }
 }
 
-/// Returns the rotation whose quaternion starts at an index.
+/// Returns the rotation whose quaternion starts at an index; the identity if numbers are missing.
 pub(super) fn turn(numbers: &[f32], at: usize) -> Quat {
     match numbers.get(at..at.saturating_add(4)) {
         Some(&[x, y, z, w]) => math::unit(Quat::from_xyzw(x, y, z, w)),

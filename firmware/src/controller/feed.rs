@@ -97,7 +97,8 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Loads another show, or none. A refused show is not kept.
+    /// Loads another show; `None` loads no show. A refused show is not kept. `plays` is whether the previous show is
+    /// being played: then it ends, and a refused show is a fault.
     pub(super) fn load<const BODIES: usize, const SERVOS: usize>(
         &mut self,
         bytes: Option<&'a [u8]>,
@@ -123,7 +124,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Sets another show that was checked already, or none.
+    /// Sets another show that was checked already; `None` sets no show.
     pub(super) fn put(&mut self, show: Option<ShowFrames<'a, COORDS>>, plays: bool) {
         self.uploaded |= show.is_some();
         (self.show, self.ticks) = (show, 0);
@@ -135,12 +136,12 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         if core::mem::take(&mut self.uploaded) { FaultSet::OF_SHOW } else { FaultSet::EMPTY }
     }
 
-    /// Returns the fault of the show that played. It is returned only once.
+    /// Returns the fault of the show that played, if there is one. Each fault is returned only once.
     pub(super) fn take_fault(&mut self) -> Option<Fault> {
         self.fault.take()
     }
 
-    /// Reads the stream's target. Returns whether all of its numbers are finite.
+    /// Reads the stream's target. Returns whether there is none, or all of its numbers are finite.
     pub(super) fn listen(&mut self, now_us: u64, live: &mut impl LiveSource) -> bool {
         let [q, qd, qdd] = self.live.all_mut();
         self.has_live = live.target(now_us, q, qd, qdd);
@@ -160,7 +161,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         Feeds { show, live: self.has_live, jog: jog.is_some() }
     }
 
-    /// Returns the position in the show.
+    /// Returns the position in the show, or `None` without a show.
     pub(super) fn position(&self) -> Option<Position> {
         self.show.as_ref().map(|frames| self.at(frames))
     }
@@ -178,7 +179,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         i32::try_from(self.ticks.saturating_sub(self.run_in >> 1)).unwrap_or(i32::MAX)
     }
 
-    /// Returns the first pose of the show, at rest.
+    /// Returns the first pose of the show, at rest, or `None` without a show.
     pub(super) fn first(&mut self) -> Option<&[f32]> {
         self.goal.take(self.show.as_mut()?.frame(-1));
         Some(self.goal.q())
@@ -200,13 +201,13 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
         }
     }
 
-    /// Returns the goal at rest, for a rig that is lowered.
+    /// Sets the speeds and accelerations of the goal to zero, and returns the goal, for a rig that is lowered.
     pub(super) fn lower(&mut self) -> &mut Pose<DOFS, COORDS> {
         self.goal.rest();
         &mut self.goal
     }
 
-    /// Sets the goal to the measured pose, for a rig that is led by hand.
+    /// Sets the positions of the goal to the measured pose, and returns the goal, for a rig that is led by hand.
     pub(super) fn lead(&mut self, measured: &[f32]) -> &Pose<DOFS, COORDS> {
         self.goal.q_mut().iter_mut().zip(measured).for_each(|(goal, measured)| *goal = *measured);
         &self.goal
@@ -260,7 +261,7 @@ impl<'a, const DOFS: usize, const COORDS: usize> Sources<'a, DOFS, COORDS> {
 /// Opens a rig's show in place, and checks all of it for ticks of `dt_s`. For the background task: O(size).
 ///
 /// # Errors
-/// [`ShowError`] if the show cannot be read, or is for another rig.
+/// [`ShowError`] if the show cannot be read, is for another rig, or starts outside of a joint's range.
 pub fn open_show<
     'a,
     const BODIES: usize,

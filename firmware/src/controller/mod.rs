@@ -29,9 +29,10 @@
 //! [`sinew_servo_bus::settings`] define. While torque is off they are read repeatedly, a few bytes per tick; while
 //! torque is on, never. A difference is stored in [`Report::registers`], and arming is refused. Nothing is written:
 //! `sinew servo apply` does that.
+//!
 //! # Outside of this module
-//! The controller reads no clock and waits for nothing. A servo's own watchdog, and its register of torque, are not
-//! part of [`ServoBus`](sinew_servo_bus::ServoBus).
+//! The controller reads no clock and waits for nothing. A [`ServoBus`](sinew_servo_bus::ServoBus) itself sets the
+//! watchdogs of its servos and reads their torque registers; it only reports the results to the controller.
 
 #![warn(
     clippy::unwrap_used,
@@ -42,6 +43,7 @@
     clippy::arithmetic_side_effects
 )]
 
+mod approach;
 mod belief;
 #[expect(clippy::module_inception, reason = "the type of the module's name")]
 mod controller;
@@ -61,6 +63,7 @@ mod stop_test;
 mod watch;
 mod wire;
 
+pub use approach::{Approach, approach};
 pub use controller::{Begun, Inputs, MotionController, check_budget};
 pub use error::{ControllerError, Incomplete};
 pub use estimate::{TICK_CYCLES, estimated_us};

@@ -27,9 +27,9 @@ pub(super) struct NotFinite;
 pub(super) struct Carried<'p> {
     /// Measured pose of the rig.
     pub(super) q: &'p [f32],
-    /// Target positions, by coordinates. Dofs that correct no error have their own goal.
+    /// Target positions, by coordinates. For dofs whose servos use no feedback effort, they are the goals.
     pub(super) to: &'p [f32],
-    /// Speed of each dof, which is to be braked; for dofs that correct no error, the speed of their goal.
+    /// Speed of each dof, which is to be braked. For dofs whose servos use no feedback effort: the speed of the goal.
     pub(super) qd: &'p [f32],
     /// By dof, effort that pushes the rig back from the ends of its ranges.
     pub(super) walls: &'p [f32],
@@ -175,8 +175,8 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         self.tracker.begin(&mut &*pose, 0, measured).map_err(|_| NotFinite)
     }
 
-    /// Computes the commands of all servos for a tick. `share` returns the permitted part of a servo's effort.
-    /// O(dofs).
+    /// Computes the commands of all servos for a tick. `share` returns the permitted part of a servo's effort. `report`
+    /// supplies the factor on each dof's feedback, and receives efforts and limits. O(dofs).
     pub(super) fn step<const COORDS: usize>(
         &mut self,
         pose: &Pose<DOFS, COORDS>,
@@ -289,9 +289,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
         Ok(())
     }
 
-    /// Returns the overload in a pose, if there is one: the joint whose servo has the greatest load, or else the
-    /// sum of the currents. `stall_a` is by servo; `supply_a` is 0 if it is not known. Friction is left out.
-    /// O(dofs).
+    /// Returns the overload in a pose, if there is one. If servos are overloaded, returns the servo with the largest
+    /// load relative to its maximum torque; otherwise the sum of the currents if that exceeds `supply_a`, the supply's
+    /// current (0 if it is not known). `stall_a` returns the stall current of a servo. Friction is left out. O(dofs).
     #[inline(never)]
     pub(super) fn overload<const COORDS: usize>(
         &self,

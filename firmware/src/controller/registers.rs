@@ -85,7 +85,7 @@ impl<const SERVOS: usize> Comparison<SERVOS> {
         }
     }
 
-    /// Returns the first servo whose register reports that torque is on.
+    /// Returns the first servo whose register reports that torque is on, or `None` if none does.
     pub(super) fn torque_stuck(&self) -> Option<u16> {
         let is_stuck = |servo: &Servo| matches!(servo.found, Some(Compared::Differs(difference)) if difference.is_torque());
         u16::try_from(self.servos.iter().position(is_stuck)?).ok()

@@ -98,8 +98,9 @@ pub struct ServoSetup {
     /// Bandwidth of the joint's observer for its gear and load, rad/s; 0 for that of the tracker's settings. The
     /// minimum of all servos at a joint is used. Only for servos in current or PWM mode.
     pub bandwidth_rad_s: f32,
-    /// Half the play of the gear and a step of the encoder, at the joint, rad (m for a prismatic joint); 0 for no
-    /// rest zone. The values of all servos at a joint are added. Only for servos in current or PWM mode.
+    /// Half the play of the gear and a step of the encoder, at the joint, rad (m for a prismatic joint); 0 for no rest
+    /// zone. The values of a drive's servos are added; a joint with several drives gets the largest sum. Only for
+    /// servos in current or PWM mode.
     pub rest_rad: f32,
     /// Limits of the temperature.
     pub heat: HeatSettings,

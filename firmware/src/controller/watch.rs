@@ -135,7 +135,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         self.servos.get(servo).map_or(f32::INFINITY, |servo| servo.stall_a)
     }
 
-    /// Returns the first servo of a dof.
+    /// Returns the first servo of a dof, or `None` if there is no such dof. If no servo moves the dof, the index is
+    /// beyond all servos.
     pub(super) fn servo(&self, dof: usize) -> Option<usize> {
         self.dofs.get(dof).map(|dof| dof.servo.into())
     }
@@ -253,8 +254,8 @@ impl<const DOFS: usize, const SERVOS: usize> Watch<DOFS, SERVOS> {
         }
     }
 
-    /// Checks the distance of the measured dofs from the commands (`report`), at the commanded speeds `qd`, and
-    /// whether they swing. `is_held` is whether they have their full effort.
+    /// Checks the distance of the measured dofs from the commands (`report`), at the commanded speeds `qd`, and whether
+    /// they swing. `is_held` is whether they have their full effort. Returns the mean and the largest distance.
     pub(super) fn dofs(
         &mut self,
         own: &[BoardDof],

@@ -5,7 +5,7 @@ use sinew_servo_bus::{Effort, Feedback, Health, ServoBus};
 use super::{InputError, Limit};
 use crate::SettingError;
 
-/// The last readings of a servo's bus.
+/// The measured condition of a servo: its last readings.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Condition {
     /// The last reading of position, velocity and effort; `None` if there never was one.
@@ -22,7 +22,7 @@ impl Condition {
         Self::new(bus.feedback(servo), bus.health(servo).unwrap_or_default())
     }
 
-    /// Creates a condition from a reading.
+    /// Creates a condition from a reading and the servo's health.
     pub(crate) fn new(feedback: Option<Feedback>, health: Health) -> Self {
         Self { feedback, temperature_c: health.temperature_c, supply_v: health.voltage_v }
     }

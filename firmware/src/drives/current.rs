@@ -102,7 +102,7 @@ impl CurrentDrive {
         ServoCommand { command: Command::Current(current_a * share), limit: cut.or(limit) }
     }
 
-    /// Returns the current for the effort, A, and the limit that was reached.
+    /// Returns the current for the effort, A, and the limit that was reached, if any.
     pub(super) fn current(
         &self,
         target: &ShaftTarget,

@@ -30,8 +30,8 @@ impl Default for Encoder {
 }
 
 impl Encoder {
-    /// Returns an error if the range crosses the encoder's seam, where the reading jumps by a turn: a servo that
-    /// starts near the seam does not know on which side of it the shaft is.
+    /// Returns an error if a setting is invalid, or the range crosses the encoder's seam, where the reading jumps by a
+    /// turn: a servo that starts near the seam does not know on which side of it the shaft is.
     pub(super) fn check(self, servo: &Servo) -> Result<(), Refused> {
         SettingError::check("encoder turn_rad", self.turn_rad, [0.1, 1e3])?;
         SettingError::check("encoder zero_rad", self.zero_rad, [-1e3, 1e3])?;

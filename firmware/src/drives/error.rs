@@ -72,8 +72,8 @@ impl From<SettingError> for Refused {
 }
 
 impl Refused {
-    /// Returns an error if the rate is below the class's minimum. A tolerance of 0.1 % allows for the rounding of the
-    /// period.
+    /// Returns an error if the tick's duration is invalid, or the rate is below the class's minimum. A tolerance of 0.1
+    /// % allows for the rounding of the period.
     pub(super) fn check_rate(class: Class, timing: Timing) -> Result<(), Self> {
         SettingError::check("dt_s", timing.dt_s, [1e-4, 1.0])?;
         let least_hz = class.least_hz();

@@ -89,7 +89,7 @@ impl Follower {
         self.velocity_rad_s = 0.0;
     }
 
-    /// Advances by a tick. Returns the position at its end, rad, and the limit that was reached.
+    /// Advances by a tick. Returns the position at its end, rad, and the limit that was reached, if any.
     pub(crate) fn step(&mut self, target_rad: f32, velocity_rad_s: f32) -> (f32, Option<Limit>) {
         let ([least, most], dt_s) = (self.range_rad, self.dt_s);
         let mut goal = Clamped { value: target_rad, limit: None };

@@ -6,12 +6,13 @@
 //! Measured   of each dof <── the same drive, by virtual work ──────── Feedback of each servo
 //! ```
 //!
-//! | class | for | takes | method | least rate |
+//! | class | for | uses | method | minimum rate |
 //! | --- | --- | --- | --- | --- |
 //! | [`CurrentDrive`] | servos in current mode | both efforts | effort and friction over torque constant | 200 Hz |
-//! | [`VoltageDrive`] | servos in PWM mode | both efforts | that current's voltage and back-EMF over supply | 200 Hz |
+//! | [`VoltageDrive`] | servos in PWM mode | both efforts | (voltage for that current + back-EMF) / supply | 200 Hz |
 //! | [`PositionDrive`] | servos by position | target, feed-forward effort | target, effort over stiffness | 50 Hz |
 //! | [`TargetDrive`] | hobby servos, and others of unknown stiffness | target | the target, within its limits | 50 Hz |
+//!
 //! # Why a position servo gets no feedback effort
 //! A position servo has its own controller, which runs a thousand times per second at the encoder. A feedback effort
 //! on top would close a second loop around it: through the bus, several ticks later, with a position in steps. Two

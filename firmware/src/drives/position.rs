@@ -142,7 +142,7 @@ impl PositionDrive {
         ServoCommand { command, limit }
     }
 
-    /// Moves the offset towards the value that the effort needs. Returns the limit that was reached.
+    /// Moves the offset towards the value that the effort needs. Returns the limit that was reached, if any.
     fn follow_offset(&mut self, shaft_nm: f32, condition: &Condition) -> Option<Limit> {
         let (share, mut limit) = self.settings.cut_off.share(condition, self.dt_s);
         let most = self.settings.offset_rad;

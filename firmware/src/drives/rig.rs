@@ -137,8 +137,8 @@ impl<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>
     /// per servo. O(servos).
     ///
     /// # Errors
-    /// [`InputError`] if a number is NaN, infinite or above 1e6 in absolute value, or the number of items is not that
-    /// of the dofs or servos. Nothing changes then.
+    /// [`InputError`] if a number is NaN, infinite or above 1e6 in absolute value, the number of items is not that of
+    /// the dofs or servos, or a drive would need a number that f32 cannot hold. Nothing changes then.
     pub fn step(
         &mut self,
         commands: &[DofCommand],

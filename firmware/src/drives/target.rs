@@ -32,7 +32,8 @@ impl TargetDrive {
     /// Creates the drive of a servo.
     ///
     /// # Errors
-    /// [`Refused`] if the rate is too low, or the range crosses the encoder's seam.
+    /// [`Refused`] if the rate is too low, a setting of the encoder is invalid, or the range crosses the encoder's
+    /// seam.
     pub fn new(servo: &Servo, settings: &TargetSettings, timing: Timing) -> Result<Self, Refused> {
         Refused::check_rate(Class::Target, timing)?;
         if let Some(encoder) = settings.encoder {

@@ -28,8 +28,8 @@ pub struct VoltageSettings {
     pub supply_v: f32,
 }
 
-/// Voltage control: the current of a [`CurrentDrive`] multiplied by the winding's resistance, plus the back-EMF at
-/// the wanted speed, divided by the supply.
+/// Voltage control. The duty is a voltage divided by the supply voltage. The voltage is the current of a
+/// [`CurrentDrive`] multiplied by the winding's resistance, plus the back-EMF at the wanted speed.
 ///
 /// The back-EMF of the *measured* speed is not compensated: a joint that is faster than its target is braked by the
 /// motor itself, without delay by the bus.

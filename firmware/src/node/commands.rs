@@ -24,7 +24,8 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Executes a command, or passes it to the loop: then the answer is sent later.
+    /// Executes a command, and returns its outcome. Returns `None` if the command was passed to the loop: then the
+    /// answer is sent later.
     #[inline(never)]
     pub(super) fn execute(
         &mut self,
@@ -76,7 +77,7 @@ impl<
         Some(outcome(result))
     }
 
-    /// Passes a show to the loop. Not inlined: shows need much stack.
+    /// Passes a show to the loop and returns `None`, or returns the refusal. Not inlined: shows need much stack.
     #[inline(never)]
     fn load(
         &mut self,
@@ -91,7 +92,7 @@ impl<
         }
     }
 
-    /// Passes a command to the supervisor.
+    /// Passes a command to the supervisor and returns `None`, or returns the refusal.
     fn order(
         &mut self,
         order: supervisor::Command,
@@ -109,7 +110,7 @@ impl<
         self.give(LoopRequest::Supervise(order), id, Pending::Supervisor, mail)
     }
 
-    /// Passes a command to the loop, which serves it after its tick.
+    /// Passes a request to the loop, which serves it after its tick, and returns `None`; or returns the refusal.
     fn serve(
         &mut self,
         order: LoopRequest<'a, COORDS>,
@@ -123,7 +124,8 @@ impl<
         self.give(order, id, Pending::Service, mail)
     }
 
-    /// Gives an order to the loop if the loop has none.
+    /// Gives an order to the loop and returns `None`. If the loop has not answered the previous order, returns the
+    /// refusal.
     fn give(
         &mut self,
         order: LoopRequest<'a, COORDS>,

@@ -219,7 +219,9 @@ impl<'a, const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COOR
         }
     }
 
-    /// Returns the command of this tick, at most one. An emergency stop goes before all others.
+    /// Takes the next request of the background task. Returns it if it is a supervisor's command, or else `None`: a
+    /// show is then loaded at once, and a service waits for the end of the tick. An emergency stop goes before all
+    /// others.
     fn command(&mut self, mail: &mut Mail<'a, DOFS, SERVOS, COORDS>) -> Option<Command> {
         if let Some(id) = mail.stop.take() {
             self.asked = Some(id);

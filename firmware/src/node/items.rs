@@ -33,9 +33,9 @@ impl<
     const COORDS: usize,
 > BackgroundTask<'a, F, BODIES, DOFS, SERVOS, COORDS>
 {
-    /// Runs an action that may erase flash. The action needs the only permission to erase, which the loop has while
-    /// torque may be on. If the action `restarts` the board, the permission stays with the background task: nobody
-    /// can arm before the restart.
+    /// Runs an action that may erase flash. The action needs the only permission to erase, and is refused if the
+    /// permission is not in the mail: the loop has it while torque may be on. If the action `restarts` the board, the
+    /// permission stays with the background task: nobody can arm before the restart.
     fn disarmed<R>(
         &mut self,
         mail: &impl Shared<Mail<'a, DOFS, SERVOS, COORDS>>,

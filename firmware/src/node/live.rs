@@ -68,7 +68,7 @@ impl<const COORDS: usize> Live<COORDS> {
         let _ = self.buffer.push(frame, now_us);
     }
 
-    /// Returns the age of the newest frame, ms.
+    /// Returns the age of the newest frame, ms, or `None` if there is no frame.
     pub(super) fn age_ms(&self) -> Option<u16> {
         self.age_us.map(|age| u16::try_from(age / 1000).unwrap_or(u16::MAX))
     }

@@ -22,7 +22,7 @@ const _: () = assert!(FAULTS_WAITING > LOGGED, "what the supervisor keeps has ro
 ///
 /// **Duty**: `act` has exclusive access to the value, is never called within itself, and is short; so it cannot fail.
 pub trait Shared<T> {
-    /// Calls `act` with the value.
+    /// Calls `act` with the value, and returns its result.
     fn with<R>(&self, act: impl FnOnce(&mut T) -> R) -> R;
 }
 

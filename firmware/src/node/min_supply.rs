@@ -7,7 +7,7 @@ use crate::controller::MotionController;
 pub(super) struct MinSupply(pub(super) Option<f32>);
 
 impl MinSupply {
-    /// Updates the minimum with the readings of a tick. O(servos).
+    /// Updates the minimum with the readings of a tick with torque. O(servos).
     pub(super) fn note<
         const BODIES: usize,
         const DOFS: usize,

@@ -72,7 +72,7 @@ pub const SETTING_TEXTS: [&str; SETTING_NAMES.len()] = [
 pub struct NodeSettings {
     /// Settings of the control loop.
     pub controller: ControllerSettings,
-    /// Delay from the fastest frame of a stream to its use as a pose, s.
+    /// Time from the arrival of a frame without jitter to the tick that plays its pose, s.
     pub live_delay_s: f32,
     /// Time without a new frame after which a stream is late, s.
     pub live_stale_s: f32,
@@ -125,7 +125,7 @@ impl NodeSettings {
         Self { controller, live_delay_s, live_stale_s, schedule }
     }
 
-    /// Returns a setting by its key.
+    /// Returns a setting by its key, or `None` if the key does not exist.
     pub fn get(&self, key: u16) -> Option<f32> {
         self.clone().field(key).copied()
     }
@@ -144,7 +144,7 @@ impl NodeSettings {
     /// Reads settings. Settings that are missing in the bytes keep their current values.
     ///
     /// # Errors
-    /// [`SettingsError`] names the invalid setting.
+    /// [`SettingsError`] names the invalid setting, or the number of bytes if it is wrong.
     pub fn read(&self, bytes: &[u8]) -> Result<Self, SettingsError> {
         let mut read = self.clone();
         let (all, rest) = bytes.as_chunks::<EACH>();
@@ -187,7 +187,7 @@ impl NodeSettings {
         }
     }
 
-    /// Returns the key of a setting by its name.
+    /// Returns the key of a setting by its name, or `None` if the name does not exist.
     pub(super) fn key(name: &str) -> Option<u16> {
         (1..).zip(SETTING_NAMES).find(|(_, own)| *own == name).map(|(key, _)| key)
     }

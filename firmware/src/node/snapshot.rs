@@ -113,8 +113,8 @@ pub(super) fn of<
     tick
 }
 
-/// Returns the distance of the measured pose from the commanded pose: angles by dof, positions of the joints in
-/// space.
+/// Returns the distance of the measured pose from the commanded pose: angles by dof, and positions of the joints in
+/// space. Returns `None` while torque is off.
 #[inline(never)]
 fn errors<const BODIES: usize, const DOFS: usize, const SERVOS: usize, const COORDS: usize>(
     controller: &MotionController<'_, BODIES, DOFS, SERVOS, COORDS>,

@@ -126,7 +126,7 @@ fn content<'r, F: NorFlash>(
     Ok(is_good.then_some(bytes))
 }
 
-/// Returns the rig, and the CRC at the end of its compact form.
+/// Returns the rig, and the CRC at the end of its compact form, or `None` if the bytes are not a valid rig.
 fn read_rig<'r, const BODIES: usize, const DOFS: usize, const SERVOS: usize>(
     slot: &'r mut MaybeUninit<BoardRig<BODIES, DOFS, SERVOS>>,
     bytes: &[u8],

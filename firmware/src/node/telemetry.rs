@@ -15,8 +15,9 @@ pub(super) struct Telemeter<const DOFS: usize, const SERVOS: usize, const COORDS
     seq: u16,
     /// Sequence number after the newest frame that the host has acknowledged.
     heard: u16,
-    /// Time of the last new or complete acknowledgement, µs. `spoke_us` is the time of the host's last message.
-    /// Only differences of these times are used.
+    /// Time of the last message that acknowledged a new frame, or that arrived when all frames were acknowledged or
+    /// after a long silence, µs. `spoke_us` is the time of the host's last message. Only differences of these times are
+    /// used.
     heard_us: u32,
     spoke_us: u32,
 }
@@ -34,7 +35,8 @@ impl<const DOFS: usize, const SERVOS: usize, const COORDS: usize> Telemeter<DOFS
     }
 
     /// Handles a fresh message of the host, with the number of the newest frame that it has received. Returns whether
-    /// the host is deaf: it sends, but for `limit_us` it has acknowledged no new frame.
+    /// the host is deaf: it keeps sending, but for `limit_us` it has acknowledged no new frame, although there were
+    /// frames to acknowledge.
     pub(super) fn hear(&mut self, heard: Option<u16>, now_us: u64, limit_us: u32) -> bool {
         #[expect(clippy::cast_possible_truncation, reason = "differences count, of seconds")]
         let now_us = now_us as u32;

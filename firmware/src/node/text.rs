@@ -242,7 +242,8 @@ pub(super) fn rig_error(error: &BoardRigError) -> Refusal {
     })
 }
 
-/// Returns an error of a show as its number: the order in `ShowError`, from 1.
+/// Returns an error of a show as its number: the order in `ShowError`, from 1. A show of another rig has its own
+/// refusal.
 pub(super) fn show_error(error: &ShowError) -> Refusal {
     use ShowError::{
         Block, Broken, Capacity, Checksum, Field, Joint, Joints, Length, Magic, Range, Rig, Version,

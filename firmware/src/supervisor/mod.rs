@@ -15,9 +15,11 @@
 //! ```
 //! A fault leads to Holding, Stopping, Lowering or at once to Faulted, as [`TABLE`] defines. From Faulted, clearing
 //! leads to Limp, and from there only [`Command::Arm`] leads to torque.
+//!
 //! # Outside of this module
 //! The supervisor reads no clock, measures nothing and moves nothing: [`Mode::next`] is a pure function, and
 //! [`Supervisor`] adds the clocks. Detectors ([`detect`]) find faults; the [`Guard`] limits commands once more.
+//!
 //! # Source of commands
 //! [`Inputs::heard`] refers to the place where commands come from. For a rig without a host that may be a panel of
 //! switches on the board itself: it counts as heard as long as its readings are valid.
@@ -79,6 +81,7 @@ pub use guard::{
 pub use moving::Moving;
 pub use overload::Overload;
 pub use permission::Permission;
+pub(crate) use permission::smooth;
 pub use registers::{RegisterDiffers, Registers};
 pub use settings::{LOWER_MOST, SOFT_MOST_RAD_S, Settings};
 pub use state::{Allows, Feed, Mode, Operator, Source, State};

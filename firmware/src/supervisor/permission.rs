@@ -55,7 +55,7 @@ impl Permission {
 
 /// Returns a quintic from 0 to 1, with slope and curvature zero at both ends. Both halves are symmetric, so that it
 /// ends exactly at 1.
-fn smooth(share: f32) -> f32 {
+pub(crate) fn smooth(share: f32) -> f32 {
     let rise = |t: f32| t * t * t * (10.0 + t * (6.0 * t - 15.0));
     if share < 0.5 { rise(share.max(0.0)) } else { 1.0 - rise((1.0 - share).max(0.0)) }
 }

@@ -33,7 +33,7 @@ impl Mode {
         present
     }
 
-    /// Latches faults, and applies the strongest of their reactions.
+    /// Latches faults, and applies and returns the strongest of their reactions.
     fn react(&mut self, present: FaultSet) -> Reaction {
         let from = self.state;
         let mut most = Reaction::Note;

@@ -2,9 +2,9 @@
 
 use sinew_storage::Capacity;
 
-/// Maximum number of servos on these boards: enough for a small humanoid. 29 kB of RAM are static, and the control
-/// loop takes 56 kB of stack. Together with everything else that may be on the stack at the same time, this is nearly
-/// all of 128 kB (see budget.toml). docs/decisions/boards.md explains why the loop is made in its place.
+/// Maximum number of servos on these boards: enough for a small humanoid. 29 kB of RAM are static, and the control loop
+/// takes 56 kB of stack. Together with everything else that may be on the stack at the same time, this is nearly all of
+/// 128 kB (see budget.toml). docs/decisions/boards.md explains why the loop is created in place.
 pub const SERVOS: usize = 20;
 /// Maximum number of bodies.
 pub const BODIES: usize = SERVOS + 1;

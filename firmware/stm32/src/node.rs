@@ -209,7 +209,7 @@ fn is_driven(behind: &[u8]) -> bool {
     wiring.is_ok_and(|wiring| places(&wiring).is_some() && in_time(&wiring).is_some())
 }
 
-/// Returns the board's settings for a wiring that it can drive.
+/// Returns the board's settings for a wiring, or `None` if the board cannot drive the wiring.
 #[inline(never)]
 fn of_wiring(behind: &[u8]) -> Option<NodeSettings> {
     let wiring = OwnWiring::decode(behind).ok()?;

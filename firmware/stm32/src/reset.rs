@@ -70,7 +70,7 @@ fn was_watchdog(flags: pac::rcc::regs::Csr) -> bool {
     flags.iwdgrstf()
 }
 
-/// Returns whether only a brown-out happened: power-on sets its flag, too.
+/// Returns whether a brown-out happened without power-on, which sets the brown-out's flag, too.
 #[cfg(feature = "stm32f446re")]
 fn was_brown_out(flags: pac::rcc::regs::Csr) -> bool {
     flags.borrstf() && !flags.porrstf()

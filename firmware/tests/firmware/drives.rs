@@ -51,7 +51,7 @@ fn drives(rig: &Rig, class: u8) -> Drives<'_, 16, 24, 24> {
     Drives::new(rig, &vec![settings(class); rig.servos().len()], TIMING).unwrap()
 }
 
-/// Any finite number that is accepted, often of a realistic size.
+/// Generates finite numbers that are accepted, often of a realistic size.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![-1e6_f32..1e6, -4.0_f32..4.0, Just(0.0), Just(1e6), Just(-1e6)]
 }

@@ -247,7 +247,7 @@ fn settings_that_cannot_be_are_refused() {
     assert!(Guard::new(settings(GOAL), 0.0).is_err());
 }
 
-/// Any number, often of a realistic size.
+/// Generates any numbers, often of a realistic size.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![any::<f32>(), -4.0_f32..8.0, Just(f32::NAN), Just(f32::INFINITY), Just(3.0)]
 }

@@ -308,7 +308,7 @@ fn command() -> impl Strategy<Value = Option<Command>> {
 }
 
 prop_compose! {
-    /// Inputs of some ticks: mostly without any fault.
+    /// Generates the inputs of some ticks, mostly without any fault.
     fn inputs()(
         command in command(),
         (step_us, ticks) in (1_u64..3_000_000, 1_usize..200),

@@ -111,7 +111,7 @@ impl BusLine {
     /// Creates the line's bus with its servos.
     ///
     /// # Errors
-    /// [`WiringError`] names the servo that cannot be on this line.
+    /// [`WiringError`] names the servo or the setting that is not possible on this line.
     pub fn bus<const SERVOS: usize>(
         &self,
         servos: impl Iterator<Item = LineServo>,

@@ -56,13 +56,14 @@ impl<B: ServoBus, const L: usize, const SERVOS: usize> Lines<B, L, SERVOS> {
         planned.inspect_err(|why| self.failed = Some(*why)).ok()
     }
 
-    /// Plans further packets of a line, if it has any.
+    /// Plans further packets of a line. Returns `None` if there are none, there is no such line, or the bus cannot
+    /// plan.
     pub fn plan_more(&mut self, line: usize, left_us: u32, out: &mut [u8]) -> Option<Request> {
         let planned = self.buses.get_mut(line)?.plan_more(left_us, out);
         planned.inspect_err(|why| self.failed = Some(*why)).ok()?
     }
 
-    /// Passes bytes from servos to a line's bus. Returns whether the reply is complete.
+    /// Passes bytes from servos to a line's bus. Returns whether the reply is complete, or there is no such line.
     pub fn reply(&mut self, line: usize, bytes: &[u8]) -> bool {
         self.buses.get_mut(line).is_none_or(|bus| bus.reply(bytes))
     }

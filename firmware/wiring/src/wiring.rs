@@ -66,7 +66,7 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
         if bytes.is_empty() { Ok(wiring) } else { Err(WiringError::Bytes) }
     }
 
-    /// Returns the controller's settings.
+    /// Returns the controller's settings: the default ones, with this wiring's tracker.
     pub fn settings(&self) -> ControllerSettings {
         ControllerSettings { tracker: self.tracker, ..ControllerSettings::default() }
     }
@@ -87,7 +87,7 @@ impl<const L: usize, const SERVOS: usize> Wiring<L, SERVOS> {
     /// Creates the bus of a line.
     ///
     /// # Errors
-    /// [`WiringError`] names the part that cannot be on the line.
+    /// [`WiringError`] if there is no such line; otherwise as in [`BusLine::bus`].
     // Not inlined into its caller: a bus is large, and where several are made, only one is on the stack at a time.
     #[inline(never)]
     pub fn bus(&self, line: usize) -> Result<Bus<SERVOS>, WiringError> {

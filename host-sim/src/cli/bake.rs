@@ -1,41 +1,53 @@
 //! `sinew bake`: a show for a board.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use sinew_host_util::command::{note, print};
 use sinew_host_util::output;
 use sinew_performance::rig::LoadedRig;
 use sinew_performance::{
-    Baked, Likeness, RigPerformance, ShowChoices, ShowPlayback, feasibility, led, rig_hash,
+    Baked, LayerChoice, Likeness, RigPerformance, ShowChoices, ShowPlayback, feasibility, led,
+    rig_hash,
 };
 use sinew_report::feasibility::Page;
+use sinew_show::sound::Sound;
 use sinew_show::write::Settings as ShowSettings;
 use sinew_show::{Show, TimeCode, TimeCodeKind};
 
 use super::clips::seconds;
 use super::output::OutputPath;
 use super::performance::{ON_STAND, PerformanceArgs};
+use super::sound;
 use super::unit_args::UnitArgs;
 
 /// Bake a clip into a show, the file that a board plays.
 ///
-/// The show holds the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
+/// The show contains the motion of your rig, as splines (`docs/show-format.md`). A report lists the joints that cannot
 /// follow, at which time, and by how much.
 ///
-/// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s, at any distances, or `time_ms`;
+/// A CSV of keys has a row for each time, with commas, semicolons or tabs: `time` in s or `time_ms`, at any intervals;
 /// `NAME_deg` or `NAME_rad` of each joint in any order, `NAME_mm` or `NAME_m` of a slide. A joint without a column
-/// stays at home; an empty field is no key. The column `easing` names the way to the next row, and a row `easing` below
-/// the header that of each joint: step, linear, ease in, ease out, ease both, or cubic (default). Evenly spaced rows of
-/// 10 Hz and more, without easing, are a recording.
+/// stays at home. An empty field is not a key: the joint moves on to its next key. The column `easing` names the easing
+/// to the next row; a row below the header with `easing` as its time names the easing of each joint: step, linear, ease
+/// in, ease out, ease both, or cubic (default). Evenly spaced rows at 10 Hz or more, without easing, count as a
+/// recording.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
     /// rig itself: a CSV of keys, a CSV recording (from `sinew record` or `sinew clip export`), or a JSON of servo
     /// positions.
-    #[arg(value_name = "CLIP", default_value = "punches_01")]
-    clip: String,
+    /// Also a show of the rig. Default: the first layer; without layers, `punches_01`.
+    #[arg(value_name = "CLIP")]
+    clip: Option<String>,
+
+    /// A motion of the rig's own to put on the motion: a show, a CSV of keys, or a JSON of servo positions. By default
+    /// it replaces the motion of the joints that its file has (`over`). `FILE:add` adds their distance from home. Then
+    /// perhaps a weight and names of joints: `talk.csv:over:0.5:jaw,lid_*`. Times count from those of the first motion;
+    /// a loop is repeated. Layers apply in their order; may be repeated.
+    #[arg(long, value_name = "FILE[:over|add[:WEIGHT][:JOINT,..]]", requires = "rig")]
+    layer: Vec<LayerChoice>,
 
     /// Rig that performs the show: rig.toml, URDF or MJCF. Required.
     #[arg(long, value_name = "RIG")]
@@ -63,6 +75,15 @@ pub(super) struct Args {
     /// Time code at the start of the show: hours, minutes, seconds, frames, and frames per second (24, 25, 30, 50, 60).
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
+
+    /// Sound of the show: a WAV file. The show's file gets its name, hash, length and place; the console and `sinew play
+    /// --sound-with` play it with the show. Boards never get it.
+    #[arg(long, value_name = "FILE.wav")]
+    sound: Option<PathBuf>,
+
+    /// Time of the clip at which the sound begins, in s; negative if the clip begins within the sound.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = place, allow_negative_numbers = true, requires = "sound")]
+    sound_at_s: f64,
 
     /// Make a looping show. The end of the motion is blended into its start, with continuous position, speed and
     /// acceleration. Fails if the blend would exceed a limit or is longer than the clip, if a travelling base would
@@ -98,11 +119,24 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     };
     let mut on_rig = args.on_rig.clone();
     on_rig.blend_s = args.is_loop.then_some(args.loop_blend_s);
+    on_rig.has_clock = args.keeps_time();
+    on_rig.layers.clone_from(&args.layer);
+    let clip = match (&args.clip, args.layer.first()) {
+        (Some(clip), _) => PathBuf::from(clip),
+        (None, None) => PathBuf::from("punches_01"),
+        (None, Some(first)) => {
+            ensure!(
+                first.path.as_os_str() == first.text.as_str(),
+                "--layer {}: without a clip the first layer is what the others are put on; it takes no mode, weight or joints",
+                first.text
+            );
+            on_rig.layers.remove(0).path
+        }
+    };
     let rig = on_rig.rig(rig, ON_STAND)?;
-    let clip = Path::new(&args.clip);
     let mapping = args.mapping.as_deref();
     let mut performance =
-        on_rig.perform(&rig, clip, mapping, args.seconds, (ON_STAND, args.units))?;
+        on_rig.perform(&rig, &clip, mapping, args.seconds, (ON_STAND, args.units))?;
     let settings =
         ShowSettings { angle_rad: args.tolerance_deg.to_radians(), ..ShowSettings::default() };
     let (hash, why_not) = rig_hash(&rig.description, &rig.mechanism);
@@ -113,11 +147,16 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     let choices =
         ShowChoices { rig_crc: hash, settings, cues: &args.cue, time_code: args.time_code };
     let (baked, report) = performance.bake(mechanism, &choices)?;
-    output::write(&args.output, &baked.written.bytes)?;
+    let mut file = baked.written.bytes.clone();
+    let sound = args.sound(&performance, &baked)?;
+    if let Some(sound) = &sound {
+        sound.append_to(&mut file);
+    }
+    output::write(&args.output, &file)?;
     let likeness = performance.likeness(mechanism);
     let strange = likeness.strange();
-    let head = head(args, &rig, &performance, &baked, likeness);
-    let done = performance.fit_summary();
+    let head = head(args, &rig, &performance, &baked, likeness) + &told(sound.as_ref());
+    let done = performance.fit_summary(mechanism);
     if let Some(file) = &args.html {
         let page = Page {
             rig: &rig.description.name,
@@ -140,7 +179,39 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Returns the summary of the show: durations, likeness, cues and size.
+impl Args {
+    /// Whether the show must keep the time of its performance: a sound or a time code runs beside it.
+    fn keeps_time(&self) -> bool {
+        self.sound.is_some() || self.time_code.is_some()
+    }
+
+    /// Describes the sound. A show that a fit has slowed down cannot have one: both would come apart.
+    fn sound(&self, performance: &RigPerformance, baked: &Baked) -> anyhow::Result<Option<Sound>> {
+        let Some(path) = &self.sound else { return Ok(None) };
+        let given_s = performance.clip.motion.duration_s();
+        ensure!(
+            !self.keeps_time() || baked.duration_s <= given_s + 0.01,
+            "--sound: the fit makes {given_s:.2} s of motion last {:.2} s, and the sound would come apart from it: \
+             leave --fit out, or make the motion slower or smaller where the rig is too slow",
+            baked.duration_s
+        );
+        sound::describe(path, performance.start_s - self.sound_at_s).map(Some)
+    }
+}
+
+/// Returns the line about the sound.
+fn told(sound: Option<&Sound>) -> String {
+    sound.map_or_else(String::new, |sound| {
+        let [duration_s, offset_s] =
+            [sound.duration_us as f64, sound.offset_us as f64].map(|us| us * 1e-6);
+        format!(
+            "sound: {}, {duration_s:.2} s; the show begins at {offset_s:.2} s of it; keep it beside the show\n",
+            sound.name
+        )
+    })
+}
+
+/// Returns the summary of the show: durations, how like the clip it is, cues and size.
 fn head(
     args: &Args,
     rig: &LoadedRig,
@@ -149,13 +220,9 @@ fn head(
     likeness: Likeness,
 ) -> String {
     let written = &baked.written;
-    let given_s = performance.clip.motion.duration_s();
-    let slower = if baked.duration_s > given_s {
-        format!(" (the clip: {given_s:.2} s)")
-    } else {
-        String::new()
-    };
     let likeness = likeness.line(performance.clip.limbs);
+    let headline = performance.headline(&rig.mechanism);
+    let headline = headline.map_or_else(String::new, |line| line + "\n");
     let cue = |(name, given_s): &(String, f64)| {
         let show_s = performance.time_s(*given_s);
         format!("cue {name}: at {given_s:.2} s of the clip, {show_s:.2} s of the show\n")
@@ -166,7 +233,7 @@ fn head(
     let code = clock(&baked.written.bytes);
     let minutes = |kb: usize| format!("{:.1} min in {kb} kB", baked.minutes_in(1000 * kb));
     format!(
-        "{}: {} on {}, {:.2} s{slower}, {} degrees of freedom\n{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
+        "{}: {} on {}, {:.2} s, {} degrees of freedom\n{headline}{likeness}{} bytes, {} knots; error at most {:.3} deg and {:.2} mm, \
          RMS {:.3} deg and {:.2} mm\nroom for such motion: {}, {}, {}\n{looped}{cues}{code}",
         args.output.display(),
         performance.name,
@@ -221,6 +288,13 @@ fn time_code(text: &str) -> Result<TimeCode, String> {
     let kind = TimeCodeKind::Whole;
     let code = TimeCode { hours, minutes, seconds, frames, frames_per_second, kind };
     if code.is_time() { Ok(code) } else { Err("expected a time code that a clock can show".into()) }
+}
+
+fn place(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(time_s) if (-7200.0..=7200.0).contains(&time_s) => Ok(time_s),
+        _ => Err("expected a number of s from -7200 to 7200".into()),
+    }
 }
 
 fn error(text: &str) -> Result<f64, String> {

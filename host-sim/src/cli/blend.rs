@@ -1,4 +1,4 @@
-//! `sinew clip blend`: a blend from one clip into another.
+//! `sinew clip blend`: blends one clip into another.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -59,8 +59,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.bvh")]
     output: OutputPath,
 
-    /// Length of the blend, in s, rounded to an even number of A's frames. 0.5 is about a step of a walk; a shorter
-    /// blend is more abrupt, a longer one mixes different steps.
+    /// Length of the blend, in s, rounded to an even number of A's frames. 0.5 s is about one step of a walk. A shorter
+    /// blend is more abrupt; a longer one mixes different steps.
     #[arg(long, value_name = "S", default_value_t = 0.5, value_parser = seconds, allow_negative_numbers = true)]
     blend_s: f64,
 
@@ -82,8 +82,8 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
-    /// Also draw a picture into this file: figures through the blend, places where the clips are near each other, and
-    /// speeds.
+    /// Also draw a picture into this file: figures during the blend, the places where the clips are near each other,
+    /// and speeds.
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<OutputPath>,
 
@@ -183,7 +183,7 @@ impl Args {
     }
 }
 
-/// Half of a blend in frames: at least one.
+/// Returns half of the length of a blend in frames, at least one.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -193,7 +193,7 @@ fn half(frames: f64) -> usize {
     libm::round(frames).max(1.0) as usize
 }
 
-/// A clip, and the numbers of frames that must remain before and after the blend's middle.
+/// The size of a clip, and the numbers of frames that must remain before and after the blend's middle.
 struct Room {
     frames: usize,
     around: [usize; 2],
@@ -250,7 +250,7 @@ impl Room {
     }
 }
 
-/// Returns the length of the line between two poses in space, as `sinew clip find` measures it.
+/// Returns the length of the line between two poses, m, in the metric `line` of `sinew clip find`.
 fn line_m(pair: &Pair, a: usize, b: usize) -> anyhow::Result<f64> {
     let rig = SpatialRig::<BODY_COUNT_MAX>::sized(pair.body(), None)?;
     let measuring = RigMeasure::new(&rig, Measure::new(Metric::Line));

@@ -1,12 +1,14 @@
-//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions without a performer.
+//! `sinew clip`: motion capture before it is retargeted to a rig, skeletons of clips, and motions that are made without
+//! a performer.
 
 use std::process::ExitCode;
 
 use clap::{Args, Subcommand};
 
-use super::{blend, export, find, idle, inspect, jaw, map, weights};
+use super::{blend, export, face, find, idle, inspect, jaw, map, weights};
 
-/// Inspect, map, search, blend and export clips of motion capture; make a jaw's motion from a sound, and idle life.
+/// Inspect, map, search, blend and export clips of motion capture; make the motion of a jaw from a sound, of a face from
+/// mouth cues or blend shapes, or a loop of idle life.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]
@@ -23,6 +25,7 @@ enum Command {
     Blend(blend::Args),
     Export(export::Args),
     Jaw(jaw::Args),
+    Face(face::Args),
     Idle(idle::Args),
     Weights(weights::Args),
 }
@@ -36,6 +39,7 @@ pub(super) fn run(args: &ClipCommands) -> anyhow::Result<ExitCode> {
         Command::Blend(args) => blend::run(args).map(|()| ExitCode::SUCCESS),
         Command::Export(args) => export::run(args).map(|()| ExitCode::SUCCESS),
         Command::Jaw(args) => jaw::run(args).map(|()| ExitCode::SUCCESS),
+        Command::Face(args) => face::run(args).map(|()| ExitCode::SUCCESS),
         Command::Idle(args) => idle::run(args).map(|()| ExitCode::SUCCESS),
         Command::Weights(args) => weights::run(args).map(|()| ExitCode::SUCCESS),
     }

@@ -28,8 +28,8 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "PATH", num_args = 1..)]
     clips: Vec<PathBuf>,
 
-    /// Fail if a file in a folder cannot be used: it is damaged, or no mapping fits its skeleton. Default: the file
-    /// is left out, and named.
+    /// Fail if a file in a folder cannot be used, because it is damaged or no mapping fits its skeleton. Default: the
+    /// command leaves the file out, and names it.
     #[arg(long, requires = "clips")]
     strict: bool,
 
@@ -57,8 +57,8 @@ pub(super) struct ClipArgs {
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
-    /// Speeds of the motions of the rig's own joints, as shares of each joint's largest speed and acceleration, 0.01
-    /// to 1.
+    /// Speeds of the motions of the rig's own joints, as shares of each joint's maximum speed and acceleration, 0.01 to
+    /// 1.
     #[arg(
         long,
         value_name = "SHARE,..",
@@ -69,7 +69,7 @@ pub(super) struct ClipArgs {
     )]
     speed_shares: Vec<f64>,
 
-    /// Seed of the motions of the rig's own joints.
+    /// Seed of the built-in motions of --rig, which are used without --clips.
     #[arg(long, value_name = "SEED", default_value_t = 1, requires = "rig")]
     motion_seed: u64,
 }
@@ -106,21 +106,21 @@ impl ClipArgs {
         self.rig.as_deref().map(|path| on_rig.rig(path, ON_STAND)).transpose()
     }
 
-    /// Refuses options that apply only to clips. To be called if a rig tracks motions of its own joints.
+    /// Refuses options that apply only to clips. Callers use it if a rig tracks motions of its own joints.
     pub(super) fn ensure_no_clips(&self, on_rig: &PerformanceArgs) -> anyhow::Result<()> {
         let mapping = self.mapping.is_some().then_some("--mapping");
         let given = mapping
             .or(on_rig.of_clips())
             .or(on_rig.of_own())
             .or(self.units.given())
-            .or(on_rig.fit.then_some("--fit"));
+            .or(on_rig.fits().then_some("--fit"));
         if let Some(option) = given {
             bail!("{option} has no effect on a rig's motions of its own joints; it is for --clips");
         }
         Ok(())
     }
 
-    /// Whether a rig tracks clips.
+    /// Returns whether a rig tracks clips.
     pub(super) fn of_rig(&self) -> bool {
         self.rig.is_some() && !self.clips.is_empty()
     }
@@ -180,7 +180,7 @@ impl ClipArgs {
         }
     }
 
-    /// Whether a rate is given.
+    /// Returns whether a rate is given.
     pub(super) const fn has_rate(&self) -> bool {
         self.rate_hz.is_some()
     }

@@ -7,11 +7,11 @@ use sinew_performance::play::{Drive, Options};
 enum DriveArg {
     /// The current that gives the tracker's torque.
     Current,
-    /// The duty cycle (PWM) that drives the current for the tracker's torque. The motor's winding adds damping.
-    /// Dynamixels only.
+    /// The duty cycle (PWM) that makes the current for the tracker's torque flow. The motor's winding adds damping.
+    /// Only for Dynamixels.
     Voltage,
-    /// The target position, corrected in advance by the angle by which the expected torque, such as gravity's, makes
-    /// the servo sag.
+    /// The target position. The angle by which the expected torque, such as that of gravity, makes the servo sag is
+    /// added in advance.
     Position,
 }
 
@@ -40,7 +40,7 @@ fn rate_hz(text: &str) -> Result<u32, String> {
 }
 
 impl DrivenArgs {
-    /// Returns each option, and whether it is given.
+    /// Returns, for each option, whether it is given, and its name.
     pub(super) const fn given(&self) -> [(bool, &'static str); 3] {
         [
             (self.drive.is_some(), "--drive"),

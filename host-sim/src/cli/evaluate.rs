@@ -215,8 +215,8 @@ fn tell_faults(rig: &LoadedRig) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Names the motions that a rig did not follow. A rig on a stand cannot fall, so it is never lost: if it does not
-/// follow, its error is large.
+/// Prints the motions that a rig did not follow, and returns the exit code. A rig on a stand cannot fall, so it is
+/// never lost: if it does not follow, its error is large.
 fn told_flailing(evaluation: &Evaluation) -> ExitCode {
     let mut code = ExitCode::SUCCESS;
     let results = evaluation.figures.iter().flat_map(|figure| &figure.methods);

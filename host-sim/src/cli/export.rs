@@ -1,4 +1,4 @@
-//! `sinew clip export`: a clip on a rig, for other programs.
+//! `sinew clip export`: writes a clip, retargeted to a rig, for other programs.
 
 use std::path::{Path, PathBuf};
 
@@ -16,12 +16,13 @@ use super::unit_args::UnitArgs;
 
 /// Retarget a clip to a rig, and write the motion for other programs: CSV, BVH, or JSON.
 ///
-/// CSV: time in s, then the angle of each joint in the column `NAME_deg`, the way of a slide in `NAME_mm`; a driven
-/// base has its pose in a world with z up, in m. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the
-/// servos in the format of the Blender servo animation add-on: steps of bus servos, pulses in us of hobby servos.
+/// CSV: time in s, then for each joint its angle in a column `NAME_deg`, or for a slide its position in `NAME_mm`; the
+/// pose of a driven base in m, in a world with z up. BVH: the rig's bodies as a skeleton, in cm. JSON: positions of the
+/// servos in the format of the Blender servo animation add-on: encoder steps of bus servos, pulses in us of hobby
+/// servos.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The clip: the name of a built-in clip, or a BVH, AMC (its ASF beside it) or humanoid3d text file. Or a CSV or
+    /// The clip: the name of a built-in clip, or a BVH, AMC (its ASF beside it) or humanoid3d text file; or a CSV or
     /// JSON file of the rig's own motion.
     #[arg(value_name = "CLIP")]
     clip: PathBuf,
@@ -60,7 +61,10 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     let mapping = args.mapping.as_deref();
     let performance =
         args.on_rig.perform(&rig, &args.clip, mapping, None, (FOR_OTHERS, args.units))?;
-    if let Some(done) = performance.fit_summary() {
+    if let Some(line) = performance.headline(&rig.mechanism) {
+        note(format_args!("{line}"));
+    }
+    if let Some(done) = performance.fit_summary(&rig.mechanism) {
         note(format_args!("fitted: {}", done.trim_end()));
     }
     let resampled;

@@ -48,8 +48,8 @@ pub(super) struct Args {
     #[arg(value_name = "CLIP", required = true)]
     clips: Vec<PathBuf>,
 
-    /// Fail if a file in a folder cannot be searched: it is damaged, or has another skeleton than the query. Default:
-    /// the file is left out, and named.
+    /// Fail if a file in a folder cannot be searched, because it is damaged or has another skeleton than the query.
+    /// Default: the command leaves the file out, and names it.
     #[arg(long)]
     strict: bool,
 
@@ -62,7 +62,7 @@ pub(super) struct Args {
     measure: MeasureArgs,
 
     /// Rate at which clips are searched, in Hz; clips are resampled to it. The time of a moment has an error of at most
-    /// half a frame: at 30 Hz a fist that moves at 6 m/s is at most 10 cm off.
+    /// half a frame. At 30 Hz this is 10 cm for a fist that moves at 6 m/s.
     #[arg(long, value_name = "HZ", default_value_t = 30.0, value_parser = rate, allow_negative_numbers = true)]
     rate_hz: f64,
 
@@ -91,7 +91,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.svg|FILE.png")]
     picture: Option<OutputPath>,
 
-    /// Also compute every distance, fail if the result differs, and print the times of both.
+    /// Also compute every distance, fail if the result differs, and print the durations of both searches.
     #[arg(long)]
     check: bool,
 
@@ -206,7 +206,8 @@ impl Args {
         Ok(())
     }
 
-    /// Returns the clip of the query, and the range of its frames that do not count, if the query's file is searched.
+    /// If the query's file is among the searched clips: returns its index, and the range of its frames that do not
+    /// count.
     fn own(
         &self,
         query: &Query,
@@ -247,7 +248,7 @@ pub(super) fn frames(count: f64) -> usize {
     libm::ceil(count - 1e-6).max(0.0) as usize
 }
 
-/// Prints changes that were made to the clips, in a few lines.
+/// Prints, in a few lines, which changes were made to the clips.
 fn tell(library: &Library, length: usize) {
     let (mut lowest_m, mut highest_m) = (f64::INFINITY, 0.0);
     let (mut t_poses, mut others) = (Vec::new(), Vec::new());

@@ -4,25 +4,26 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::ensure;
+use sinew_board_client::port::TAKE_OVER;
 use sinew_console::local::{Reply, Request, ask, consoles, name_of_port};
 use sinew_host_util::command::print;
 use sinew_link::message::Command;
 
-use super::board::{await_limp, open};
+use super::board::{await_limp, open_to_end};
 use super::stop::Stop;
 
-/// Stop the rigs of all consoles of this user: each goes to its rest pose and is lowered, then torque is off.
+/// Stop the rigs that consoles and other commands of this user drive: each goes to its rest pose and is lowered, then torque is off.
 ///
-/// It works from any terminal, whichever page drives.
+/// It works from any terminal, whoever drives: a page, `sinew play`, `sinew record`.
 #[derive(Debug, clap::Args)]
 pub(super) struct StopArgs {
     #[command(flatten)]
     halt: HaltArgs,
 }
 
-/// Switch torque off at once at the rigs of all consoles of this user: the rigs drop.
+/// Switch torque off at once at the rigs that consoles and other commands of this user drive: the rigs drop.
 ///
-/// It works from any terminal, whichever page drives. Torque stays off until faults are cleared. It does not replace a
+/// It works from any terminal, whoever drives. Torque stays off until faults are cleared. It does not replace a
 /// switch that cuts the servos' power.
 #[derive(Debug, clap::Args)]
 pub(super) struct EStopArgs {
@@ -32,7 +33,7 @@ pub(super) struct EStopArgs {
 
 #[derive(Debug, clap::Args)]
 struct HaltArgs {
-    /// Serial port of a single board. If no console has this port, the command opens it. Default: all consoles.
+    /// Serial port of a single board. If no other command has this port, this command opens it. Default: all rigs.
     #[arg(long, value_name = "PORT")]
     target: Option<PathBuf>,
 }
@@ -59,7 +60,7 @@ impl HaltArgs {
         }
         ensure!(
             !names.is_empty(),
-            "no console of this user runs; `--target PORT` names the port of a board"
+            "no command of this user drives a rig; `--target PORT` names the port of a board"
         );
         let mut is_done = true;
         for name in names {
@@ -73,13 +74,17 @@ impl HaltArgs {
         Ok(if is_done { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Stops the board at a port that no console has.
+    /// Stops the board at a port that no other command has.
     fn open(&self, request: &Request) -> anyhow::Result<ExitCode> {
-        let mut board = open(self.target.as_deref(), "--target")?;
+        let (mut board, is_foreign) = open_to_end(self.target.as_deref(), "--target")?;
         if *request == Request::EStop {
             board.ask(Command::EStop)?;
         } else {
             board.ask(Command::Stop)?;
+            if is_foreign {
+                // The next greeting is answered when torque is off.
+                board.reconnect(TAKE_OVER)?;
+            }
             await_limp(&mut board, &Stop::new()?)?;
         }
         print("torque is off\n")?;

@@ -13,10 +13,10 @@ use super::performance::{ON_STAND, PerformanceArgs};
 
 /// Make a loop of idle life: breathing, blinking, glances, weight shifts.
 ///
-/// The words of a joint's name tell its part (lid, eye, brow, head, neck, chest, spine, waist, hip, shoulder, arm); the
-/// command prints which joints it uses. The loop has no seam, no two windows of 10 s that are alike (correlation above
-/// 0.95), and keeps ranges, speeds and accelerations. Torques, heat, balance and collisions are not looked at.
-/// `sinew bake idle.csv --rig RIG --loop` makes a show of the loop, and reports its torques.
+/// The words in a joint's name decide its role (lid, eye, brow, head, neck, chest, spine, waist, hip, shoulder, arm);
+/// the command prints which joints it uses. The loop has no visible seam, and no two windows of 10 s that are alike
+/// (correlation above 0.95). It keeps ranges, speeds and accelerations. The command does not check torques, heat,
+/// balance and collisions. `sinew bake idle.csv --rig RIG --loop` makes a show of the loop, and reports its torques.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The rig: rig.toml, URDF or MJCF.
@@ -31,12 +31,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
 
-    /// Part of a joint that its name does not tell: blink, eye-turn, eye-nod, head-turn, head-nod, head-tilt, brow,
-    /// breath, weight, sway, or still. May be repeated.
+    /// Give a joint this role instead of the role that its name decides: blink, eye-turn, eye-nod, head-turn, head-nod,
+    /// head-tilt, brow, breath, weight, sway, or still. May be repeated.
     #[arg(long = "use", value_name = "ROLE=JOINT", value_parser = use_of)]
     uses: Vec<(Role, String)>,
 
-    /// CSV to write.
+    /// CSV file to write.
     #[arg(short, long, value_name = "FILE.csv")]
     output: OutputPath,
 }

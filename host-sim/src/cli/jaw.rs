@@ -12,19 +12,19 @@ use sinew_life::sound::{EnvelopeSettings, Jaw, envelope, levels};
 use super::output::OutputPath;
 use super::performance::{ON_STAND, PerformanceArgs};
 
-/// Make keys of a jaw from a sound: the louder, the wider open.
+/// Make keys of a jaw from a sound: the louder the sound, the wider the jaw opens.
 ///
 /// The opening is the root mean square of 20 ms, above a gate, with an attack and a release. With --rig the angles are
-/// within the jaw's range; a jaw that is too slow gets a motion that is smoothed over 120 ms at most, and then made
-/// smaller. The motion keeps the sound's time.
-/// `sinew bake jaw.csv --rig RIG --tolerance-deg 0.05` makes a show of the keys.
+/// within the jaw's range. If the jaw is too slow, the command smooths the motion over at most 120 ms, and then makes
+/// it smaller. The motion keeps the times of the sound. `sinew bake jaw.csv --rig RIG --tolerance-deg 0.05` makes a
+/// show of the keys.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The sound: WAV, PCM or float, any rate and number of channels.
+    /// The sound: a WAV file, PCM or float, of any number of channels, at 4 to 384 kHz.
     #[arg(value_name = "SOUND.wav")]
     sound: PathBuf,
 
-    /// Rig with the jaw: rig.toml, URDF or MJCF. Gives range, speed and acceleration of the jaw.
+    /// Rig with the jaw: rig.toml, URDF or MJCF. It gives the jaw's range, speed and acceleration.
     #[arg(long, value_name = "RIG")]
     rig: Option<PathBuf>,
 
@@ -32,11 +32,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME", default_value = "jaw")]
     joint: String,
 
-    /// Angle of the closed jaw, in degrees. Default: 0.3 from the joint's home; 0 without --rig.
+    /// Angle of the closed jaw, in degrees. Default: 0.3 degrees from home, towards open; without --rig 0.
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true)]
     closed_deg: Option<f64>,
 
-    /// Angle of the open jaw, in degrees. Default: 80 % of the way to the farther end of the range; 20 without --rig.
+    /// Angle of the open jaw, in degrees. Default: 80 % of the way from home to the farther end of the range; without
+    /// --rig 20.
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true)]
     open_deg: Option<f64>,
 
@@ -52,12 +53,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "DB", default_value_t = -35.0, value_parser = gate, allow_negative_numbers = true)]
     gate_db: f64,
 
-    /// Time by which the motion is moved ahead, in ms, from 0 to 500. The default makes up for the delay of attack and
-    /// window; add the delay of the servo.
+    /// Time by which the motion is moved earlier, in ms, from 0 to 500. The default compensates the delay of about 20
+    /// ms that --attack-ms and the averaging of the sound cause; add the delay of the servo.
     #[arg(long, value_name = "MS", default_value_t = 20.0, value_parser = lead, allow_negative_numbers = true)]
     lead_ms: f64,
 
-    /// CSV to write.
+    /// CSV file to write.
     #[arg(short, long, value_name = "FILE.csv")]
     output: OutputPath,
 }
@@ -125,7 +126,8 @@ fn milliseconds(text: &str) -> Result<f64, String> {
     within(text, [1.0, 1000.0], "ms")
 }
 
-fn lead(text: &str) -> Result<f64, String> {
+/// Parses a time by which a motion is moved ahead, ms.
+pub(super) fn lead(text: &str) -> Result<f64, String> {
     within(text, [0.0, 500.0], "ms")
 }
 

@@ -16,12 +16,12 @@ use super::methods::{MethodArg, check_fixed, methods};
 use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
-/// Find the largest latency that each method tolerates, by control rate.
+/// Find the largest latency that each method tolerates, at each control rate.
 ///
-/// A torque acts a number of steps after its measurement. The table shows the largest latency, in steps and in ms,
-/// for which no figure is lost and the mean angular error stays below 10 degrees. Each method is tried with and
-/// without prediction: a controller that predicts knows the latency, and uses the commands that are not yet active to
-/// compute the state in which its command will act. `-`: the method fails even without latency. Default plant:
+/// A torque acts a number of steps after its measurement. The table shows the largest latency, in steps and in ms, for
+/// which no figure is lost (flies apart) and the mean angular error stays below 10 degrees. Each method is tried with
+/// and without prediction: a controller that predicts knows the latency, and uses the commands that are not yet active
+/// to compute the state in which its command will act. `-`: the method fails even without latency. Default plant:
 /// `articulated`. The clips have 100 frames per second.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {

@@ -16,8 +16,8 @@ use super::unit_args::UnitArgs;
 
 /// Propose which joint of a rig follows which joint of a clip, as TOML to edit, for `--mapping`.
 ///
-/// Comments in the TOML give the confidence of each pair, and its reason. Without `--rig` the mapping is to the human
-/// figure of 18 bodies, from any human skeleton. Known skeletons need no mapping: `--list` prints them.
+/// Comments in the TOML give the confidence of each pair, and its reason. Without `--rig`, the mapping is from any
+/// human skeleton to the human figure of 18 bodies. Known skeletons need no mapping: `--list` prints them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// The clip: a BVH, AMC (its ASF beside it) or humanoid3d text file.
@@ -105,7 +105,7 @@ fn on_figure(path: &Path, units: UnitOverrides) -> anyhow::Result<String> {
     Ok(proposal.to_toml())
 }
 
-/// Prints the least certain pair of a proposal, which the user should check first.
+/// Prints the pair of a proposal with the lowest confidence, which the user should check first.
 fn tell_lowest(parts: impl Iterator<Item = (String, f64, String)>) {
     if let Some((name, confidence, reason)) = parts.min_by(|a, b| a.1.total_cmp(&b.1)) {
         note(format_args!("least sure: {name}, {:.0} %: {reason}", 100.0 * confidence));

@@ -11,6 +11,7 @@ mod driven;
 mod evaluate;
 mod evaluation;
 mod export;
+mod face;
 mod figure;
 mod find;
 mod guide;
@@ -35,6 +36,7 @@ mod servo;
 #[cfg(unix)]
 mod servos;
 mod setup;
+mod sound;
 mod stack;
 mod stop;
 mod sweep;
@@ -109,7 +111,7 @@ impl Command {
         }
     }
 
-    /// Checks what the parser cannot: keys and values of `--set`, and options that the target excludes.
+    /// Checks what the parser cannot check: keys and values of `--set`, and options that the target excludes.
     fn check(&self) -> anyhow::Result<()> {
         match self {
             Self::Play(args) => args.check(),
@@ -148,7 +150,7 @@ pub(crate) fn main() -> ExitCode {
     })
 }
 
-/// Prints help, or the error in the command line. If a name is an old one, prints its new name.
+/// Prints help, or the error in the command line. If a name is an old one, prints its new name instead of the error.
 fn refuse(error: &clap::Error) -> ExitCode {
     let arguments: Vec<String> =
         std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();

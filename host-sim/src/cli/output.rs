@@ -2,8 +2,8 @@
 //!
 //! Options that name an output file have the type [`OutputPath`]; options that name a folder or a link have the type
 //! [`OutputPlace`]. Before a command runs, each output is compared with all other files on the command line, by the
-//! file itself, not by its name. Each output is also opened for writing, so that no result is computed, and no rig is
-//! led by hand, for a file that cannot be written.
+//! file itself, not by its name. Each output file is also opened for writing, so that no result is computed, and no rig
+//! is led by hand, for a file that cannot be written.
 
 use std::ffi::{OsStr, OsString};
 use std::ops::Deref;

@@ -70,7 +70,7 @@ pub(super) trait Shown: EvaluatedMotion + Sized {
     /// Returns the shape of the rig or figure that performs the motion, to be drawn.
     fn mannequin(&self, setup: &Setup) -> anyhow::Result<Mannequin>;
 
-    /// Returns all settings except those of the plant: name and value.
+    /// Returns the settings that depend on the kind of motion: name and value.
     fn settings(&self, setup: &Setup) -> Vec<(&'static str, String)>;
 
     /// Returns the references that the motions are compared with. `self` is the motion that is played back.

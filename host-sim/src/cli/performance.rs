@@ -1,4 +1,5 @@
-//! Options and steps that `bake`, `export` and `evaluate --rig --clips` share: a clip on a rig.
+//! Options and steps of commands that make a motion of a rig from a clip or from a file of the rig's own motion, such
+//! as `bake` and `export`.
 
 use std::path::Path;
 
@@ -9,8 +10,8 @@ use sinew_mocap::files::ClipFile;
 use sinew_performance::rig::{LoadedRig, has_feet};
 use sinew_performance::text;
 use sinew_performance::{
-    ClipSettings, MotionChoices, OwnMotion, PreparedClip, RetargetedClip, RigPerformance,
-    read_mapping, retarget_clip,
+    ClipSettings, LayerChoice, LayeredMotion, MotionChoices, OwnMotion, PreparedClip,
+    RetargetedClip, RigPerformance, read_mapping, retarget_clip,
 };
 use sinew_retarget::exchange::HeaderUnits;
 use sinew_retarget::feasibility::RigMotion;
@@ -23,7 +24,7 @@ use super::unit_args::UnitArgs;
 /// How a rig's base is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum BaseArg {
-    /// Bolted to a stand.
+    /// The base is bolted to a stand.
     Stand,
     /// The base travels with the performer.
     Driven,
@@ -58,17 +59,38 @@ pub(super) struct PerformanceArgs {
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
 
+    /// Fit, and keep the time: nothing becomes slower; where a limit is met, the motion becomes smaller or rounder at
+    /// that time. Default: true for a show with a time code, otherwise false. `--keep-time=false` lets `--fit` slow
+    /// such a show down.
+    #[arg(
+        long,
+        value_name = "BOOL",
+        requires = "rig",
+        num_args = 0..=1,
+        default_missing_value = "true",
+        require_equals = true
+    )]
+    keep_time: Option<bool>,
+
+    /// Whether the show runs beside something that has a clock. Then a fit keeps the time by default.
+    #[arg(skip)]
+    pub(super) has_clock: bool,
+
     /// Unit of the columns of a CSV of joint coordinates whose header has none. Default: a header without units is
     /// refused.
     #[arg(long, value_enum, requires = "rig")]
     unit: Option<UnitArg>,
+
+    /// Layers to put on the motion.
+    #[arg(skip)]
+    pub(super) layers: Vec<LayerChoice>,
 
     /// Length of the blend of the motion's end into its start, s. Set if the motion becomes a loop.
     #[arg(skip)]
     pub(super) blend_s: Option<f64>,
 }
 
-/// Defaults of a command for options that are not given.
+/// Values of a command for options that are not given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Defaults {
     /// Cutoff of the low-pass, Hz; 0: none.
@@ -80,20 +102,34 @@ pub(super) struct Defaults {
 /// Defaults for a rig on its stand.
 pub(super) const ON_STAND: Defaults = Defaults { cutoff_hz: 6.0, travels: false };
 
-/// Defaults for motions that other programs use: as near to the clip as the rig can.
+/// Defaults for motions that other programs use: as near to the clip as the rig can follow.
 pub(super) const FOR_OTHERS: Defaults = Defaults { cutoff_hz: 0.0, travels: true };
 
 impl PerformanceArgs {
-    /// Returns the name of a given option that applies to clips only.
+    /// Returns the name of the first given option that applies to clips only, or `None`.
     pub(super) fn of_clips(&self) -> Option<&'static str> {
         [(self.cutoff_hz.is_some(), "--cutoff-hz"), (self.mirror, "--mirror")]
             .into_iter()
             .find_map(|(given, name)| given.then_some(name))
     }
 
-    /// Returns the name of a given option that applies to motions of the rig's own only.
+    /// Returns the name of a given option that applies only to a rig's own motions, or `None`.
     pub(super) fn of_own(&self) -> Option<&'static str> {
         self.unit.map(|_| "--unit")
+    }
+
+    /// Returns whether the motion is fitted.
+    pub(super) fn fits(&self) -> bool {
+        self.fit || self.keep_time == Some(true)
+    }
+
+    /// Returns the changes of a motion that the options ask for.
+    pub(super) fn choices(&self) -> MotionChoices {
+        MotionChoices {
+            fit: self.fits(),
+            keep_time: self.keep_time.unwrap_or(self.has_clock),
+            loop_blend_s: self.blend_s,
+        }
     }
 
     /// Reads a rig, and holds its base as the options say.
@@ -109,7 +145,8 @@ impl PerformanceArgs {
         Ok(rig)
     }
 
-    /// Retargets a clip to a rig.
+    /// Retargets a clip to a rig, or reads a file of the rig's own motion, and prints notes on it. Fits the motion and
+    /// makes it a loop if the options ask for this.
     pub(super) fn perform(
         &self,
         rig: &LoadedRig,
@@ -118,21 +155,17 @@ impl PerformanceArgs {
         seconds: Option<f64>,
         (defaults, units): (Defaults, UnitArgs),
     ) -> anyhow::Result<RigPerformance> {
-        let choices = MotionChoices { fit: self.fit, loop_blend_s: self.blend_s };
+        let choices = self.choices();
         if let Some(kind) = OwnMotion::of(path) {
             ensure!(
                 mapping.is_none()
                     && seconds.is_none()
                     && self.of_clips().or(units.given()).is_none(),
-                "{}: {} are the rig's own: only --fit and --base have an effect on them, and --unit on a CSV",
+                "{}: {} are the rig's own: only --fit, --keep-time and --base have an effect on them, and --unit on a CSV",
                 path.display(),
                 kind.name()
             );
-            let units = self.unit.map(|unit| match unit {
-                UnitArg::Deg => HeaderUnits::Degrees,
-                UnitArg::Rad => HeaderUnits::Si,
-            });
-            let mut read = kind.read(rig, path, units)?;
+            let mut read = kind.read(rig, path, self.header_units())?;
             let name = ClipFile::new(path).name;
             if let Some(keys) = read.keys {
                 note(format_args!(
@@ -145,8 +178,8 @@ impl PerformanceArgs {
             }
             tell_followers(&name, rig, &mut read.motion);
             tell_jumps(&name, rig, &read.motion);
-            let clip = RetargetedClip::own(read.motion);
-            return RigPerformance::new(rig, &name, read.start_s, clip, choices);
+            let (motion, start_s) = self.layered(rig, read.motion, read.start_s, read.is_loop)?;
+            return RigPerformance::new(rig, &name, start_s, RetargetedClip::own(motion), choices);
         }
         if let Some(option) = self.of_own() {
             bail!(
@@ -168,7 +201,7 @@ impl PerformanceArgs {
         for line in &clip.notes {
             note(format_args!("note: {name}: {line}"));
         }
-        let retargeted = retarget_clip(&rig.mechanism, &clip, mapping.as_ref(), self.mirror)
+        let mut retargeted = retarget_clip(&rig.mechanism, &clip, mapping.as_ref(), self.mirror)
             .with_context(|| match file {
                 Some(file) => {
                     format!("{name} on {} by {}", rig.description.name, file.display())
@@ -176,15 +209,48 @@ impl PerformanceArgs {
                 None => format!("{name} on {}", rig.description.name),
             })?;
         tell(name, rig, &retargeted);
+        if !self.fit {
+            tell_speed(name, rig, &retargeted);
+        }
         tell_jumps(name, rig, &retargeted.motion);
         let (name, start_s) = (name.clone(), clip.start_s);
         // A long clip is large, and is not needed any more.
         drop(clip);
+        let (motion, start_s) = self.layered(rig, retargeted.motion, start_s, false)?;
+        retargeted.motion = motion;
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
+    }
+
+    /// Returns the unit of columns without a unit.
+    fn header_units(&self) -> Option<HeaderUnits> {
+        self.unit.map(|unit| match unit {
+            UnitArg::Deg => HeaderUnits::Degrees,
+            UnitArg::Rad => HeaderUnits::Si,
+        })
+    }
+
+    /// Puts the layers on a motion. Returns it with the time of its first row, s.
+    fn layered(
+        &self,
+        rig: &LoadedRig,
+        motion: RigMotion,
+        start_s: f64,
+        is_loop: bool,
+    ) -> anyhow::Result<(RigMotion, f64)> {
+        if self.layers.is_empty() {
+            return Ok((motion, start_s));
+        }
+        let below = LayeredMotion { motion, start_s, is_loop };
+        let (layered, lines) = below.with(rig, &self.layers, self.header_units())?;
+        for line in lines {
+            note(format_args!("{line}"));
+        }
+        Ok((layered.motion, layered.start_s))
     }
 }
 
-/// Moves followers to where their leaders put them, and prints which ones the file has elsewhere.
+/// Moves each joint that follows another joint to the position that its leader requires, and prints which joints had
+/// other positions in the file.
 fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
     let mechanism = &rig.mechanism;
     let ties = mechanism.ties();
@@ -199,7 +265,7 @@ fn tell_followers(name: &str, rig: &LoadedRig, motion: &mut RigMotion) {
     }
 }
 
-/// Prints the first jump of more than half a turn, and the number of all.
+/// Prints the first jump of more than half a turn, and the number of all such jumps.
 fn tell_jumps(name: &str, rig: &LoadedRig, motion: &RigMotion) {
     let jumps = motion.jumps(&rig.mechanism);
     if let Some(first) = jumps.first() {
@@ -243,6 +309,20 @@ fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     if taken.curves > 0 {
         note(format_args!("{name} on {rig}: {} joint(s) follow by curves", taken.curves));
     }
+}
+
+/// Prints the joint of an arm that would have to be faster than it can, most of all: the path of a hand has priority
+/// over its time.
+fn tell_speed(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
+    let Some((joint, asked, limit)) = taken.too_fast(&rig.mechanism) else { return };
+    let slides = matches!(rig.mechanism.bodies[joint].joint, JointModel::Prismatic(_));
+    let (unit, factor) = if slides { ("mm/s", 1e3) } else { ("deg/s", 1_f64.to_radians().recip()) };
+    note(format_args!(
+        "note: {name}: `{}` would move at up to {:.0} {unit}, and its limit is {:.0} {unit}: --fit slows the motion down",
+        rig.mechanism.bodies[joint].joint_name,
+        asked * factor,
+        limit * factor
+    ));
 }
 
 fn cutoff(text: &str) -> Result<f64, String> {

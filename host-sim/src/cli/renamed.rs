@@ -25,7 +25,7 @@ const COMMANDS: &[(&str, &str)] = &[
     ("weights", "sinew clip weights"),
 ];
 
-/// Commands, an old option of theirs, and the option or developer's command that replaces it.
+/// Commands, an old option of these commands, and the option or developer's command that replaces it.
 const OPTIONS: &[(&[&str], &str, &str)] = &[
     (&["bake", "clip blend", "evaluate", "evaluate sweep", "report"], "--out", "--output"),
     (&["clip find"], "--out", "--picture"),

@@ -1,4 +1,4 @@
-//! `sinew report`: a page of a recording of `sinew play`.
+//! `sinew report`: a page of a recording of `sinew play` or `sinew console`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,13 +8,13 @@ use sinew_host_util::command::note;
 use sinew_host_util::output;
 use sinew_performance::play::Recording;
 use sinew_report::recording::{Page, cut, duration_s};
-use sinew_rig::Description;
 use sinew_rig::toml_file;
+use sinew_rig::{Description, Mechanism};
 
 use super::output::OutputPath;
 use super::rig::read;
 
-/// Make a page of a recording of `sinew play --record`: the rig in motion, and plots of each joint.
+/// Make a page of a recording of `sinew play --record` or `sinew console --record`: the rig in motion, and plots of each joint.
 ///
 /// The page is one HTML file that any browser opens from disk, without a network. It plots over time each joint's
 /// target and measured position, error, torque and the limit that acted on it, and the current of its servo; it lists
@@ -23,7 +23,7 @@ use super::rig::read;
 /// If the machine stopped or the disk was full, the recording is cut off. The page then shows the complete part.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// Recording of `sinew play --record`.
+    /// Recording of `sinew play --record` or `sinew console --record`.
     #[arg(value_name = "RECORDING.parquet")]
     recording: PathBuf,
 
@@ -45,15 +45,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     output::distinct(&[&out], &files)?;
     let named = || args.recording.display().to_string();
     let recording = Recording::open(&args.recording).with_context(named)?;
-    let kept = kept(&recording, &args.recording, args.rig.is_some())?;
-    let given = args.rig.as_deref().map(read).transpose()?;
-    let mechanism = match (&given, &kept) {
-        (Some(given), _) => given.mechanism.clone(),
-        (None, Some(kept)) => kept.mechanism().with_context(named)?,
-        (None, None) => bail!("{}: keeps no rig: give it by --rig", named()),
-    };
-    // The servos of the performance are those of the rig that is stored in the recording.
-    let rig = kept.or(given.map(|given| given.description)).context("a rig is kept or given")?;
+    let (rig, mechanism) = rig_of(&recording, &args.recording, args.rig.as_deref())?;
     let page = Page { recording: &recording, rig: &rig, mechanism: &mechanism };
     let html = page.html().with_context(named)?;
     output::write(&out, html)?;
@@ -62,6 +54,25 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     }
     note(format_args!("wrote {}", out.display()));
     Ok(ExitCode::SUCCESS)
+}
+
+/// Returns the rig of a recording: its bodies are those of `rig` if it is given, its servos those of the rig that is
+/// stored in the recording.
+pub(super) fn rig_of(
+    recording: &Recording,
+    path: &Path,
+    rig: Option<&Path>,
+) -> anyhow::Result<(Description, Mechanism)> {
+    let named = || path.display().to_string();
+    let kept = kept(recording, path, rig.is_some())?;
+    let given = rig.map(read).transpose()?;
+    let mechanism = match (&given, &kept) {
+        (Some(given), _) => given.mechanism.clone(),
+        (None, Some(kept)) => kept.mechanism().with_context(named)?,
+        (None, None) => bail!("{}: keeps no rig: give it by --rig", named()),
+    };
+    let rig = kept.or(given.map(|given| given.description)).context("a rig is kept or given")?;
+    Ok((rig, mechanism))
 }
 
 /// Returns the rig that is stored in a recording. An unreadable rig is an error only if no other rig is given.

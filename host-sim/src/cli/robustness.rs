@@ -16,12 +16,12 @@ use super::methods::{MethodArg, check_fixed, methods};
 use super::performance::PerformanceArgs;
 use super::setup::SetupArgs;
 
-/// Track the clips on many rigs with errors of construction, and print a row for each rig, and the median.
+/// Track the clips on many rigs that have errors of construction, and print a row for each rig, and the median.
 ///
-/// Every rig has masses that are off by up to 15 %, each body differently; joint sensors of 12 bits; and drives that
-/// are one step late. Control and plant run at 500 Hz; the clips have 100 frames per second, and the controller
-/// interpolates smoothly. Default plant: the exact one. `--rig` is your own rig, built many times; its motions have a
-/// frame for every step.
+/// Every rig has masses that are wrong by up to 15 %, each body differently; joint sensors of 12 bits; and drives that
+/// act one step late. Control and plant run at 500 Hz; the clips have 100 frames per second, and the controller
+/// interpolates smoothly. Default plant: the exact one. With `--rig`, the rigs are your own rig with different errors,
+/// and its motions have a frame for every step.
 ///
 /// The table has means over all bodies and frames: degrees, centimetres, and the centimetres of the error weighted by
 /// importance. `lost`: the figure flew apart. The last method is compared with each other method: on how many rigs its

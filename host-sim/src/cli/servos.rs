@@ -2,11 +2,8 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use anyhow::{Context as _, bail};
-use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_host_util::command::{note, print};
 use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::fault::FaultOrder;
@@ -19,16 +16,17 @@ use sinew_servo_sim::supply::Supply;
 
 use super::output::OutputPlace;
 use super::rig::read;
+use super::stop::flag;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM); then it removes LINK.
+/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM, SIGHUP); then it removes LINK.
 /// Programs open LINK as a serial port, at the rate of --baud: the servos answer at no other rate. Programs may close
-/// LINK and open it again. The servos have factory settings except for that rate: torque is off.
+/// LINK and open it again. Except for that rate, the servos have factory settings. Torque is off at the start.
 ///
 /// With --rig the servos move the rig: the motion of one joint loads the servos of others, and gravity depends on the
-/// pose. A hobby servo, driven by pulses, is left out, and its joints stay at home. If the rig has several buses, each
-/// has its own link, LINK.BUS; the servos of all buses move one rig.
+/// pose. Hobby servos, which are driven by pulses, are left out, and their joints stay at home. If the rig has several
+/// buses, each has its own link, LINK.BUS; the servos of all buses move one rig.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["rig", "kind"]))]
 pub(super) struct ServosArgs {
@@ -74,22 +72,23 @@ pub(super) struct ServosArgs {
     supply: Option<Supply>,
 
     /// A fault: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as 2:silent@3s or elbow:late=5ms@1s+500ms. SERVO is an
-    /// id, or a name of the rig. WHAT: silent, late=TIME, wrong-crc, short=BYTES, wrong-id=ID, stuck, hot=CELSIUS,
-    /// brown-out, rebooted, torque-lost, encoder-jump=DEGREES, torque-stuck. May be repeated.
+    /// id, or the name of a servo or joint of the rig. WHAT: silent, late=TIME, wrong-crc, short=BYTES, wrong-id=ID,
+    /// stuck, hot=CELSIUS, brown-out, rebooted, torque-lost, encoder-jump=DEGREES, torque-stuck. WHEN counts from the
+    /// start. May be repeated.
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 enum LoadArg {
-    /// A weight at a distance of 10 cm, hanging at the middle of the range. Held horizontally it needs a tenth of the
-    /// stall torque.
+    /// A weight on an arm of 10 cm, which hangs down at the middle of the range. Held horizontally, it needs a tenth of
+    /// the stall torque.
     Arm,
-    /// A horn without a load.
+    /// Only a horn, without a load.
     None,
 }
 
-/// Serves until a signal ends it.
+/// Simulates the servos until a signal ends it.
 pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
     let rig = args.rig.as_deref().map(read).transpose()?;
     let wanted = args.wanted(rig.as_ref())?;
@@ -102,10 +101,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
             .map(|rig| (&rig.description, &rig.mechanism)),
         supply: args.supply(rig.as_ref()),
     };
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))?;
-    }
+    let stop = flag()?;
     let mut memories: Vec<Memory> = vec![[0; size_of::<Memory>()]; wanted.len()];
     let mut lines = fleet::lines(&wanted, &setup, &mut memories)?;
     let ports = args.ports(&fleet::buses(&wanted))?;
@@ -115,7 +111,7 @@ pub(super) fn run(args: &ServosArgs) -> anyhow::Result<ExitCode> {
 }
 
 impl ServosArgs {
-    /// Returns the supply of the servos: the option, else the supply in the rig's file.
+    /// Returns the supply of the servos: the option, else the supply in the rig's file; `None` if there is neither.
     fn supply(&self, rig: Option<&LoadedRig>) -> Option<Supply> {
         let of_rig = || {
             let supply = rig?.description.supply?;

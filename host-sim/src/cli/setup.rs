@@ -17,8 +17,7 @@ pub(super) struct SetupArgs {
     #[arg(long, value_enum, value_name = "PLANT")]
     plant: Option<PlantKind>,
 
-    /// Source of the figure's masses. Default: `hanavan_kwon` if --subject is given, otherwise
-    /// `de_leva`.
+    /// Source of the figure's masses. Default: `hanavan_kwon` if --subject is given, otherwise `de_leva`.
     #[arg(long, value_enum, value_name = "BODY", conflicts_with = "rig")]
     body: Option<BodySource>,
 
@@ -41,7 +40,7 @@ impl SetupArgs {
         vec![("subject", self.subject.as_deref()), ("setup", self.setup.as_deref())]
     }
 
-    /// Returns the setup. If no plant is named, it uses the exact plant instead of the paper's.
+    /// Returns the setup. If no plant is selected, it has the exact plant instead of the paper's.
     pub(super) fn setup_on_exact(&self, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
         self.read(rig, true)
     }

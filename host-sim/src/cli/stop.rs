@@ -11,12 +11,12 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// Starts counting. From now on, signals do not end the program by themselves.
+    /// Starts counting. From now on, such signals do not end the program by themselves.
     pub(super) fn new() -> anyhow::Result<Self> {
         Ok(Self { came: flag()?, times: Cell::new(0) })
     }
 
-    /// Returns how many signals were counted. Signals between two calls count once.
+    /// Returns the number of counted signals. Signals between two calls count as one.
     pub(super) fn times(&self) -> u32 {
         let more = u32::from(self.came.swap(false, Ordering::Relaxed));
         self.times.set(self.times.get() + more);
@@ -24,8 +24,8 @@ impl Stop {
     }
 }
 
-/// Returns a flag that signals set. From now on they do not end the program by themselves. SIGHUP stays ignored if
-/// the program was started to survive its terminal (`nohup`).
+/// Returns a flag that such signals set. From now on, they do not end the program by themselves. SIGHUP stays ignored
+/// if the program was started so that it survives its terminal (`nohup`).
 pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
     let came = Arc::new(AtomicBool::new(false));
     #[cfg(unix)]
@@ -40,7 +40,7 @@ pub(super) fn flag() -> anyhow::Result<Arc<AtomicBool>> {
     Ok(came)
 }
 
-/// Whether this program was started with SIGHUP ignored, as `/proc` of Linux reports it.
+/// Returns whether this program was started with SIGHUP ignored, as `/proc` of Linux reports it.
 #[cfg(unix)]
 fn ignores_hang_up() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

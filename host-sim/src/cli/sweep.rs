@@ -30,8 +30,8 @@ use super::performance::PerformanceArgs;
 /// Every finished run is written to DIR/journal.jsonl at once: to resume, run the same
 /// command again. At the end sweep.csv and sweep.parquet have a row per cell,
 /// `sweep_clips.*` a row per cell and clip. Their bytes do not depend on interruptions,
-/// threads or the number of machines. If a figure is lost, its row has no numbers, but a
-/// reason.
+/// threads or the number of machines. If a figure is lost (flies apart), its row has no
+/// numbers, but a reason.
 ///
 /// The column `on_front` marks the Pareto-optimal rows of a task: no other row has smaller
 /// mean errors of all joints, both angular and linear. A task is all settings except those
@@ -70,7 +70,7 @@ pub(super) struct Args {
     threads: ThreadArgs,
 }
 
-/// Runs the subcommand. A lost figure is a result, not an error.
+/// Runs the subcommand. A lost figure (one that flies apart) is a result, not an error.
 pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     args.clips.in_pool(&args.threads, &PerformanceArgs::default(), |rig| run_on(args, rig))
 }

@@ -20,7 +20,7 @@ pub(super) struct VerifyArgs {
     skip: Vec<Kind>,
 }
 
-/// Prints a line per quantity. A quantity over its limit is a bad result.
+/// Prints a line for each quantity. If a quantity exceeds its limit, the result is bad: exit code 1.
 ///
 /// # Errors
 /// If a file cannot be computed, or there is no file.

@@ -54,16 +54,16 @@ pub(super) struct Args {
     vertex_area: VertexAreaArg,
 
     /// Method `cylinders`: radius of all bones in m, or a CSV with the columns `joint` and `radius_m`, as `--format
-    /// csv` prints it. Default: with a skin, its mean distance from the bone; else a quarter of the bone's length. A
-    /// bone has the name of the joint in which it ends.
+    /// csv` prints it. Default: with a skin, the mean distance of the skin from the bone; otherwise a quarter of the
+    /// bone's length. A bone has the name of the joint in which it ends.
     #[arg(long, value_name = "R|FILE", allow_negative_numbers = true)]
     radii: Option<String>,
 
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Use the pose of this frame of a motion as the rest pose. Frames count from 0. Default: the skeleton with no
-    /// joint turned.
+    /// Use the pose of this frame of a motion as the rest pose. Frames count from 0. Default: the skeleton with all
+    /// joints at zero.
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
 
@@ -91,9 +91,10 @@ enum MethodArg {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum VertexAreaArg {
-    /// A third of the areas of its triangles: the sum over all vertices is the surface.
+    /// A third of the areas of the vertex's triangles: the sum over all vertices is the area of the surface.
     Surface,
-    /// The mean area of its triangles, as in the article's list: the sum is about half of the surface.
+    /// The mean area of the vertex's triangles, as in the article's list: the sum over all vertices is about half of
+    /// the surface's area.
     Article,
 }
 

@@ -27,11 +27,11 @@ pub(crate) enum Kind {
 pub(crate) struct TreeJoint {
     /// Name of the joint.
     pub name: String,
-    /// Index of the parent joint in the list.
+    /// Index of the parent joint in the list; `None` for a root.
     pub parent: Option<usize>,
     /// Distance from the parent joint, m; `None` if the unit is unknown.
     pub length_m: Option<f64>,
-    /// For a rig: the motion that the joint allows.
+    /// The motion that a rig's joint allows; `None` for other files.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moves: Option<&'static str>,
 }
@@ -61,21 +61,22 @@ pub(crate) struct Inspected {
     pub up: &'static str,
     /// Reason for this axis.
     pub up_reason: String,
-    /// Height of the body if it stands upright, otherwise the extent along the up axis, m.
+    /// Height of the body if it stands upright, otherwise the extent along the up axis, m; `None` if the unit is
+    /// unknown.
     pub height_m: Option<f64>,
-    /// Largest extent across the up axis, m.
+    /// Largest extent across the up axis, m; `None` if the unit is unknown.
     pub span_m: Option<f64>,
-    /// The nearest known skeleton.
+    /// The nearest known skeleton; `None` for a rig, and if no skeleton is near.
     pub nearest: Option<String>,
     /// Joints of that skeleton that the file lacks.
     pub missing: Vec<String>,
     /// Parts of a human body that were not found.
     pub landmarks_missing: Vec<&'static str>,
-    /// Place of a T-pose in the file.
+    /// Place of a T-pose in the file; `None` if there is no T-pose.
     pub t_pose: Option<&'static str>,
     /// Number of missing samples.
     pub gaps: usize,
-    /// Joints that turn in a way that human joints cannot, as text.
+    /// Joints that turn in a way that human joints cannot, as text; `None` if there are none.
     pub flips: Option<String>,
     /// Other notes for the user.
     pub notes: Vec<String>,

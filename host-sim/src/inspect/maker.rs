@@ -1,4 +1,5 @@
-//! The program or company that wrote a file: from texts in the file, or from joint names that only one program uses.
+//! Finds the program or company that wrote a file: from texts in the file, or from joint names that only one program
+//! uses.
 
 use std::path::Path;
 
@@ -25,7 +26,7 @@ const BY_WORDS: [(&str, &str); 6] = [
     ("blender", "Blender"),
 ];
 
-/// Returns the program that uses the names of these joints.
+/// Returns the program that uses the names of these joints; `None` if none is known.
 pub(super) fn by_names(skeleton: &Skeleton) -> Option<&'static str> {
     if skeleton.joints.iter().any(|joint| joint.name.starts_with("mixamorig")) {
         return Some("Mixamo");

@@ -39,7 +39,7 @@ impl Entry {
         }
     }
 
-    /// Whether the file was read.
+    /// Returns whether the file was read.
     pub(crate) const fn is_read(&self) -> bool {
         matches!(self, Self::Read(_))
     }

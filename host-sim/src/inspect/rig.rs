@@ -74,8 +74,8 @@ fn as_character(path: &Path, units: UnitOverrides, why: &str) -> Result<Inspecte
     Ok(inspected)
 }
 
-/// Returns all joints of the description, also fixed ones, parents first. Moving joints have the length of their bone
-/// from `moving`.
+/// Returns the number of joints of the description, also fixed ones, and all of these joints, parents first. Moving
+/// joints have the length of their bone from `moving`.
 fn tree(description: &Description, moving: &[TreeJoint]) -> (usize, Vec<TreeJoint>) {
     let joints = &description.joints;
     let mover = |body: &str| joints.iter().position(|joint| joint.child == body);

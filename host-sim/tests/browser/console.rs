@@ -12,13 +12,13 @@ use crate::page::{Page, with_url};
 const PATIENCE: Duration = Duration::from_mins(1);
 
 /// A running console.
-struct Served {
+pub(crate) struct Served {
     process: Child,
-    address: String,
+    pub(crate) address: String,
 }
 
 impl Served {
-    fn start(arguments: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
         let mut process = command()
             .arg("console")
             .args(arguments)
@@ -33,8 +33,8 @@ impl Served {
         Self { process, address: address.trim().to_owned() }
     }
 
-    /// Returns the start of all addresses that the page may ask for.
-    fn origin(&self) -> &str {
+    /// Returns the address without the token: all addresses that the page may request begin with it.
+    pub(crate) fn origin(&self) -> &str {
         self.address.split('#').next().unwrap()
     }
 }
@@ -62,7 +62,7 @@ fn text(page: &Page, id: &str) -> String {
 
 /// Waits until an expression of the page is true.
 #[track_caller]
-fn wait_until(page: &Page, expression: &str) {
+pub(crate) fn wait_until(page: &Page, expression: &str) {
     let begun = Instant::now();
     while page.ask(expression) != true {
         let state = text(page, "state");
@@ -73,13 +73,13 @@ fn wait_until(page: &Page, expression: &str) {
 }
 
 #[track_caller]
-fn wait_for_state(page: &Page, state: &str) {
+pub(crate) fn wait_for_state(page: &Page, state: &str) {
     wait_until(page, &format!("document.getElementById('state').textContent === '{state}'"));
 }
 
 /// Arms the rig as soon as it rests: until then, arming is refused.
 #[track_caller]
-fn arm(page: &Page) {
+pub(crate) fn arm(page: &Page) {
     let begun = Instant::now();
     while text(page, "state") == "limp" {
         assert!(begun.elapsed() < PATIENCE, "{}", text(page, "answer"));
@@ -202,7 +202,7 @@ fn an_emergency_stop_is_a_fault_that_is_cleared(page: &Page) {
     wait_until(page, &format!("!{is_told}"));
 }
 
-/// Provokes a silent servo and a hot servo: the page names the joint and the remedy, marks the servo, and clears the
+/// Simulates a silent servo and a hot servo. The page must name the joint and the remedy, mark the servo, and clear the
 /// fault when its cause is gone.
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
@@ -240,6 +240,45 @@ fn faults_are_told_with_joint_and_remedy_and_are_cleared() {
                     page.ask("document.querySelector('#faults .clear')?.click()");
                     page.wait_ms(500);
                 }
+            }
+        },
+    );
+}
+
+#[test]
+#[ignore = "needs SINEW_CHROMIUM"]
+fn a_recording_is_watched_on_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, show] = arm_and_show(folder.path());
+    let recording = folder.path().join("punch.parquet").display().to_string();
+    let play = ["play", &show, "--rig", &rig, "--fast", "--record", &recording];
+    assert!(sinew_in(folder.path(), &play).status.success());
+    let console = Served::start(&[&recording]);
+    let origin = console.origin().to_owned();
+    with_url(
+        &console.address,
+        |request| request.starts_with(&origin),
+        |page| {
+            wait_for_state(page, "limp");
+            assert_eq!(page.ask("document.getElementById('commands').hidden"), true);
+            page.drag("#scrub", [0.1, 0.5], || page.wait_ms(300));
+            wait_for_state(page, "playing");
+            let place = || {
+                let place = page.ask("parseFloat(document.getElementById('place').textContent)");
+                place.as_f64().unwrap()
+            };
+            let before = place();
+            page.hold("#play", 50);
+            wait_until(page, "document.getElementById('play-text').textContent === 'Pause'");
+            page.wait_ms(1000);
+            page.hold("#play", 50);
+            wait_until(page, "document.getElementById('play-text').textContent === 'Play'");
+            let after = place();
+            assert!((0.8..4.0).contains(&(after - before)), "{before} to {after}");
+            page.wait_ms(500);
+            assert!((place() - after).abs() < 0.1);
+            for width in [1280, 400] {
+                page.assert_fits(width);
             }
         },
     );

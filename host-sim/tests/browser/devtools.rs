@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// Longest duration of a command. After it the test fails instead of hanging.
+/// Longest duration of a command. A test that waits longer fails instead of hanging.
 const PATIENCE: Duration = Duration::from_mins(2);
 
 /// A browser with one tab.
@@ -101,8 +101,8 @@ impl Browser {
     }
 }
 
-/// Turns a connection into a WebSocket. The browser's proof that it knows the protocol is not checked: that feature
-/// of tungstenite needs ten more crates.
+/// Turns a connection into a WebSocket. The browser's answer to the key is not checked, because that feature of
+/// tungstenite needs ten more crates.
 fn upgrade(mut stream: TcpStream, url: &str) -> WebSocket<TcpStream> {
     let (host, path) =
         url.trim_start_matches("ws://").split_once('/').expect("ws://HOST:PORT/PATH");

@@ -11,3 +11,4 @@ mod recording;
 mod report;
 mod rig;
 mod rig_report;
+mod sound;

@@ -132,8 +132,8 @@ impl Page {
         self.mouse("mouseReleased", place);
     }
 
-    /// Drags the pointer along an element between two shares of its width, waits, and calls `read` before it is let
-    /// go.
+    /// Drags the pointer along an element between two shares of its width, waits, and calls `read` before the pointer
+    /// is released.
     pub(crate) fn drag(&self, selector: &str, [from, to]: [f64; 2], read: impl FnOnce()) {
         self.mouse("mousePressed", self.place(selector, from));
         let end = self.place(selector, to);
@@ -173,7 +173,7 @@ impl Page {
         BASE64_STANDARD.decode(printed["data"].as_str().unwrap()).unwrap()
     }
 
-    /// Checks that the page fits a width without cutting anything off: wider content scrolls in its own box.
+    /// Checks that the page fits a width: only boxes of their own may scroll sideways.
     pub(crate) fn assert_fits(&self, width: u32) {
         self.resize(width, 800);
         let wide = self.ask("document.documentElement.scrollWidth").as_u64().unwrap();

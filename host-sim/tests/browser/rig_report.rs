@@ -54,7 +54,8 @@ fn a_builder_can_use_the_report_of_a_rig() {
     });
 }
 
-/// Checks the bounding box of pixels that are lighter or redder than the ground, as shares of the view.
+/// Checks that the pixels of the rig, which are lighter or redder than the ground, fill a large part of the view and do
+/// not reach its edges.
 fn the_rig_is_large_and_whole(page: &Page) {
     let boxes = page.ask(
         "[...document.querySelectorAll('canvas')].map(c => {

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::{Child, Command, Output};
 use std::time::{Duration, Instant};
 
-/// Longest time that a program needs to end after a signal: on a board it lowers its rig before, and a busy machine
-/// delays boards.
+/// Longest time until a program ends after a signal. It may first lower a board's rig, and a busy machine delays
+/// boards.
 const PATIENCE: Duration = Duration::from_mins(2);
 
 /// Returns the command without arguments.

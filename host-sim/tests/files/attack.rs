@@ -257,7 +257,7 @@ fn two_runs_into_one_folder_are_refused() {
     assert!(said.contains("another run writes into this folder"), "{said}");
 }
 
-/// First bytes of a show of version 1.
+/// First bytes of a show of format version 1.
 const SHOW_OF_VERSION_1: [u8; 32] = *b"SNWS\x01\0\x12\0\x02\0\0\0\x0a\xd7\x23\x3c0123456789abcdef";
 
 #[test]
@@ -288,7 +288,8 @@ fn an_acceleration_of_almost_nothing_is_refused_with_its_line() {
     }
 }
 
-/// The first pose of the show is outside a joint's range: the arm would wait for that pose without end.
+/// The first pose of the show is outside a joint's range: if the show were accepted, the arm would never reach that
+/// pose and would wait without end.
 #[test]
 fn a_show_that_begins_beyond_a_range_is_refused() {
     let folder = folder_with(&["out_of_range.show"]);

@@ -193,7 +193,7 @@ fn an_asf_in_metres_is_as_tall_as_a_person() {
     assert_eq!(it["metres_per_unit"], 1.0, "{it}");
 }
 
-/// The file is an arm on a desk. Once it was read as 1.22 m tall, from the length of a person's arms.
+/// The file is an arm on a desk. Once it was read as 1.22 m tall, because its length was compared with a person's arms.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_robot_arm_has_no_persons_height() {
@@ -203,7 +203,7 @@ fn a_robot_arm_has_no_persons_height() {
     assert_eq!(it["up"], "z", "{it}");
 }
 
-/// Once a bone of 50 m was weighted without a message.
+/// Once a bone 50 m long was used for weights without a message.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {
@@ -215,8 +215,8 @@ fn a_fox_of_a_hundred_metres_is_refused_until_its_unit_is_told() {
     assert_eq!(code, Some(0), "{told}");
 }
 
-/// CMU's own skeletons in metres and in millimetres. By the unit of other files with that skeleton they would be 7 cm
-/// and half a metre tall.
+/// CMU's own skeletons in metres and in millimetres. With the unit that other files with this skeleton have, they would
+/// be 7 cm and half a metre tall.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn a_known_skeleton_in_another_unit_keeps_its_height() {

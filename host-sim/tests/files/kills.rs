@@ -1,5 +1,5 @@
 //! Commands that are ended while they write: each file must be the old one or the new one, and the next run removes
-//! what is left. The first table of the page `docs/hostile.md`.
+//! unfinished files. Prints a table; `docs/hostile.md` has its sums.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -34,7 +34,7 @@ const COMMANDS: [&str; 18] = [
     "evaluate sweep sweep.toml --clips clip.bvh --seconds 0.3 --output out",
     "evaluate robustness --clips clip.bvh --methods local --seconds 0.3 --rigs 4",
 ];
-/// Text of an output before a run.
+/// Content of an output file before a run.
 const OLD: &[u8] = b"what was there before";
 const SWEEP: &str = "setup.plant.kind = 'articulated'\n\n[[grid]]\ncontroller.method = ['local', 'world']\n\
     dimensions.scale = [0.9, 1.0, 1.1]\n";
@@ -75,7 +75,7 @@ fn folder_of(files: &Files) -> tempfile::TempDir {
     folder
 }
 
-/// Returns whether a file is unfinished, in an unfinished folder, or the mark of a folder of results.
+/// Returns whether a file is hidden: it is unfinished, in an unfinished folder, or the mark of a folder of results.
 fn is_hidden(path: &str) -> bool {
     path.split('/').any(|name| name.starts_with('.'))
 }
@@ -84,19 +84,20 @@ fn is_unfinished(path: &str) -> bool {
     path.split('/').any(|name| name.starts_with('.') && name != ".sinew")
 }
 
-/// Counts of what ended runs left.
+/// Counts of runs by the files that they left.
 #[derive(Default)]
 struct Left {
     runs: usize,
     olds: usize,
     news: usize,
-    /// Runs of which a folder has some of the files.
+    /// Runs after which the folder of results had only some of the new files.
     parts: usize,
-    /// Runs that left an unfinished file, which is hidden.
+    /// Runs that left an unfinished, hidden file.
     unfinished: usize,
 }
 
-/// Ends runs of a command. `inputs`: the files that it reads. Returns a row of the table.
+/// Starts a command several times, and ends each run by a signal. `inputs`: the files that it reads. Returns a row of
+/// the table.
 fn row(args: &str, inputs: &Files, signals: &[&str], times: u32) -> String {
     let folder = folder_of(inputs);
     let begin = Instant::now();
@@ -189,7 +190,7 @@ fn a_command_that_is_killed_leaves_the_old_file_or_the_new_one() {
     }
 }
 
-/// Ends all commands by all signals, which takes minutes.
+/// Ends runs of all commands by all signals, which takes minutes.
 #[cfg(unix)]
 #[test]
 fn each_ended_command_leaves_old_files_or_new_ones() {

@@ -297,7 +297,7 @@ fn about_fixed_axes(angles_deg: [f64; 3], sequence: [usize; 3]) -> DQuat {
 
 /// Writes the motion in the format of CMU's originals: an ASF and an AMC. Every bone has axes of its own.
 ///
-/// Written from the formats' definition alone, without code of the reader.
+/// This function follows only the definition of the formats, and uses no code of the reader.
 fn as_asf_and_amc(clip: &Clip, units_per_metre: f64) -> (String, String) {
     use std::fmt::Write as _;
     const SEQUENCES: [(&str, [usize; 3]); 3] =

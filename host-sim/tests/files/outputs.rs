@@ -1,4 +1,5 @@
-//! No command overwrites its input, by whatever name. A file that cannot be written is refused before any work.
+//! No command overwrites its input, even if the output is another name of it. A file that cannot be written is refused
+//! before any work.
 
 use std::fs;
 use std::path::Path;

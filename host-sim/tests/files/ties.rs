@@ -174,11 +174,11 @@ fn assert_follows(folder: &Path, rig: &str, servo: &str) {
     }
 }
 
-/// Joint that follows another: index of its leader, factor, offset, half of its range.
-type Follower = (usize, f64, f64, f64);
+/// A joint that follows another: index of its leader, factor, offset, half of its range.
+pub(crate) type Follower = (usize, f64, f64, f64);
 
-/// Returns a URDF of hinges or slides in a row, each tied to one before it.
-fn urdf(kind: &str, followers: &[Follower]) -> String {
+/// Returns a URDF of hinges or slides in a row, each tied to an earlier one.
+pub(crate) fn urdf(kind: &str, followers: &[Follower]) -> String {
     let inertia = r#"<inertia ixx="1e-4" iyy="1e-4" izz="1e-4" ixy="0" ixz="0" iyz="0"/>"#;
     let link = |index: usize| {
         format!(
@@ -229,6 +229,43 @@ fn ten_rigs_with_ties_follow() {
         fs::write(folder.join("r.urdf"), urdf(kind, followers)).expect("a robot");
         let rig = format!("r{index}.toml");
         done(folder, &["rig", "import", "r.urdf", "-o", &rig]);
+        assert_follows(folder, &rig, "xm430");
+    }
+}
+
+#[test]
+fn slides_follow_hinges_and_hinges_follow_slides() {
+    let model = |equality: &str| {
+        let body = |name: &str, joint: &str| {
+            format!(
+                r#"<body name="{name}" pos="0.05 0 0"><joint {joint}/><geom size="0.01" mass="0.05"/></body>"#
+            )
+        };
+        let turn = body("b", r#"name="turn" axis="0 1 0" range="-60 60""#);
+        let ways: String = ["left", "right"]
+            .map(|name| body(name, &format!(r#"name="{name}" type="slide" range="-0.03 0.03""#)))
+            .concat();
+        format!(
+            r#"<mujoco model="m"><worldbody><body name="a"><geom size="0.02" mass="1"/>{turn}{ways}</body></worldbody>
+            <equality>{equality}</equality></mujoco>"#
+        )
+    };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let folder = folder.path();
+    for (index, equality) in [
+        // A gripper: a pinion between two racks.
+        r#"<joint joint1="left" joint2="turn" polycoef="0 0.02 0 0 0"/>
+           <joint joint1="right" joint2="turn" polycoef="0.002 -0.02 0 0 0"/>"#,
+        // A slide that turns a lever and, through it, moves another slide.
+        r#"<joint joint1="turn" joint2="left" polycoef="0.1 30 0 0 0"/>
+           <joint joint1="right" joint2="turn" polycoef="0 0.01 0 0 0"/>"#,
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        fs::write(folder.join("r.xml"), model(equality)).expect("a robot");
+        let rig = format!("m{index}.toml");
+        done(folder, &["rig", "import", "r.xml", "-o", &rig]);
         assert_follows(folder, &rig, "xm430");
     }
 }

@@ -1,4 +1,4 @@
-//! Checks on real mocap the claims about the manifold projection, aligned differences and the recommended setting.
+//! Checks, on real mocap, the claims about the manifold projection, aligned differences and the recommended setting.
 
 use std::path::PathBuf;
 

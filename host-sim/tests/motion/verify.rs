@@ -96,7 +96,7 @@ fn what_is_skipped_is_said_and_unknown_names_are_refused() {
     assert!(text(&output.stderr).contains("2 were skipped"));
 }
 
-/// Returns the smallest error that a quantity's line says would be noticed.
+/// Returns, from a quantity's line, the smallest error that the check would notice.
 fn noticed(printed: &str, quantity: &str) -> f64 {
     let line = printed.lines().find(|line| line.contains(&format!(" {quantity} ")));
     let line = line.unwrap_or_else(|| panic!("no line for {quantity}: {printed}"));
@@ -104,7 +104,7 @@ fn noticed(printed: &str, quantity: &str) -> f64 {
     numbers.skip(3).find_map(|word| word.parse().ok()).expect("what it notices")
 }
 
-/// Whether a quantity of a file exceeds its limit when `mistake` is added to one of its numbers.
+/// Returns whether a quantity of a file exceeds its limit when `mistake` is added to one of its numbers.
 fn is_found(file: &str, path: &str, quantity: &str, mistake: f64) -> bool {
     let good = fs::read_to_string(oracles().join(file)).expect("the oracles are there");
     let mut golden: serde_json::Value = serde_json::from_str(&good).expect("a golden file");

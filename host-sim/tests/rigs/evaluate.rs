@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::{printed, sinew};
 
-/// Writes a new arm with a rotation of its mount.
+/// Writes a new arm whose mount has this rotation.
 fn arm(folder: &Path, mount: &str) -> String {
     let path = folder.join("arm.toml");
     let text = printed(&["rig", "new", "--arm", "6"]);

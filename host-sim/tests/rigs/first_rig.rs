@@ -6,8 +6,8 @@ use std::time::Instant;
 
 const PAGE: &str = include_str!("../../../docs/first-rig.md");
 
-/// Returns the steps of the page with the lines of their command blocks, without those for real hardware and those of
-/// `cargo`.
+/// Returns the steps of the page, each with the lines of its command blocks. Blocks for real hardware and lines with
+/// `cargo` are left out.
 fn steps() -> Vec<(String, Vec<String>)> {
     let (mut steps, mut is_block, mut is_metal) =
         (Vec::<(String, Vec<String>)>::new(), false, false);
@@ -31,7 +31,7 @@ fn steps() -> Vec<(String, Vec<String>)> {
     steps
 }
 
-/// Returns the page's estimate of the work besides the commands, min.
+/// Returns the page's estimate of a person's work besides the commands, min.
 fn person_min() -> f64 {
     let row = PAGE.lines().find_map(|line| line.strip_prefix("| **without shopping")).unwrap();
     row.split("**").nth(2).unwrap().parse().unwrap()

@@ -1,4 +1,4 @@
-//! A hostile host in Python, written from `docs/link.md` alone (`crates/link/tests/python`), at simulated boards in
+//! A hostile host in Python, written only from `docs/link.md` (`crates/link/tests/python`), attacks simulated boards in
 //! real time.
 
 use std::path::Path;
@@ -10,16 +10,16 @@ use super::board::{baked, says};
 use super::watched::{Seen, Watched};
 use crate::common::path;
 
-/// Number of frames that both hosts send together, unless [`FRAMES`] has another.
+/// Number of frames that both hosts send together, unless the variable [`FRAMES`] has another number.
 const DEFAULT: u32 = 40_000;
 /// Environment variable with the number of frames. `cargo xtask test --all` sets it.
 const FRAMES: &str = "SINEW_FRAMES";
-/// Rate of the port: more than a board's, so that a million frames take two minutes.
+/// Rate of the port, bit/s. It is higher than a board's, so that a million frames take only about three minutes.
 const BAUD: u32 = 2_000_000;
-/// Distance beyond its range at which a joint is still measured without a fault: the default of `beyond_rad`.
+/// Distance beyond its range that a joint may have without a fault, rad: the default of `beyond_rad`.
 const BEYOND_RAD: f64 = 0.052;
 
-/// Lets a hostile host send frames to a board with a show. Returns what the servos did.
+/// Lets a hostile host send frames to a board with a show. Returns the behaviour of the servos.
 fn attack(options: &[&str]) -> Seen {
     let frames: u32 = std::env::var(FRAMES).map_or(DEFAULT, |frames| frames.parse().unwrap());
     let folder = tempfile::tempdir().unwrap();

@@ -4,12 +4,16 @@
 mod board;
 #[path = "../common/mod.rs"]
 mod common;
+#[cfg(unix)]
+mod console;
 mod evaluate;
 mod first_rig;
 #[cfg(unix)]
 mod hostile;
 #[cfg(unix)]
 mod killed;
+#[cfg(unix)]
+mod other_terminals;
 mod rig;
 mod servo;
 mod shows;

@@ -47,7 +47,7 @@ fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).unwrap()
 }
 
-/// Returns the messages of a command.
+/// Returns the messages of a command: its standard error.
 fn text_of(output: &Output) -> &str {
     text(&output.stderr)
 }

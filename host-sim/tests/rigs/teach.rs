@@ -1,4 +1,4 @@
-//! Teaching by hand on a simulated arm: how near the result is, and how long a floating arm stays.
+//! Teaching by hand on a simulated arm: how near the result is to the hand's path, and how long a floating arm stays.
 
 use sinew_rig::new::arm;
 use sinew_servo_sim::device::MEMORY_LEN;
@@ -68,8 +68,8 @@ fn what_is_taught_is_within_a_degree_of_the_hand() {
     }
 }
 
-/// A floating arm must stay within 2 degrees, with masses a tenth larger or smaller. Friction holds it: without
-/// friction it falls.
+/// A floating arm must stay within 2 degrees if its masses are a tenth larger or smaller than in the model. Friction
+/// holds it; without friction it falls.
 #[test]
 fn a_floating_arm_stays_where_it_is_left() {
     for masses in [0.9, 1.0, 1.1] {
@@ -79,7 +79,7 @@ fn a_floating_arm_stays_where_it_is_left() {
     }
 }
 
-/// Shows the need for friction: the same arm without friction moves.
+/// Shows that friction is needed: the same arm without friction moves.
 #[test]
 fn without_friction_a_wrong_mass_moves_it() {
     let (taken, _) = led(Mode::Float, 2.0, [1.1, 0.0]).unwrap();

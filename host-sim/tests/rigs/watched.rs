@@ -1,4 +1,4 @@
-//! A simulated board on a port, in real time, whose servos a test looks at in each tick.
+//! A simulated board on a port, in real time. A recorder checks its servos in each tick.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -17,13 +17,13 @@ const TORQUE_ENABLE: u16 = 64;
 /// Stack of a thread that has a board.
 const STACK_BYTES: usize = 64 << 20;
 
-/// States of a board and behaviour of its servos, since [`Watched::begin`].
+/// States of a board and behaviour of its servos since [`Watched::begin`].
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     /// Each new state with its time on the board, s. The first one is the state at the beginning.
     pub(super) states: Vec<(f64, State)>,
     pub(super) ticks_on: u64,
-    /// Ticks of a state without torque in which a servo had torque.
+    /// Number of ticks in which the state permits no torque but a servo has torque.
     pub(super) torque_in_off: u64,
     /// Maximum of a joint's distance beyond its range while torque is on, rad.
     pub(super) beyond_rad: f64,
@@ -86,14 +86,14 @@ impl Watched {
         self.seen.lock().unwrap()
     }
 
-    /// Returns what was seen, and forgets it, except for the current state.
+    /// Returns the record, and starts a new one from the current state.
     pub(super) fn begin(&self) -> Seen {
         let mut seen = self.seen();
         let states = seen.states.last().copied().into_iter().collect();
         std::mem::replace(&mut *seen, Seen { states, ..Seen::default() })
     }
 
-    /// Waits until the rig is in a state. Returns whether it comes.
+    /// Waits until the rig is in a state. Returns whether it reaches the state in time.
     pub(super) fn until(&self, is_there: impl Fn(State) -> bool, wait: Duration) -> bool {
         let end = Instant::now() + wait;
         while !is_there(self.seen().state()) {

@@ -1,6 +1,7 @@
 //! Properties and golden numbers across the crates. They are one program so that the core's kernels are compiled for
 //! it once.
 
+mod in_time;
 mod limits;
 mod motion;
 mod parity;

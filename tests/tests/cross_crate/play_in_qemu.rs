@@ -1,5 +1,5 @@
 //! Shows of clips on rigs: the node of boards, as an Arm image in QEMU, sends the same bytes as the controller in
-//! process.
+//! this process.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -90,7 +90,7 @@ impl Case {
         Played { table: tally.table(&sim, director.raised()), states }
     }
 
-    /// Plays in process, then in QEMU: table, hash and states must be equal. Returns the hash, and the numbers of
+    /// Plays in this process, then in QEMU: table, hash and states must be equal. Returns the hash, and the numbers of
     /// compared ticks and packets.
     fn is_same_in_qemu(&self) -> (String, [u64; 2]) {
         let image: PathBuf = std::env::var_os(IMAGE)
@@ -128,7 +128,7 @@ fn an_arm_says_in_qemu_what_it_says_in_process() {
 }
 
 /// A walk and a fight on two robots. With `SINEW_NODE_ALL`, which `cargo xtask node` sets, the whole clips are
-/// played, and rows of docs/boards.md are printed. Otherwise, since emulators are slow, each robot and clip is played
+/// played, and their hashes are printed. Otherwise, since emulators are slow, each robot and clip is played
 /// once, for some seconds: longer than the 4 s of a show's block.
 #[test]
 #[ignore = "needs SINEW_DATA, and the image that `cargo xtask node` builds"]

@@ -19,7 +19,8 @@ const NARROWEST: f32 = 1e-4;
 /// doubles the correct digits.
 const MOST_STEPS: usize = 12;
 
-/// Shifts of the curvature matrix, in units of the largest possible curvature.
+/// Shifts that are added to the curvature matrix in turn until it is positive definite, in units of the largest
+/// possible curvature.
 const LIFTS: [f32; 5] = [0.01, 0.04, 0.16, 0.64, 2.56];
 
 /// Last step, rad: after a step this small, the next step would be below f32 rounding.

@@ -1,32 +1,98 @@
-//! The end of the socket of another command.
+//! The other command's end of the socket.
 
 use std::fs;
-use std::io::{self, BufRead as _, BufReader, Write as _};
+use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};
+use std::os::unix::fs::MetadataExt as _;
 use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::Duration;
 
-use super::{Reply, Request, folder};
+use super::{Reply, Request, View, folder};
 
-/// Returns the names of the consoles that run for this user.
+/// Returns the names of the hubs that run for this user. Removes the sockets that killed programs have left.
 pub fn consoles() -> Vec<String> {
     let files = fs::read_dir(folder()).into_iter().flatten().flatten();
     let mut names: Vec<String> = files
-        .filter(|file| UnixStream::connect(file.path()).is_ok())
-        .filter_map(|file| Some(file.file_name().to_str()?.strip_suffix(".sock")?.to_owned()))
+        .filter_map(|file| {
+            let name = file.file_name().to_str()?.strip_suffix(".sock")?.to_owned();
+            is_alive(&file.path()).then_some(name)
+        })
         .collect();
     names.sort();
     names
 }
 
-/// Asks a console, and waits until the command is executed.
+/// Returns whether a program serves a socket. A socket is visible only while its program listens, or after its end.
+fn is_alive(path: &Path) -> bool {
+    let number = || fs::symlink_metadata(path).map(|found| found.ino()).ok();
+    let before = number();
+    match UnixStream::connect(path) {
+        Ok(_) => true,
+        Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
+            // A new program may have taken the name meanwhile.
+            if number() == before {
+                let _ = fs::remove_file(path);
+            }
+            false
+        }
+        Err(_) => false,
+    }
+}
+
+/// Asks a hub, and waits until the command is executed.
 ///
 /// # Errors
-/// An I/O error if no console has this name, or it has ended.
+/// An I/O error if no hub has this name, or it has ended.
 pub fn ask(name: &str, request: &Request) -> io::Result<Reply> {
+    let mut line = String::new();
+    BufReader::new(send(name, request)?).read_line(&mut line)?;
+    serde_json::from_str(&line).map_err(io::Error::other)
+}
+
+fn send(name: &str, request: &Request) -> io::Result<UnixStream> {
     let mut stream = UnixStream::connect(folder().join(format!("{name}.sock")))?;
     let mut text = serde_json::to_string(request).map_err(io::Error::other)?;
     text.push('\n');
     stream.write_all(text.as_bytes())?;
-    let mut line = String::new();
-    BufReader::new(stream).read_line(&mut line)?;
-    serde_json::from_str(&line).map_err(io::Error::other)
+    Ok(stream)
+}
+
+/// Views of the rig of a hub.
+#[derive(Debug)]
+pub struct Watching {
+    stream: BufReader<UnixStream>,
+    line: Vec<u8>,
+}
+
+/// Watches the rig of a hub.
+///
+/// # Errors
+/// An I/O error if no hub has this name.
+pub fn watch(name: &str) -> io::Result<Watching> {
+    Ok(Watching { stream: BufReader::new(send(name, &Request::Watch)?), line: Vec::new() })
+}
+
+impl Watching {
+    /// Returns the next view, or `None` if none comes within `wait`.
+    ///
+    /// # Errors
+    /// An I/O error if the hub has ended.
+    pub fn next(&mut self, wait: Duration) -> io::Result<Option<View>> {
+        self.stream.get_ref().set_read_timeout(Some(wait))?;
+        match self.stream.read_until(b'\n', &mut self.line) {
+            Ok(_) if self.line.last() == Some(&b'\n') => {
+                let view = serde_json::from_slice(&self.line).map_err(io::Error::other);
+                self.line.clear();
+                view.map(Some)
+            }
+            Ok(_) => Err(ErrorKind::UnexpectedEof.into()),
+            // The part of the line that has arrived is kept.
+            Err(error)
+                if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) =>
+            {
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
 }

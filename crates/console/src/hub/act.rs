@@ -1,4 +1,4 @@
-//! Motions that go on until they are over: a joint that follows a slider, a journey, a show; and arming.
+//! Motions that take several turns of the hub: a joint that follows a slider, a journey, a show; and arming.
 
 use std::time::Duration;
 
@@ -10,15 +10,15 @@ use super::{Hub, Refused};
 use crate::message::Level;
 use crate::server::PageId;
 
-/// Interval of speeds and poses for the board.
+/// Interval at which the board gets speeds or poses.
 const EVERY: Duration = Duration::from_millis(20);
-/// Longest time of a feed's start.
+/// Longest time until the board follows a feed.
 const START: Duration = Duration::from_secs(1);
-/// Longest wait for a rig to become ready to be armed, and the time between two attempts.
+/// Longest wait until the rig can be armed, and the time between two attempts.
 pub(super) const READY: Duration = Duration::from_secs(10);
 pub(super) const AGAIN: Duration = Duration::from_millis(100);
 
-/// A motion.
+/// A motion that goes on.
 #[derive(Debug)]
 pub(super) enum Act {
     Slider(Feeding<Slider>),
@@ -26,11 +26,11 @@ pub(super) enum Act {
     Show(Playing),
 }
 
-/// A motion that the hub feeds.
+/// A motion whose speeds or poses the hub sends to the board.
 #[derive(Debug)]
 pub(super) struct Feeding<M> {
     pub(super) motion: M,
-    /// Number of summaries before the board followed the feed; `None` until it does.
+    /// Number of summaries received when the board began to follow the feed; `None` before.
     follows: Option<u32>,
     begun: Duration,
     due: Duration,
@@ -41,13 +41,13 @@ pub(super) struct Feeding<M> {
 pub(super) struct Playing {
     /// Whether the show begins again when it is over.
     repeats: bool,
-    /// Whether the show is a loop of one round: it is held at the end of the round.
+    /// Whether the show is a loop that is played once: at the end of the round, the rig holds.
     ends: bool,
     before: u32,
     show_ms: u32,
 }
 
-/// A wish to arm, until the board allows it.
+/// A request to arm, repeated until the board allows it.
 #[derive(Debug)]
 pub(super) struct Arming {
     pub(super) page: PageId,
@@ -57,7 +57,7 @@ pub(super) struct Arming {
 }
 
 impl Act {
-    /// Whether the motion ends when its page is gone.
+    /// Returns whether the motion ends when its page is gone.
     pub(super) fn dies_with_its_page(&self) -> bool {
         !matches!(self, Self::Show(_))
     }
@@ -70,7 +70,7 @@ impl<M> Feeding<M> {
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Ends the motion: the rig stands where it is.
+    /// Ends the motion: the rig stands where it is. Succeeds also if torque is off.
     pub(super) fn hold(&mut self) -> Result<String, Refused> {
         self.act = None;
         match self.ask(Command::Hold) {
@@ -83,7 +83,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Begins a show.
+    /// Begins to play the loaded show.
     pub(super) fn begin_show(&mut self, repeats: bool, is_loop: bool) -> Result<(), Refused> {
         self.ask(Command::Play(Feed::Show))?;
         let (before, ends) = (self.board.log.summaries, is_loop && !repeats);
@@ -91,7 +91,7 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
-    /// Goes on with the motion.
+    /// Continues the motion.
     pub(super) fn go_on(&mut self) {
         let ended = match self.act.take() {
             None => return,
@@ -114,10 +114,17 @@ impl<L: Line> Hub<'_, L> {
             feeding.due = now + EVERY;
             let commanded = self.wanted(feeding.motion.coordinate);
             let velocity = feeding.motion.velocity(commanded, now);
-            let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
-            self.send(Stream::Jog { dof, velocity })?;
+            if let Some(mut pose) = feeding.motion.pose() {
+                self.scene.follow(&mut pose);
+                self.send_pose(pose, now)?;
+            } else {
+                let dof = u8::try_from(feeding.motion.dof).unwrap_or(u8::MAX);
+                self.send(Stream::Jog { dof, velocity })?;
+            }
         }
-        if self.follow(&mut feeding, Feed::Jog)? {
+        let feed =
+            if self.scene.leads(feeding.motion.dof).is_some() { Feed::Live } else { Feed::Jog };
+        if self.follow(&mut feeding, feed)? {
             self.act.get_or_insert(Act::Slider(feeding));
         } else {
             self.barred = Some(now);
@@ -136,9 +143,7 @@ impl<L: Line> Hub<'_, L> {
         }
         if now >= feeding.due {
             feeding.due = now + EVERY;
-            let q = feeding.motion.at(now).into_iter().collect();
-            let sent_us = u32::try_from(now.as_micros() & u128::from(u32::MAX)).unwrap_or(0);
-            self.send(Stream::Live(LiveFrame { sent_us, q }))?;
+            self.send_pose(feeding.motion.at(now), now)?;
         }
         if self.follow(&mut feeding, Feed::Live)? {
             self.act.get_or_insert(Act::Journey(feeding));
@@ -146,16 +151,16 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
-    /// Lets the board follow a feed that has begun. Returns whether the motion goes on.
+    /// Lets the board follow a feed, and returns whether the motion goes on. It ends when the board no longer plays.
     fn follow<M>(&mut self, feeding: &mut Feeding<M>, feed: Feed) -> Result<bool, Refused> {
         if let Some(before) = feeding.follows {
-            // By a summary that is newer than the command.
+            // A summary that is newer than the command decides.
             let is_over = self.board.log.summaries >= before + 2 && self.state() != State::Playing;
             return Ok(!is_over);
         }
         match self.ask(Command::Play(feed)) {
             Ok(_) => feeding.follows = Some(self.board.log.summaries),
-            // The first of its messages have not arrived.
+            // The first messages of the feed have not arrived yet.
             Err(Refused::Board(Refusal::FeedSilent(_)))
                 if self.now().saturating_sub(feeding.begun) < START => {}
             Err(refused) => return Err(refused),
@@ -186,6 +191,11 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
+    fn send_pose(&mut self, pose: Vec<f32>, now: Duration) -> Result<(), Refused> {
+        let sent_us = u32::try_from(now.as_micros() & u128::from(u32::MAX)).unwrap_or(0);
+        self.send(Stream::Live(LiveFrame { sent_us, q: pose.into_iter().collect() }))
+    }
+
     fn send(&mut self, stream: Stream) -> Result<(), Refused> {
         self.board.stream(stream).map_err(|error| {
             let text = error.to_string();
@@ -201,7 +211,7 @@ impl<L: Line> Hub<'_, L> {
         self.go_on_arming();
     }
 
-    /// Tries to arm, and answers the page.
+    /// Asks the board to arm, and answers the page, unless a later attempt may succeed.
     pub(super) fn go_on_arming(&mut self) {
         let now = self.now();
         let Some(arming) = self.arming.take_if(|arming| now >= arming.due) else { return };
@@ -223,7 +233,7 @@ impl<L: Line> Hub<'_, L> {
     }
 }
 
-/// Whether a refusal to arm may pass by itself.
+/// Returns whether the reason for refusing to arm may pass by itself.
 pub(super) fn passes(refused: &Refused) -> bool {
     matches!(
         refused,

@@ -1,4 +1,4 @@
-//! Commands of pages.
+//! Executes the commands of pages.
 
 use std::time::Duration;
 
@@ -8,16 +8,18 @@ use sinew_link::message::{Command, POSE_MAX, State};
 use super::act::{Act, Feeding};
 use super::slider::Slider;
 use super::{Hub, PageCommand, Refused};
+use crate::local::{CUTS, STOPS};
 use crate::message::ToPage;
 use crate::server::PageId;
 
-/// Time without a message of a slider after which it counts as let go.
+/// Time without a message of a barred slider after which it counts as released.
 const LET_GO: Duration = Duration::from_millis(400);
-/// Share of the maximum speed that a journey uses: the board's own limit is not to be felt.
+/// Share of a slider's maximum speed that a journey uses, so that the board's own limit is not reached.
 const SHARE: f32 = 0.7;
 
 impl<L: Line> Hub<'_, L> {
-    /// Executes a command of a page, if the page may give it. Returns what was done; `None`: it is answered later.
+    /// Executes a command of a page, if the page may give it. Returns the result in words; or `None` if the answer
+    /// follows later, or is not needed.
     pub(super) fn obey(
         &mut self,
         page: PageId,
@@ -32,7 +34,7 @@ impl<L: Line> Hub<'_, L> {
         Some(match command {
             EStop => {
                 self.end_all();
-                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+                self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
             Hold => {
                 self.end_all();
@@ -40,8 +42,7 @@ impl<L: Line> Hub<'_, L> {
             }
             Stop => {
                 self.end_all();
-                let going = "the rig goes to its rest pose, then torque is off";
-                self.ask(Command::Stop).map(|_| going.to_owned())
+                self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Ping { t } => {
                 self.tell_page(page, &ToPage::Pong { t });
@@ -85,13 +86,14 @@ impl<L: Line> Hub<'_, L> {
         })
     }
 
-    /// Ends what goes on, without a word to the board. A slider that is held moves nothing until it is let go.
+    /// Ends the motion and the arming, without a command to the board. A slider that is held moves nothing until it is
+    /// released.
     pub(super) fn end_all(&mut self) {
         self.bar_slider();
         (self.act, self.arming) = (None, None);
     }
 
-    /// Bars a slider whose motion was ended by something else than its page.
+    /// Bars a slider whose motion was ended by something other than its page: it must be released first.
     pub(super) fn bar_slider(&mut self) {
         if matches!(self.act, Some(Act::Slider(_))) {
             self.barred = Some(self.now());
@@ -105,13 +107,24 @@ impl<L: Line> Hub<'_, L> {
             true if !may_drive => Err(Refused::because(
                 "a page of another machine views and stops only: start the console with --allow-drive",
             )),
-            true if self.wheel.take(page, now) => Ok("this page drives".to_owned()),
-            true => Err(Refused::because("another page drives: it must give the wheel back first")),
+            true => {
+                let is_new = !self.wheel.is_at(page);
+                if !self.wheel.take(page, now) {
+                    self.tell_roles();
+                    return Err(Refused::because(
+                        "another page drives; it was asked for the wheel",
+                    ));
+                }
+                // The page before may have been silent while it moved a joint.
+                let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
+                let held = if is_new && is_moved { self.hold() } else { Ok(String::new()) };
+                held.map(|_| "this page drives".to_owned())
+            }
             false if self.wheel.is_at(page) => {
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_moved { self.hold() } else { Ok(String::new()) };
-                self.wheel.free(now);
-                held.map(|_| "nobody drives".to_owned())
+                self.wheel.pass(now);
+                held.map(|_| "this page does not drive any more".to_owned())
             }
             false => Ok("this page does not drive".to_owned()),
         };
@@ -119,7 +132,7 @@ impl<L: Line> Hub<'_, L> {
         answer
     }
 
-    /// Moves a joint towards a slider's goal.
+    /// Moves a joint towards a slider's goal. Further calls for the same joint change the goal.
     fn jog(&mut self, dof: usize, goal: f64) -> Result<String, Refused> {
         let now = self.now();
         #[expect(
@@ -139,6 +152,9 @@ impl<L: Line> Hub<'_, L> {
         let Some(coordinate) = own.coordinate else {
             return Err(Refused::because("a ball joint has no slider of its own"));
         };
+        if let Some(why) = self.scene.follows(own) {
+            return Err(Refused::Other(why));
+        }
         if let Some(Act::Slider(feeding)) = &mut self.act
             && feeding.motion.dof == dof
         {
@@ -150,14 +166,19 @@ impl<L: Line> Hub<'_, L> {
         }
         let at = self.wanted(coordinate).or_else(|| self.board.log.q.get(coordinate).copied());
         let at = at.ok_or_else(|| Refused::because("the pose is not known yet"))?;
-        let most = own.speed.unwrap_or(self.soft_rad_s).min(self.soft_rad_s);
+        let leads = self.scene.leads(dof);
+        let soft = self.soft_rad_s / leads.unwrap_or(1.0).max(1.0);
+        let most = own.speed.unwrap_or(soft).min(soft);
         let mut slider = Slider::new((dof, coordinate), at, (own.range, most), now);
         slider.feed(goal, now);
+        if leads.is_some() {
+            slider.lead(self.pose_now(self.scene.home.len())?);
+        }
         self.act = Some(Act::Slider(Feeding::new(slider, now)));
         Ok(String::new())
     }
 
-    /// Moves all joints to a pose.
+    /// Begins to move all joints of a rig that holds to a pose.
     pub(super) fn travel(&mut self, to: &[f32]) -> Result<String, Refused> {
         if self.state() != State::Holding {
             return Err(Refused::Other(format!(
@@ -165,15 +186,7 @@ impl<L: Line> Hub<'_, L> {
                 self.state()
             )));
         }
-        let from: Vec<f32> = (0..to.len())
-            .filter_map(|k| self.wanted(k).or_else(|| self.board.log.q.get(k).copied()))
-            .collect();
-        if from.len() != to.len() {
-            return Err(Refused::because("the pose is not known yet"));
-        }
-        if to.len() > POSE_MAX {
-            return Err(Refused::because("the rig has more joints than a live pose carries"));
-        }
+        let from = self.pose_now(to.len())?;
         let now = self.now();
         let most_rad_s = SHARE * self.soft_rad_s;
         let journey = Journey::new(&from, to, &self.scene.blocks, most_rad_s, now);
@@ -182,7 +195,20 @@ impl<L: Line> Hub<'_, L> {
         Ok("the rig moves".to_owned())
     }
 
-    /// Returns a coordinate of the pose that the board commands, if it is known.
+    /// Returns the pose from which a motion of all joints begins: that which the board commands, or has measured.
+    fn pose_now(&self, count: usize) -> Result<Vec<f32>, Refused> {
+        let own = |k: usize| self.wanted(k).or_else(|| self.board.log.q.get(k).copied());
+        let pose: Vec<f32> = (0..count).filter_map(own).collect();
+        if pose.len() != count {
+            return Err(Refused::because("the pose is not known yet"));
+        }
+        if count > POSE_MAX {
+            return Err(Refused::because("the rig has more joints than a live pose carries"));
+        }
+        Ok(pose)
+    }
+
+    /// Returns a coordinate of the pose that the board commands; `None` if it is not known.
     pub(super) fn wanted(&self, coordinate: usize) -> Option<f32> {
         self.scene.commanded(&self.board.log)?.get(coordinate).copied()
     }

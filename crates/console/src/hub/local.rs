@@ -1,5 +1,6 @@
-//! Commands that come by the Unix socket, and a hub that executes a single one.
+//! Executes commands from the Unix socket; or, without a console, a single command.
 
+use std::fmt;
 use std::sync::mpsc::{SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
@@ -8,12 +9,44 @@ use sinew_link::message::{Command, State};
 
 use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
-use crate::local::{Reply, Request};
+use crate::local::{CUTS, Reply, Request, STOPS};
 
-/// Speed of deg in rad, and of mm in m.
+/// Number of the command of a hub that executes a single one.
+const OWN: u64 = 0;
+/// A deg in rad, and a mm in m.
 const UNITS: [f64; 2] = [std::f64::consts::PI / 180.0, 1e-3];
 
-/// A command that waits for the end of its motion.
+/// Program that owns a hub, and what other commands may ask of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// A console: its pages drive, and commands move the rig while nothing else moves.
+    Console,
+    /// A command of this name drives: others stop the rig, and watch.
+    Drives(&'static str),
+    /// A command that watches: it gives up the port for every other command.
+    Watches,
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Console => f.write_str("`sinew console`"),
+            Self::Drives(name) => write!(f, "`sinew {name}`"),
+            Self::Watches => f.write_str("`sinew board monitor`"),
+        }
+    }
+}
+
+/// Requests of other commands that the owner of a hub heeds.
+#[derive(Debug, Default)]
+pub(super) struct Asked {
+    /// Whether a command has stopped the rig.
+    pub(super) stopped: bool,
+    /// Whether a command wants the port.
+    pub(super) yields: bool,
+}
+
+/// A command of another program that waits for the end of its motion.
 #[derive(Debug)]
 pub(super) struct Waiting {
     command: u64,
@@ -21,7 +54,7 @@ pub(super) struct Waiting {
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Executes a command of another program. A motion is answered at its end.
+    /// Executes a command of another program. If it moves the rig, the answer follows at the end of the motion.
     pub(super) fn take_request(
         &mut self,
         command: u64,
@@ -31,12 +64,21 @@ impl<L: Line> Hub<'_, L> {
         let done = match request {
             Request::Stop => {
                 self.end_all();
-                let text = "the rig goes to its rest pose, then torque is off";
-                self.ask(Command::Stop).map(|_| text.to_owned())
+                self.asked.stopped = true;
+                self.ask(Command::Stop).map(|_| STOPS.to_owned())
             }
             Request::EStop => {
                 self.end_all();
-                self.ask(Command::EStop).map(|_| "torque is off".to_owned())
+                self.asked.stopped = true;
+                self.ask(Command::EStop).map(|_| CUTS.to_owned())
+            }
+            // The socket's thread answers it.
+            Request::Watch => Err(Refused::because("it is no command")),
+            Request::Yield => self.give_up_port(),
+            Request::Home | Request::Jog { .. }
+                if command != OWN && self.owner != Owner::Console =>
+            {
+                Err(Refused::Other(format!("{} has the board", self.owner)))
             }
             Request::Home | Request::Jog { .. } => match self.move_for(request) {
                 Ok(()) => {
@@ -50,6 +92,17 @@ impl<L: Line> Hub<'_, L> {
         self.reply(&answer, done);
     }
 
+    fn give_up_port(&mut self) -> Result<String, Refused> {
+        self.asked.yields = self.owner == Owner::Watches;
+        if self.asked.yields {
+            return Ok("the port is closed".to_owned());
+        }
+        Err(Refused::Other(format!(
+            "{} has the board; `sinew board monitor` watches it, `sinew stop` stops the rig",
+            self.owner
+        )))
+    }
+
     fn reply(&self, answer: &SyncSender<Reply>, done: Result<String, Refused>) {
         let (ok, text) = match done {
             Ok(text) => (true, text),
@@ -59,7 +112,7 @@ impl<L: Line> Hub<'_, L> {
         let _: Result<(), TrySendError<Reply>> = answer.try_send(Reply { ok, text });
     }
 
-    /// Begins a motion of another program, unless something moves already.
+    /// Begins a motion of another program. Fails if the rig moves already.
     fn move_for(&mut self, request: &Request) -> Result<(), Refused> {
         if self.lost.is_some() || self.closing.is_some() {
             return Err(Refused::because("the board does not answer, or the console ends"));
@@ -78,6 +131,9 @@ impl<L: Line> Hub<'_, L> {
             })?;
             let coordinate =
                 dof.coordinate.ok_or_else(|| Refused::because("it is a ball joint"))?;
+            if let Some(why) = self.scene.follows(dof) {
+                return Err(Refused::Other(why));
+            }
             #[expect(
                 clippy::cast_possible_truncation,
                 reason = "a board has f32, and the range limits it"
@@ -93,11 +149,12 @@ impl<L: Line> Hub<'_, L> {
                 return Err(Refused::because("this is beyond the range of the joint"));
             }
             to[coordinate] = goal;
+            self.scene.follow(&mut to);
         }
         self.travel(&to).map(|_| ())
     }
 
-    /// Answers a command whose motion is over, and holds the rig if the command is gone.
+    /// Answers a waiting command when its motion is over.
     pub(super) fn go_on_waiting(&mut self) {
         let Some(waiting) = &self.waiting else { return };
         if !matches!(self.act, Some(Act::Journey(_))) {
@@ -113,7 +170,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Ends the motion of a command that is gone.
+    /// Holds the rig if this command was waiting: the program that gave it has ended.
     pub(super) fn forget_waiting(&mut self, command: u64) {
         if self.waiting.take_if(|waiting| waiting.command == command).is_some() {
             let _ = self.hold();
@@ -121,7 +178,8 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Executes a single command on a board without a console: for a motion it arms the rig, and stops it afterwards.
+    /// Executes a single command on a board without a console. For a motion, arms the rig first and stops it
+    /// afterwards.
     pub(crate) fn execute(
         mut self,
         request: &Request,
@@ -129,26 +187,27 @@ impl<L: Line> Hub<'_, L> {
     ) -> Result<Reply, ClientError> {
         self.begin()?;
         let (answer, answers) = sync_channel(1);
+        let mut reply = None;
         if matches!(request, Request::Home | Request::Jog { .. })
             && let Err(refused) = self.arm_now(stops)
         {
             let text = format!("refused: {}", self.text(&refused));
-            return Ok(Reply { ok: false, text });
+            reply = Some(Reply { ok: false, text });
+        } else {
+            self.take_request(OWN, request, answer);
         }
-        self.take_request(0, request, answer);
-        let mut reply = None;
         while reply.is_none() && stops() == 0 {
             self.turn()?;
             reply = answers.try_recv().ok();
         }
-        // An e-stop has no more to do.
+        // After an e-stop there is nothing to wait for.
         while *request != Request::EStop && self.close(stops().max(1)).is_none() {
             self.turn()?;
         }
         Ok(reply.unwrap_or_else(|| Reply { ok: false, text: "stopped by a signal".to_owned() }))
     }
 
-    /// Arms the rig, as soon as the board allows it, and waits until it holds.
+    /// Arms the rig as soon as the board allows it, and waits until it holds.
     fn arm_now(&mut self, stops: &dyn Fn() -> u32) -> Result<(), Refused> {
         let end = self.now() + READY;
         while let Err(refused) = self.ask(Command::Arm) {
@@ -167,7 +226,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Lets time pass.
+    /// Serves the board for a time.
     fn wait(&mut self, time: Duration) -> Result<(), Refused> {
         let end = self.now() + time;
         loop {

@@ -2,16 +2,21 @@
 //!
 //! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
 //!   journey, a show.
-//! - `slider`: a motion without a clock of its own. `shows`: slots and ghosts. `upload`: a show on its way to the board.
-//! - `tell`: what pages are told. `local`: commands of this user in other terminals.
+//! - `slider`: motions, which get the time from their caller. `shows`: slots and ghosts. `upload`: a show that is sent to
+//!   the board.
+//! - `tell`: messages to pages. `local`: commands of this user in other terminals. `watchers`: those that watch.
+//! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
 mod commands;
+mod hosted;
 mod local;
+mod session_record;
 mod shows;
 mod slider;
 mod tell;
 mod upload;
+mod watchers;
 mod wheel;
 
 use std::collections::BTreeMap;
@@ -22,29 +27,35 @@ use sinew_board_client::{Board, ClientError, Line};
 use sinew_firmware::node::SETTING_NAMES;
 use sinew_firmware::supervisor::SOFT_MOST_RAD_S;
 use sinew_link::message::{Applied, Command, Refusal, State, TelemetryParts};
+use sinew_performance::play::Recorder;
 
 use crate::message::{Level, PageCommand};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub};
 use act::{Act, Arming};
-use local::Waiting;
+use local::{Asked, Waiting};
+use session_record::SessionRecord;
 use shows::Shows;
 use tell::Told;
 use upload::Upload;
+use watchers::Watchers;
 use wheel::Wheel;
 
+pub use hosted::Hosted;
+pub use local::Owner;
+pub use session_record::RECORD_HZ;
 pub use shows::OwnShow;
 
-/// Pictures per second that the hub asks of the board.
+/// Snapshots per second that the hub requests from the board.
 pub(crate) const RATE_HZ: f32 = 30.0;
-/// Longest wait for the board in a turn of the hub: a page's message waits as long.
+/// Longest wait for the board in a turn of the hub; a page's message may wait as long.
 const TURN: Duration = Duration::from_millis(4);
-/// Maximum number of pages' messages in a turn: the board must not wait for them.
+/// Maximum number of messages of pages in a turn, so that the board does not wait longer for them.
 const MESSAGES: usize = 32;
-/// Interval of attempts to find a board that does not answer, and their duration.
+/// Interval of attempts to reach a board that does not answer, and the duration of an attempt.
 const AGAIN: Duration = Duration::from_millis(500);
 const PATIENCE: Duration = Duration::from_millis(200);
-/// Maximum time from a stop until torque is off.
+/// Maximum time from the stop at the end of the program until torque is off. After it, the hub ends.
 const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// The way in which a hub ended.
@@ -52,19 +63,24 @@ const STOP_MOST: Duration = Duration::from_mins(1);
 pub enum Ended {
     /// Torque is off.
     Stopped,
-    /// At once, by a second signal: the board lowers the rig on its own.
+    /// Torque may be on: the hub ended by a second signal, because the board does not answer, or after a minute. The
+    /// board lowers the rig on its own.
     AtOnce,
 }
 
 /// A page that has shown the token.
+#[derive(Debug)]
 struct Page {
     out: Outbox,
     may_drive: bool,
 }
 
+#[derive(Debug)]
 pub(crate) struct Hub<'a, L> {
     board: &'a mut Board<L>,
     scene: &'a Scene,
+    owner: Owner,
+    inbox: Receiver<ToHub>,
     is_unattended: bool,
     pages: BTreeMap<PageId, Page>,
     wheel: Wheel,
@@ -73,33 +89,43 @@ pub(crate) struct Hub<'a, L> {
     shows: Shows,
     upload: Option<Upload>,
     ghost: Option<Vec<f32>>,
-    /// Maximum speed of a slider, rad/s.
+    /// Maximum speed of a slider, rad/s or m/s.
     soft_rad_s: f32,
     line_rate_hz: f32,
-    /// Time of the next attempt to find a board that does not answer.
+    /// Time of the next attempt to reach the board; `None` while the board answers.
     lost: Option<Duration>,
-    /// An error after which the port is of no use.
+    /// An error after which the port can no longer be used.
     failed: Option<ClientError>,
     told: Told,
-    /// Time at which a rig whose driver is silent is lowered.
+    /// Time at which the rig is lowered, because no page drives or the driver is silent.
     lower_at: Option<Duration>,
-    /// Time of the last motion of a slider that was still held after the rig was told to hold: the slider must be
-    /// released first.
+    /// Time of the last message of a slider that is still held although the rig was told to hold. The slider must be
+    /// released before it moves the joint again.
     barred: Option<Duration>,
-    /// Command in another terminal whose motion goes on.
+    /// Command of another terminal whose motion goes on.
     waiting: Option<Waiting>,
-    /// Whether the last journey has reached its end.
+    watchers: Watchers,
+    record: Option<SessionRecord>,
+    asked: Asked,
+    /// Whether the last journey has reached its pose.
     arrived: bool,
-    /// Time at which the rig was told to stop for the end of the program.
+    /// Time at which the rig was told to stop because the program ends.
     closing: Option<Duration>,
 }
 
 impl<'a, L: Line> Hub<'a, L> {
-    pub(crate) fn new(board: &'a mut Board<L>, scene: &'a Scene, is_unattended: bool) -> Self {
+    pub(crate) fn new(
+        board: &'a mut Board<L>,
+        scene: &'a Scene,
+        (owner, is_unattended): (Owner, bool),
+        inbox: Receiver<ToHub>,
+    ) -> Self {
         Self {
             told: Told::new(board.now()),
             board,
             scene,
+            owner,
+            inbox,
             is_unattended,
             pages: BTreeMap::new(),
             wheel: Wheel::default(),
@@ -115,34 +141,36 @@ impl<'a, L: Line> Hub<'a, L> {
             lower_at: None,
             barred: None,
             waiting: None,
+            watchers: Watchers::default(),
+            record: None,
+            asked: Asked::default(),
             arrived: false,
             closing: None,
         }
     }
 
-    /// Runs until the rig is stopped after a signal.
+    /// Runs until the rig is stopped after a signal, or a second signal ends it.
     pub(crate) fn run(
         mut self,
-        shows: Vec<OwnShow>,
-        inbox: &Receiver<ToHub>,
+        (shows, record): (Vec<OwnShow>, Option<Recorder>),
         stops: &dyn Fn() -> u32,
     ) -> Result<Ended, ClientError> {
+        self.record = record.map(SessionRecord::new);
         self.begin()?;
         for show in shows {
             self.put_own(show)?;
         }
         loop {
-            for message in inbox.try_iter().take(MESSAGES) {
-                self.take(message);
-            }
-            self.turn()?;
-            if let Some(ended) = self.close(stops()) {
-                return Ok(ended);
+            let turned = self.turn();
+            let ended = turned.map(|()| self.close(stops())).transpose();
+            if let Some(ended) = ended {
+                self.end_record(None);
+                return ended;
             }
         }
     }
 
-    /// Begins a session: telemetry, settings, slots.
+    /// Prepares a session: requests telemetry, reads the speed of sliders, and reads the slots.
     fn begin(&mut self) -> Result<(), ClientError> {
         let setting =
             self.board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
@@ -153,11 +181,42 @@ impl<'a, L: Line> Hub<'a, L> {
         self.read_slots()
     }
 
-    /// Receives from the board, and goes on with what goes on.
+    /// Adds the rows that are due to the recording of the session.
+    fn go_on_record(&mut self) {
+        let shows = matches!(self.act, Some(Act::Show(_)));
+        let (now, log) = (self.board.now(), &self.board.log);
+        let Some(record) = &mut self.record else { return };
+        if let Err(error) = record.go_on(
+            self.scene,
+            log,
+            (now, shows && log.summary.is_some_and(|summary| summary.show_ms > 0)),
+        ) {
+            self.end_record(Some(error));
+        }
+    }
+
+    /// Writes the end of the recording, if there is one. `error`: the error that ends it.
+    fn end_record(&mut self, error: Option<String>) {
+        let Some(record) = self.record.take() else { return };
+        if let Some(error) = error.or(record.end().err()) {
+            self.event(Level::Error, &format!("the recording has ended: {error}"));
+        }
+    }
+
+    /// Handles messages of pages and commands.
+    fn take_messages(&mut self) {
+        for _ in 0..MESSAGES {
+            let Ok(message) = self.inbox.try_recv() else { break };
+            self.take(message);
+        }
+    }
+
+    /// Handles messages, receives from the board, and goes on with what goes on.
     ///
     /// # Errors
     /// The port is of no use any more.
     fn turn(&mut self) -> Result<(), ClientError> {
+        self.take_messages();
         if let Some(due) = self.lost {
             if self.board.now() >= due {
                 self.find_again();
@@ -175,6 +234,7 @@ impl<'a, L: Line> Hub<'a, L> {
             self.go_on_waiting();
         }
         self.tell();
+        self.go_on_record();
         self.failed.take().map_or(Ok(()), Err)
     }
 
@@ -202,6 +262,7 @@ impl<'a, L: Line> Hub<'a, L> {
             ToHub::Asked { command, request, answer } => {
                 self.take_request(command, &request, answer);
             }
+            ToHub::Watches { views } => self.watchers.add(views),
             ToHub::Gone { command } => self.forget_waiting(command),
         }
     }
@@ -209,10 +270,11 @@ impl<'a, L: Line> Hub<'a, L> {
     fn leave(&mut self, page: PageId) {
         self.pages.remove(&page);
         self.forget_upload(page);
+        self.wheel.forget(page);
         if self.wheel.is_at(page) {
             let now = self.now();
-            self.wheel.free(now);
-            // A show goes on for a moment: the page may be loading again.
+            self.wheel.pass(now);
+            // A show goes on for 2 s: the page may only be reloading.
             if self.act.as_ref().is_some_and(Act::dies_with_its_page) {
                 let _ = self.hold();
             }
@@ -221,7 +283,8 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Holds a show whose driver is silent, then lowers the rig.
+    /// Holds the rig if no page drives or the driver is silent, and lowers it 3 s later; does nothing for an unattended
+    /// console, or while a command of another terminal moves the rig.
     fn watch_driver(&mut self) {
         let now = self.now();
         if !self.wheel.is_silent(now) || self.is_unattended || self.waiting.is_some() {
@@ -242,7 +305,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Sends a command to the board.
+    /// Sends a command to the board and waits for its answer. A board that does not answer counts as lost.
     fn ask(&mut self, command: Command) -> Result<Applied, Refused> {
         match self.board.ask(command) {
             Ok(applied) => Ok(applied),
@@ -255,7 +318,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Handles a board that does not answer.
+    /// Handles a board that does not answer: ends motion, arming and upload, and reports the error to pages.
     fn lose(&mut self, error: ClientError) {
         self.act = None;
         self.give_up(&error.to_string());
@@ -281,7 +344,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Stops the rig at the first signal. Returns how the hub ends, once it does.
+    /// Stops the rig at the first signal. Returns how the hub ends when it ends, otherwise `None`.
     fn close(&mut self, stops: u32) -> Option<Ended> {
         if stops == 0 {
             return None;
@@ -307,7 +370,7 @@ impl<'a, L: Line> Hub<'a, L> {
     }
 }
 
-/// A reason why something is not done.
+/// A reason why a command is not executed.
 #[derive(Debug, Clone, PartialEq)]
 enum Refused {
     Board(Refusal),

@@ -1,4 +1,4 @@
-//! Shows on the board: what is in its slots, and poses of shows whose bytes this program knows.
+//! Shows on the board: the content of its slots, and poses of shows whose bytes this program has.
 
 use std::sync::Arc;
 
@@ -8,7 +8,8 @@ use sinew_link::message::{Command, Item, Kind};
 use sinew_show::{Player, Show};
 
 use super::{Hub, Refused};
-use crate::message::{CueMark, Slot, ToPage};
+use crate::message::{CueMark, Slot, SlotSound, ToPage};
+use crate::sounds::OwnSound;
 
 /// Name of the approver that a board stores with a show of the console.
 pub(super) const APPROVER: &str = "sinew console";
@@ -22,16 +23,18 @@ pub struct OwnShow {
     pub name: String,
     /// The show's bytes.
     pub bytes: Arc<[u8]>,
+    /// The show's sound.
+    pub sound: Option<OwnSound>,
 }
 
-/// The board's slots, and the shows that this program knows.
+/// The board's slots, and the shows whose bytes this program has.
 #[derive(Debug, Default)]
 pub(super) struct Shows {
     slots: Vec<Slot>,
     known: Vec<(Item, OwnShow)>,
-    /// Index in `known` of the show of each slot.
+    /// For each slot whose show is in `known`: the slot, and the index in `known`.
     bytes: Vec<(u8, usize)>,
-    /// Slot that was loaded last.
+    /// Slot that was loaded last; `None` if none was loaded.
     pub(super) loaded: Option<u8>,
 }
 
@@ -43,7 +46,7 @@ impl Shows {
         }
     }
 
-    /// Describes the slots.
+    /// Describes the slots, from the items that the board has in them.
     fn set(&mut self, items: &[Option<Item>]) {
         (self.slots, self.bytes) = (Vec::new(), Vec::new());
         for (slot, item) in items.iter().enumerate() {
@@ -51,7 +54,8 @@ impl Shows {
             let known = self.known.iter().position(|(known, _)| known.hash == item.hash);
             let [a, b, c, d, ..] = item.hash;
             let name = format!("slot {slot} ({a:02x}{b:02x}{c:02x}{d:02x})");
-            let unknown = Slot { index: slot, name, duration_s: None, cues: Vec::new() };
+            let unknown =
+                Slot { index: slot, name, duration_s: None, cues: Vec::new(), sound: None };
             let found = known.and_then(|index| {
                 self.bytes.push((slot, index));
                 describe(slot, &self.known[index].1)
@@ -61,7 +65,7 @@ impl Shows {
         self.loaded = self.loaded.filter(|slot| self.slots.iter().any(|own| own.index == *slot));
     }
 
-    /// Returns the list as a message.
+    /// Returns the list of slots as a message.
     pub(super) fn json(&self) -> String {
         ToPage::Shows { slots: &self.slots, loaded: self.loaded }.json()
     }
@@ -70,7 +74,7 @@ impl Shows {
         self.slots.iter().any(|own| own.index == slot)
     }
 
-    /// Returns the bytes of a slot's show.
+    /// Returns the bytes of a slot's show; `None` if this program does not have them.
     fn bytes(&self, slot: u8) -> Option<Arc<[u8]>> {
         let (_, index) = self.bytes.iter().find(|(own, _)| *own == slot)?;
         Some(Arc::clone(&self.known[*index].1.bytes))
@@ -84,10 +88,15 @@ fn describe(slot: u8, own: &OwnShow) -> Option<Slot> {
     let cues =
         cues.map(|cue| CueMark { t: cue.sample as f32 / rate_hz, name: cue.name.to_owned() });
     let duration_s = Some(show.duration_s());
-    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect() })
+    let sound = own.sound.as_ref().map(|sound| SlotSound {
+        hash: sound.hash.clone(),
+        name: sound.name.clone(),
+        offset_s: sound.offset_s,
+    });
+    Some(Slot { index: slot, name: own.name.clone(), duration_s, cues: cues.collect(), sound })
 }
 
-/// Returns the pose of a show at a time.
+/// Returns the pose of a show at a time, s; `None` if the show is invalid, or is not of this rig.
 fn pose(bytes: &[u8], t: f64, coordinates: usize) -> Option<Vec<f32>> {
     let show = Show::open(bytes).ok()?;
     let t = t.clamp(0.0, f64::from(show.duration_s()));
@@ -100,14 +109,14 @@ fn pose(bytes: &[u8], t: f64, coordinates: usize) -> Option<Vec<f32>> {
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Reads what the slots contain.
+    /// Reads which shows the slots contain.
     pub(super) fn read_slots(&mut self) -> Result<(), ClientError> {
         let items = self.board.shows()?;
         self.shows.set(&items);
         Ok(())
     }
 
-    /// Puts a show of the command line on the board, unless it is there.
+    /// Uploads a show of the command line, unless the board has it already.
     pub(super) fn put_own(&mut self, show: OwnShow) -> Result<(), ClientError> {
         let rig = self.board.about().rig;
         let item = item(Kind::Show, SHOW_SCHEMA, &show.bytes, rig, APPROVER)?;
@@ -118,7 +127,7 @@ impl<L: Line> Hub<'_, L> {
         self.read_slots()
     }
 
-    /// Plays the show of a slot.
+    /// Loads the show of a slot and plays it.
     pub(super) fn play(&mut self, slot: u8, repeats: bool) -> Result<String, Refused> {
         if !self.shows.has(slot) {
             return Err(Refused::because("there is no show in this slot"));
@@ -141,8 +150,8 @@ impl<L: Line> Hub<'_, L> {
         Ok(())
     }
 
-    /// Shows the pose of a show at a time as a ghost, or takes the ghost away. Without a slot, the show is the loaded
-    /// one.
+    /// Shows the pose of a show at a time, s, as a ghost; without a time, removes the ghost. Without a slot, uses the
+    /// loaded show, or the first show whose bytes are known.
     pub(super) fn seek(&mut self, t: Option<f64>, slot: Option<u8>) -> Result<String, Refused> {
         self.ghost = None;
         let Some(t) = t else { return Ok(String::new()) };

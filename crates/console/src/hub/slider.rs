@@ -1,39 +1,42 @@
-//! A joint that follows a slider: from the slider's goal to the speed that the board is told.
+//! A joint that follows a slider: computes the speed to send to the board from the slider's goal.
 
 use std::time::Duration;
 
-/// Speed for each rad that the joint is from its goal, 1/s: it decelerates towards the goal.
+/// Speed per distance from the goal, 1/s; the joint decelerates towards its goal.
 const PER_S: f32 = 8.0;
-/// Distance at which the goal is reached, rad or m.
+/// Distance from the goal at which it counts as reached, rad or m.
 const THERE: f32 = 2e-4;
-/// Longest time for which a speed counts: as long as the board uses it.
+/// Longest time for which the board uses a speed, s.
 const VALID_S: f32 = 0.2;
-/// Time after which a joint at rest stands where the board says. Before it, the board blends into the jog.
+/// Time at the goal after which the joint's position is taken from the board. Before it, the board may still be
+/// changing from its hold to the jog, so that its position is of no use.
 const SETTLED: Duration = Duration::from_millis(1500);
-/// Time without a message of the page after which the joint stops.
+/// Time without a message of the slider after which the joint stops.
 const SILENT: Duration = Duration::from_millis(150);
 
-/// A slider that is held.
+/// A slider that is held, and the motion of its joint.
 #[derive(Debug, Clone)]
 pub(super) struct Slider {
     /// Index of the dof.
     pub(super) dof: usize,
-    /// Index of its coordinate in a pose.
+    /// Index of the dof's coordinate in a pose.
     pub(super) coordinate: usize,
     goal: f32,
     range: [f32; 2],
     most: f32,
-    /// Position that the board commands, by the speeds that it was told.
+    /// Position that the board commands, computed from the speeds that it got.
     at: f32,
     velocity: f32,
     told: Duration,
     fed: Duration,
-    /// Time since which the joint is at its goal.
+    /// Time at which the joint reached its goal.
     still: Duration,
+    /// Pose of the rig, if other joints follow this one; otherwise empty.
+    pose: Vec<f32>,
 }
 
 impl Slider {
-    /// Begins at a commanded position. `most`: the maximum speed, rad/s or m/s.
+    /// Starts at a commanded position. `most`: the maximum speed, rad/s or m/s.
     pub(super) fn new(
         (dof, coordinate): (usize, usize),
         at: f32,
@@ -42,20 +45,34 @@ impl Slider {
     ) -> Self {
         let at = at.clamp(range[0], range[1]);
         let (velocity, goal) = (0.0, at);
-        Self { dof, coordinate, goal, range, most, at, velocity, told: now, fed: now, still: now }
+        let (told, fed, still, pose) = (now, now, now, Vec::new());
+        Self { dof, coordinate, goal, range, most, at, velocity, told, fed, still, pose }
     }
 
-    /// Sets the goal. A page repeats it while the slider is held.
+    /// Makes the slider lead other joints: it gives poses instead of speeds. `pose`: that of the rig now.
+    pub(super) fn lead(&mut self, pose: Vec<f32>) {
+        self.pose = pose;
+    }
+
+    /// Returns the pose of the rig with the joint where it is now, or `None` if no other joint follows it. The caller
+    /// moves the followers.
+    pub(super) fn pose(&self) -> Option<Vec<f32>> {
+        let mut pose = self.pose.clone();
+        *pose.get_mut(self.coordinate)? = self.at;
+        Some(pose)
+    }
+
+    /// Sets the goal. The page repeats its message while the slider is held.
     pub(super) fn feed(&mut self, goal: f32, now: Duration) {
         (self.goal, self.fed) = (goal.clamp(self.range[0], self.range[1]), now);
     }
 
-    /// Returns whether the page has been silent for too long.
+    /// Returns whether the page has sent nothing for too long.
     pub(super) fn is_silent(&self, now: Duration) -> bool {
         now.saturating_sub(self.fed) >= SILENT
     }
 
-    /// Returns the speed from now on. `commanded`: the position that the board says it commands.
+    /// Returns the speed to send, rad/s or m/s. `commanded`: the position that the board commands by its telemetry.
     pub(super) fn velocity(&mut self, commanded: Option<f32>, now: Duration) -> f32 {
         let since_s = now.saturating_sub(self.told).as_secs_f32().min(VALID_S);
         self.at = (self.at + self.velocity * since_s).clamp(self.range[0], self.range[1]);

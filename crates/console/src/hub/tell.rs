@@ -1,4 +1,4 @@
-//! Messages to pages: who drives, events, and pictures.
+//! Messages to pages: which page drives, events, and frames.
 
 use std::time::Duration;
 
@@ -11,19 +11,19 @@ use crate::frame::{self, Frame};
 use crate::message::{Level, ToPage};
 use crate::server::{Outbox, PageId, binary, text};
 
-/// Time in which the parts of a snapshot arrive after its summary.
+/// Time in which the other parts of a snapshot arrive after its summary.
 const PARTS: Duration = Duration::from_millis(6);
-/// Interval of pictures while the board does not answer.
+/// Interval of frames while the board does not answer.
 const IDLE: Duration = Duration::from_millis(200);
 
-/// The news that pages know already.
+/// The state that pages were last told.
 #[derive(Debug)]
 pub(super) struct Told {
     summaries: u32,
     due: Option<Duration>,
     last: Duration,
     state: Option<State>,
-    /// Number of summaries before the last command: they do not count for what follows from it.
+    /// Number of summaries before the stop at the end of the program. Only newer ones show whether torque is off.
     pub(super) before: u32,
 }
 
@@ -69,7 +69,8 @@ impl<L: Line> Hub<'_, L> {
                 (None, false, false) => Some("page"),
                 _ => None,
             };
-            page.out.send(&text(ToPage::Role { driver, other }.json()));
+            let asked = driver && self.wheel.is_asked(self.now());
+            page.out.send(&text(ToPage::Role { driver, other, asked }.json()));
         }
     }
 
@@ -87,7 +88,7 @@ impl<L: Line> Hub<'_, L> {
         self.tell_page(page, &ToPage::Answer { id, ok, text: &text });
     }
 
-    /// Returns the reason in words, with the names of joint and servo.
+    /// Returns the reason for a refusal in words, with the name of the joint, or the remedy of the fault.
     pub(super) fn text(&self, refused: &Refused) -> String {
         let refusal = match refused {
             Refused::Other(text) => return text.clone(),
@@ -132,10 +133,15 @@ impl<L: Line> Hub<'_, L> {
         self.tell_all(&ToPage::Event { t, level, text: &words, fault, joint }.json());
     }
 
-    /// Tells new states, faults, and a picture for each snapshot.
+    /// Reports new faults and states to pages, and sends them a frame for each snapshot.
     pub(super) fn tell(&mut self) {
-        for record in std::mem::take(&mut self.board.log.faults) {
-            self.tell_fault(&record);
+        let faults = std::mem::take(&mut self.board.log.faults);
+        for record in &faults {
+            self.tell_fault(record);
+        }
+        self.watchers.tell(self.board, &faults);
+        if let Some(record) = &mut self.record {
+            record.hear(&faults);
         }
         if let Some(state) = self.board.state()
             && self.told.state.replace(state) != Some(state)

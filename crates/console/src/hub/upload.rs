@@ -1,4 +1,5 @@
-//! A show on its way from a page to the board: a block in each turn, so that pages can still stop the rig.
+//! Upload of a show from a page to the board. Each turn of the hub sends a block, so that pages can stop the rig
+//! meanwhile.
 
 use std::sync::Arc;
 
@@ -6,6 +7,7 @@ use sinew_board_client::{ClientError, Line, item};
 use sinew_firmware::node::SHOW_SCHEMA;
 use sinew_link::message::{Command, Item, Kind};
 use sinew_show::Show;
+use sinew_show::sound::split;
 
 use super::shows::{APPROVER, OwnShow};
 use super::{Hub, Refused};
@@ -14,10 +16,10 @@ use crate::server::PageId;
 
 /// Maximum length of a show's name, bytes.
 const NAME_MAX: usize = 100;
-/// Bytes after which the page is told again.
+/// Number of stored bytes after which the page is told the progress again.
 const STEP: u32 = 4096;
 
-/// An upload: first announced, then with its bytes.
+/// An upload: the page first announces it, then sends the bytes.
 #[derive(Debug)]
 pub(super) struct Upload {
     page: PageId,
@@ -31,13 +33,14 @@ pub(super) struct Upload {
 struct Sending {
     item: Item,
     bytes: Arc<[u8]>,
-    /// Next command; the first deletes the show in the slot.
+    /// Next command for the board. If a show is replaced, the first command deletes it.
     command: Command,
     told: u32,
 }
 
 impl<L: Line> Hub<'_, L> {
-    /// Notes that the next bytes of a page are a show.
+    /// Notes that the next binary message of a page is a show. Refuses it during another upload, or if the name is
+    /// invalid.
     pub(super) fn announce_upload(
         &mut self,
         page: PageId,
@@ -57,15 +60,20 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Forgets an upload whose bytes have not come.
+    /// Forgets an announced upload whose bytes have not arrived.
     pub(super) fn forget_upload(&mut self, page: PageId) {
         self.upload.take_if(|upload| upload.page == page && upload.sending.is_none());
     }
 
-    /// Takes the bytes of a show, and begins to send them.
+    /// Accepts the bytes of an announced show, and begins to send them.
     pub(super) fn take_content(&mut self, page: PageId, bytes: Arc<[u8]>) {
         let is_announced = |upload: &mut Upload| upload.page == page && upload.sending.is_none();
         let Some(mut upload) = self.upload.take_if(is_announced) else { return };
+        // The section for a sound stays here; only a show of the command line has its sound's file.
+        let bytes = match split(&bytes) {
+            Ok((show, Some(_))) => show.into(),
+            _ => bytes,
+        };
         match self.check(page, &bytes) {
             Ok(item) => {
                 let slot = upload.slot.filter(|slot| self.shows.has(*slot));
@@ -80,7 +88,8 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Refuses bytes that no board takes, before a show is deleted for them.
+    /// Checks that the page still drives, and that the bytes are a valid show for this rig. It does so before the old
+    /// show in the slot is deleted.
     fn check(&self, page: PageId, bytes: &[u8]) -> Result<Item, Refused> {
         if !self.wheel.is_at(page) {
             return Err(Refused::because("this page does not drive any more"));
@@ -93,7 +102,7 @@ impl<L: Line> Hub<'_, L> {
         item(Kind::Show, SHOW_SCHEMA, bytes, rig, APPROVER).map_err(|error| text(&error))
     }
 
-    /// Sends the next block.
+    /// Sends the next block of an upload, or ends the upload.
     pub(super) fn go_on_upload(&mut self) {
         let Some(mut upload) = self.upload.take_if(|upload| upload.sending.is_some()) else {
             return;
@@ -120,7 +129,11 @@ impl<L: Line> Hub<'_, L> {
                 self.upload = Some(upload);
             }
             Ok(None) => {
-                let show = OwnShow { name: upload.name.clone(), bytes: Arc::clone(&sending.bytes) };
+                let show = OwnShow {
+                    name: upload.name.clone(),
+                    bytes: Arc::clone(&sending.bytes),
+                    sound: None,
+                };
                 self.shows.know(sending.item.clone(), show);
                 self.end_upload(&upload, Ok("the show is on the board".to_owned()));
             }
@@ -146,7 +159,7 @@ impl<L: Line> Hub<'_, L> {
         }
     }
 
-    /// Answers pages that wait for a board that does not answer.
+    /// Ends upload and arming because the board does not answer, and answers their pages with the reason.
     pub(super) fn give_up(&mut self, why: &str) {
         let upload = self.upload.take().and_then(|upload| Some((upload.page, upload.id?)));
         let arming = self.arming.take().and_then(|arming| Some((arming.page, arming.id?)));

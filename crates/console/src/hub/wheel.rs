@@ -1,31 +1,55 @@
-//! The wheel: one page drives, all others view. Any page may hold and stop.
+//! The wheel: the right to drive, which one page has. Other pages may watch, hold and stop.
 
 use std::time::Duration;
 
 use crate::server::PageId;
 
-/// Time without a message of the driver after which a show is held, and time from then until the rig is lowered.
+/// Time without a message of the driver, or without a driver, after which the rig holds; and the time from then until
+/// it is lowered.
 const SILENT: Duration = Duration::from_secs(2);
 pub(super) const LOWER_AFTER: Duration = Duration::from_secs(3);
+/// Time for which a page that asks for the wheel is remembered.
+const ASKS: Duration = Duration::from_secs(30);
 
-/// Holder of the wheel, and when it was heard last.
+/// The page that has the wheel, and the time of its last message.
 #[derive(Debug, Default)]
 pub(super) struct Wheel {
     holder: Option<PageId>,
     heard: Duration,
+    /// Page that has asked for the wheel last, and when.
+    asks: Option<(PageId, Duration)>,
 }
 
 impl Wheel {
-    /// Gives the wheel to a page, if it is free. Returns whether the page holds it.
+    /// Gives the wheel to a page, if it is free or its holder is silent. Returns whether the page holds it. If it does
+    /// not, the holder is asked for it.
     pub(super) fn take(&mut self, page: PageId, now: Duration) -> bool {
-        if self.holder.is_none() {
-            (self.holder, self.heard) = (Some(page), now);
+        if self.is_at(page) {
+            return true;
         }
-        self.is_at(page)
+        let is_given = self.holder.is_none() || self.is_silent(now);
+        if is_given {
+            (self.holder, self.heard, self.asks) = (Some(page), now, None);
+        } else {
+            self.asks = Some((page, now));
+        }
+        is_given
     }
 
-    pub(super) fn free(&mut self, now: Duration) {
-        (self.holder, self.heard) = (None, now);
+    /// Takes the wheel from its holder, and gives it to the page that asks for it.
+    pub(super) fn pass(&mut self, now: Duration) {
+        let next = self.asks.take().filter(|(_, at)| now.saturating_sub(*at) < ASKS);
+        (self.holder, self.heard) = (next.map(|(page, _)| page), now);
+    }
+
+    /// Forgets that a page has asked, because it is gone.
+    pub(super) fn forget(&mut self, page: PageId) {
+        self.asks.take_if(|(asks, _)| *asks == page);
+    }
+
+    /// Returns whether a page asks for the wheel.
+    pub(super) fn is_asked(&self, now: Duration) -> bool {
+        self.asks.is_some_and(|(_, at)| now.saturating_sub(at) < ASKS)
     }
 
     pub(super) fn is_at(&self, page: PageId) -> bool {
@@ -36,14 +60,14 @@ impl Wheel {
         self.holder.is_none()
     }
 
-    /// Notes that a page has said something.
+    /// Notes the time of a page's message, if the page has the wheel.
     pub(super) fn hear(&mut self, page: PageId, now: Duration) {
         if self.is_at(page) {
             self.heard = now;
         }
     }
 
-    /// Returns whether the driver, or the free wheel, has been silent for too long.
+    /// Returns whether the driver has been silent, or the wheel free, for too long.
     pub(super) fn is_silent(&self, now: Duration) -> bool {
         now.saturating_sub(self.heard) >= SILENT
     }
@@ -61,7 +85,24 @@ mod tests {
         assert!(wheel.is_silent(s(2)));
         wheel.hear(1, s(5));
         assert!(!wheel.is_silent(s(6)));
-        wheel.free(s(6));
-        assert!(!wheel.is_silent(s(7)) && wheel.take(2, s(7)) && !wheel.is_at(1));
+        // The page that has asked gets it.
+        wheel.pass(s(6));
+        assert!(!wheel.is_silent(s(7)) && wheel.is_at(2) && !wheel.is_asked(s(7)));
+        // Nobody has asked since.
+        wheel.pass(s(8));
+        assert!(wheel.is_free() && wheel.take(1, s(8)) && !wheel.take(3, s(9)));
+        wheel.forget(3);
+        wheel.pass(s(9));
+        assert!(wheel.is_free());
+    }
+
+    #[test]
+    fn a_silent_page_loses_the_wheel() {
+        let (mut wheel, s) = (Wheel::default(), Duration::from_secs);
+        assert!(wheel.take(1, s(0)) && !wheel.take(2, s(1)) && wheel.is_asked(s(1)));
+        assert!(wheel.take(2, s(2)) && wheel.is_at(2));
+        // The page before is heard again, and views.
+        wheel.hear(1, s(3));
+        assert!(!wheel.take(1, s(3)));
     }
 }

@@ -1,18 +1,36 @@
 //! The hub's end of the socket by which other commands of this user reach it. Their end is
 //! [`sinew_board_client::console`].
 
+mod bell;
 mod server;
 
 use std::fs::{self, DirBuilder};
 use std::io;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-pub use sinew_board_client::console::{Reply, Request, ask, consoles, folder, name_of_port};
+pub use sinew_board_client::console::{
+    Reply, Request, View, Watching, ask, consoles, folder, name_of_port, watch,
+};
 
+pub use bell::Bell;
 pub(crate) use server::Door;
 
-/// Creates the folder, for this user alone. A folder that others may enter is refused.
+/// Answers to a stop and an e-stop.
+pub(crate) const STOPS: &str = "the rig goes to its rest pose, then torque is off";
+pub(crate) const CUTS: &str = "torque is off";
+
+/// Returns the folder of this user's sockets, which it creates.
+///
+/// # Errors
+/// An I/O error, also if other users may enter the folder.
+pub fn private_folder() -> io::Result<PathBuf> {
+    let folder = folder();
+    create_folder(&folder)?;
+    Ok(folder)
+}
+
+/// Creates the folder, accessible only to this user. Fails if other users can enter an existing folder.
 fn create_folder(folder: &Path) -> io::Result<()> {
     match DirBuilder::new().mode(0o700).create(folder) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),

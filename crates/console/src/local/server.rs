@@ -7,23 +7,28 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{SyncSender, TryRecvError, sync_channel};
+use std::sync::mpsc::{RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use super::{Reply, Request, create_folder, folder};
+use serde::Serialize;
+
+use super::{Reply, Request, View, private_folder};
 use crate::server::ToHub;
 
 /// Maximum length of a request, bytes.
 const REQUEST_MAX: u64 = 4096;
-/// Time for a request, and interval at which a waiting command is looked for.
+/// Longest time for a request, and the interval of checks whether a waiting command still runs.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Number of commands that have come.
-static COMMANDS: AtomicU64 = AtomicU64::new(0);
+/// Number of views that wait for a slow command. Newer views are dropped.
+const VIEWS: usize = 4;
 
-/// A socket that other commands open. It is removed on drop.
+/// Number of the next command. 0 is the hub's own.
+static COMMANDS: AtomicU64 = AtomicU64::new(1);
+
+/// A socket for other commands. It is removed on drop.
 #[derive(Debug)]
 pub(crate) struct Door {
     path: PathBuf,
@@ -31,18 +36,20 @@ pub(crate) struct Door {
 }
 
 impl Door {
-    /// Opens the socket of a hub, and serves it in a thread. A socket that a killed hub has left is replaced.
+    /// Opens the socket of a hub, and serves it in a thread. Replaces a socket that a killed hub has left.
     pub(crate) fn open(name: &str, hub: SyncSender<ToHub>) -> io::Result<Self> {
-        let folder = folder();
-        create_folder(&folder)?;
+        let folder = private_folder()?;
         let path = folder.join(format!("{name}.sock"));
         if UnixStream::connect(&path).is_ok() {
             let text = format!("{}: another console uses it", path.display());
             return Err(io::Error::new(io::ErrorKind::AddrInUse, text));
         }
-        let _ = fs::remove_file(&path);
-        let listener = UnixListener::bind(&path)?;
-        fs::set_permissions(&path, Permissions::from_mode(0o600))?;
+        // The socket gets its name when it is complete: until then, no command finds it, or takes it for a dead one.
+        let unnamed = folder.join(format!(".{name}.{}", std::process::id()));
+        let _ = fs::remove_file(&unnamed);
+        let listener = UnixListener::bind(&unnamed)?;
+        fs::set_permissions(&unnamed, Permissions::from_mode(0o600))?;
+        fs::rename(&unnamed, &path)?;
         let door = Self { path, is_over: Arc::default() };
         if fs::metadata(&door.path)?.uid() != fs::metadata(&folder)?.uid() {
             let text = format!("{}: belongs to another user", folder.display());
@@ -56,7 +63,7 @@ impl Door {
                 }
                 let Ok(stream) = stream else { continue };
                 let hub = hub.clone();
-                // A command that breaks off is forgotten.
+                // If a connection fails, nobody waits for the reason.
                 let _ = thread::Builder::new().spawn(move || serve(&stream, &hub));
             }
         };
@@ -74,16 +81,18 @@ impl Drop for Door {
     }
 }
 
-/// Passes a request to the hub, and its answer back. If the command is gone, the hub learns of it.
-fn serve(mut stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
+/// Passes a request to the hub and the answer back. Reports to the hub if the command ends earlier.
+fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut line = String::new();
     BufReader::new(stream.take(REQUEST_MAX)).read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line).map_err(io::Error::other)?;
+    if request == Request::Watch {
+        return show(stream, hub);
+    }
     let command = COMMANDS.fetch_add(1, Ordering::Relaxed);
     let (answer, answers) = sync_channel(1);
-    let gone = || io::Error::from(io::ErrorKind::BrokenPipe);
     hub.send(ToHub::Asked { command, request, answer }).map_err(|_| gone())?;
     stream.set_read_timeout(Some(LOOK))?;
     let reply: Reply = loop {
@@ -92,14 +101,39 @@ fn serve(mut stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
             Err(TryRecvError::Disconnected) => return Err(gone()),
             Err(TryRecvError::Empty) => {}
         }
-        // The command says nothing more; it may have ended.
-        let is_there = stream.read(&mut [0]).is_err_and(|e| e.kind() == io::ErrorKind::WouldBlock);
-        if !is_there {
+        if !is_there(stream) {
             let _ = hub.send(ToHub::Gone { command });
             return Err(gone());
         }
     };
-    let mut text = serde_json::to_string(&reply).map_err(io::Error::other)?;
+    write(stream, &reply)
+}
+
+/// Passes views of the rig to a command until it leaves.
+fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
+    let (views, waiting) = sync_channel::<View>(VIEWS);
+    hub.send(ToHub::Watches { views }).map_err(|_| gone())?;
+    stream.set_read_timeout(Some(LOOK))?;
+    loop {
+        match waiting.recv_timeout(PATIENCE) {
+            Ok(view) => write(stream, &view)?,
+            Err(RecvTimeoutError::Timeout) if is_there(stream) => {}
+            Err(_) => return Err(gone()),
+        }
+    }
+}
+
+/// Returns whether the command waits. It says nothing more, but it may have ended.
+fn is_there(mut stream: &UnixStream) -> bool {
+    stream.read(&mut [0]).is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
+}
+
+fn write(mut stream: &UnixStream, message: &impl Serialize) -> io::Result<()> {
+    let mut text = serde_json::to_string(message).map_err(io::Error::other)?;
     text.push('\n');
     stream.write_all(text.as_bytes())
+}
+
+fn gone() -> io::Error {
+    io::ErrorKind::BrokenPipe.into()
 }

@@ -1,5 +1,5 @@
-// Charts of the last minute on canvases. Each column of pixels shows the least and the most of its time, so that no
-// peak is lost.
+// Charts of the last minute on canvases. Each column of pixels shows the minimum and the maximum of its time, so that
+// no peak is lost.
 
 import { byId, make, number, scaleOf } from "./dom.js";
 import { MINUTE_MS } from "./history.js";
@@ -11,10 +11,10 @@ const angle = (dof) => dof.slides ? "mm" : "deg";
 const force = (dof) => dof.slides ? "N" : "N m";
 const one = () => 1;
 
-// By name: which numbers, of what, in which unit. `lines`: kind in the history, label, colour.
+// Each signal by name: its numbers, their owner (dof or servo) and unit. `lines`: kind in the history, label, colour.
 const SIGNALS = {
-  position: { text: "Position", of: "dof", unit: angle, scale: scaleOf, lines: [["wanted", "wanted", "world"], ["measured", "measured", "focus"]] },
-  error: { text: "Error", of: "dof", unit: angle, scale: scaleOf, lines: [["error", "wanted − measured", "alert"]] },
+  position: { text: "Position", of: "dof", unit: angle, scale: scaleOf, lines: [["wanted", "commanded", "world"], ["measured", "measured", "focus"]] },
+  error: { text: "Error", of: "dof", unit: angle, scale: scaleOf, lines: [["error", "commanded − measured", "alert"]] },
   effort: { text: "Load", of: "dof", unit: force, scale: one, lines: [["effort", "load", "recommended"]] },
   celsius: { text: "Temperature", of: "servo", unit: () => "°C", scale: one, lines: [["celsius", "temperature", "alert"]] },
   heat: { text: "Heat of the winding", of: "servo", unit: () => "%", scale: one, lines: [["heat", "heat", "alert"]] },
@@ -105,7 +105,7 @@ export const charts = (head, history) => {
       let before = null;
       for (let i = 0; i < width; i += 1) {
         if (least[i] > most[i]) continue;
-        // A gap of more than a second stays a gap.
+        // A gap of more than a second is not bridged.
         if (before === null || i - before > width / 60 + 2) context.moveTo(i, y(least[i]));
         else context.lineTo(i, y(least[i]));
         context.lineTo(i, y(most[i]));

@@ -2,7 +2,7 @@
 
 export const byId = (id) => document.getElementById(id);
 
-// Creates an element. `properties` are set as they are; `dataset` and `aria-` names, too.
+// Creates an element and sets its `properties`, also `dataset` and names with `aria-`.
 export const make = (tag, properties = {}, ...children) => {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
@@ -14,21 +14,21 @@ export const make = (tag, properties = {}, ...children) => {
   return element;
 };
 
-// Sets a text only if it is another one: an unchanged page is not laid out again.
+// Sets a text only if it differs, so that the browser does not lay out an unchanged page again.
 export const write = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 export const setHidden = (element, hidden) => { if (element.hidden !== hidden) element.hidden = hidden; };
 export const setDisabled = (element, disabled) => { if (element.disabled !== disabled) element.disabled = disabled; };
 
 const DEGREES = 180 / Math.PI;
 
-// No zero below zero.
+// Avoids "-0".
 const fixed = (x, digits) => {
   const text = x.toFixed(digits);
   return Number(text) === 0 ? (0).toFixed(digits) : text;
 };
 export const number = (x, digits) => Number.isFinite(x) ? fixed(x, digits) : "–";
 
-// A joint's angle or way: degrees or millimetres in the page, radians and metres in messages.
+// A joint's angle or distance: degrees or millimetres on the page, radians or metres in messages.
 export const scaleOf = (dof) => dof.slides ? 1000 : DEGREES;
 export const unitOf = (dof) => dof.slides ? " mm" : "°";
 export const position = (dof, x) => Number.isFinite(x) ? fixed(x * scaleOf(dof), 1) + unitOf(dof) : "–";

@@ -3,7 +3,7 @@
 import { byId, make, position, scaleOf, setDisabled, write } from "./dom.js";
 
 const JOG_EVERY_MS = 50;
-// A tap on an arrow key moves the joint so far; it ends when the joint is sent there, after this time at the latest.
+// A tap on an arrow key moves the joint by STEP. The joint is released when it arrives, or after TAP_MS.
 const STEP = { turn: Math.PI / 180, slide: 0.001 };
 const LARGE = 5;
 const TAP_MS = 1500;
@@ -37,7 +37,7 @@ export const joints = (head, { send, choose }) => {
     later = setTimeout(release, TAP_MS);
   };
   const within = (dof, x) => Math.min(Math.max(x, head.dofs[dof].range[0]), head.dofs[dof].range[1]);
-  // Places of the sliders while nobody holds them.
+  // Values of the sliders that nobody holds.
   const shown = head.dofs.map((dof) => dof.home);
 
   const rows = head.dofs.map((dof, index) => {
@@ -52,7 +52,8 @@ export const joints = (head, { send, choose }) => {
     const ends = make("div", { className: "ends" }, ...dof.range.map((x) =>
       make("span", {}, dof.limited ? position(dof, x) : "no limit")));
     const item = make("li", {}, label, make("div", { className: "track" }, slider, mark), ends);
-    if (dof.coordinate === null) ends.replaceChildren("A ball joint: shown, not jogged.");
+    if (dof.coordinate === null) ends.replaceChildren("A ball joint: shown, but not moved by a slider.");
+    if (dof.leader !== null) ends.replaceChildren(`Follows ${head.dofs[dof.leader].name}.`);
     item.addEventListener("pointerdown", () => choose(index));
     slider.addEventListener("focus", () => choose(index));
     slider.addEventListener("pointerdown", (event) => {
@@ -62,9 +63,9 @@ export const joints = (head, { send, choose }) => {
     });
     slider.addEventListener("input", () => {
       if (held?.dof !== index) {
-        // After a hold, the pointer that is still pressed moves nothing.
+        // After the command Hold, a pointer that is still pressed moves nothing.
         if (isPressed) return;
-        // A value that no pointer holds is a screen reader's step.
+        // A new value without a pointer is a step of a screen reader.
         begin(index);
         tap();
       }
@@ -75,7 +76,7 @@ export const joints = (head, { send, choose }) => {
       const way = KEYS[event.key];
       if (!way || slider.disabled) return;
       event.preventDefault();
-      // After a hold, the key that is still pressed moves nothing.
+      // After the command Hold, a key that is still pressed moves nothing.
       if (event.repeat && held?.dof !== index) return;
       begin(index);
       held.isTap = false;
@@ -118,7 +119,7 @@ export const joints = (head, { send, choose }) => {
       rows.forEach((row, index) => {
         const dof = head.dofs[index];
         const at = dof.coordinate;
-        setDisabled(row.slider, !isAllowed || at === null);
+        setDisabled(row.slider, !isAllowed || at === null || dof.leader !== null);
         if (at === null) return;
         const [measured, wanted] = [frame.measured[at], frame.wanted[at]];
         if (Number.isFinite(wanted)) shown[index] = wanted;

@@ -1,4 +1,4 @@
-// Events in words, the newest first, and the fault that is latched with what to do.
+// Events in words, the newest first; and the latched fault with its remedy.
 
 import { byId, make, seconds, setHidden, write } from "./dom.js";
 
@@ -40,7 +40,7 @@ export const log = (ask, report) => {
       shown = undefined;
       note(event);
     },
-    // Joints that were reported to swing a short while ago.
+    // Joints for which the board reported in the last 3 s that they swing.
     swinging: () => {
       const now = performance.now();
       for (const [dof, since] of swings) if (now - since > SWINGS_MS) swings.delete(dof);

@@ -14,7 +14,7 @@ import { tabs } from "./tabs.js";
 import { view } from "./view.js";
 
 const SOURCES = { simulated: "simulated rig", board: "real board", recording: "recording" };
-// A frame that is older says nothing of where the rig is.
+// An older frame does not show where the rig is now.
 const STALE_MS = 1500;
 const RATE_OVER_MS = 2000;
 const FRAMES_BETWEEN_TEXTS_MS = 100;
@@ -39,7 +39,7 @@ const socket = connect({
   frame: (now) => takeFrame(now),
   closed: ({ isRefused, reason }) => {
     isConnected = false;
-    refused = isRefused ? `${reason || "The token of the address is wrong, or of an earlier console"}.` : null;
+    refused = isRefused ? `${reason || "The token in the address is wrong, or belongs to an earlier console"}.` : null;
     frame = null;
     parts?.joints.release();
     refresh();
@@ -86,7 +86,7 @@ const setHead = (message) => {
 
 byId("wheel").addEventListener("click", async () => {
   const take = !role.driver;
-  report(take ? "take the wheel" : "give the wheel away", await socket.ask({ type: "wheel", take }));
+  report(take ? "take the wheel" : "give the wheel back", await socket.ask({ type: "wheel", take }));
 });
 
 const takeFrame = (now) => {
@@ -105,31 +105,31 @@ const rate = () => arrivals.length < 2 ? NaN : (arrivals.length - 1) * 1000 / (a
 
 const isStale = () => frame !== null && performance.now() - frameAt > STALE_MS;
 
-// ---- Lost: no control pretends to work ----
+// ---- Lost: the page disables its controls ----
 const lost = () => {
   if (refused) return ["Not let in", `${refused} Open the address that the console printed.`];
   if (!isConnected) {
-    return headText === "" ? ["Connecting", "to the console on this computer"]
-      : ["Connection lost", "This page controls nothing now. A joint that was jogged holds. Trying again …"];
+    return headText === "" ? ["Connecting", "to the console"]
+      : ["Connection lost", "This page controls nothing now. A joint that followed a slider holds. The page tries to connect again …"];
   }
   if (isStale()) {
     return ["No news", `from the rig for ${seconds((performance.now() - frameAt) / 1000)}. The picture is old.`];
   }
-  if (frame?.isLinkLost) return ["Board silent", "The console does not hear the board. By itself the board holds, then sinks."];
+  if (frame?.isLinkLost) return ["Board silent", "The console receives nothing from the board. On its own, the board holds the rig, then lowers it."];
   return null;
 };
 
 const vitals = () => {
-  const line = Number.isFinite(head.line_rate_hz) && head.line_rate_hz !== null ? ` (line gives ${number(head.line_rate_hz, 0)})` : "";
+  const line = Number.isFinite(head.line_rate_hz) && head.line_rate_hz !== null ? ` (line: ${number(head.line_rate_hz, 0)})` : "";
   return [
-    ["", "pictures", `${number(rate(), 0)} Hz${line}`],
+    ["", "poses", `${number(rate(), 0)} Hz${line}`],
     ["", "supply", frame.supply > 0 ? `${number(frame.supply, 1)} V` : "–"],
     ["more", "tick", `${frame.tick} us`],
     ["more", "time", seconds(frame.t)],
   ];
 };
 
-// Writes what follows from the newest messages. Texts change ten times a second at most: they are read.
+// Updates the page from the newest messages. Texts change at most ten times a second, so that people can read them.
 const refresh = (swings = new Set()) => {
   const name = head && frame ? nameOf(head, frame) : "unknown";
   const loss = lost();
@@ -144,10 +144,11 @@ const refresh = (swings = new Set()) => {
   events.show(frame?.fault ?? null, may.clear);
   setDisabled(byId("wheel"), !isConnected);
   setHidden(byId("wheel"), false);
-  write(byId("wheel"), role.driver ? "Give it away" : "Take the wheel");
-  byId("wheel").classList.toggle("go", !role.driver);
-  write(byId("role"), role.driver ? "This page drives"
-    : role.other && role.other !== "null" ? `Viewing: a ${role.other} drives` : "Viewing: nobody drives");
+  const isOther = role.other && role.other !== "null";
+  write(byId("wheel"), role.driver ? (role.asked ? "Give it" : "Give it back") : isOther ? "Ask for the wheel" : "Take the wheel");
+  byId("wheel").classList.toggle("go", !role.driver || role.asked === true);
+  write(byId("role"), role.driver ? (role.asked ? "Another page asks for the wheel" : "This page drives")
+    : isOther ? `Viewing: a ${role.other} drives` : "Viewing: nobody drives");
   if (!frame || !parts) {
     write(byId("state"), isConnected ? "waiting" : "not connected");
     write(byId("moves"), "");
@@ -164,11 +165,11 @@ const refresh = (swings = new Set()) => {
   textsAt = performance.now();
   parts.servos.take(frame, swings);
   byId("vitals").replaceChildren(...vitals().map(([className, key, value]) => make("div", { className }, make("dt", {}, key), make("dd", {}, value))));
-  write(byId("joints-hint"), !head.commands ? "Measured, and wanted by the recording."
-    : may.jog ? "Move a slider: the joint follows while you hold it, and stands when you let go. Arrow keys: 1°, with Shift 5°."
-    : role.driver ? `Sliders move the rig when it holds; it is ${name}.` : "Sliders are the driver's: take the wheel first.");
+  write(byId("joints-hint"), !head.commands ? "Measured and commanded positions of the recording."
+    : may.jog ? "Move a slider: the joint follows while you hold the slider, and stops when you release it. Arrow keys: 1°, with Shift 5°."
+    : role.driver ? `Sliders move the rig only while it holds; now it is ${name}.` : "Only the page that drives can move sliders: take the wheel first.");
 };
-// A phone's page keeps the rig in sight below the head, whose height depends on its words.
+// On a phone, the rig stays visible below the head, whose height depends on its text.
 new ResizeObserver(([{ target }]) => document.documentElement.style.setProperty("--head", `${target.offsetHeight}px`))
   .observe(document.querySelector("header"));
 setInterval(() => { if (isStale()) refresh(); }, 500);

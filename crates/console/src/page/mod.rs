@@ -1,4 +1,4 @@
-//! Files of the page, as they are served: no build step, and nothing from elsewhere.
+//! Files of the page. They are served as they are, without a build step, and load nothing from other servers.
 
 /// Content types.
 const HTML: &str = "text/html; charset=utf-8";
@@ -24,6 +24,7 @@ pub(crate) const FILES: &[(&str, &str, &[u8])] = &[
     ("servos.js", JAVASCRIPT, include_bytes!("servos.js")),
     ("show.js", JAVASCRIPT, include_bytes!("show.js")),
     ("socket.js", JAVASCRIPT, include_bytes!("socket.js")),
+    ("sound.js", JAVASCRIPT, include_bytes!("sound.js")),
     ("state.js", JAVASCRIPT, include_bytes!("state.js")),
     ("tabs.js", JAVASCRIPT, include_bytes!("tabs.js")),
     ("view.js", JAVASCRIPT, include_bytes!("view.js")),

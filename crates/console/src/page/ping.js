@@ -1,3 +1,4 @@
-// A worker that says once a second that the page lives: timers of a page that nobody sees are slowed down, its are not.
+// A worker that reports every second that the page is open. A browser slows down timers of hidden pages, but not of
+// workers.
 
 setInterval(() => postMessage(null), 1000);

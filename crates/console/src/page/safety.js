@@ -1,4 +1,4 @@
-// The commands that switch torque, and those that take motion away.
+// The commands that switch torque, and the commands that end motion.
 
 import { byId, setDisabled, write } from "./dom.js";
 
@@ -6,7 +6,7 @@ const ARM_MS = 1000;
 
 const isTyping = (target) => target.matches?.("input:not([type=range]):not([type=checkbox]), textarea");
 
-// `ask` sends a command, `report` shows what became of it.
+// `ask` sends a command, `report` shows its result.
 export const safety = (ask, report) => {
   const buttons = Object.fromEntries(
     ["hold", "arm", "home", "stop", "lower", "estop"].map((name) => [name, byId(name)]));
@@ -18,13 +18,13 @@ export const safety = (ask, report) => {
     for (const listener of holdListeners) listener();
     send("hold");
   };
-  // A press is enough: a finger that slips off must not cost the hold.
+  // A press is enough: the rig must hold even if the finger slips off the button.
   buttons.hold.addEventListener("pointerdown", (event) => { if (event.button === 0) hold(); });
-  // A click without a pointer is a key, or a screen reader.
+  // A click without a pointer comes from a key or a screen reader.
   buttons.hold.addEventListener("click", (event) => { if (event.detail === 0) hold(); });
   addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !event.repeat) { event.preventDefault(); hold(); }
-    // A space that scrolls the page, or presses what has the focus by chance, is a surprise beside a rig.
+    // The space bar must not scroll the page, or press a button that has the focus by chance.
     if (event.key === " " && !isTyping(event.target) && event.target.type !== "checkbox"
       && !event.target.matches?.("button, select, summary")) event.preventDefault();
   }, true);
@@ -62,7 +62,7 @@ export const safety = (ask, report) => {
     if (since !== null && !isInside) cancel();
   });
   arm.addEventListener("contextmenu", (event) => event.preventDefault());
-  // Enter arms when it is held as long; Space never does.
+  // Enter arms if it is held for the same time; the space bar never arms.
   arm.addEventListener("keydown", (event) => {
     if (event.key === "Enter") { event.preventDefault(); begin(); }
     if (event.key === " ") event.preventDefault();

@@ -1,10 +1,10 @@
-// A row for each servo. A servo that swings, is hot, limited or in error stands out, in words.
+// A row for each servo. Words mark a servo that swings, is hot, is limited or has errors.
 
 import { byId, effort, make, number, position, setHidden, write } from "./dom.js";
 
 const HOT_PERCENT = 80;
 const HOT_C = 60;
-// A servo is near its own limit of temperature from so many degrees below on.
+// A servo counts as hot if its temperature is less than this below its own limit, °C.
 const NEAR_C = 8;
 const ERRORS_SINCE_MS = 10000;
 
@@ -30,19 +30,19 @@ export const servos = (head, choose) => {
     make("thead", {}, make("tr", {}, ...COLUMNS.map((name) => make("th", { scope: "col" }, name)))),
     make("tbody", {}, ...rows.map(({ row }) => row)));
 
-  // Bus errors that came in the last seconds.
+  // Bus errors of the last 10 s.
   const recent = (row, errors, now) => {
     row.errors.push([now, errors]);
     while (row.errors.length > 1 && now - row.errors[0][0] > ERRORS_SINCE_MS) row.errors.shift();
     return errors - row.errors[0][1];
   };
-  // Returns what stands out at a servo.
+  // Returns the marks of a servo.
   const oddOf = (servo, index, frame, swings, newErrors) => {
     const odd = [];
     const celsius = frame.celsius[index];
     const limit = servo.dof === null ? null : frame.limit[servo.dof];
     const hotFrom = servo.hot_c ? servo.hot_c - NEAR_C : HOT_C;
-    if (frame.ownError[index] !== 0) odd.push(["fault", `servo's error ${frame.ownError[index]}`]);
+    if (frame.ownError[index] !== 0) odd.push(["fault", `servo error ${frame.ownError[index]}`]);
     if (swings.has(servo.dof)) odd.push(["fault", "swings"]);
     if (celsius !== null && celsius >= hotFrom || frame.heat[index] >= HOT_PERCENT) odd.push(["hot", "hot"]);
     if (limit !== null && limit !== undefined) odd.push(["limited", `limited by ${head.limits[limit] ?? limit}`]);
@@ -82,8 +82,8 @@ export const servos = (head, choose) => {
         write(cells.errors, newErrors > 0 ? `${errors} (+${newErrors})` : String(errors));
       });
       write(byId("servos-hint"),
-        `Supply ${frame.supply > 0 ? `${number(frame.supply, 1)} V` : "not measured"}. Heat: of the winding, by its model. `
-        + (count === 0 ? "No servo stands out." : `${count} of ${head.servos.length} servos stand out.`));
+        `Supply ${frame.supply > 0 ? `${number(frame.supply, 1)} V` : "not measured"}. Heat: of the winding, computed, in % of its maximum. `
+        + (count === 0 ? "No servo is marked." : `${count} of ${head.servos.length} servos are marked.`));
       setHidden(byId("odd"), count === 0);
       write(byId("odd"), String(count));
     },

@@ -1,15 +1,17 @@
-// The time line of the show: its cues, the ghost that is scrubbed, and shows that are sent to the board.
+// The time line of the show: its cues, the ghost that the user moves on it, and uploads of shows.
 
 import { byId, make, seconds, setDisabled, setHidden, write } from "./dom.js";
+import { sound } from "./sound.js";
 
 const SEEK_EVERY_MS = 50;
 
 export const show = ({ send, ask, report }) => {
   const [slots, scrub, play, follow, clear, loop] = ["slots", "scrub", "play", "follow", "no-ghost", "loop"].map(byId);
+  const voice = sound();
   let shows = [], isRecording = false, ghost = null, isScrubbing = false, isPlaying = false, uploading = false;
 
   const chosen = () => shows.find(({ slot }) => String(slot) === slots.value);
-  // The hub knows nothing of a show that it did not send itself.
+  // The hub has no cues and no duration of a show that it did not upload.
   const shown = () => ({ cues: chosen()?.cues ?? [], duration: chosen()?.duration_s ?? 0 });
 
   // ---- Scrubbing: at most one message in 50 ms, and always the last one ----
@@ -26,6 +28,7 @@ export const show = ({ send, ask, report }) => {
     ghost = isRecording ? null : t;
     scrub.value = t;
     seek(t);
+    voice.scrub(t);
   };
   const clearGhost = () => {
     if (ghost === null) return;
@@ -46,6 +49,7 @@ export const show = ({ send, ask, report }) => {
   // ---- The show that is chosen ----
   const lay = () => {
     const { cues, duration } = shown();
+    voice.choose(chosen()?.sound ?? null);
     scrub.max = Math.max(duration, 0.001);
     byId("cues").replaceChildren(...cues.map((cue) => {
       const button = make("button", { type: "button", className: "cue", title: `${cue.name}, ${seconds(cue.t)}` },
@@ -88,7 +92,7 @@ export const show = ({ send, ask, report }) => {
     setHead: (head) => {
       isRecording = head.source === "recording";
       for (const element of [follow, clear, byId("play-moves"), byId("uploads")]) setHidden(element, isRecording);
-      scrub.setAttribute("aria-label", isRecording ? "Place in the recording" : "Place in the show: moves the ghost, not the rig");
+      scrub.setAttribute("aria-label", isRecording ? "Time in the recording" : "Time in the show: moves the ghost, not the rig");
     },
     setShows: (message) => {
       const before = slots.value;
@@ -116,6 +120,7 @@ export const show = ({ send, ask, report }) => {
     take: (frame) => {
       isPlaying = frame.isShow;
       const { place } = frame;
+      voice.take(isPlaying && !isRecording, place);
       const { cues, duration } = shown();
       const at = ghost ?? (Number.isFinite(place) ? place : Number(scrub.value));
       if (!isScrubbing && document.activeElement !== scrub || ghost === null && !isScrubbing) scrub.value = at;

@@ -1,18 +1,18 @@
-// The connection to the hub: opened again by itself, never silently. A page that is not connected commands nothing.
+// The connection to the hub. If it is lost, the page shows this and connects again. Without it, the page sends nothing.
 
 import { decode } from "./frame.js";
 
 const WRONG_TOKEN = 4001;
 const AGAIN_MS = [500, 1000, 2000, 3000];
 
-// `on`: functions by the type of message, and `frame`, `open`, `closed`.
+// `on`: functions by type of message, and the functions `frame`, `open` and `closed`.
 export const connect = (on) => {
   const token = location.hash.slice(1);
   const answers = new Map();
   let socket = null, tries = 0, commands = 0;
 
   const isOpen = () => socket?.readyState === WebSocket.OPEN;
-  // Sends a message, and returns whether it left.
+  // Sends a message, and returns whether it was sent.
   const send = (message) => {
     if (!isOpen()) return false;
     socket.send(JSON.stringify(message));
@@ -26,7 +26,7 @@ export const connect = (on) => {
     if (after) socket.send(after);
   });
   const forget = () => {
-    for (const resolve of answers.values()) resolve({ ok: false, text: "the connection was lost before an answer came" });
+    for (const resolve of answers.values()) resolve({ ok: false, text: "the connection was lost before the answer arrived" });
     answers.clear();
   };
 
@@ -60,7 +60,7 @@ export const connect = (on) => {
       tries += 1;
     });
   };
-  // The hub holds the rig soon after a page stops saying this.
+  // The hub holds the rig if the page that drives sends nothing for 2 s.
   new Worker("/ping.js").addEventListener("message", () => send({ type: "ping", t: Math.round(performance.now()) }));
   open();
   return { send, ask, isOpen };

@@ -1,18 +1,18 @@
-// The supervisor's states in words, and what the page may ask for in each of them.
+// The supervisor's states in words, and the commands that the page may send in each of them.
 
-// By state: its colour, and what may move.
+// For each state: its colour, and a text that says what may move.
 const STATES = {
-  off: ["quiet", "Torque is off. Not every servo was read yet."],
-  limp: ["quiet", "Torque is off. It moves only by hand."],
-  calibrating: ["quiet", "Torque is off. You move it by hand."],
-  teaching: ["quiet", "Torque is off. You move it by hand."],
-  arming: ["moves", "Torque comes on. It stays where it is."],
-  holding: ["holds", "Torque is on. It stands still, and moves when asked."],
-  playing: ["moves", "It moves."],
-  floating: ["moves", "It carries its own weight. You lead it by hand."],
-  maintenance: ["moves", "One operator jogs it slowly."],
-  stopping: ["sinks", "It moves to its rest pose, then sinks."],
-  lowering: ["sinks", "It sinks. Torque fades."],
+  off: ["quiet", "Torque is off. Not every servo has answered yet."],
+  limp: ["quiet", "Torque is off. The rig moves only by hand."],
+  calibrating: ["quiet", "Torque is off. You move the rig by hand."],
+  teaching: ["quiet", "Torque is off. You move the rig by hand."],
+  arming: ["moves", "Torque is switched on. The rig stays where it is."],
+  holding: ["holds", "Torque is on. The rig stands still, and moves on command."],
+  playing: ["moves", "The rig moves."],
+  floating: ["moves", "The rig carries its own weight. You lead it by hand."],
+  maintenance: ["moves", "One operator moves the rig slowly."],
+  stopping: ["sinks", "The rig moves to its rest pose, then sinks."],
+  lowering: ["sinks", "The rig sinks. Torque fades."],
   faulted: ["fault", "Torque is off. A fault is latched."],
 };
 const UNKNOWN = ["quiet", ""];
@@ -20,16 +20,16 @@ const UNKNOWN = ["quiet", ""];
 export const nameOf = (head, frame) => (head.states[frame.state] ?? "unknown").toLowerCase();
 export const colorOf = (name) => (STATES[name] ?? UNKNOWN)[0];
 
-// Returns what may move.
+// Returns the text that says what may move.
 export const movesOf = (name, frame) => {
   if (name !== "playing") return (STATES[name] ?? UNKNOWN)[1];
-  if (frame.isShow) return "A show moves it.";
-  return frame.isJog ? "It follows a slider." : "It follows a stream, or goes to a pose.";
+  if (frame.isShow) return "A show moves the rig.";
+  return frame.isJog ? "The rig follows a slider." : "The rig follows a stream, or goes to a pose.";
 };
 
 const isOn = (name) => !["off", "limp", "calibrating", "teaching", "faulted", "unknown"].includes(name);
 
-// Returns which commands make sense now. A page without a connection, or of a recording, may ask for nothing.
+// Returns which commands the page may send now. Without a connection, or for a recording, it may send none.
 export const permissions = ({ head, frame, isConnected, isDriver, isStale, name }) => {
   const isLive = isConnected && frame !== null && head !== null && head.commands;
   const may = isLive && isDriver && !isStale && !frame.isLinkLost;

@@ -1,10 +1,10 @@
-// The rig in 3D: measured as solid bodies, wanted as lines, the show's ghost as broken lines.
+// The rig in 3D: the measured pose as solid bodies, the commanded pose as lines, the show's ghost as broken lines.
 
 import { byId, effort, make, position, write } from "./dom.js";
 import { kinematicsOf, shade, stageOn } from "./renderer.js";
 
-const LEGEND = [["solid", "measured"], ["wanted", "wanted"], ["ghost", "ghost of the show"]];
-const LOADS = [[0, "no load"], [0.5, "half"], [1, "all that it holds for long"]];
+const LEGEND = [["solid", "measured"], ["wanted", "commanded"], ["ghost", "ghost of the show"]];
+const LOADS = [[0, "no load"], [0.5, "half"], [1, "maximum"]];
 
 const legend = (hasLoads) => {
   const items = LEGEND.map(([name, text]) => make("span", {}, make("i", { className: `key ${name}` }), text));
@@ -16,7 +16,7 @@ const legend = (hasLoads) => {
   byId("legend").replaceChildren(...items);
 };
 
-// Points that the rig reaches when each joint alone goes a third of the way to its ends.
+// Points that the rig reaches if one joint moves a third of the way to an end of its range, for each joint and end.
 const reach = (rig) => rig.dofs.flatMap((dof, index) => dof.range.flatMap((end) => {
   rig.values[index] = dof.home + (end - dof.home) / 3;
   const points = rig.pointsOf(rig.solve());
@@ -24,9 +24,9 @@ const reach = (rig) => rig.dofs.flatMap((dof, index) => dof.range.flatMap((end) 
   return points;
 }));
 
-// `choose`: called with the joint that is clicked on.
+// `choose`: called with the joint that the user clicks on.
 export const view = (head, choose) => {
-  // A new canvas has no listeners of an earlier rig.
+  // A new canvas has no listeners from an earlier rig.
   const old = byId("stage");
   const canvas = old.cloneNode();
   old.replaceWith(canvas);
@@ -48,7 +48,7 @@ export const view = (head, choose) => {
     const ghostPoses = ghost && posesAt(ghost);
     const sent = wanted.some(Number.isFinite)
       ? posesAt(wanted.map((x, i) => Number.isFinite(x) ? x : measured[i])) : null;
-    // A servo without an encoder is where it was sent.
+    // A joint without a measured position is drawn at its commanded position.
     const poses = posesAt(measured.map((x, i) => Number.isFinite(x) ? x : wanted[i]));
     const isDriven = head.bodies[0]?.kind === "free";
     const way = isDriven ? [poses[0].p[0] - home[0].p[0], 0, poses[0].p[2] - home[0].p[2]] : [0, 0, 0];
@@ -60,7 +60,7 @@ export const view = (head, choose) => {
     write(byId("picked"), dof
       ? `${dof.name}: ${position(dof, rig.values[chosen])}, range ${position(dof, dof.range[0])} to ${position(dof, dof.range[1])}`
         + (dof.effort > 0 ? `, ${effort(dof, frame.effort[chosen])} of ${effort(dof, dof.effort)}` : "")
-      : "Click on a joint to choose it.");
+      : "Click on a joint of the rig to choose it.");
   };
   const show = () => {
     if (isAsked) return;
@@ -72,7 +72,7 @@ export const view = (head, choose) => {
   new ResizeObserver(stage.fit).observe(canvas);
   byId("front").onclick = () => { stage.front(); };
 
-  // A click that turns nothing chooses a joint.
+  // A click that does not turn the view chooses a joint.
   let pressed = null;
   canvas.addEventListener("pointerdown", (event) => { pressed = [event.clientX, event.clientY]; });
   canvas.addEventListener("pointerup", (event) => {

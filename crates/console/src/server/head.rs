@@ -1,13 +1,15 @@
-//! Heads of HTTP requests, within limits of bytes and time, and what is let in by them.
+//! Reads heads of HTTP requests, within limits of bytes and time, and decides which requests are accepted.
 
 use std::io::{self, Read, Write};
 use std::net::SocketAddr;
+use std::sync::Arc;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use sha1::{Digest as _, Sha1};
 
 use crate::page::FILES;
+use crate::sounds::Sounds;
 
 /// Maximum length of a request's head, bytes.
 const HEAD_MAX: usize = 8192;
@@ -19,15 +21,17 @@ const KEY_SUFFIX: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 /// An answer to a request.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Answer {
-    /// A file of the page.
+    /// A file of the page: its index in `FILES`.
     File(usize),
+    /// The sound of a show.
+    Sound(Arc<[u8]>),
     /// The request is refused, with a status and the reason.
     Refused(&'static str, &'static str),
-    /// The connection becomes a WebSocket, with the answer to its key.
+    /// The connection becomes a WebSocket. Contains the answer to the key of the request.
     Upgrade(String),
 }
 
-/// The head of a request, as far as it counts.
+/// The parts of a request's head that the server uses.
 #[derive(Debug, Default)]
 struct Head {
     method: String,
@@ -39,10 +43,11 @@ struct Head {
     key: String,
 }
 
-/// Reads the head of a request. Returns the answer, the host that the request named, and the bytes after the head.
+/// Reads the head of a request. Returns the answer, the host in the request, and the bytes received after the head.
 pub(crate) fn answer(
     stream: &mut impl Read,
     local: SocketAddr,
+    sounds: &Sounds,
 ) -> io::Result<(Answer, String, Vec<u8>)> {
     let mut bytes = Vec::new();
     let mut chunk = [0; 1024];
@@ -56,7 +61,7 @@ pub(crate) fn answer(
             Err(refused) => return Ok((refused, String::new(), Vec::new())),
             Ok(Some((head, len))) => {
                 let host = head.hosts.first().cloned().unwrap_or_default();
-                return Ok((decide(&head, local), host, bytes.split_off(len)));
+                return Ok((decide(&head, local, sounds), host, bytes.split_off(len)));
             }
             Ok(None) if bytes.len() > HEAD_MAX => {
                 let refused = Answer::Refused("431 Request Header Fields Too Large", "too long");
@@ -94,9 +99,9 @@ fn parse(bytes: &[u8]) -> Result<Option<(Head, usize)>, Answer> {
     Ok(Some((head, len)))
 }
 
-/// Decides about a request. The host must be the address at which the request has arrived, also for files: a page of
-/// another name that leads to this address (DNS rebinding) gets nothing.
-fn decide(head: &Head, local: SocketAddr) -> Answer {
+/// Returns the answer to a request. The host must be the address at which the request has arrived, also for files: a
+/// page whose name leads to this address (DNS rebinding) gets nothing.
+fn decide(head: &Head, local: SocketAddr, sounds: &Sounds) -> Answer {
     let is_own = |host: &String| is_own_host(host, local);
     let [host] = &head.hosts[..] else {
         return Answer::Refused("400 Bad Request", "a request names one host");
@@ -110,6 +115,9 @@ fn decide(head: &Head, local: SocketAddr) -> Answer {
     if head.path == "/ws" {
         return upgrade(head, host);
     }
+    if let Some(sound) = sounds.at(&head.path) {
+        return Answer::Sound(sound);
+    }
     let name = match head.path.strip_prefix('/') {
         Some("") => "index.html",
         Some(name) => name,
@@ -119,7 +127,8 @@ fn decide(head: &Head, local: SocketAddr) -> Answer {
     file.map_or(Answer::Refused("404 Not Found", "no such file"), Answer::File)
 }
 
-/// Returns whether a host is the literal address of this end of the connection, or `localhost` for a loopback.
+/// Returns whether a host is the address of this end of the connection as numbers, or `localhost` for a loopback
+/// address.
 fn is_own_host(host: &str, local: SocketAddr) -> bool {
     let local = SocketAddr::new(local.ip().to_canonical(), local.port());
     let is_loopback = local.ip().is_loopback() && host == format!("localhost:{}", local.port());
@@ -128,7 +137,7 @@ fn is_own_host(host: &str, local: SocketAddr) -> bool {
     host == local.to_string() || is_loopback || is_bare
 }
 
-/// Only a page of this console may open a WebSocket. A program without an origin has no right.
+/// Answers a request for a WebSocket. Only a page of this console may open one; a program that sends no origin may not.
 fn upgrade(head: &Head, host: &str) -> Answer {
     if !matches!(&head.origins[..], [origin] if *origin == format!("http://{host}")) {
         return Answer::Refused("403 Forbidden", "the origin is not this console's page");
@@ -141,7 +150,7 @@ fn upgrade(head: &Head, host: &str) -> Answer {
     Answer::Upgrade(STANDARD.encode(hash))
 }
 
-/// Writes the answer. `host`: the host of the request, which is this console's.
+/// Writes the answer. `host`: the host in the request.
 pub(crate) fn write(stream: &mut impl Write, answer: &Answer, host: &str) -> io::Result<()> {
     let (status, kind, body): (&str, &str, &[u8]) = match answer {
         Answer::Upgrade(key) => {
@@ -156,6 +165,7 @@ pub(crate) fn write(stream: &mut impl Write, answer: &Answer, host: &str) -> io:
             let (_, kind, bytes) = FILES[*index];
             ("200 OK", kind, bytes)
         }
+        Answer::Sound(bytes) => ("200 OK", "audio/wav", bytes),
     };
     let socket = match answer {
         Answer::File(_) => format!(" connect-src 'self' ws://{host};"),
@@ -176,17 +186,29 @@ pub(crate) fn write(stream: &mut impl Write, answer: &Answer, host: &str) -> io:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sounds::OwnSound;
 
     const HERE: &str = "127.0.0.1:4000";
 
     fn asked(request: &str) -> Answer {
-        answer(&mut request.as_bytes(), HERE.parse().unwrap()).unwrap().0
+        answer(&mut request.as_bytes(), HERE.parse().unwrap(), &sounds()).unwrap().0
+    }
+
+    fn sounds() -> Sounds {
+        let sounds = Sounds::default();
+        sounds.add(&OwnSound {
+            hash: "0a1b".to_owned(),
+            name: "talk.wav".to_owned(),
+            offset_s: 0.0,
+            bytes: Arc::from(&b"RIFF"[..]),
+        });
+        sounds
     }
 
     fn status(request: &str) -> &'static str {
         match asked(request) {
             Answer::Refused(status, _) => &status[..3],
-            Answer::File(_) => "200",
+            Answer::File(_) | Answer::Sound(_) => "200",
             Answer::Upgrade(_) => "101",
         }
     }
@@ -229,6 +251,10 @@ mod tests {
             ("GET /../Cargo.toml", "404"),
             ("GET http://127.0.0.1:4000/", "404"),
             ("GET /arm", "404"),
+            ("GET /sound/0a1b", "200"),
+            ("GET /sound/0a1c", "404"),
+            ("GET /sound/", "404"),
+            ("GET /sound/../sound/0a1b", "404"),
             ("POST /", "405"),
             ("POST /ws", "405"),
             ("OPTIONS /ws", "405"),

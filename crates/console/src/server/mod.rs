@@ -1,7 +1,7 @@
 //! The server of the page: files over HTTP, and a WebSocket for each page, in a few threads.
 //!
-//! Everything that comes from outside has a limit: connections, bytes and time of a request's head, length of a
-//! message, time until the token, output that waits for a slow reader.
+//! Everything that arrives from outside has a limit: the number of connections, the length and time of a request's
+//! head, the length of a message, the time until the token, and the output that waits for a slow reader.
 
 mod head;
 mod socket;
@@ -15,41 +15,44 @@ use std::sync::mpsc::SyncSender;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::local::{Reply, Request};
+use crate::local::{Reply, Request, View};
 use crate::message::FromPage;
+use crate::sounds::Sounds;
 
 pub(crate) use socket::{Outbox, binary, text};
 pub(crate) use token::Token;
 
-/// Maximum number of connections, and of those that have not shown the token.
+/// Maximum number of connections, and maximum number of connections that have not shown the token.
 const OPEN_MAX: usize = 32;
 const STRANGERS_MAX: usize = 16;
-/// Time for the head of a request, and again for the token.
+/// Longest time for the head of a request, and then again for the token.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Pause after an error of the listener, such as too many open files.
+/// Pause after an error of a listener, such as too many open files.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Number of a page, never used again.
+/// Number of a page; it is not used again.
 pub(crate) type PageId = u64;
 
-/// A message of a server's thread to the hub.
+/// A message of a connection's thread to the hub.
 #[derive(Debug)]
 pub(crate) enum ToHub {
     /// A page has shown the token.
     Joined { page: PageId, out: Outbox, may_drive: bool },
-    /// A page says something.
+    /// A page sends a text message.
     Said { page: PageId, message: FromPage },
-    /// A page sends the bytes that it has announced.
+    /// A page sends the bytes of the show that it has announced.
     Content { page: PageId, bytes: Vec<u8> },
     /// A page is gone.
     Left { page: PageId },
-    /// Another command of this user asks, and waits for the answer.
+    /// A command of this user sends a request, and waits for the answer.
     Asked { command: u64, request: Request, answer: SyncSender<Reply> },
-    /// A command has ended before its answer.
+    /// Another command of this user watches the rig.
+    Watches { views: SyncSender<View> },
+    /// A command has ended before it got its answer.
     Gone { command: u64 },
 }
 
-/// Data of all threads of a server.
+/// Data that all threads of a server share.
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub(crate) token: Token,
@@ -59,6 +62,7 @@ pub(crate) struct Shared {
     /// Maximum length of a show, bytes.
     pub(crate) show_bytes: AtomicUsize,
     pub(crate) is_over: AtomicBool,
+    pub(crate) sounds: Sounds,
     pages: AtomicU64,
     open: AtomicUsize,
     strangers: AtomicUsize,
@@ -73,6 +77,7 @@ impl Shared {
             allow_drive,
             show_bytes: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
+            sounds: Sounds::default(),
             pages: AtomicU64::new(1),
             open: AtomicUsize::new(0),
             strangers: AtomicUsize::new(0),
@@ -80,8 +85,8 @@ impl Shared {
     }
 }
 
-/// Opens the listeners: the loopback, and another address if one is given. A port of 0 is any free port. Returns the
-/// address for a browser of this machine first.
+/// Opens the listeners: one at the loopback address, and one at the other address if it is given and does not contain
+/// the loopback. A port of 0 stands for any free port. The first listener is for browsers of this machine.
 pub(crate) fn listen(other: Option<SocketAddr>) -> io::Result<Vec<TcpListener>> {
     let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
     let Some(other) = other else {
@@ -95,14 +100,14 @@ pub(crate) fn listen(other: Option<SocketAddr>) -> io::Result<Vec<TcpListener>> 
     Ok(vec![TcpListener::bind((loopback, port))?, wide])
 }
 
-/// Accepts connections until the server is over.
+/// Accepts connections until the server ends.
 pub(crate) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     while !shared.is_over.load(Ordering::Relaxed) {
         let Ok((stream, peer)) = listener.accept() else {
             thread::sleep(PAUSE);
             continue;
         };
-        // A connection beyond the limit is closed without a word.
+        // A connection beyond the limit is closed without an answer.
         let open = Count::of(shared, |shared| &shared.open, OPEN_MAX);
         let stranger = Count::of(shared, |shared| &shared.strangers, STRANGERS_MAX);
         if let (Some(open), Some(stranger)) = (open, stranger) {
@@ -117,12 +122,12 @@ pub(crate) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     }
 }
 
-/// Serves a connection: one file, or a page until it leaves.
+/// Serves a connection: sends one file, or serves a page until it leaves.
 fn serve(stream: TcpStream, peer: SocketAddr, stranger: Count, shared: &Shared) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut reader = socket::Reader::new(stream.try_clone()?, Instant::now() + PATIENCE);
-    let (answer, host, rest) = head::answer(&mut reader, stream.local_addr()?)?;
+    let (answer, host, rest) = head::answer(&mut reader, stream.local_addr()?, &shared.sounds)?;
     head::write(&mut &stream, &answer, &host)?;
     if matches!(answer, head::Answer::Upgrade(_)) {
         let may_drive = shared.allow_drive || peer.ip().to_canonical().is_loopback();
@@ -132,7 +137,7 @@ fn serve(stream: TcpStream, peer: SocketAddr, stranger: Count, shared: &Shared) 
     Ok(())
 }
 
-/// One of a limited number, given back when it is dropped.
+/// A place among a limited number of connections. It is free again on drop.
 pub(crate) struct Count {
     shared: Arc<Shared>,
     of: fn(&Shared) -> &AtomicUsize,

@@ -1,4 +1,4 @@
-//! The WebSocket of a page: a thread that reads it, and one that writes what waits for it.
+//! The WebSocket of a page: one thread reads its messages, another writes the frames that wait for it.
 
 use std::cell::Cell;
 use std::io::{self, Read, Write};
@@ -20,17 +20,17 @@ use crate::message::{FromPage, PageCommand};
 
 /// Maximum length of a message that is not a show, bytes.
 const MESSAGE_MAX: usize = 4096;
-/// Maximum number of frames that wait for a page. A page that is slower is dropped.
+/// Maximum number of frames that wait for a page. A page that does not read them in time is disconnected.
 const WAITING_MAX: usize = 64;
-/// Interval of the server's pings, and the number of them without an answer after which a page is gone.
+/// Interval of the server's pings, and the number of pings without an answer after which a page counts as gone.
 const PING_EVERY: Duration = Duration::from_secs(1);
 const PINGS_MAX: u32 = 8;
-/// Time without a whole message after which a page is gone.
+/// Time without a complete message after which a page counts as gone.
 const SILENT_MAX: Duration = Duration::from_secs(10);
-/// Code of a closed WebSocket: the token is wrong.
+/// Code with which a WebSocket is closed if the token is wrong.
 const WRONG_TOKEN: u16 = 4001;
 
-/// The bytes of a WebSocket's frame, shared by all pages that it goes to.
+/// The bytes of a WebSocket frame, shared by all pages that get it.
 pub(crate) type Frame = Arc<[u8]>;
 
 /// Returns a text as a frame.
@@ -50,7 +50,7 @@ fn frame(frame: WebFrame) -> Frame {
     bytes.into()
 }
 
-/// The frames that wait for a page.
+/// The queue of frames for a page.
 #[derive(Debug, Clone)]
 pub(crate) struct Outbox {
     frames: SyncSender<Frame>,
@@ -58,21 +58,21 @@ pub(crate) struct Outbox {
 }
 
 impl Outbox {
-    /// Queues a frame. A page that does not read is dropped.
+    /// Queues a frame. Disconnects the page if the queue is full.
     pub(crate) fn send(&self, frame: &Frame) {
         if let Err(TrySendError::Full(_)) = self.frames.try_send(Arc::clone(frame)) {
-            // It fails only if the connection is over already.
+            // Shutdown fails only if the connection is already over.
             let _ = self.stream.shutdown(Shutdown::Both);
         }
     }
 
-    /// Closes the page's WebSocket, after the frames that wait.
+    /// Closes the page's WebSocket after the frames that wait are written.
     fn close(&self, code: CloseCode, reason: &'static str) {
         self.send(&frame(WebFrame::close(Some(CloseFrame { code, reason: reason.into() }))));
     }
 }
 
-/// The reading end of a connection, with a deadline. Frames that the protocol wants to send go to the outbox.
+/// The reading end of a connection, with a deadline. Frames that the protocol itself sends go to the outbox.
 pub(super) struct Reader {
     stream: TcpStream,
     deadline: Rc<Cell<Instant>>,
@@ -113,7 +113,7 @@ impl Write for Reader {
     }
 }
 
-/// Serves a page until it leaves, is silent or breaks a rule.
+/// Serves a page until it leaves, is silent for too long or breaks a rule.
 pub(super) fn serve(
     stream: TcpStream,
     mut reader: Reader,
@@ -145,7 +145,7 @@ pub(super) fn serve(
             if let Err(Error::Capacity(_)) = ended {
                 out.close(CloseCode::Size, "the message is too long");
             }
-            // Without a hub nobody needs to know.
+            // Without a hub there is nothing to report.
             let _ = shared.hub.send(ToHub::Left { page });
         }
     } else {
@@ -156,14 +156,14 @@ pub(super) fn serve(
     Ok(())
 }
 
-/// Reads the first message. Returns whether it has the token.
+/// Reads the first message. Returns whether it is a hello with the token.
 fn says_hello(socket: &mut WebSocket<Reader>, shared: &Shared) -> bool {
     let Ok(Message::Text(text)) = socket.read() else { return false };
     let Ok(message) = serde_json::from_str::<FromPage>(&text) else { return false };
     matches!(message.command, PageCommand::Hello { token } if shared.token.is(&token))
 }
 
-/// Passes messages of a page to the hub.
+/// Passes messages of a page to the hub until the page leaves or sends something invalid.
 fn listen(
     socket: &mut WebSocket<Reader>,
     page: PageId,
@@ -174,7 +174,7 @@ fn listen(
         deadline.set(Instant::now() + SILENT_MAX);
         let said = match socket.read()? {
             Message::Text(text) => {
-                // A page of this program says nothing else.
+                // A page of this console sends nothing else.
                 let message: FromPage =
                     serde_json::from_str(&text).map_err(|_| Error::ConnectionClosed)?;
                 if matches!(message.command, PageCommand::Upload { .. }) {
@@ -206,7 +206,7 @@ fn limit(socket: &mut WebSocket<Reader>, bytes: usize) {
     });
 }
 
-/// Writes frames until the page or its reader is gone, and asks the page whether it lives.
+/// Writes frames and pings until the page does not answer, or its reading thread ends.
 fn write_all(mut stream: TcpStream, waiting: &Receiver<Frame>, pings: &AtomicU32) {
     let ping = frame(WebFrame::ping(Vec::new()));
     let mut due = Instant::now() + PING_EVERY;

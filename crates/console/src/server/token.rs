@@ -9,7 +9,7 @@ use std::io;
 pub(crate) struct Token(String);
 
 impl Token {
-    /// Creates a token.
+    /// Creates a random token.
     pub(crate) fn random() -> io::Result<Self> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(io::Error::other)?;
@@ -20,12 +20,12 @@ impl Token {
         Ok(Self(text))
     }
 
-    /// Returns the digits.
+    /// Returns the 32 digits.
     pub(crate) fn text(&self) -> &str {
         &self.0
     }
 
-    /// Compares a text with the token, in a time that does not depend on the first digit that differs.
+    /// Returns whether a text is the token. The time does not depend on the position of the first difference.
     pub(crate) fn is(&self, text: &str) -> bool {
         let (own, other) = (self.0.as_bytes(), text.as_bytes());
         let differs = own.iter().zip(other).fold(0, |sum, (a, b)| black_box(sum | (a ^ b)));

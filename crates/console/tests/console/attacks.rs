@@ -1,4 +1,4 @@
-//! Strangers, and pages that break rules. Nothing that they send reaches the board.
+//! Pages without the token, and pages that break rules. None of their messages reaches the board.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -11,7 +11,7 @@ use sinew_link::message::Command;
 use crate::client::{LIMP, Page, exchange, upgrade};
 use crate::other_side::OtherSide;
 
-/// Whether the board was told anything that could move a rig.
+/// Returns whether the board got a command that could move a rig.
 fn was_moved(console: &OtherSide) -> bool {
     let told = console.told.lock().unwrap();
     let moves = |command: &Command| {

@@ -1,4 +1,4 @@
-//! A page without a browser.
+//! A page without a browser, for tests.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -10,7 +10,7 @@ use tungstenite::{Error, WebSocket};
 
 use crate::other_side::OtherSide;
 
-/// A state of the rig, as a page gets it.
+/// A frame: the state of the rig, as a page gets it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Picture {
     pub(crate) state: u8,
@@ -28,12 +28,12 @@ pub(crate) const FAULTED: u8 = 10;
 pub(crate) struct Page {
     socket: WebSocket<TcpStream>,
     commands: u64,
-    /// All texts and the newest picture.
+    /// All text messages, and the newest frame.
     pub(crate) texts: Vec<Value>,
     pub(crate) picture: Option<Picture>,
 }
 
-/// Sends bytes, and returns all that comes until the console closes the connection or is silent for a second.
+/// Sends bytes, and returns all bytes that arrive until the console closes the connection or is silent for 1 s.
 pub(crate) fn exchange(host: &str, request: &str) -> String {
     let mut stream = TcpStream::connect(host).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(1))).unwrap();
@@ -53,7 +53,7 @@ pub(crate) fn upgrade(host: &str, origin: Option<&str>) -> String {
 }
 
 impl Page {
-    /// Opens a WebSocket, and says nothing.
+    /// Opens a WebSocket, and sends nothing.
     pub(crate) fn mute(host: &str) -> Self {
         let mut stream = TcpStream::connect(host).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
@@ -69,7 +69,7 @@ impl Page {
         Self { socket, commands: 0, texts: Vec::new(), picture: None }
     }
 
-    /// Opens a page that has the token.
+    /// Opens a page that sends the token, and waits until it has a role.
     pub(crate) fn open(console: &OtherSide) -> Self {
         let mut page = Self::mute(&console.host);
         page.say(&json!({ "type": "hello", "token": console.token }));
@@ -99,7 +99,7 @@ impl Page {
         Ok(())
     }
 
-    /// Receives until something is true, for at most 10 s. It says that the page lives.
+    /// Receives messages until a condition is true, for at most 10 s. Meanwhile sends a ping every second.
     pub(crate) fn until(&mut self, what: &str, is_so: impl Fn(&Self) -> bool) {
         let mut said = Instant::now();
         let end = said + Duration::from_secs(10);
@@ -117,7 +117,7 @@ impl Page {
         self.until("a state", |page| page.picture.is_some_and(|own| own.state == state));
     }
 
-    /// Gives a command, and returns whether it was done, with the text.
+    /// Sends a command, and returns whether it was executed, and the text of the answer.
     pub(crate) fn ask(&mut self, mut command: Value) -> (bool, String) {
         self.commands += 1;
         let id = self.commands;
@@ -137,7 +137,7 @@ impl Page {
         self.until_state(HOLDING);
     }
 
-    /// Holds the slider at a goal for a time.
+    /// Sends a slider's goal every 50 ms for a time.
     pub(crate) fn slide(&mut self, goal: f32, time: Duration) {
         let end = Instant::now() + time;
         let mut due = Instant::now();
@@ -156,8 +156,14 @@ impl Page {
     }
 }
 
-/// Reads a frame of a rig with one coordinate.
+/// Reads the first coordinate of a frame.
 fn picture(bytes: &[u8]) -> Picture {
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
-    Picture { state: bytes[1], flags: bytes[3], measured: number(24), wanted: number(28) }
+    let count = usize::from(u16::from_le_bytes([bytes[18], bytes[19]]));
+    Picture {
+        state: bytes[1],
+        flags: bytes[3],
+        measured: number(24),
+        wanted: number(24 + 4 * count),
+    }
 }

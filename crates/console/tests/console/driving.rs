@@ -1,4 +1,4 @@
-//! A page drives: arming, sliders, shows, stops; and what ends when the page is gone.
+//! A page that drives: arming, sliders, shows, stops; and which motions end when the page is gone.
 
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
@@ -7,6 +7,8 @@ use serde_json::json;
 use sinew_console::Ended;
 use sinew_console::local::{Request, ask, consoles};
 use sinew_link::message::{Command, Feed};
+use sinew_rig::description::LinkedLimit;
+use sinew_rig::new;
 
 use crate::client::{FAULTED, HOLDING, LIMP, LOWERING, PLAYING, Page};
 use crate::other_side::OtherSide;
@@ -23,7 +25,10 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
     assert_eq!(page.texts[0]["dofs"][0]["coordinate"], 0);
     assert_eq!(page.texts[1]["slots"][0]["name"], "nod");
     assert_eq!(page.texts[1]["slots"][0]["cues"][0]["name"], "far");
-    assert_eq!(page.texts[2], json!({ "type": "role", "driver": true, "other": null }));
+    assert_eq!(
+        page.texts[2],
+        json!({ "type": "role", "driver": true, "other": null, "asked": false })
+    );
     page.until_state(LIMP);
     assert!(page.shown().wanted.is_nan(), "nothing is wanted of a limp rig");
     let (is_done, text) = page.ask(json!({ "type": "jog", "dof": 0, "goal": 0.1 }));
@@ -59,6 +64,53 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
     assert!(page.ask(json!({ "type": "clear" })).0);
     page.until_state(LIMP);
     assert_eq!(console.end(), Ended::Stopped);
+}
+
+#[test]
+fn a_tied_joint_moves_with_its_leader() {
+    // bend2 = 0.5 turn1 + 20 deg.
+    let offset = 20_f64.to_radians();
+    let mut arm = new::arm(2).unwrap();
+    arm.limits.push(LinkedLimit {
+        joint: "bend2".to_owned(),
+        other: "turn1".to_owned(),
+        other_factor: -0.5,
+        least_rad: Some(offset),
+        most_rad: Some(offset),
+        ..LinkedLimit::default()
+    });
+    let console = OtherSide::start_on(arm, None, false);
+    let mut page = Page::open(&console);
+    let leaders = [0, 1].map(|dof| page.texts[0]["dofs"][dof]["leader"].clone());
+    assert_eq!(leaders, [json!(null), json!(0)]);
+    page.arm();
+    let why = "`bend2` follows `turn1`: move `turn1`";
+    let (is_done, text) = page.ask(json!({ "type": "jog", "dof": 1, "goal": 0.5 }));
+    assert!(!is_done && text.contains(why), "{text}");
+    let own = Request::Jog { joint: "bend2".to_owned(), by: 5.0 };
+    let refused = ask(&console.name, &own).unwrap();
+    assert!(!refused.ok && refused.text.contains(why), "{}", refused.text);
+    let start = page.shown().wanted;
+    let begun = Instant::now();
+    while (page.shown().wanted - start - 0.1).abs() >= 2e-3 && begun.elapsed() < ms(10_000) {
+        page.slide(start + 0.1, ms(200));
+    }
+    assert!((page.shown().wanted - start - 0.1).abs() < 2e-3, "{:?}", page.shown());
+    assert!(page.ask(json!({ "type": "release", "dof": 0 })).0);
+    page.until_state(HOLDING);
+    let name = console.name.clone();
+    let jog = Request::Jog { joint: "turn1".to_owned(), by: -5.0 };
+    let command = spawn(move || ask(&name, &jog).unwrap());
+    page.until("its end", |_| command.is_finished());
+    let reply = command.join().unwrap();
+    assert!(reply.ok, "{}", reply.text);
+    let told = console.told.lock().unwrap();
+    assert!(told.jogs.is_empty() && told.poses.len() > 10);
+    for (index, pose) in told.poses.iter().enumerate() {
+        let off = f64::from(pose[1]) - 0.5 * f64::from(pose[0]) - offset;
+        // A command's motion begins where the rig stands, which gravity moves by a little.
+        assert!(off.abs() < 0.02, "pose {index}: off by {off}");
+    }
 }
 
 #[test]
@@ -98,7 +150,7 @@ fn a_slider_that_falls_silent_holds() {
 fn one_page_drives_and_all_may_stop() {
     let console = OtherSide::start(false);
     let (mut driver, mut viewer) = (Page::open(&console), Page::open(&console));
-    let role = json!({ "type": "role", "driver": false, "other": "page" });
+    let role = json!({ "type": "role", "driver": false, "other": "page", "asked": false });
     assert_eq!(viewer.texts.last(), Some(&role));
     viewer.until_state(LIMP);
     for command in [
@@ -125,8 +177,14 @@ fn one_page_drives_and_all_may_stop() {
     sleep(ms(450));
     driver.slide(1.0, ms(300));
     driver.until_state(PLAYING);
+    // The viewer has asked for the wheel above, and gets it.
+    assert!(driver.texts.iter().any(|text| text["type"] == "role" && text["asked"] == true));
     assert!(driver.ask(json!({ "type": "wheel", "take": false })).0);
-    assert!(viewer.ask(json!({ "type": "wheel", "take": true })).0);
+    let is_at_the_wheel = |page: &Page| {
+        let mut roles = page.texts.iter().rev().filter(|text| text["type"] == "role");
+        roles.next().is_some_and(|role| role["driver"] == true)
+    };
+    viewer.until("the wheel", is_at_the_wheel);
     assert!(!driver.ask(json!({ "type": "home" })).0);
     assert!(driver.ask(json!({ "type": "stop" })).0);
     driver.until_state(LOWERING);

@@ -11,24 +11,25 @@ use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source};
 use sinew_link::Decoder;
 use sinew_link::message::{Command, Stream, ToController};
 use sinew_performance::play::{
-    Chip, HostEnd, Memory, Options as Driven, RigParts, SimulatedBoard, pipe,
+    Chip, Drive, HostEnd, Memory, Options as Driven, RigParts, SimulatedBoard, pipe,
 };
 use sinew_rig::{Description, new};
-use sinew_servo_sim::device::MEMORY_LEN;
+use sinew_servo_sim::device::{MEMORY_LEN, Servo};
 use sinew_servo_sim::plant::RigPlant;
 use sinew_show::write::{Motion, Settings, write};
 use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
 
-/// All that a board was told: commands, and speeds of jogging.
+/// All that a board got: commands, speeds of jogs, and poses.
 #[derive(Debug, Default)]
 pub(crate) struct Told {
     pub(crate) commands: Vec<Command>,
     pub(crate) jogs: Vec<f32>,
+    pub(crate) poses: Vec<Vec<f32>>,
 }
 
-/// A line that records what the host sends.
+/// A line that records the messages of the host.
 struct Tapped {
     line: HostEnd,
     decoder: Decoder<ToController>,
@@ -40,11 +41,11 @@ impl Line for Tapped {
         let mut told = self.told.lock().unwrap();
         self.decoder.feed(bytes, |message| match message {
             ToController::Command(command) => told.commands.push(command.item),
-            ToController::Stream(stream) => {
-                if let Stream::Jog { velocity, .. } = stream.item {
-                    told.jogs.push(velocity);
-                }
-            }
+            ToController::Stream(stream) => match stream.item {
+                Stream::Jog { velocity, .. } => told.jogs.push(velocity),
+                Stream::Live(frame) => told.poses.push(frame.q.to_vec()),
+                _ => {}
+            },
             ToController::Hello(_) => {}
         });
         drop(told);
@@ -60,30 +61,78 @@ impl Line for Tapped {
     }
 }
 
+/// Register of an XL330's goal position, and the counts of a turn.
+const GOAL_POSITION: u16 = 116;
+const TURN_COUNTS: f64 = 4096.0;
+/// Register of an XL330's torque.
+const TORQUE_ENABLE: u16 = 64;
+
+/// Everything that the first servo got, by the time of the board.
+#[derive(Debug, Default)]
+pub(crate) struct AtServo {
+    /// Goal in the last tick, deg; `None` without torque.
+    pub(crate) goal_deg: Option<f64>,
+    /// Largest step of the goal between two ticks with torque, deg, and largest speed of the shaft, deg/s.
+    pub(crate) step_deg: f64,
+    pub(crate) speed_deg_s: f64,
+    /// Sum of all changes of the goal, deg.
+    pub(crate) way_deg: f64,
+}
+
+impl AtServo {
+    fn look(&mut self, servo: &Servo<'_>) {
+        let has_torque = servo.get(TORQUE_ENABLE) != 0;
+        let goal_deg = f64::from(servo.get(GOAL_POSITION)) * 360.0 / TURN_COUNTS;
+        let goal_deg = has_torque.then_some(goal_deg);
+        if let (Some(before), Some(now)) = (self.goal_deg, goal_deg) {
+            self.step_deg = self.step_deg.max((now - before).abs());
+            self.way_deg += (now - before).abs();
+            let speed = servo.shaft().velocity_rad_s.to_degrees().abs();
+            self.speed_deg_s = self.speed_deg_s.max(speed);
+        }
+        self.goal_deg = goal_deg;
+    }
+}
+
 /// A console that serves pages until it is dropped.
 pub(crate) struct OtherSide {
     /// Address of the page, without the token.
     pub(crate) host: String,
-    /// Name for other commands.
+    /// Name by which other commands find the console.
     pub(crate) name: String,
     pub(crate) token: String,
     pub(crate) told: Arc<Mutex<Told>>,
+    pub(crate) servo: Arc<Mutex<AtServo>>,
     stops: Arc<AtomicU32>,
     hub: Option<JoinHandle<Ended>>,
     board: Option<JoinHandle<()>>,
 }
 
 impl OtherSide {
-    /// Starts an arm of one joint, which turns about the vertical. `shows`: whether a show is on the board: a loop
-    /// of 0.6 s.
+    /// Starts a console for an arm of one joint, which turns about the vertical. `with_show`: whether a show of 0.6 s
+    /// is on the board.
     pub(crate) fn start(with_show: bool) -> Self {
-        let arm: Description = new::arm(1).unwrap();
+        Self::start_on(new::arm(1).unwrap(), None, with_show)
+    }
+
+    /// Starts the arm on servos in position mode: their goals are positions.
+    pub(crate) fn start_on_positions() -> Self {
+        Self::start_on(new::arm(1).unwrap(), Some(Drive::Position), false)
+    }
+
+    /// Starts a rig.
+    pub(crate) fn start_on(arm: Description, drive: Option<Drive>, with_show: bool) -> Self {
         let mechanism = arm.mechanism().unwrap();
-        let driven = Driven { is_of_board: true, ..Driven::default() };
+        let driven = Driven { is_of_board: true, drive, ..Driven::default() };
         let parts = Arc::new(RigParts::new(&arm, &mechanism, driven).unwrap());
         let scene = Scene::new(&arm.name, &mechanism, &parts, Source::Simulated);
         let shows = if with_show { vec![nod(parts.rig_crc())] } else { Vec::new() };
         let (line, end) = pipe();
+        let servo: Arc<Mutex<AtServo>> = Arc::default();
+        let seen = Arc::clone(&servo);
+        let look = move |board: &mut SimulatedBoard<'_, RigPlant>| {
+            board.look_at_servos(|servos| seen.lock().unwrap().look(&servos[0]));
+        };
         let simulate = move || {
             let chip = Chip::blank();
             SimulatedBoard::<RigPlant>::store_rig(&parts, &chip).unwrap();
@@ -91,7 +140,7 @@ impl OtherSide {
             let plant = parts.plant(&arm, &mechanism).unwrap();
             let mut board = SimulatedBoard::new(&parts, &mut memories, plant, chip).unwrap();
             // It ends when its host is gone.
-            let _ = board.serve(end, &AtomicBool::new(false), |_| {});
+            let _ = board.serve(end, &AtomicBool::new(false), look);
         };
         let builder = thread::Builder::new().stack_size(STACK_BYTES);
         let board = builder.spawn(simulate).unwrap();
@@ -106,13 +155,14 @@ impl OtherSide {
         let hub = thread::spawn(move || {
             let mut board = Board::connect(line, nonce(), Duration::from_secs(20)).unwrap();
             let stops = || counted.load(Ordering::Relaxed);
-            console.run(&mut board, &scene, (&name, shows), &stops).unwrap()
+            console.run(&mut board, &scene, (&name, shows, None), &stops).unwrap()
         });
         let (host, token) = (host.to_owned(), token.to_owned());
-        Self { host, name: own_name, token, told, stops, hub: Some(hub), board: Some(board) }
+        let (hub, board) = (Some(hub), Some(board));
+        Self { host, name: own_name, token, told, servo, stops, hub, board }
     }
 
-    /// Returns whether the board was told a command.
+    /// Returns whether the board got a command.
     pub(crate) fn was_told(&self, command: &Command) -> bool {
         self.told.lock().unwrap().commands.contains(command)
     }
@@ -151,5 +201,5 @@ fn nod(rig: u32) -> OwnShow {
         course: &[],
     };
     let written = write(&motion, &Settings::default()).unwrap();
-    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into() }
+    OwnShow { name: "nod".to_owned(), bytes: written.bytes.into(), sound: None }
 }

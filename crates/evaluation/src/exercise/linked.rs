@@ -84,7 +84,7 @@ pub(super) fn tie(mechanism: &Mechanism, axes: &mut [Vec<Axis>]) -> Vec<Follower
     followers
 }
 
-/// Divides the room of the sum on both sides of home equally among its axes.
+/// Divides the room that the limit leaves on both sides of home equally among the axes of the sum.
 fn share_out(axes: &mut [Vec<Axis>], terms: &[(usize, f64)], [least, most]: [f64; 2]) {
     let of =
         |axes: &[Vec<Axis>], body: usize| axes.get(body).and_then(|axes| axes.first().copied());

@@ -53,7 +53,7 @@ fn table(result: &Robustness) -> Table {
     table
 }
 
-/// Returns the table of angle against distance.
+/// Returns the table that compares the errors of angle and distance.
 fn front(result: &Robustness) -> Table {
     use MeanError::{Angular, Linear};
     let Robustness { variants, trials, .. } = result;

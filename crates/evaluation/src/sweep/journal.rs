@@ -165,7 +165,7 @@ impl Journal {
         self.outcomes.contains_key(&unit)
     }
 
-    /// Returns the result of a finished unit.
+    /// Returns the result of a unit; `None` if the unit is not finished.
     pub(super) fn outcome(&self, unit: Unit) -> Option<&Outcome> {
         self.outcomes.get(&unit)
     }

@@ -13,7 +13,7 @@ pub struct Summary {
     pub cells: usize,
     /// Number of units that were run now.
     pub run: usize,
-    /// Number of finished units in the journal at the start.
+    /// Number of units that were finished before: in the journal at the start, or in merged shards.
     pub resumed: usize,
     /// Number of cells whose figure was lost on at least one clip.
     pub lost: usize,

@@ -139,8 +139,8 @@ fn columns(rows: &[Row<'_>], whole: bool) -> Vec<Column> {
     columns
 }
 
-/// Returns, for each row, whether its mean errors of all joints are on the front of the rows of its task and its
-/// clip.
+/// Returns "yes" or "no" for each row: whether its mean errors of all joints are on the front of the rows of its task
+/// and its clip. `None` for a failed row, and for every row unless `whole`.
 fn on_front(rows: &[Row<'_>], whole: bool) -> Vec<Option<String>> {
     if !whole {
         return vec![None; rows.len()];

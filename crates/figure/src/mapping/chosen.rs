@@ -48,8 +48,8 @@ impl fmt::Display for Proposal {
 /// Finds the mapping of `recording`: `given`, or else that of a known skeleton, or else a proposal.
 ///
 /// # Errors
-/// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found with sufficient
-/// confidence; [`Error::SeveralMatch`].
+/// [`Error::NotProposed`] if no known skeleton fits and the joints of a human are not found with sufficient confidence;
+/// [`Error::SeveralMatch`] if several known skeletons fit equally well.
 pub fn find_mapping<'a>(
     recording: &Recording,
     given: Option<&'a Mapping>,

@@ -16,7 +16,8 @@ pub struct MappingSource<'a> {
 }
 
 /// Finds the unit in metres and the reason for it. The first of these that exists is used: the user's unit, the file's
-/// own, the given mapping's, the known skeleton's if it gives a plausible body, a unit inferred from the body's height.
+/// own, the given mapping's, the known skeleton's, a unit inferred from the body's height. The known skeleton's unit is
+/// used only if it gives a plausible body and does not differ from the inferred unit.
 ///
 /// # Errors
 /// The reason why the unit cannot be determined.

@@ -33,8 +33,9 @@ impl UpGuess {
     /// Chooses the user's axis, or else that of the mapping or the format (`said`, with its source), or else the
     /// axis that the body indicates.
     ///
-    /// An axis other than y is accepted if the rest pose also stands along it, or if the body stands on a floor
-    /// perpendicular to it. A body that lies, crawls or stands on its hands does neither.
+    /// An axis other than y that the body indicates is accepted only if the rest pose also stands along it, if the body
+    /// stands on a floor perpendicular to it, or if there are no frames; otherwise y is chosen. For a body that lies,
+    /// crawls or stands on its hands, neither of the first two is the case.
     pub(super) fn new(
         recording: &Recording,
         matched: &SkeletonMatch,

@@ -23,11 +23,12 @@ pub struct LoadedClip {
 /// Unit of a skeleton if neither the file nor the height determines it, in metres.
 const UNIT_M: f64 = 0.01;
 
-/// Reads a clip of any skeleton, skips an inserted T-pose and fills gaps. It does not low-pass or resample.
+/// Reads a clip of any skeleton, skips an inserted T-pose, removes samples that are impossible for a body, and fills
+/// gaps. It does not low-pass or resample.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Mapping`] if the given mapping does not fit, [`Error::NoRate`], [`Error::Unit`],
-/// [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
+/// [`Error::Bone`], [`Error::Sides`], [`Error::Gap`]; [`Error::TooShort`] if there is no frame.
 pub fn load_clip(file: &ClipFile, settings: &Settings) -> Result<(LoadedClip, Vec<Notice>), Error> {
     let recording = Recording { name: file.name.clone(), ..format::read(&file.path)? };
     let name = || file.path.display().to_string();

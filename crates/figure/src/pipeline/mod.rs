@@ -1,5 +1,5 @@
-//! Converts files to the figure's motion in a sequence of steps: skip, fill gaps, find flips, low-pass, resample,
-//! map to the figure.
+//! Converts files to the figure's motion in a sequence of steps: skip, remove impossible samples, fill gaps, find
+//! flips, low-pass, resample, map to the figure.
 
 mod loaded;
 pub mod tpose;
@@ -37,7 +37,8 @@ pub struct Settings {
     pub lead_in_s: f64,
     /// Longest gap that is filled, s.
     pub gap_max_s: f64,
-    /// Mapping for all clips; `None` to choose a known mapping by the skeleton.
+    /// Mapping for all clips; `None` to choose a known mapping for each clip by its skeleton, or to propose a mapping
+    /// if none is known.
     pub mapping: Option<Mapping>,
     /// The user's options about unit and up axis of the files.
     pub units: UnitOverrides,
@@ -124,7 +125,7 @@ pub enum Notice {
 /// The error of clips that cannot be read or prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// A file that is not a motion.
+    /// A file that cannot be read as a motion.
     #[error(transparent)]
     Read(#[from] format::Error),
     /// Paths that do not name clips.
@@ -300,8 +301,8 @@ pub fn load_paths(paths: &[PathBuf], settings: &Settings) -> Result<Vec<Recordin
     files::expand(paths)?.iter().map(|file| load(file, settings)).collect()
 }
 
-/// Skips the T-pose and the lead-in, fills gaps, looks for joint flips, low-passes, resamples and maps, in this
-/// order.
+/// Skips the T-pose and the lead-in, removes samples that are impossible for a body, fills gaps, looks for joint flips,
+/// low-passes, resamples and maps, in this order.
 ///
 /// The low-pass works at the clip's own rate, before resampling, to prevent aliasing too.
 ///
@@ -411,7 +412,7 @@ fn noticed(measured: &Measured, recording: &mut Recording) -> Vec<Notice> {
 
 /// Returns the notice about a rate that is not the file's. `own_s` is the file's time between frames.
 fn rate_notice(own_s: Option<f64>, frame_time_s: f64) -> Option<Notice> {
-    /// Writers round rates, by less than this share.
+    /// Maximum difference due to rounding by the program that wrote the file, as a share of the rate.
     const ROUNDING: f64 = 1e-3;
     let rate_hz = frame_time_s.recip();
     match own_s.map(f64::recip) {

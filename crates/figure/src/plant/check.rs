@@ -86,7 +86,8 @@ pub enum PlantError {
     },
 }
 
-/// Checks that this is a tree of possible bodies with a possible state for each, and a positive step.
+/// Checks that this is a tree of possible bodies with a possible state for each, and that the step and the number of
+/// substeps are positive.
 pub(super) fn check(
     mechanism: &Mechanism,
     start: &[MovingPose],

@@ -50,7 +50,7 @@ pub(super) fn passive(bodies: usize) -> Drive {
 }
 
 /// Returns a random tree of 18 bodies of 0.5 to 5 kg on ball joints. They turn relative to each other with random
-/// velocities of up to 5 rad/s; the root is free or fixed.
+/// velocities of up to 2 rad/s about each axis; the root is free or fixed.
 pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<MovingPose>) {
     let mut random = Random::new(seed, Subject::Masses);
     let mut vector = |size: f64| DVec3::from_array([(); 3].map(|()| random.between(-size, size)));
@@ -92,7 +92,7 @@ pub(super) fn random_tree(root: JointModel, seed: u64) -> (Mechanism, Vec<Moving
     (Mechanism { bodies, linked: Vec::new() }, start)
 }
 
-/// Returns torques of up to 0.5 N m on all joints, none on the root.
+/// Returns random torques of up to 0.5 N m about each axis of each joint, and none on the root.
 pub(super) fn random_torques(seed: u64) -> Drive {
     let mut random = Random::new(seed, Subject::Noise);
     let mut drive = passive(18);

@@ -58,7 +58,7 @@ impl PlantSettings {
     ///
     /// # Errors
     /// [`PlantError`] if the mechanism, its state, the step or the substeps are invalid, or the engine does not
-    /// simulate a joint.
+    /// simulate a joint or a body or does not reproduce a body's inertia.
     pub fn build(
         &self,
         mechanism: &Mechanism,

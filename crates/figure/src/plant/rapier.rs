@@ -60,8 +60,9 @@ impl RapierPlant {
     /// together with a jump. The engine keeps the torques constant in world axes over all substeps.
     ///
     /// # Errors
-    /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, or the
-    /// engine does not simulate a joint or does not reproduce a body's inertia.
+    /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, the step or
+    /// the substeps are not positive, or the engine does not simulate a joint or a body or does not reproduce a body's
+    /// inertia.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],
@@ -234,7 +235,7 @@ impl Link {
     }
 }
 
-/// Returns the name of a joint feature that the engine does not simulate, if there is any.
+/// Returns a description of a feature of the body or of its joint that the engine does not simulate, if there is any.
 fn not_simulated(body: &Given) -> Option<&'static str> {
     let held = body.friction > 0.0 || body.damping > 0.0 || !body.ranges.is_empty();
     if body.rotor_inertia > 0.0 {

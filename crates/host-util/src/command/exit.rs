@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use super::output::note;
 
-/// Returns the exit code of a command. Writes an error to standard error.
+/// Returns the exit code of a command. Writes an error to standard error; the code is then 2.
 pub fn exit_code(result: anyhow::Result<ExitCode>) -> ExitCode {
     result.unwrap_or_else(|error| {
         note(format_args!("error: {}", chain(&error)));

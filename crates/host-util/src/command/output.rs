@@ -44,7 +44,8 @@ fn harmless(text: &str) -> Cow<'_, str> {
     if text.contains(commands) { text.replace(commands, "\u{fffd}").into() } else { text.into() }
 }
 
-/// Runs `work` and shows a progress bar on standard error, if that is a terminal.
+/// Runs `work` and shows a progress bar on standard error, if that is a terminal. `work` calls the function that it
+/// receives with the number of steps just completed.
 pub fn with_progress<T>(steps: usize, work: impl FnOnce(&(dyn Fn(usize) + Sync)) -> T) -> T {
     let style = ProgressStyle::with_template(
         "{bar:40} {percent:>3} %  {human_pos} of {human_len} steps, {eta} left",

@@ -5,12 +5,12 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Endings of temporary files. If it is not finished, a file with the first ending is deleted, and a file with the
-/// second ending is kept.
+/// Endings of temporary files. An unfinished file with the first ending is deleted; an unfinished file with the second
+/// ending is kept.
 const DROPPED: &str = "new.part";
 const KEPT: &str = "part";
 
-/// A file that is being written. [`Pending::finish`] puts it in its place. If it is dropped before, the old file
+/// A file that is being written. [`Pending::finish`] puts it in its place. If it is dropped unfinished, the old file
 /// remains.
 #[derive(Debug)]
 pub struct Pending {

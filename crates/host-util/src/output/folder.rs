@@ -46,7 +46,7 @@ pub enum FolderError {
 }
 
 /// A folder for results, locked against other runs. [`Folder::finish`] puts the results in their places. If the folder
-/// is dropped before, the old results remain.
+/// is dropped unfinished, the old results remain.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
@@ -184,7 +184,7 @@ fn names(folder: &Path) -> io::Result<Vec<String>> {
     Ok(names)
 }
 
-/// Ignores the error that a removed file does not exist.
+/// Returns the result of a removal; a file that did not exist is not an error.
 fn remove(removed: io::Result<()>) -> io::Result<()> {
     removed
         .or_else(|error| if error.kind() == io::ErrorKind::NotFound { Ok(()) } else { Err(error) })

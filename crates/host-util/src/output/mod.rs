@@ -57,7 +57,7 @@ pub fn try_to_write(path: &Path) -> anyhow::Result<()> {
 /// and paths of the inputs.
 ///
 /// # Errors
-/// An error that contains the file and its description.
+/// An error that names the file.
 pub fn distinct(written: &[&Path], read: &[(&str, Option<&Path>)]) -> anyhow::Result<()> {
     for (index, path) in written.iter().enumerate() {
         for (what, other) in read {

@@ -7,7 +7,7 @@ use sinew_rig::mechanism::JointModel;
 use super::moves::span_s;
 use super::role::Role;
 
-/// Shares of a joint's speed and acceleration that one move uses. A show's splines need the rest.
+/// Shares of a joint's maximum speed and acceleration that one move uses. The splines of a show need the rest.
 const SPEED_SHARE: f64 = 0.6;
 const ACCELERATION_SHARE: f64 = 0.4;
 
@@ -16,7 +16,7 @@ const ACCELERATION_SHARE: f64 = 0.4;
 pub(super) struct Actor {
     /// Name of the joint.
     pub(super) name: String,
-    /// The part of the joint.
+    /// Role of the joint.
     pub(super) role: Role,
     /// Index of the body that the joint moves.
     pub(super) body: usize,
@@ -24,16 +24,16 @@ pub(super) struct Actor {
     pub(super) place: usize,
     /// Middle of the motion, rad or m. For a lid: the open position.
     pub(super) middle: f64,
-    /// Change of the coordinate at the value 1, rad or m. Negative if the axis points against that of the first joint
-    /// of the role. For a lid: the way to the closed position.
+    /// Change of the coordinate for the value 1, rad or m. It is negative if the axis points against the axis of the
+    /// first joint of the role. For a lid: the way from open to closed.
     pub(super) amplitude: f64,
     speed: f64,
     acceleration: f64,
 }
 
 impl Actor {
-    /// Returns the joint of a body as an actor, with a share of the usual amplitude; `None` of a joint that cannot take
-    /// part: it has not exactly one axis, or no range and no unit in which an amplitude is known.
+    /// Returns the joint of a body as an actor, with a share of the usual amplitude. Returns `None` if the joint cannot
+    /// take part: it neither turns about one axis nor slides, or it slides without a range.
     pub(super) fn of(mechanism: &Mechanism, body: usize, role: Role, share: f64) -> Option<Self> {
         let link = &mechanism.bodies[body];
         let slides = match link.joint {
@@ -53,7 +53,7 @@ impl Actor {
         let (middle, amplitude) = if role == Role::Blink {
             let far = if most - home > home - least { most } else { least };
             let is_lower = ["lower", "bottom"].iter().any(|word| link.joint_name.contains(word));
-            // An upper lid goes down by nine tenths of its way, a lower one comes a little towards it.
+            // An upper lid closes by nine tenths of its range, a lower lid only a little.
             let way = if is_lower { 0.3 } else { 0.9 };
             (home, share * way * (far - home))
         } else {
@@ -74,14 +74,14 @@ impl Actor {
         })
     }
 
-    /// Returns the duration that a change of the value needs, s.
+    /// Returns the duration of a move that changes the value by `change`, s.
     pub(super) fn span_s(&self, change: f64) -> f64 {
         span_s(change * self.amplitude.abs(), self.speed, self.acceleration)
     }
 }
 
-/// Turns the amplitude of each joint whose axis points against that of the first joint of its role. Brows mirror each
-/// other.
+/// Reverses the amplitude of each joint whose axis points against the axis of the first joint of its role. Brows mirror
+/// each other.
 pub(super) fn align(mechanism: &Mechanism, actors: &mut [Actor]) {
     let poses = mechanism.poses(&mechanism.home());
     let axis = |actor: &Actor| match mechanism.bodies[actor.body].joint {

@@ -1,14 +1,15 @@
-//! The likeness of two windows of a loop.
+//! The similarity of windows of a loop.
 
-/// Samples per s of the comparison.
+/// Rate of the samples that are compared, Hz.
 const RATE_HZ: f64 = 5.0;
-/// Samples of a window: 10 s.
+/// Number of samples of a window: 10 s.
 const WINDOW: usize = 50;
-/// Largest number of windows that are compared with each other.
+/// Largest number of windows. All pairs of them are compared.
 const WINDOWS_MAX: usize = 1200;
 
-/// Returns the largest correlation between two windows of 10 s that do not overlap. Each coordinate counts alike, and
-/// its mean in a window is taken out. `at` returns the coordinates at a time, s, within the loop.
+/// Returns the largest correlation between two windows of 10 s that do not overlap. Each coordinate is scaled to the
+/// same variance over the loop, and its mean in a window is subtracted. `at` returns the coordinates at a time within
+/// the loop, s.
 pub(super) fn most_alike(loop_s: f64, at: impl Fn(f64) -> Vec<f64>) -> f64 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
     let count = (loop_s * RATE_HZ).floor() as usize;
@@ -53,7 +54,7 @@ pub(super) fn most_alike(loop_s: f64, at: impl Fn(f64) -> Vec<f64>) -> f64 {
     most
 }
 
-/// Takes the mean out of values.
+/// Subtracts the mean from values.
 fn centre(values: &mut [f64]) {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     for x in values {

@@ -1,7 +1,7 @@
-//! Idle life: a long loop of breathing, blinking, glances and weight shifts that never shows its seam.
+//! Idle life: a long loop of breathing, blinking, glances and weight shifts, in which the seam is invisible.
 //!
-//! A joint's part is its [`Role`], by the words of its name. All moves are drawn from a seed and placed on a circle of
-//! time; each takes at least as long as the joint's limits need.
+//! The words in a joint's name decide its [`Role`]. All moves are drawn from a seed and placed on a circle of time.
+//! Each move takes at least as long as the joint's limits need.
 
 mod actor;
 mod alike;
@@ -21,15 +21,15 @@ use alike::most_alike;
 pub use role::Role;
 use score::Drift;
 
-/// Rate of the rows, Hz.
+/// Rate of the motion's rows, Hz.
 const RATE_HZ: f64 = 100.0;
-/// Share of an amplitude that is drift.
+/// Share of an amplitude that is slow drift; eyes and lids have no drift.
 const DRIFT: f64 = 0.25;
-/// Largest correlation of two windows of 10 s.
+/// Largest permitted correlation of two windows of 10 s.
 const ALIKE_MAX: f64 = 0.95;
-/// Attempts to find a loop without two windows that are alike.
+/// Number of attempts to find a loop in which no two windows are alike.
 const ATTEMPTS: u64 = 12;
-/// Shares of the amplitudes that are tried until all limits are kept.
+/// Shares of the usual amplitudes. They are tried in this order until all limits are kept.
 const SHARES: [f64; 4] = [1.0, 0.7, 0.4, 0.2];
 
 /// Settings of idle life.
@@ -39,7 +39,7 @@ pub struct IdleSettings {
     pub seconds: f64,
     /// Seed of all draws.
     pub seed: u64,
-    /// Roles of joints that their names do not tell.
+    /// Roles of single joints, by name. They replace the roles that the names give.
     pub uses: Vec<(Role, String)>,
 }
 
@@ -48,13 +48,13 @@ pub struct IdleSettings {
 pub struct IdleLoop {
     /// The motion. Its last row equals its first row.
     pub motion: RigMotion,
-    /// Joints of each role that takes part.
+    /// For each role that takes part, the names of its joints.
     pub used: Vec<(Role, Vec<String>)>,
-    /// Joints that stay at home.
+    /// Names of the joints that stay at home.
     pub still: Vec<String>,
-    /// Share of the usual amplitudes.
+    /// Share of the usual amplitudes that the loop uses.
     pub share: f64,
-    /// The joint that uses most of its speed, and that share.
+    /// The joint that uses the largest share of its maximum speed, and this share.
     pub fastest: (String, f64),
     /// Largest correlation between two windows of 10 s that do not overlap.
     pub alike: f64,
@@ -74,7 +74,7 @@ pub enum IdleError {
         /// Names of all joints.
         expected: String,
     },
-    /// A joint cannot take part.
+    /// A joint with a given role cannot take part.
     #[error("joint `{0}`: expected one axis, and a range if it slides")]
     Axes(String),
     /// No joint takes part.
@@ -83,10 +83,10 @@ pub enum IdleError {
          `--use ROLE=JOINT`; the joints are {0}"
     )]
     Nothing(String),
-    /// A limit is exceeded even by small motions.
+    /// A limit is exceeded even with the smallest amplitudes.
     #[error("even with small motions {0}")]
     Limit(String),
-    /// Windows are alike in every attempt.
+    /// Two windows are alike in every attempt.
     #[error(
         "two windows of 10 s are alike (correlation {0:.3}) in every attempt: expected more joints, or a shorter loop"
     )]
@@ -96,7 +96,8 @@ pub enum IdleError {
 /// Makes a loop of idle life for a rig on its stand.
 ///
 /// # Errors
-/// [`IdleError`] if no joint takes part, or no loop keeps all limits without windows that are alike.
+/// [`IdleError`] if the length is invalid, a joint of `uses` is unknown or cannot take part, no joint takes part, every
+/// attempt has windows that are alike, or a limit is exceeded even with the smallest amplitudes.
 pub fn idle(mechanism: &Mechanism, settings: &IdleSettings) -> Result<IdleLoop, IdleError> {
     if !(20.0..=3600.0).contains(&settings.seconds) {
         return Err(IdleError::Seconds(settings.seconds));
@@ -131,7 +132,8 @@ pub fn idle(mechanism: &Mechanism, settings: &IdleSettings) -> Result<IdleLoop, 
     Err(IdleError::Limit(exceeded))
 }
 
-/// Makes the rows of a loop without windows that are alike. The inner error names a limit that is exceeded.
+/// Makes a loop in which no two windows are alike, and returns it with their largest correlation. The inner error names
+/// a limit that the loop exceeds.
 fn looped(
     mechanism: &Mechanism,
     actors: &[Actor],
@@ -197,7 +199,7 @@ fn names(mechanism: &Mechanism) -> Vec<String> {
     moving.map(|link| link.joint_name.clone()).collect()
 }
 
-/// Returns the speeds and accelerations of a coordinate of a loop, per row.
+/// Returns the absolute speed and acceleration of a coordinate, for each row of a loop.
 fn rates(motion: &RigMotion, place: usize) -> impl Iterator<Item = [f64; 2]> {
     let (rows, dt_s) = (&motion.rows[1..], motion.dt_s);
     (0..rows.len()).map(move |row| {
@@ -207,7 +209,7 @@ fn rates(motion: &RigMotion, place: usize) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Describes a limit that a loop exceeds.
+/// Describes the first limit that a loop exceeds; `None` if it keeps all.
 fn exceeded(mechanism: &Mechanism, actors: &[Actor], motion: &RigMotion) -> Option<String> {
     for actor in actors {
         let link = &mechanism.bodies[actor.body];
@@ -242,7 +244,7 @@ fn exceeded(mechanism: &Mechanism, actors: &[Actor], motion: &RigMotion) -> Opti
     })
 }
 
-/// Returns the joint that uses most of its speed, and that share.
+/// Returns the joint that uses the largest share of its maximum speed, and this share.
 fn fastest(mechanism: &Mechanism, actors: &[Actor], motion: &RigMotion) -> (String, f64) {
     let share = |actor: &Actor| {
         let limit = mechanism.bodies[actor.body].speed;

@@ -5,14 +5,14 @@
 pub(super) struct Event {
     /// Start, s, within the loop.
     pub(super) start_s: f64,
-    /// Target; 1 is the whole amplitude of a joint.
+    /// Value at the end of the move; 1 is the whole amplitude of a joint.
     pub(super) target: f64,
     /// Shortest duration of the move, s.
     pub(super) least_s: f64,
 }
 
-/// Moves that begin and end at rest, in the order of time. Before the first move, the last one of the round before
-/// goes on, so the loop has no seam.
+/// Moves that begin and end at rest, in the order of time. The last move goes on into the next round until the first
+/// move begins, so the loop has no seam.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Moves {
     events: Vec<Event>,
@@ -22,7 +22,8 @@ pub(super) struct Moves {
 }
 
 impl Moves {
-    /// Creates moves; `span_s` is the duration that a change needs. The caller leaves time for each move.
+    /// Creates moves. `span_s` returns the duration that a change of the value needs. The caller leaves enough time
+    /// between two events.
     pub(super) fn new(loop_s: f64, events: Vec<Event>, span_s: impl Fn(f64) -> f64) -> Self {
         let before = |at: usize| events[(at + events.len() - 1) % events.len()].target;
         let spans_s = events
@@ -47,12 +48,13 @@ impl Moves {
     }
 }
 
-/// Returns the share of a move at rest at both ends, with the least jerk: 10 t³ - 15 t⁴ + 6 t⁵.
+/// Returns the share of a move's way after a share of its time. The move has the least jerk, and is at rest at both
+/// ends: 10 t³ - 15 t⁴ + 6 t⁵.
 fn quintic(time: f64) -> f64 {
     time * time * time * (10.0 + time * (6.0 * time - 15.0))
 }
 
-/// Returns the duration of a move over a distance that keeps a speed and an acceleration.
+/// Returns the duration of a move over a distance within a speed and an acceleration.
 pub(super) fn span_s(distance: f64, speed: f64, acceleration: f64) -> f64 {
     // Largest slope and curvature of the quintic.
     f64::max(1.875 * distance / speed, (5.7736 * distance / acceleration).sqrt())

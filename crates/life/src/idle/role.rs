@@ -1,35 +1,35 @@
-//! The part of a joint in idle life, by its name.
+//! Roles of joints in idle life, by their names.
 
 use std::fmt;
 
-/// The part of a joint in idle life.
+/// The role of a joint in idle life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
-    /// A lid that closes for a moment.
+    /// Closes a lid for a moment.
     Blink,
-    /// An eye to the side.
+    /// Turns an eye to the side.
     EyeTurn,
-    /// An eye up and down.
+    /// Turns an eye up and down.
     EyeNod,
-    /// The head to the side, after the eyes.
+    /// Turns the head to the side, after the eyes.
     HeadTurn,
-    /// The head up and down, after the eyes.
+    /// Nods the head up and down, after the eyes.
     HeadNod,
-    /// The head to a shoulder.
+    /// Tilts the head towards a shoulder.
     HeadTilt,
-    /// A brow, now and then.
+    /// Raises a brow at times.
     Brow,
-    /// Breathing of chest or trunk.
+    /// Moves chest or trunk for breathing.
     Breath,
-    /// A shift of weight of hips or waist.
+    /// Shifts the weight by hips or waist.
     Weight,
-    /// A slow sway of an arm.
+    /// Sways an arm slowly.
     Sway,
-    /// Stays at home.
+    /// Keeps the joint at home.
     Still,
 }
 
-/// Roles with the names that `--use` has for them, and the words for people.
+/// For each role: the role, its name in `--use`, and words for people.
 const NAMES: [(Role, &str, &str); 11] = [
     (Role::Blink, "blink", "blinking"),
     (Role::EyeTurn, "eye-turn", "glances to the side"),
@@ -50,17 +50,17 @@ impl Role {
         NAMES.iter().map(|(role, _, _)| *role)
     }
 
-    /// Returns the role of a name, such as `eye-turn`.
+    /// Returns the role with this name, such as `eye-turn`; `None` if there is no such role.
     pub fn named(name: &str) -> Option<Self> {
         NAMES.iter().find(|(_, known, _)| *known == name).map(|(role, _, _)| *role)
     }
 
-    /// Returns the name.
+    /// Returns the name that `--use` has for the role.
     pub fn name(self) -> &'static str {
         NAMES.iter().find(|(role, _, _)| *role == self).map_or("", |(_, name, _)| name)
     }
 
-    /// Returns the role of a joint by the words of its name; `None` without a known word.
+    /// Returns the role of a joint by the words of its name; `None` if no word is known.
     pub fn of(joint: &str) -> Option<Self> {
         let words = words(joint);
         let has = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
@@ -100,7 +100,8 @@ impl fmt::Display for Role {
     }
 }
 
-/// Returns the words of a name in lower case: letters between other characters, and before capitals.
+/// Returns the words of a name in lower case. A word begins at a capital letter after a lower-case letter, and after
+/// any character that is not a letter.
 fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;

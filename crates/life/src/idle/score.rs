@@ -1,4 +1,4 @@
-//! Times and targets of idle life.
+//! Draws the times and targets of idle life.
 
 use sinew_host_util::random::{Random, Subject};
 
@@ -6,10 +6,10 @@ use super::actor::Actor;
 use super::moves::{Event, Moves};
 use super::role::Role;
 
-/// Number of random streams of an attempt.
+/// Number of random streams for each attempt.
 const STREAMS: u64 = 1000;
 
-/// Draws the moves of every actor on a loop.
+/// Draws the moves of every actor on a loop. Actors of the same role move together, except arms.
 pub(super) fn moves(actors: &[Actor], loop_s: f64, seed: u64, attempt: u64) -> Vec<Moves> {
     let stream = |number: u64| Random::numbered(seed, attempt * STREAMS + number, Subject::Sway);
     let group = |roles: &[Role]| -> Vec<&Actor> {
@@ -69,19 +69,19 @@ pub(super) fn moves(actors: &[Actor], loop_s: f64, seed: u64, attempt: u64) -> V
         .collect()
 }
 
-/// A look at a point: to the side and up, each from -1 to 1.
+/// A look at a point: its start, and its position to the side and up, each from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 struct Glance {
     start_s: f64,
     at: [f64; 2],
 }
 
-/// Draws looks at random points, most of them short.
+/// Draws looks at random points. Most of them last less than 2 s.
 fn glances(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Glance> {
     let mut glances = Vec::new();
     let mut start_s = random.between(0.0, 1.0);
     while start_s + span_s <= loop_s {
-        // Every fourth glance returns to the middle.
+        // A quarter of the glances, at random, stay near the middle.
         let reach = if random.unit() < 0.25 { 0.15 } else { 1.0 };
         let at = [0, 1].map(|_| reach * random.between(-1.0, 1.0));
         glances.push(Glance { start_s, at });
@@ -91,7 +91,8 @@ fn glances(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Glance> {
     glances
 }
 
-/// Returns the glances that the head follows, a little later: those for which it has time.
+/// Returns the glances that the head follows, 0.12 s later than the eyes. It leaves out glances for which the head has
+/// no time.
 fn followed(glances: &[Glance], loop_s: f64, span_s: f64) -> Vec<Glance> {
     let mut followed: Vec<Glance> = Vec::new();
     for glance in glances {
@@ -117,7 +118,7 @@ fn blinks(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     events
 }
 
-/// Draws raised brows, with pauses of 3 to 12 s.
+/// Draws raises of the brows, with pauses of 3 to 12 s.
 fn raises(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let span_s = span_s.max(0.25);
     let mut events = Vec::new();
@@ -134,7 +135,8 @@ fn raises(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     }
 }
 
-/// Draws breaths of 3.2 to 6 s: two fifths in, the rest out and a pause. Depths and lengths differ.
+/// Draws breaths of 3.2 to 6 s, or longer if the joints are too slow. Two fifths are for breathing in, the rest for
+/// breathing out and a pause. Depths and lengths differ.
 fn breaths(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut start_s = random.between(0.0, 1.0);
@@ -152,7 +154,7 @@ fn breaths(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     }
 }
 
-/// Draws slow moves of 1.5 to 3 s, with pauses of 1 to 8 s.
+/// Draws slow moves of 1.5 to 3 s, or longer if the joints are too slow, with pauses of 1 to 8 s.
 fn shifts(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     let mut events = Vec::new();
     let mut start_s = random.between(0.0, 3.0);
@@ -167,10 +169,10 @@ fn shifts(random: &mut Random, loop_s: f64, span_s: f64) -> Vec<Event> {
     }
 }
 
-/// Sines whose periods of 12 to 40 s divide the loop.
+/// A slow drift: the mean of four sines whose periods, about 12 to 40 s, divide the loop.
 #[derive(Debug, Clone)]
 pub(super) struct Drift {
-    /// Rounds in a loop, and phase in rounds.
+    /// For each sine: its number of rounds in the loop, and its phase in rounds.
     sines: [(f64, f64); 4],
     loop_s: f64,
 }

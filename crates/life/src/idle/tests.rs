@@ -44,6 +44,46 @@ fn a_face_lives_within_its_limits() {
     }
 }
 
+/// An hour without a limit that is broken, without a jump, and without two windows of 10 s that are alike.
+#[test]
+fn an_hour_is_never_the_same() {
+    let mechanism = face().mechanism().unwrap();
+    let motion = idle(&mechanism, &settings(3600.0, 1)).unwrap().motion;
+    assert_eq!(motion.rows.len(), 360_001);
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    for (link, range) in mechanism.bodies.iter().zip(mechanism.coordinate_ranges()) {
+        let Some([least, most]) = link.ranges.first().copied() else { continue };
+        let values: Vec<f64> = motion.rows.iter().map(|q| q[range.start]).collect();
+        assert!(values.iter().all(|q| (least..=most).contains(q)), "{}", link.joint_name);
+        let fast = values.windows(2).map(|pair| (pair[1] - pair[0]).abs() * 100.0);
+        assert!(fast.fold(0.0, f64::max) <= link.speed, "{}", link.joint_name);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let square = values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / values.len() as f64;
+        // Four rows a second are enough to compare windows.
+        let scaled = values.iter().step_by(25).map(|q| (q - mean) / square.sqrt());
+        columns.extend((square > 1e-9).then(|| scaled.collect()));
+    }
+    // Windows of 40 rows, one after the other.
+    let windows: Vec<Vec<f64>> = (0..360)
+        .map(|window| {
+            let mut all = Vec::new();
+            for column in &columns {
+                let part = &column[40 * window..40 * (window + 1)];
+                let mean = part.iter().sum::<f64>() / 40.0;
+                all.extend(part.iter().map(|q| q - mean));
+            }
+            let length = all.iter().map(|q| q * q).sum::<f64>().sqrt();
+            all.iter().map(|q| q / length).collect()
+        })
+        .collect();
+    for (index, one) in windows.iter().enumerate() {
+        for other in &windows[index + 1..] {
+            let product: f64 = one.iter().zip(other).map(|(a, b)| a * b).sum();
+            assert!(product <= 0.95, "{product}");
+        }
+    }
+}
+
 #[test]
 fn a_loop_has_no_seam() {
     let mechanism = face().mechanism().unwrap();

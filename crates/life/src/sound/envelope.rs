@@ -1,10 +1,10 @@
-//! The opening of a mouth.
+//! The opening of a mouth, from the loudness of a sound.
 
 use super::RATE_HZ;
 
-/// Number of intervals whose mean square is a level: 20 ms.
+/// Number of intervals of which a level is the root mean square: 20 ms.
 const WINDOW: usize = 4;
-/// Share of the loud intervals that do not open the mouth fully.
+/// Share of the intervals above the gate whose level does not open the mouth fully.
 const FULL_SHARE: f64 = 0.95;
 
 /// Settings of an envelope.
@@ -16,7 +16,7 @@ pub struct EnvelopeSettings {
     pub release_s: f64,
     /// Level below which the mouth is closed, dB relative to the loudest 20 ms.
     pub gate_db: f64,
-    /// Time by which the mouth is moved ahead, s. Attack and window delay it by about 20 ms.
+    /// Time by which the mouth moves earlier, s. Without it, attack and window delay the mouth by about 20 ms.
     pub lead_s: f64,
 }
 
@@ -26,9 +26,10 @@ impl Default for EnvelopeSettings {
     }
 }
 
-/// Returns the opening of a mouth at [`RATE_HZ`], from 0 (closed) to 1: the root mean square of 20 ms, above the gate,
-/// linear up to the level that a twentieth of the loud intervals exceeds. After the sound the mouth closes: the last
-/// value is 0.
+/// Returns the opening of a mouth at [`RATE_HZ`], from 0 (closed) to 1. The level is the root mean square of 20 ms. The
+/// opening rises in proportion from 0 at the gate to 1 at the level that a twentieth of the intervals above the gate
+/// exceeds; it then follows with the attack and the release, and is moved earlier by the lead. After the sound the
+/// mouth closes: the last value is 0.
 pub fn envelope(squares: &[f64], settings: EnvelopeSettings) -> Vec<f64> {
     let level = |at: usize| {
         let window = &squares[at.saturating_sub(WINDOW / 2)..(at + WINDOW / 2).min(squares.len())];

@@ -7,20 +7,17 @@ use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
 use super::RATE_HZ;
+use crate::limit::within;
 
-/// Shares of the limits of speed and acceleration that a jaw uses. A show's splines need the rest.
-const SPEED_SHARE: f64 = 0.9;
-const ACCELERATION_SHARE: f64 = 0.75;
-/// Distance of a closed jaw from the ends of its range, rad: 0.3 deg, more than a show's error.
+/// Distance of a closed jaw from its home, towards open, rad: 0.3 deg. The error of a show is smaller, so the jaw stays
+/// in its range even if home is an end of it.
 const MARGIN_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
-/// Share of the way to the end of the range that opens a jaw fully.
+/// Share of the way from home to the end of the range at which a jaw is fully open.
 const OPEN_SHARE: f64 = 0.8;
-/// Half the widest mean, in intervals. Two means one after the other smooth over twice their width: 120 ms.
-const HALF_MAX: usize = 6;
-/// The smallest share of the opening that is still a motion.
+/// Smallest share of the opening that is still accepted as a motion.
 const LEAST: f64 = 0.05;
 
-/// A jaw.
+/// A jaw: its joint, angles and limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jaw {
     /// Name of the joint.
@@ -29,11 +26,11 @@ pub struct Jaw {
     pub closed_rad: f64,
     /// Angle of the open jaw, rad.
     pub open_rad: f64,
-    /// Maximum speed, rad/s; infinite without limit.
+    /// Maximum speed, rad/s; infinite without a limit.
     pub speed: f64,
-    /// Maximum acceleration, rad/s²; infinite without limit.
+    /// Maximum acceleration, rad/s²; infinite without a limit.
     pub acceleration: f64,
-    /// Range, rad; infinite without limit.
+    /// Range, rad; infinite without a limit.
     pub range_rad: [f64; 2],
 }
 
@@ -42,28 +39,28 @@ pub struct Jaw {
 pub struct JawMotion {
     /// Angles at [`RATE_HZ`], rad.
     pub angles_rad: Vec<f64>,
-    /// Width of the smoothing that keeps the jaw within its limits, s; 0: none.
+    /// Width of the smoothing that was needed for the limits of the jaw, s; 0 without smoothing.
     pub smoothed_s: f64,
-    /// Largest speed, rad/s.
+    /// Largest speed of the motion, rad/s.
     pub fastest: f64,
-    /// Share of the opening that is left, so that the jaw keeps its limits; 1: all.
+    /// Share of the full opening that remains after the motion was made smaller for the limits; 1: the full opening.
     pub share: f64,
 }
 
-/// The reason why a jaw cannot follow.
+/// The reason why a jaw cannot follow an opening.
 #[derive(Debug, Error)]
 pub enum JawError {
-    /// The rig has no such joint.
+    /// The rig has no such joint that turns about one axis.
     #[error(
         "the rig has no joint `{found}` that turns about one axis: expected one of {expected}; `--joint` names it"
     )]
     NoJoint {
         /// Name of the joint.
         found: String,
-        /// Names of all hinges.
+        /// Names of all joints that turn about one axis.
         expected: String,
     },
-    /// An angle is not in the joint's range.
+    /// The closed or the open angle is outside the joint's range.
     #[error(
         "joint `{joint}`: {found_deg:.1} deg is not within its range, {from_deg:.1} to {to_deg:.1} deg"
     )]
@@ -72,36 +69,36 @@ pub enum JawError {
         joint: String,
         /// The angle, deg.
         found_deg: f64,
-        /// The ends of the range, deg.
+        /// Lower end of the range, deg.
         from_deg: f64,
         /// Upper end of the range, deg.
         to_deg: f64,
     },
-    /// The joint is too slow.
+    /// The joint is too slow: its limits leave less than 5 % of the way.
     #[error(
         "joint `{joint}` is too slow: of the way from closed to open its speed and acceleration leave {percent:.1} %"
     )]
     TooSlow {
         /// Name of the joint.
         joint: String,
-        /// Share of the way, in percent.
+        /// Share of the way that remains, in percent.
         percent: f64,
     },
 }
 
 impl Jaw {
-    /// Creates a jaw of no rig, without limits.
+    /// Creates a jaw without a rig and without limits.
     pub fn free(joint: &str, closed_rad: f64, open_rad: f64) -> Self {
         let range_rad = [f64::NEG_INFINITY, f64::INFINITY];
         let (speed, acceleration) = (f64::INFINITY, f64::INFINITY);
         Self { joint: joint.to_owned(), closed_rad, open_rad, speed, acceleration, range_rad }
     }
 
-    /// Takes a jaw from a rig: closed at home (0.3 deg towards open), and open at four fifths of the way to the farther
-    /// end of its range.
+    /// Creates the jaw of a rig. It is closed at home (0.3 deg towards open), and open at four fifths of the way to the
+    /// farther end of its range, or at 20 deg from home if that end is infinite.
     ///
     /// # Errors
-    /// [`JawError::NoJoint`] if the rig has no such hinge.
+    /// [`JawError::NoJoint`] if the rig has no such joint that turns about one axis.
     pub fn of(mechanism: &Mechanism, joint: &str) -> Result<Self, JawError> {
         let hinges =
             || mechanism.bodies.iter().filter(|link| matches!(link.joint, JointModel::Revolute(_)));
@@ -125,11 +122,11 @@ impl Jaw {
         })
     }
 
-    /// Converts an opening from 0 to 1 to angles. Where the jaw's speed or acceleration is too small, the motion is
-    /// smoothed over 120 ms at most, and then made smaller. Time is kept: the smoothing is symmetric.
+    /// Converts an opening, 0 to 1, to angles. If the jaw's speed or acceleration is too small, the motion is smoothed
+    /// over at most 120 ms, and then made smaller. The smoothing is symmetric, so it causes no delay.
     ///
     /// # Errors
-    /// [`JawError`] if an angle is not in the range, or the joint is too slow.
+    /// [`JawError`] if the closed or the open angle is outside the range, or the joint is too slow.
     pub fn follow(&self, opening: &[f64]) -> Result<JawMotion, JawError> {
         let [from_deg, to_deg] = self.range_rad.map(f64::to_degrees);
         for angle in [self.closed_rad, self.open_rad] {
@@ -139,37 +136,25 @@ impl Jaw {
             }
         }
         let way = self.open_rad - self.closed_rad;
-        let limits = [SPEED_SHARE * self.speed, ACCELERATION_SHARE * self.acceleration];
-        let mut half = 0;
-        loop {
-            let smooth = mean_around(&mean_around(opening, half), half);
-            let needed = peaks(&smooth).map(|peak| peak * way.abs());
-            let share = needed
-                .iter()
-                .zip(limits)
-                .map(|(needed, limit)| if *needed > limit { limit / needed } else { 1.0 })
-                .fold(1.0, f64::min);
-            if share < 1.0 && half < HALF_MAX {
-                half += 1;
-                continue;
-            }
-            if share < LEAST {
-                return Err(JawError::TooSlow {
-                    joint: self.joint.clone(),
-                    percent: 100.0 * share,
-                });
-            }
-            let angle = |open: &f64| self.closed_rad + share * way * open.clamp(0.0, 1.0);
-            return Ok(JawMotion {
-                angles_rad: smooth.iter().map(angle).collect(),
-                smoothed_s: (4 * half) as f64 / RATE_HZ,
-                fastest: share * needed[0],
-                share,
+        let ways: Vec<f64> = opening.iter().map(|open| open * way.abs()).collect();
+        // The CSV has every second row.
+        let limited = within(&ways, RATE_HZ, 2, [self.speed, self.acceleration]);
+        if limited.share < LEAST {
+            return Err(JawError::TooSlow {
+                joint: self.joint.clone(),
+                percent: 100.0 * limited.share,
             });
         }
+        let angle = |open: &f64| self.closed_rad + open.clamp(0.0, way.abs()).copysign(way);
+        Ok(JawMotion {
+            angles_rad: limited.values.iter().map(angle).collect(),
+            smoothed_s: limited.smoothed_s,
+            fastest: limited.fastest,
+            share: limited.share,
+        })
     }
 
-    /// Returns keys of the motion for `sinew bake`, at half of [`RATE_HZ`].
+    /// Returns the motion as a CSV of keys for `sinew bake`, at half of [`RATE_HZ`].
     pub fn csv(&self, motion: &JawMotion) -> String {
         let mut text = format!("time,{}_deg\n", self.joint);
         for (row, angle) in motion.angles_rad.iter().enumerate().step_by(2) {
@@ -179,31 +164,4 @@ impl Jaw {
         }
         text
     }
-}
-
-/// Returns the mean of each value and of `half` values on both sides. Before the beginning and after the end the value
-/// is that of the nearer end. O(n).
-fn mean_around(values: &[f64], half: usize) -> Vec<f64> {
-    let Some(last) = values.len().checked_sub(1).filter(|_| half > 0) else {
-        return values.to_vec();
-    };
-    let value = |at: usize| values[at.saturating_sub(half).min(last)];
-    let mut sum: f64 = (0..=2 * half).map(value).sum();
-    (0..=last)
-        .map(|at| {
-            let mean = sum / (2 * half + 1) as f64;
-            sum += value(at + 2 * half + 1) - value(at);
-            mean
-        })
-        .collect()
-}
-
-/// Returns the largest first and second derivative of rows at half of [`RATE_HZ`], as they are written.
-fn peaks(values: &[f64]) -> [f64; 2] {
-    let rate_hz = 0.5 * RATE_HZ;
-    let rows: Vec<f64> = values.iter().step_by(2).copied().collect();
-    let speed = rows.windows(2).map(|w| (w[1] - w[0]).abs() * rate_hz);
-    let acceleration =
-        rows.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs() * rate_hz * rate_hz);
-    [speed.fold(0.0, f64::max), acceleration.fold(0.0, f64::max)]
 }

@@ -12,7 +12,7 @@ mod wav;
 
 pub use envelope::{EnvelopeSettings, envelope};
 pub use jaw::{Jaw, JawError, JawMotion};
-pub use wav::{Levels, SoundError, levels};
+pub use wav::{Levels, SoundError, duration_s, levels};
 
-/// Rate of levels and envelopes, Hz.
+/// Rate of levels, openings and angles, Hz.
 pub const RATE_HZ: f64 = 200.0;

@@ -7,13 +7,13 @@ use thiserror::Error;
 
 use super::RATE_HZ;
 
-/// The longest sound, s.
+/// Longest sound that is read, s.
 const DURATION_MAX_S: f64 = 7200.0;
 
-/// The loudness of a sound: the mean square of all channels, 1 for a full scale, at [`RATE_HZ`].
+/// The loudness of a sound over time, at [`RATE_HZ`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
-    /// Mean square of each interval.
+    /// Mean square of all samples of all channels in each interval; full scale is 1.
     pub squares: Vec<f64>,
     /// Duration of the sound, s.
     pub duration_s: f64,
@@ -31,7 +31,7 @@ pub enum SoundError {
         "expected a WAV file with PCM or float samples: {0}; `ffmpeg -i IN -ac 1 OUT.wav` converts other sounds"
     )]
     Wav(#[from] hound::Error),
-    /// The sample rate is unusual.
+    /// The sample rate is outside 4 to 384 kHz, or there is no channel.
     #[error(
         "expected a sample rate from 4000 to 384000 Hz and at least one channel, found {rate_hz} Hz and {channels}"
     )]
@@ -47,15 +47,30 @@ pub enum SoundError {
     /// A sample is NaN or infinite.
     #[error("sample {0}: expected a finite number")]
     NotFinite(usize),
-    /// The sound is empty or silent.
+    /// The sound is empty, or all its samples are zero.
     #[error("the sound is silent: no sample differs from zero")]
     Silent,
 }
 
-/// Reads the loudness of a WAV file. Memory does not grow with the sample rate.
+/// Returns the duration of a WAV file, s.
 ///
 /// # Errors
-/// [`SoundError`] if the file is not WAV, is damaged, too long or silent.
+/// [`SoundError`] if the file is not WAV, or too long.
+pub fn duration_s(file: impl Read) -> Result<f64, SoundError> {
+    let reader = WavReader::new(file)?;
+    let spec = reader.spec();
+    if !(4000..=384_000).contains(&spec.sample_rate) || spec.channels == 0 {
+        return Err(SoundError::Format { rate_hz: spec.sample_rate, channels: spec.channels });
+    }
+    let duration_s = f64::from(reader.duration()) / f64::from(spec.sample_rate);
+    if duration_s > DURATION_MAX_S { Err(SoundError::TooLong) } else { Ok(duration_s) }
+}
+
+/// Reads the loudness of a WAV file. The memory depends on the duration, not on the sample rate.
+///
+/// # Errors
+/// [`SoundError`] if the file is not WAV or is damaged, its sample rate is unusual, a sample is not finite, or the
+/// sound is too long or silent.
 pub fn levels(file: impl Read) -> Result<Levels, SoundError> {
     let reader = WavReader::new(file)?;
     let spec = reader.spec();

@@ -3,19 +3,19 @@
 /// Maximum deviation of a frame's time from the expected time, us.
 const PLAUSIBLE_US: i64 = 1_000_000;
 
-/// Bound of clock drift: the clocks of two machines differ by less than 1 part in 1024.
+/// Bound of clock drift, as a shift: the speeds of two machines' clocks differ by less than 1 part in 1024.
 const DRIFT_BITS: u32 = 10;
 
-/// Maximum change of the playing speed, to keep the delay: 1/8.
+/// Maximum change of the playing speed that restores the delay, as a shift: 1/8.
 const HURRY_BITS: u32 = 3;
 
-/// A conversion of the sender's clock to the receiver's: it computes when a pose is due. All times are in us.
+/// Converts the sender's clock to the receiver's, to compute when a pose is due. All times are in us.
 ///
-/// The frame with the smallest delay gives the offset between the clocks. This offset is a lower bound, which rises
-/// slowly to allow for drift.
+/// The offset between the clocks is the smallest difference of a frame's arrival and sending time. It rises slowly, to
+/// allow for drift, until a frame has a smaller difference.
 #[derive(Debug, Clone)]
 pub(super) struct Timeline {
-    /// Arrival minus sending time of the fastest frame, at `offset_at`.
+    /// Arrival minus sending time of the fastest frame, which arrived at `offset_at`.
     offset: i64,
     offset_at: i64,
     /// Sender's time of the newest frame.

@@ -66,8 +66,9 @@ pub enum Command {
     },
     /// Reads a record from the log of faults.
     ReadFault {
-        /// Index of the record. 0 is the first fault since faults were cleared; the others follow from the latest
-        /// to the earliest.
+        /// Index of the record. 0 is the first fault since faults were cleared, 1 is the latest fault, and so on to the
+        /// earliest; after them comes the last warning. Without a fault since faults were cleared, 0 is the last
+        /// warning.
         index: u16,
     },
     /// Asks which item is stored at a location.

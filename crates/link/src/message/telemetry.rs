@@ -82,7 +82,7 @@ pub struct Summary {
     pub overruns: u32,
     /// Bytes of the stack that were never used.
     pub stack_free: u32,
-    /// Supply voltage of the servos, V; 0 if it is not measured.
+    /// Lowest supply voltage that a servo reports, V; 0 if none reports it.
     #[serde(with = "finite")]
     pub supply_v: f32,
     /// Number of frames that arrived damaged.
@@ -95,13 +95,13 @@ pub struct Summary {
     pub show_ms: u32,
 }
 
-/// Difference between pose and target, over all joints.
+/// Difference between the measured and the commanded pose.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Mean angle, deg.
+    /// Mean error of the dofs, deg.
     #[serde(with = "finite")]
     pub mean_deg: f32,
-    /// Largest angle, deg.
+    /// Largest error of a dof, deg.
     #[serde(with = "finite")]
     pub largest_deg: f32,
     /// Mean distance of joints from their target positions, cm.
@@ -110,7 +110,7 @@ pub struct Errors {
     /// Largest distance of a joint from its target position, cm.
     #[serde(with = "finite")]
     pub largest_cm: f32,
-    /// Index of the joint with the largest angle.
+    /// Index of the dof with the largest error.
     pub worst: u8,
 }
 
@@ -122,8 +122,9 @@ pub struct Dof {
     pub effort: f32,
     /// Limit that reduced the effort, or `None`.
     pub limiter: Option<Limit>,
-    /// Commanded minus measured position in [`TARGET_UNIT`], at most what an i16 holds; for a ball joint a rotation
-    /// vector in body axes. [`SnapshotPart::Targets`] has it, not [`SnapshotPart::Dofs`].
+    /// Commanded minus measured position in [`TARGET_UNIT`], limited to the range of `i16`; for a dof of a ball joint a
+    /// component of the rotation vector, in body axes. It is sent in [`SnapshotPart::Targets`], not in
+    /// [`SnapshotPart::Dofs`].
     #[serde(skip)]
     pub target: i16,
 }
@@ -135,9 +136,9 @@ pub struct Servo {
     pub temperature_c: Option<i8>,
     /// Heat of the winding by the model, as a percentage of its maximum.
     pub heat_percent: u8,
-    /// Number of bus errors: replies that were missing or invalid.
+    /// Number of bus errors: missing replies, and readings that were not believed.
     pub bus_errors: u16,
-    /// Hardware error bits, in the servo's own encoding.
+    /// Last error number in a reply, in the numbering of the servo's protocol; 0 for none.
     pub hardware_error: u8,
 }
 
@@ -227,7 +228,8 @@ impl Snapshot<'_> {
         Some(Telemetry { seq, tick: self.tick, part })
     }
 
-    /// Returns the part at `index`, by subtracting the frames of each earlier part.
+    /// Returns the content of frame `index`, or `None` after the last frame. Subtracts from `index` the number of
+    /// frames of each earlier part.
     fn part(&self, parts: TelemetryParts, index: &mut usize) -> Option<SnapshotPart> {
         if parts.has(TelemetryParts::SUMMARY) && take(index, 1).is_some() {
             return Some(SnapshotPart::Summary(*self.summary));
@@ -267,7 +269,8 @@ fn take(index: &mut usize, frames: usize) -> Option<usize> {
     }
 }
 
-/// Returns the chunk of a list at `index`, with the index of its first item. `of`: what of an item is sent.
+/// Returns chunk `index` of a list, as `of` converts its items, with the index of its first item. If the list has no
+/// such chunk, subtracts its number of chunks from `index` and returns `None`.
 fn chunk<T, U, const N: usize>(
     list: &[T],
     index: &mut usize,

@@ -139,8 +139,8 @@ fn jitter_and_loss_do_not_show() {
     }
 }
 
-/// Sources of any rate, up to the capacity of a 1 Mbps line: 24 places are enough. The delay is the default, or
-/// longer.
+/// Sources of any rate, up to the capacity of a 1 Mbps line: 24 places are enough. Some have the default delay of 150
+/// ms, others a longer one, or none.
 #[test]
 fn a_source_of_any_rate_is_followed() {
     for (hz, delay_us, most) in [

@@ -82,7 +82,8 @@ pub enum Problem {
         complete: usize,
         /// Number of values of the incomplete frame.
         rest: usize,
-        /// First line that does not contain exactly one frame: its number, and its number of values.
+        /// First line that does not contain exactly one frame: its number, and its number of values. `None` if there is
+        /// none.
         odd_line: Option<(usize, usize)>,
     },
     /// There are more values than the header announces.
@@ -97,7 +98,8 @@ pub enum Problem {
         channels: usize,
         /// Number of words after the last frame.
         extra: usize,
-        /// First line that does not contain exactly one frame: its number, and its number of values.
+        /// First line that does not contain exactly one frame: its number, and its number of values. `None` if there is
+        /// none.
         odd_line: Option<(usize, usize)>,
     },
 }

@@ -302,7 +302,7 @@ impl<'a> Parser<'a> {
 }
 
 impl Hierarchy {
-    /// Returns the pose that the values of one frame describe.
+    /// Returns the pose that the values of one frame describe. No joint is `None`, because a BVH file has no gaps.
     fn frame(&self, values: &[f64]) -> Vec<Option<JointSample>> {
         let mut values = values.iter();
         let joints = self.skeleton.joints.iter().zip(&self.channels);

@@ -101,7 +101,7 @@ pub enum Problem {
     Value {
         /// Index of the row.
         frame: usize,
-        /// Name of the joint.
+        /// Name of the joint; `row` for a number that is too large for any quantity.
         item: &'static str,
         /// Description of a valid value.
         expected: &'static str,

@@ -26,7 +26,7 @@ pub struct Joint {
     pub kind: Kind,
     /// Position in the parent's frame, in metres.
     pub offset_m: DVec3,
-    /// Far end of a body without further joints, in the joint's frame, in metres.
+    /// Far end of a body without further joints, in the joint's frame, in metres; otherwise `None`.
     pub end_m: Option<DVec3>,
 }
 

@@ -13,8 +13,8 @@ use crate::test_rig::{
 
 const MS: u64 = 1_000_000;
 
-/// Hangs the core, and checks that the watchdog resets it after `bites_ms`, which it counts in steps of 2 ms. 50 ms
-/// later the board must have restarted.
+/// Hangs the core. Checks that the watchdog, which counts in steps of 2 ms, resets the core after `bites_ms`, and that
+/// the board has restarted 50 ms later.
 fn hang(board: &mut Emulated, tick_ns: u64, bites_ms: u64) {
     board.other.clear();
     let hung_ns = board.servos.at_ns();

@@ -19,7 +19,7 @@ pub(super) struct Buses {
     pub(super) lines: Vec<Box<dyn ServoBus>>,
     /// Line and place of each servo.
     places: Vec<(usize, usize)>,
-    /// The line with the servo that is being compared.
+    /// The line with the servo that is being compared, or `None`.
     compares: Option<usize>,
 }
 

@@ -1,7 +1,7 @@
-//! The checksum of a recording: SHA-256 of all bytes up to an end, and of the end itself, so that each flipped bit is
-//! detected.
+//! The checksum of a recording: SHA-256 of all bytes up to an end (footer) of the Parquet file, and of the end itself,
+//! so that each flipped bit is detected.
 //!
-//! The checksum is stored in the end as text, under [`KEY`]. While it is computed, zeros are in its place.
+//! The checksum is stored in the end as text, under [`KEY`]. Zeros stand in its place while it is computed.
 
 use std::fmt::Write as _;
 use std::fs::File;
@@ -22,7 +22,7 @@ const BLOCK: usize = 1 << 16;
 pub(super) struct Summed<W> {
     writer: W,
     sum: Sha256,
-    /// Whether writing has ended.
+    /// Whether writing has ended; further bytes are ignored.
     pub(super) is_over: bool,
 }
 
@@ -59,7 +59,7 @@ impl<W: Write> Write for Summed<W> {
     }
 }
 
-/// Whether the checksum of a file fits, up to an end from `begin` to `end`.
+/// Returns whether the checksum in an end, from `begin` to `end`, matches the content of a file.
 pub(super) fn fits(file: &mut File, [begin, end]: [u64; 2]) -> io::Result<bool> {
     file.seek(SeekFrom::Start(0))?;
     let (mut sum, mut left) = (Sha256::new(), begin);
@@ -83,7 +83,8 @@ pub(super) fn fits(file: &mut File, [begin, end]: [u64; 2]) -> io::Result<bool> 
     Ok(text(sum.chain_update(&bytes)).as_bytes() == told)
 }
 
-/// Returns the position of the checksum in an end: after the last field with its name.
+/// Returns the position of the checksum in the end of a file: after the last field with its name. `None` if there is no
+/// such field.
 fn place(end: &[u8]) -> Option<usize> {
     let before = [KEY.as_bytes(), &BETWEEN].concat();
     let found = end.windows(before.len()).rposition(|window| window == before)?;

@@ -19,6 +19,8 @@ pub enum Ended {
     Faults(FaultSet),
     /// The controller refused a command.
     Refused(Refused),
+    /// The way to the first pose needs this time, ms, which is longer than the preroll; the rig is limp.
+    Preroll(u32),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,19 +38,44 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
-    /// The joint that must come to rest before the rig is armed.
+    /// Whether the next tick has an emergency stop.
+    is_cut: bool,
+    /// The joint that must come to rest before the rig is armed, or `None`.
     waits_for: Option<Moving>,
+    /// Time from the armed rig to the start of the show's clock, s; `None`: as soon as the rig is at the first pose.
+    preroll_s: Option<f64>,
+    /// Time of the command to play, s.
+    play_at_s: Option<f64>,
+    /// Time that the way to the first pose needs, ms, if the preroll is too short.
+    needed_ms: Option<u32>,
 }
 
 impl Default for Director {
     fn default() -> Self {
         let (refused, waits_for) = (None, None);
         let (phase, raised) = (Phase::PowerOn, FaultSet::EMPTY);
-        Self { phase, raised, refused, is_stopped: false, waits_for }
+        let (preroll_s, play_at_s, needed_ms) = (None, None, None);
+        Self {
+            phase,
+            raised,
+            refused,
+            is_stopped: false,
+            is_cut: false,
+            waits_for,
+            preroll_s,
+            play_at_s,
+            needed_ms,
+        }
     }
 }
 
 impl Director {
+    /// Creates a director whose show starts its clock this time after the rig is armed, s. With `None` it starts as soon
+    /// as the rig is at the first pose.
+    pub fn with_preroll(preroll_s: Option<f64>) -> Self {
+        Self { preroll_s, ..Self::default() }
+    }
+
     /// Returns all faults and warnings of the performance.
     pub fn raised(&self) -> FaultSet {
         self.raised
@@ -59,15 +86,21 @@ impl Director {
         self.raised.minus(FaultSet::WARNINGS)
     }
 
-    /// Returns the joint that must come to rest before the rig is armed.
+    /// Returns the joint that must come to rest before the rig is armed; `None` if the rig need not wait.
     pub fn waits_for(&self) -> Option<Moving> {
         self.waits_for
     }
 
-    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns the end of the performance once
-    /// torque is off for good.
+    /// Switches torque off in the next tick.
+    pub fn cut(&mut self) {
+        self.is_cut = true;
+    }
+
+    /// Runs a tick of the simulated rig. `stop`: a person asks for a stop. Returns `None` until torque is off for good;
+    /// then returns the end of the performance.
     pub fn tick<P: Plant>(&mut self, sim: &mut SimulatedRig<'_, P>, stop: bool) -> Option<Ended> {
-        let command = self.command(sim, stop);
+        let is_cut = std::mem::take(&mut self.is_cut);
+        let command = if is_cut { Some(Command::EStop) } else { self.command(sim, stop) };
         sim.tick(command);
         let report = sim.report();
         self.raised = self.raised.union(report.raised);
@@ -86,6 +119,7 @@ impl Director {
         Some(match self.refused {
             _ if !self.faults().is_empty() => Ended::Faults(self.faults()),
             Some(refused) => Ended::Refused(refused),
+            None if self.needed_ms.is_some() => Ended::Preroll(self.needed_ms.unwrap_or_default()),
             None if self.is_stopped => Ended::Stopped,
             None => Ended::Done,
         })
@@ -109,10 +143,7 @@ impl Director {
                 self.phase = Phase::Arming;
                 None
             }
-            (Phase::Arming, State::Holding) => {
-                self.phase = Phase::Playing;
-                Some(Command::Play(Feed::Show))
-            }
+            (Phase::Arming, State::Holding) => self.play(sim),
             // The show has ended, or a fault makes the rig hold.
             (Phase::Playing, State::Holding) => {
                 self.phase = Phase::Stopping;
@@ -124,5 +155,34 @@ impl Director {
             }
             _ => None,
         }
+    }
+
+    /// Plays when the time has come: the way to the first pose then ends with the preroll. Stops if the preroll is too
+    /// short.
+    fn play<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>) -> Option<Command> {
+        let at_s = match (self.play_at_s, self.preroll_s) {
+            (Some(at_s), _) => at_s,
+            (None, None) => sim.time_s(),
+            (None, Some(preroll_s)) => {
+                let way_s = sim.approach().map_or(0.0, |approach| f64::from(approach.way_s));
+                if way_s > preroll_s {
+                    #[expect(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "at most 300 s"
+                    )]
+                    let needed_ms = (1e3 * way_s).ceil() as u32;
+                    (self.needed_ms, self.phase) = (Some(needed_ms), Phase::Stopping);
+                    return Some(Command::Stop);
+                }
+                sim.time_s() + preroll_s - way_s
+            }
+        };
+        self.play_at_s = Some(at_s);
+        if sim.time_s() < at_s {
+            return None;
+        }
+        self.phase = Phase::Playing;
+        Some(Command::Play(Feed::Show))
     }
 }

@@ -29,7 +29,8 @@ pub enum PartsError {
     /// A servo cannot have the P gain that the file states.
     #[error(transparent)]
     Gain(#[from] sinew_servo_tools::ServiceError),
-    /// A joint oscillates by itself: even the slowest observer that the rule allows is too fast for the gear.
+    /// A joint would oscillate by itself: the observer, with the bandwidth that `Bandwidth::of_loaded_gear` gives, is
+    /// too fast for the gear.
     #[error(
         "servo `{servo}` would shake its joint: an observer of {} rad/s at {rate_hz} Hz is too fast for its gear; take \
          a stiffer gear, less load, or `--drive {}` (`sinew rig check` shows the loops)",
@@ -67,7 +68,7 @@ pub enum PartsError {
         /// Address in the file.
         found: String,
     },
-    /// Servos of two makers share a line.
+    /// Servos of two protocols share a line.
     #[error(
         "bus {bus:?} has servos of two protocols ({one}, {other}): give one of them a bus of its own"
     )]

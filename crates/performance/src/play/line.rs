@@ -44,12 +44,12 @@ pub(super) enum Spoken {
 }
 
 impl Line {
-    /// Whether the line has Dynamixel servos.
+    /// Returns whether the line has Dynamixel servos.
     pub fn is_dynamixel(&self) -> bool {
         matches!(self.spoken, Spoken::Registers(RegisterTable::Dynamixel(_)))
     }
 
-    /// Whether the line's servos are driven by pulses and report nothing.
+    /// Returns whether the line's servos are driven by pulses and report nothing.
     pub fn is_of_pulses(&self) -> bool {
         matches!(self.spoken, Spoken::Pulses)
     }
@@ -94,7 +94,7 @@ impl Line {
     }
 }
 
-/// Creates the lines of a rig, still without servos.
+/// Creates the lines of a rig, without servos; these are added later.
 pub(super) fn lines(servos: &[RigServo], options: Options) -> Result<Vec<Line>, PartsError> {
     let mut lines: Vec<Line> = Vec::new();
     let mut first: HashMap<&str, &RigServo> = HashMap::new();

@@ -12,11 +12,11 @@ use super::pulses;
 use super::rig_parts::RigParts;
 use super::servo_part::{current_a, encoder, mode, no_load_rad_s, single, table as table_of};
 
-/// Factor on the servo's no-load speed. Readings that imply a higher speed are not accepted at once.
+/// Factor on the servo's no-load speed. A reading that implies a higher speed is not accepted at once.
 const SPEED_ROOM: f64 = 2.0;
 
 impl RigParts {
-    /// Makes the bus of each line, with its servos as they are driven.
+    /// Makes the bus of each line, with the drive of each of its servos.
     pub(super) fn buses(&self) -> Result<Vec<Box<dyn ServoBus>>, PartsError> {
         let each = self.lines.iter().zip(&self.schedules);
         each.map(|(line, schedule)| self.bus(line, *schedule)).collect()
@@ -116,7 +116,7 @@ impl LineSetup {
         }
     }
 
-    /// Returns a servo of the line by its place.
+    /// Returns a servo of the line by its place; `None` beyond the last servo.
     pub(super) fn servo(&self, place: usize) -> Option<LineServo> {
         Some(match self {
             Self::Dynamixel(setups, _) => LineServo::Dynamixel((*setups.get(place)?).into()),

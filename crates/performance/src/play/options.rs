@@ -6,11 +6,11 @@ use super::servo_part::Drive;
 /// time.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Options {
-    /// Drive of the servos.
+    /// Drive of the servos; `None`: the default of each servo.
     pub drive: Option<Drive>,
-    /// Tick rate, Hz.
+    /// Tick rate, Hz; `None`: the highest usual rate for which the lines have time.
     pub rate_hz: Option<u32>,
-    /// Rate of all bus lines, bit/s.
+    /// Rate of all lines except those of PCA9685, bit/s; `None`: the usual rate of each line.
     pub baud: Option<u32>,
     /// Whether the loop runs on a board. If so, the computing time of the board's processor in a tick counts, and a
     /// divisor of its clock must give the rate of the lines.

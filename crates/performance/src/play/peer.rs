@@ -31,16 +31,16 @@ pub trait PeerController {
         out: &mut [u8],
     ) -> Option<Request>;
 
-    /// Receives answers of a line's servos. Returns whether they are complete. `own`: whether they are complete for
-    /// the controller in process.
+    /// Receives answers of a line's servos. Returns whether they are complete. `own`: whether they are complete for the
+    /// controller in this process.
     fn reply(&mut self, line: usize, bytes: &[u8], own: bool) -> bool;
 
-    /// Ends a tick, `took_us` after its beginning. `is_whole`: whether the tick was complete for the controller in
+    /// Ends a tick, `took_us` after its beginning. `is_whole`: whether the tick was complete for the controller in this
     /// process.
     fn end(&mut self, took_us: u32, is_whole: bool, own: &RigController<'_>);
 }
 
-/// The bus of a line in process, with the packets of a peer.
+/// The bus of a line in this process, with the packets of a peer.
 pub(super) struct PeerBus {
     own: Box<dyn ServoBus>,
     peer: Rc<RefCell<dyn PeerController>>,

@@ -4,10 +4,20 @@ use super::pulses::pulse_us;
 use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 
+/// Pulses of a servo within the ranges of its joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PulseRange<'a> {
+    /// Name of the servo.
+    pub servo: &'a str,
+    /// Shortest and longest pulse, us.
+    pub us: [f32; 2],
+    /// Whether the rig's file has the servo's pulses.
+    pub is_measured: bool,
+}
+
 impl RigParts {
-    /// Returns each servo that is driven by pulses, with the shortest and longest pulse within its joints' ranges,
-    /// µs.
-    pub fn pulses_us(&self) -> Vec<(&str, [f32; 2])> {
+    /// Returns the pulses of each servo that is driven by them.
+    pub fn pulses_us(&self) -> Vec<PulseRange<'_>> {
         let mut all = Vec::new();
         for drive in self.board.drives() {
             let ranges: Vec<[f32; 2]> =
@@ -31,11 +41,12 @@ impl RigParts {
                     let ends = drive.drive.at_joints(q).map_or(own.range_rad, |pose| {
                         [own.gear * pose.servos()[place] + own.offset_rad; 2]
                     });
-                    for us in ends.map(|rad| pulse_us(rad.clamp(least, most))) {
+                    for us in ends.map(|rad| pulse_us(part, rad.clamp(least, most))) {
                         pulses = [pulses[0].min(us), pulses[1].max(us)];
                     }
                 }
-                all.push((part.own.name.as_str(), pulses));
+                let is_measured = part.own.kind.pulses.is_measured;
+                all.push(PulseRange { servo: &part.own.name, us: pulses, is_measured });
             }
         }
         all

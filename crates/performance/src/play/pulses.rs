@@ -1,25 +1,22 @@
 //! Hobby servos, which are driven by pulses of a PCA9685.
 
-use std::f64::consts::FRAC_PI_2;
-
 use sinew_rig::servo::Address;
 use sinew_servo_bus::pca9685::{ChannelSetup, Prescale};
 use sinew_servo_bus::{Cost, Timing, Traffic};
 use sinew_servo_sim::bench::{Chip, OSCILLATOR_HZ};
-use sinew_servo_sim::firmware::pulse::{MIDDLE_US, QUARTER_TURN_US};
 use sinew_wiring::Pulses;
 
 use super::servo_part::{ServoPart, single};
 
 /// Rate of the I2C bus to the chip, bit/s: its fast mode.
 pub(super) const I2C_HZ: u32 = 400_000;
-/// Analog servos need 50 pulses per second.
+/// Pulses for analog servos: 50 per second.
 pub(super) const PULSES: Pulses = Pulses { oscillator_hz: OSCILLATOR_HZ, rate_hz: 50.0 };
 /// Bytes before the channels of a write: the chip's address, and the first register.
 const HEAD_LEN: u32 = 2;
 const CHANNEL_LEN: u32 = 4;
 
-/// Returns the channel of a servo that is driven by pulses.
+/// Returns the channel of a servo that is driven by pulses; `None` for other servos.
 pub(super) fn channel(address: Address) -> Option<u8> {
     match address {
         Address::Channel(channel) => Some(channel),
@@ -48,14 +45,15 @@ pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
     }
 }
 
-/// Returns the setup of a servo's channel: 1.5 ms in the middle, 1 ms more per quarter turn, within its range.
+/// Returns the setup of a servo's channel: its pulses at the ends of its range.
 pub(super) fn setup(part: &ServoPart, range_rad: [f32; 2]) -> ChannelSetup {
     let channel = channel(part.own.address).unwrap_or_default();
-    ChannelSetup { channel, pulse_us: range_rad.map(pulse_us), range_rad }
+    ChannelSetup { channel, pulse_us: range_rad.map(|rad| pulse_us(part, rad)), range_rad }
 }
 
-pub(super) fn pulse_us(rad: f32) -> f32 {
-    single(MIDDLE_US + f64::from(rad) * QUARTER_TURN_US / FRAC_PI_2)
+/// Returns the pulse of a servo's own position, us.
+pub(super) fn pulse_us(part: &ServoPart, rad: f32) -> f32 {
+    single(part.own.kind.pulses.pulse_us(rad.into()))
 }
 
 /// Returns the divider of the chip's clock.

@@ -72,14 +72,74 @@ struct Joint {
     swings: Vec<Option<bool>>,
 }
 
+/// A rig at a moment, as a recording keeps it. Unknown values are `None`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Tick {
+    /// Time since the start, s. Ticks have the same distance.
+    pub time_s: f64,
+    /// State of the supervisor.
+    pub state: String,
+    /// Whether a show runs.
+    pub runs: bool,
+    /// New faults and warnings, separated by commas.
+    pub faults: Option<String>,
+    /// All dofs of the rig.
+    pub joints: Vec<TickOfJoint>,
+    /// Current (A), temperature (degC) and voltage (V) of all servos.
+    pub servos: Vec<[Option<f32>; 3]>,
+}
+
+/// A dof in a [`Tick`].
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TickOfJoint {
+    /// Commanded and measured position, following error (rad or m), and effort (N m or N).
+    pub numbers: [Option<f32>; 4],
+    /// Limit that acts on the effort.
+    pub limiter: Option<String>,
+    /// Whether the joint swings.
+    pub swings: Option<bool>,
+}
+
+impl Tick {
+    /// Returns the state of a simulated rig after a tick.
+    fn of<P: Plant>(sim: &SimulatedRig<'_, P>) -> Self {
+        let report = sim.report();
+        let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
+        let [commanded, measured] = sim.dofs();
+        let joint = |index: usize| {
+            let dof = report.dofs[index];
+            let told = |number| (!sim.parts.tells_nothing(index)).then_some(number);
+            let [measured, error] = [measured[index], dof.error].map(told);
+            TickOfJoint {
+                numbers: [Some(commanded[index]), measured, error, Some(dof.effort)],
+                limiter: sim.limiter(index),
+                swings: Some(dof.swings),
+            }
+        };
+        let servo = |index: usize| {
+            let told = &report.servos[index];
+            [sim.current_a(index), told.temperature_c, told.voltage_v]
+        };
+        Self {
+            time_s: sim.time_s(),
+            state: report.state.to_string(),
+            runs: sim.runs(),
+            faults: (!faults.is_empty()).then(|| faults.join(", ")),
+            joints: (0..sim.parts.names.len()).map(joint).collect(),
+            servos: (0..sim.parts.servos.len()).map(servo).collect(),
+        }
+    }
+}
+
 impl Recorder {
-    /// Creates the file. `rig`: the rig's `rig.toml`, so that a report can draw it; `notes`: other metadata.
+    /// Creates the file. `rate_hz`: ticks per second; `rig`: the rig's `rig.toml`, so that a report can draw it;
+    /// `notes`: other metadata.
     ///
     /// # Errors
     /// An I/O error.
     pub fn new(
         path: &Path,
-        parts: &RigParts,
+        (parts, rate_hz): (&RigParts, f64),
         rig: &str,
         notes: &[(&str, &str)],
     ) -> Result<Self, ParquetError> {
@@ -114,7 +174,7 @@ impl Recorder {
         let schema = Arc::new(Type::group_type_builder("recording").with_fields(fields).build()?);
         let note = |key: &str, value: &str| KeyValue::new(key.to_owned(), value.to_owned());
         let mut kept = vec![note("schema", SCHEMA), note("rig", rig)];
-        kept.push(note("rate_hz", &parts.rate_hz.to_string()));
+        kept.push(note("rate_hz", &rate_hz.to_string()));
         kept.extend(notes.iter().map(|(key, value)| note(key, value)));
         let properties = WriterProperties::builder().set_created_by(CREATED_BY.to_owned()).build();
         Ok(Self {
@@ -131,33 +191,35 @@ impl Recorder {
         })
     }
 
-    /// Adds a tick.
+    /// Adds a tick of a simulated rig.
     ///
     /// # Errors
     /// An I/O error.
     pub fn note<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>) -> Result<(), ParquetError> {
-        let report = sim.report();
-        self.time_s.push(Some(sim.time_s()));
-        self.state.push(Some(report.state.to_string().as_str().into()));
-        self.runs.push(Some(sim.runs()));
-        let faults: Vec<String> = report.raised.iter().map(|fault| fault.to_string()).collect();
-        self.faults.push((!faults.is_empty()).then(|| faults.join(", ").as_str().into()));
-        let [commanded, measured] = sim.dofs();
+        self.put(&Tick::of(sim))
+    }
+
+    /// Adds a tick. Dofs and servos that it lacks are unknown.
+    ///
+    /// # Errors
+    /// An I/O error.
+    pub fn put(&mut self, tick: &Tick) -> Result<(), ParquetError> {
+        self.time_s.push(Some(tick.time_s));
+        self.state.push(Some(tick.state.as_str().into()));
+        self.runs.push(Some(tick.runs));
+        self.faults.push(tick.faults.as_deref().map(Into::into));
+        let nothing = TickOfJoint::default();
         for (index, joint) in self.joints.iter_mut().enumerate() {
-            let dof = report.dofs[index];
-            let told = |number| (!sim.parts.tells_nothing(index)).then_some(number);
-            let [measured, error] = [measured[index], dof.error].map(told);
-            let numbers = [Some(commanded[index]), measured, error, Some(dof.effort)];
-            for (column, number) in joint.numbers.iter_mut().zip(numbers) {
+            let told = tick.joints.get(index).unwrap_or(&nothing);
+            for (column, number) in joint.numbers.iter_mut().zip(told.numbers) {
                 column.push(number);
             }
-            joint.limiter.push(sim.limiter(index).map(|limiter| limiter.as_str().into()));
-            joint.swings.push(Some(dof.swings));
+            joint.limiter.push(told.limiter.as_deref().map(Into::into));
+            joint.swings.push(told.swings);
         }
         for (index, columns) in self.servos.iter_mut().enumerate() {
-            let told = &report.servos[index];
-            let numbers = [sim.current_a(index), told.temperature_c, told.voltage_v];
-            for (column, number) in columns.iter_mut().zip(numbers) {
+            let told = tick.servos.get(index).copied().unwrap_or_default();
+            for (column, number) in columns.iter_mut().zip(told) {
                 column.push(number);
             }
         }

@@ -146,13 +146,13 @@ impl Recording {
         self.metadata.file_metadata().schema_descr().columns().iter().map(|column| column.name())
     }
 
-    /// Returns a value of the metadata, such as `rig`, `show` and `rate_hz`.
+    /// Returns the value of a key of the metadata, such as `rig`, `show` and `rate_hz`; `None` if the key is missing.
     pub fn note(&self, key: &str) -> Option<&str> {
         let kept = self.metadata.file_metadata().key_value_metadata()?;
         kept.iter().find(|note| note.key == key)?.value.as_deref()
     }
 
-    /// Whether the recording was written to its end.
+    /// Returns whether the recording was written to its end.
     pub fn is_whole(&self) -> bool {
         self.note(UNFINISHED).is_none()
     }

@@ -1,7 +1,9 @@
 //! Parts of a rig's controller, buses and simulated servos.
 
 use sinew_core::tracker::{MethodName, Settings as TrackerSettings, Timing as LoopTiming};
-use sinew_firmware::controller::{ControllerSettings, ServoSetup, estimated_us};
+use sinew_firmware::controller::{
+    Approach, ControllerSettings, ServoSetup, approach, estimated_us,
+};
 use sinew_firmware::node::NodeSettings;
 use sinew_rig::description::{Servo, Supply as RigSupply};
 use sinew_rig::mechanism::JointModel;
@@ -13,13 +15,14 @@ use sinew_servo_sim::rig::{RigServosError, servos};
 use sinew_servo_sim::supply::Supply;
 use sinew_servo_sim::variation::Variation;
 use sinew_servo_tools::position_gain::PositionGain;
+use sinew_show::{Show, ShowFrames};
 
-use super::CompactRig;
 use super::error::PartsError;
 use super::line::{Line, lines};
 use super::options::Options;
 use super::schedule::{Load, Needs, choose};
 use super::servo_part::{Drive, ServoPart, drives, setup, single};
+use super::{COORDINATES, CompactRig};
 use crate::rig_hash;
 
 /// Clock of the reference board's processor, an STM32F446, Hz.
@@ -30,7 +33,8 @@ pub struct RigParts {
     pub(super) board: CompactRig,
     pub(super) settings: ControllerSettings,
     pub(super) setups: Vec<ServoSetup>,
-    /// Schedule of the line with the latest readings.
+    /// Schedule of the line whose readings have the longest delay; of the lines that close the tracker's loop, if there
+    /// are any.
     pub(super) schedule: Schedule,
     pub(super) schedules: Vec<Schedule>,
     supply: Option<RigSupply>,
@@ -157,6 +161,14 @@ impl RigParts {
         self.variation = variation;
     }
 
+    /// Computes the beginning of a show from a pose: the rig's way to the first pose, and whether the show begins at
+    /// speed. `None` if the show is not one of this rig, or the way takes longer than 5 minutes.
+    pub fn approach(&self, show: &[u8], from: &[f32]) -> Option<Approach> {
+        let dt_s = 1e-6 * self.tick_us() as f32;
+        let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;
+        approach(&self.board, &self.settings.supervisor, &mut frames, dt_s, from)
+    }
+
     /// Returns the CRC by which shows identify this rig.
     pub fn rig_crc(&self) -> u32 {
         self.settings.rig_crc
@@ -197,7 +209,7 @@ impl RigParts {
         self.schedule.tick_us()
     }
 
-    /// Returns the rig on the shafts of its servos, whatever their line, changed by [`Self::vary`].
+    /// Returns the rig's mechanism as a plant that the servos of all lines move, with the changes of [`Self::vary`].
     ///
     /// # Errors
     /// [`RigServosError`] if the servos cannot be simulated.

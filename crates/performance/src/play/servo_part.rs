@@ -52,7 +52,7 @@ impl Drive {
         }
     }
 
-    /// Whether the tracker closes the loop.
+    /// Returns whether the tracker closes the loop.
     pub fn closes_loop(self) -> bool {
         matches!(self, Self::Current | Self::Voltage)
     }
@@ -105,7 +105,7 @@ pub(super) fn encoder(part: &ServoPart) -> Encoder {
     Encoder { zero_rad: 0.5 * turn_rad, turn_rad }
 }
 
-/// Whether servos of a model support a drive.
+/// Returns whether servos of a model support a drive.
 fn takes(drive: Drive, model: &str) -> bool {
     match (drive, RegisterTable::of(model)) {
         (Drive::Current, Some(RegisterTable::Dynamixel(table))) => table.model.current.is_some(),
@@ -122,7 +122,7 @@ fn usual(model: &str) -> Drive {
     known.into_iter().find(|drive| takes(*drive, model)).unwrap_or(Drive::Pulses)
 }
 
-/// Whether the tracker closes the loop of servos of a model by default.
+/// Returns whether the tracker closes the loop of servos of a model by default.
 pub(crate) fn closes_loop(model: &str) -> bool {
     usual(model).closes_loop()
 }

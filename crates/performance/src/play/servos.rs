@@ -58,13 +58,13 @@ pub enum PutError {
          describe them, too"
     )]
     NoServos,
-    /// A servo matches no joint.
+    /// A given name matches no joint that lacks a servo.
     #[error("--servo {0}: no joint without a servo has such a name")]
     NoJoint(String),
     /// All joints have servos.
     #[error("--servo: each joint has a servo already")]
     NoneFree,
-    /// A single servo cannot move the joint.
+    /// The joint neither turns about one axis nor about two, so servos cannot move it one to one.
     #[error(
         "joint `{joint}` is {kind:?}: describe its drive in rig.toml, `--servo` is for joints that turn"
     )]
@@ -82,8 +82,8 @@ pub enum PutError {
 /// Adds servos to the joints that have no drive, as far as `wanted` chooses a kind for them: one servo to a revolute
 /// joint, one for each axis to a universal joint. A servo gets the joint's name (`NAME.1` and `NAME.2` for two axes)
 /// and the bus `main`; the middle of its range is the middle of the joint's range. The joint keeps each limit of speed
-/// and effort that the servo could exceed, and only the part of its friction that exceeds the servo's friction. Returns
-/// the number of joints that got servos.
+/// and effort that the servo could exceed, and only those parts of its friction and damping that exceed the servo's.
+/// Returns the number of joints that got servos.
 ///
 /// # Errors
 /// [`PutError`] names the joint and the valid choices.

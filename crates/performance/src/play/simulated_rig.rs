@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use sinew_core::glam::Quat;
 use sinew_core::{JointKind, math};
-use sinew_firmware::controller::{Incomplete, Inputs, Report, Start};
+use sinew_firmware::controller::{Approach, Incomplete, Inputs, Report, Start};
 use sinew_firmware::node;
 use sinew_firmware::supervisor::{
     Command, Fault, FaultSet, Feed, GuardSettings, Permission, Source,
@@ -37,8 +37,9 @@ pub struct SimulatedRig<'a, P> {
     buses: Buses,
     lines: Vec<Line<Branch<'a, P>>>,
     wires: Wires,
+    show: Option<&'a [u8]>,
     ticks: u64,
-    /// Number of ticks that were not complete: the watchdog was not fed.
+    /// Number of ticks that were not complete; in these a board would not feed its watchdog.
     incomplete: u64,
     last: Option<Incomplete>,
     peer: Option<Rc<RefCell<dyn PeerController>>>,
@@ -74,6 +75,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
             buses: parts.all_buses()?,
             lines: lines(parts, memories, plant)?,
             wires: Wires::default(),
+            show,
             ticks: 0,
             incomplete: 0,
             last: None,
@@ -89,7 +91,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self
     }
 
-    /// Runs a tick. The host link is alive in each tick.
+    /// Runs a tick, in which the host link counts as alive.
     pub fn tick(&mut self, command: Option<Command>) {
         let tick_us = u64::from(self.parts.tick_us());
         let inputs = Inputs {
@@ -158,7 +160,12 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.permission()
     }
 
-    /// Whether the show ran in the last tick.
+    /// Computes the beginning of the show from the commanded pose; `None` without a show.
+    pub fn approach(&self) -> Option<Approach> {
+        self.parts.approach(self.show?, self.controller.commanded().0)
+    }
+
+    /// Returns whether the show ran in the last tick.
     pub fn runs(&self) -> bool {
         let permission = self.permission();
         permission.source == Source::Feed(Feed::Show) && permission.runs
@@ -243,7 +250,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         1e-6 * (self.ticks * u64::from(self.parts.tick_us())) as f64
     }
 
-    /// Returns the number of incomplete ticks, and the reason for the last one.
+    /// Returns the number of incomplete ticks, and the reason for the last one; `None` if there was none.
     pub fn incomplete(&self) -> (u64, Option<Incomplete>) {
         (self.incomplete, self.last)
     }

@@ -38,12 +38,12 @@ pub struct Tally {
     tells_nothing: bool,
 }
 
-/// Mean and largest following error of some joints, rad.
+/// Mean and largest following error of some dofs that turn, rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Errors {
-    /// Number of joints.
+    /// Number of dofs.
     pub joints: usize,
-    /// Mean absolute error, over joints and ticks.
+    /// Mean absolute error, over dofs and ticks.
     pub mean_rad: f64,
     /// The largest absolute error.
     pub most_rad: f64,
@@ -110,8 +110,8 @@ impl Tally {
         self.ticks
     }
 
-    /// Returns the errors of revolute joints with a drive; with `None`, of all drives. `None` if there is no such
-    /// joint, or nothing was played.
+    /// Returns the errors of dofs that turn and whose servos have this drive; with `None`, of all driven dofs that
+    /// turn. Returns `None` if there is no such dof, or nothing was played.
     pub fn errors(&self, parts: &RigParts, drive: Option<Drive>) -> Option<Errors> {
         let mut errors = Errors { joints: 0, mean_rad: 0.0, most_rad: 0.0, dof: 0, at_s: 0.0 };
         for (dof, sums) in self.dofs.iter().enumerate() {

@@ -45,7 +45,7 @@ fn a_rig_whose_registers_are_as_asked_plays_on_two_buses() {
     assert_eq!(ended(None), Ended::Done);
 }
 
-/// The second servo of one bus, and the only servo of the other.
+/// Sets a wrong register in the second servo of one bus, and in the only servo of the other bus.
 #[test]
 fn a_wrong_register_refuses_with_what_is_wrong() {
     let dynamixel = (2, address::TEMPERATURE_LIMIT, 80);
@@ -117,7 +117,7 @@ fn a_hanging_arm_that_its_servos_or_supply_cannot_lift_is_not_armed() {
     assert!(is_weak, "{ended:?}");
 }
 
-/// The eight servos of `docs/first-rig.md`, on the channels of that page.
+/// Returns the face with the eight servos of `docs/first-rig.md`, on the channels of that page.
 fn face() -> Description {
     const ON_IT: [&str; 8] = [
         "neck_turn",
@@ -259,7 +259,8 @@ fn a_class_that_a_kind_does_not_have_is_refused() {
     }
 }
 
-/// 1 ms per quarter turn, about 1.5 ms: the pulses of the joint's range, not of the servo's range.
+/// A quarter turn is 1 ms of pulse, and 1.5 ms is the middle. The pulses are those of the joint's range, not of the
+/// servo's range.
 #[test]
 fn pulses_are_told_as_far_as_joints_go() {
     let mut rig = face();
@@ -268,9 +269,18 @@ fn pulses_are_told_as_far_as_joints_go() {
     let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
     let all = parts.pulses_us();
     assert_eq!(all.len(), 8);
-    let (_, pulses_us) = all.iter().find(|(name, _)| *name == "jaw").unwrap();
-    assert!((pulses_us[1] - pulses_us[0] - 250.0).abs() < 0.1, "{pulses_us:?}");
-    assert!(pulses_us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{pulses_us:?}");
+    let jaw = all.iter().find(|of| of.servo == "jaw").unwrap();
+    assert!((jaw.us[1] - jaw.us[0] - 250.0).abs() < 0.1 && !jaw.is_measured, "{jaw:?}");
+    assert!(jaw.us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{jaw:?}");
+    // The pulses of the file: 160 deg in 1750 us.
+    let servo = rig.servos.iter_mut().find(|servo| servo.name == "jaw").unwrap();
+    servo.pulse_us = Some([600.0, 1480.0, 2350.0]);
+    servo.travel_rad = Some(160_f64.to_radians());
+    let parts = RigParts::new(&rig, &rig.mechanism().unwrap(), Options::default()).unwrap();
+    let all = parts.pulses_us();
+    let jaw = all.iter().find(|of| of.servo == "jaw").unwrap();
+    assert!(jaw.is_measured && jaw.us.iter().any(|us| (us - 1480.0).abs() < 0.1), "{jaw:?}");
+    assert!((jaw.us[1] - jaw.us[0] - 22.5 / 160.0 * 1750.0).abs() < 0.1, "{jaw:?}");
 }
 
 /// Without damping, only the loop acts on a swing through the gear. A stiff gear has a fast observer, which is

@@ -4,7 +4,7 @@ use sinew_rig::Description;
 use sinew_rig::description::{Address, Doubt, ServoModel};
 use sinew_servo_sim::registers::RegisterTable;
 
-/// Returns doubtful values of a rig that a person wrote, the description's own first.
+/// Returns doubtful values of a rig's file: first those of the description, then those of the servos.
 pub(super) fn doubts(rig: &Description) -> Vec<Doubt> {
     let mut doubts = rig.doubts();
     for servo in &rig.servos {

@@ -19,7 +19,7 @@ pub struct LoadedRig {
     pub description: Description,
     /// The mechanism, with bodies and joints by index.
     pub mechanism: Mechanism,
-    /// The unit and up axis that an import assumed.
+    /// The unit and up axis that an import assumed; `None` for a rig.toml.
     pub world: Option<World>,
     /// Notes of an import: the size of the rig, and everything that was changed, filled in, left out or is doubtful.
     pub notes: Vec<String>,

@@ -49,7 +49,7 @@ pub fn review(rig: &LoadedRig, control: Loop) -> anyhow::Result<Review> {
     Ok(review)
 }
 
-/// Adds a warning after the findings that are as severe.
+/// Adds a warning after the findings that are at least as severe.
 fn warn(review: &mut Review, finding: Finding) {
     let place = review.findings.partition_point(|other| other.severity <= Severity::Warning);
     review.findings.insert(place, finding);

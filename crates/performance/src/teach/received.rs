@@ -6,8 +6,8 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use thiserror::Error;
 
-/// Longest allowed time without a pose: half a period of 6 Hz, a frequency that the low-pass filter keeps. The hand's
-/// motion in a longer gap is unknown.
+/// Longest allowed time without a pose, s: half a period of 6 Hz, a frequency that the low-pass filter keeps. The
+/// motion of the hand in a longer gap is unknown.
 const LONGEST_GAP_S: f64 = 1.0 / 12.0;
 
 /// Error of poses that are not a motion.

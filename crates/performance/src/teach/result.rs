@@ -1,4 +1,4 @@
-//! Converts the measured positions of a led rig to a motion: rest is cut, and noise is removed.
+//! Converts the measured positions of a led rig to a motion: removes rest at both ends, and noise.
 
 use sinew_mocap::filter::LowPass;
 use sinew_retarget::feasibility::{Curve, Instant, MotionError, Performance as _, RigMotion};
@@ -41,7 +41,7 @@ pub enum TeachResultError {
 pub struct TeachResult {
     /// The taught motion, without rest and noise.
     pub motion: RigMotion,
-    /// Rest that was cut before and after, s.
+    /// Durations of the rest that was removed before and after the motion, s.
     pub cut_s: [f64; 2],
     /// Largest change of a coordinate by the low-pass filter, rad or m.
     pub smoothed: f64,
@@ -117,8 +117,8 @@ fn smooth(
     Ok(most)
 }
 
-/// Returns the first row away from the first position, and the last row away from the last position. `None` if no joint
-/// moves away.
+/// Returns the first row away from the first position, and the last row away from the last position; `None` if no joint
+/// leaves its position.
 fn moving(mechanism: &Mechanism, rows: &[Vec<f64>]) -> Option<(usize, usize)> {
     let mut least = Vec::new();
     for link in &mechanism.bodies {

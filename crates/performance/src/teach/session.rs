@@ -94,8 +94,8 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         Self { sim, hand: ScriptedHand::new(mechanism, guide) }
     }
 
-    /// Runs the session: power-on while the hand holds the rig; the hand leads it along the path and releases it for
-    /// `let_go_s`; then torque off. `each` receives the state of every tick.
+    /// Runs the session. The hand holds the rig during power-on, leads it along the path, and releases it for
+    /// `let_go_s`; then torque goes off. `each` receives the state of every tick.
     ///
     /// # Errors
     /// [`TeachSessionError`] if the rig cannot be taught, or a fault ends the session.
@@ -175,7 +175,7 @@ impl<'s, 'a> TeachSession<'s, 'a> {
         let report = self.sim.report();
         each(self.sim.time_s(), report.state);
         match report.answer {
-            // Registers are still being read.
+            // The rig is not ready yet: for example, its registers are still being read.
             Some(Err(Refused::RegistersUnread | Refused::StopUntested | Refused::NotMeasured)) => {}
             Some(Err(why)) => return Err(TeachSessionError::Refused(why)),
             _ => {}

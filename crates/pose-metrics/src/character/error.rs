@@ -24,7 +24,7 @@ pub enum Error {
         /// Description of the fault in the file.
         refusal: Refusal,
     },
-    /// A file that is neither a character nor a motion.
+    /// A motion that cannot be read.
     #[error(transparent)]
     Motion(#[from] format::Error),
 }

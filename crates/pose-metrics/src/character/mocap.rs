@@ -22,8 +22,8 @@ use super::size::BONE_MAX_M;
 /// Reads the skeleton of a motion.
 ///
 /// # Errors
-/// [`Error::Motion`] if the file is not a motion; [`Error::Refused`] if its unit of length cannot be determined,
-/// or it lacks the requested frame.
+/// [`Error::Motion`] if the motion cannot be read; [`Error::Refused`] if the file is not a motion, its unit of length
+/// cannot be determined, a bone is too long, or the requested frame does not exist or has a gap.
 pub(super) fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     let recording = match format::read(path) {
         Ok(recording) => recording,

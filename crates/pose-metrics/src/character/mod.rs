@@ -18,6 +18,7 @@ mod urdf;
 use std::path::Path;
 
 pub use error::{Error, FilePosition, NAMES, Refusal};
+pub use gltf::ShapeKeys;
 pub(crate) use limits::COORDINATE_MAX_M;
 pub use mesh::Mesh;
 pub use model::{Character, Joint};
@@ -53,11 +54,20 @@ pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
     }
 }
 
-/// Reads a whole file and parses it. The character's name is the file's stem.
-fn parsed(
+/// Reads the animation of shape keys in a glTF file.
+///
+/// # Errors
+/// [`Error`], with the file and the place in it.
+pub fn shape_keys(path: &Path) -> Result<ShapeKeys, Error> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parsed(path, |bytes, _| gltf::parse_shape_keys(bytes, folder))
+}
+
+/// Reads a whole file and parses it. The name that `parse` gets is the file's stem.
+fn parsed<T>(
     path: &Path,
-    parse: impl FnOnce(&[u8], String) -> Result<Character, Refusal>,
-) -> Result<Character, Error> {
+    parse: impl FnOnce(&[u8], String) -> Result<T, Refusal>,
+) -> Result<T, Error> {
     let file = path.to_path_buf();
     let bytes = sinew_mocap::read::bytes(path)
         .map_err(|source| Error::Io { file: file.clone(), source })?;

@@ -73,7 +73,7 @@ impl Character {
 /// file's axes to the character's. Rigs may be machines, and have bones of any length.
 ///
 /// # Errors
-/// [`Refusal`] for a bone that is longer than any body.
+/// [`Refusal`] for a bone that is longer than any body, unless the user gave the unit or the character is a rig.
 pub(super) fn of_format(
     character: Character,
     units: UnitOverrides,

@@ -129,7 +129,8 @@ impl Library {
     /// skeleton is not the query's, is skipped if it was found in a folder, unless `is_strict`.
     ///
     /// # Errors
-    /// [`ReadError`] for the first clip that is not skipped, or for the first of all if none can be searched.
+    /// [`ReadError`] for the first faulty clip that is not skipped, or for the first faulty clip of all if no clip can
+    /// be searched.
     pub fn read(
         paths: &[PathBuf],
         query: &Query,

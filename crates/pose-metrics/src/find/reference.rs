@@ -61,7 +61,7 @@ pub enum ReferenceError {
         /// Requested place.
         found: ClipTime,
     },
-    /// The range ends before it begins.
+    /// The range does not end after its start.
     #[error("{file}: expected FROM before TO, found {from}..{to}")]
     Backwards {
         /// Path of the file.
@@ -138,7 +138,8 @@ impl Reference {
     /// Returns the first and the last frame of the part, in the clip without its T-pose.
     ///
     /// # Errors
-    /// [`ReferenceError::Outside`] and [`ReferenceError::Backwards`].
+    /// [`ReferenceError::Outside`] if a place is not in the clip, [`ReferenceError::Backwards`] if a range does not end
+    /// after its start.
     pub fn frames(&self, recorded: &LoadedClip) -> Result<(usize, usize), ReferenceError> {
         let last = recorded.clip.frames.len() - 1;
         match self.part {

@@ -10,16 +10,16 @@ use super::joint::Axis;
 use super::pose_model::PoseModel;
 use super::rig::{Rig, RigPose};
 
-/// The energy that a body and its descendants contribute: `½ Vᵀ matrix V - pullᵀ V`, with V the velocity of the
-/// body in each pose: angular, and of its position.
+/// The energy that a body and its descendants contribute: `½ Vᵀ matrix V - pullᵀ V`. V contains the velocities of the
+/// body in all poses: for each pose, the angular velocity and the velocity of the body's position.
 #[derive(Clone)]
 struct Carried {
     matrix: DMatrix<f64>,
     pull: DVector<f64>,
 }
 
-/// An eliminated joint: `L Lᵀ` is its own matrix, and its step is `L⁻ᵀ (right - coupling V)`, with V the velocity
-/// of its parent.
+/// An eliminated joint: `L Lᵀ` is its own matrix, and its step is `L⁻ᵀ (right - coupling V)`. V contains the velocities
+/// of its parent in all poses.
 struct Eliminated {
     factor: Cholesky<f64, Dyn>,
     coupling: DMatrix<f64>,

@@ -33,8 +33,8 @@ impl Curve {
         self.placed.windows(2).map(|pair| (&pair[1].f - &pair[0].f).norm()).sum()
     }
 
-    /// Returns the curve moved within all ranges, at least a share of their widths from their ends. The two end
-    /// poses are unchanged.
+    /// Returns the curve with its inner poses moved into all ranges, at least the share `margin` of each range's width
+    /// away from the range's ends. The two end poses are unchanged.
     pub(super) fn within(&self, rig: &Rig, margin: f64) -> Self {
         let mut poses = self.poses.clone();
         let last = poses.len() - 1;
@@ -44,7 +44,7 @@ impl Curve {
         Self::new(rig, poses)
     }
 
-    /// Sets all forces to make their products with the gaps equal to `height`.
+    /// Sets the force of each limit so that its product with the limit's gap is `height`.
     pub(super) fn push(&mut self, height: f64) {
         for limit in self.limits.iter_mut().flatten() {
             limit.force = height / limit.gap;

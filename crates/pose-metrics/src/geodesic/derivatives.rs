@@ -11,10 +11,10 @@ use super::rig::{Rig, RigPose};
 pub(super) struct Pull {
     /// Product of Jᵀ and the force.
     pub(super) along: DVector<f64>,
-    /// Sum, over all joints that an axis moves, of the cross product of two vectors: the velocity that the axis
-    /// gives to the joint, and the force on the joint. Multiplied by the angular velocity of an outer axis, it
-    /// gives the change of the force along the column. For a ball joint that turns in the world
-    /// ([`Rig::stepped`]), it is the mean over both orders of the axes.
+    /// Sum, over all joints that an axis moves, of the cross product of two vectors: the velocity that the axis gives
+    /// to the joint, and the force on the joint. Multiplied by the angular velocity of an outer axis, it gives the
+    /// change of the force along the column. For a ball joint that turns in the world ([`Rig::stepped`]), the sum
+    /// contains the mean over both orders of the axes.
     pub(super) gathered: Vec<DVec3>,
 }
 

@@ -107,9 +107,9 @@ impl Model {
         }
     }
 
-    /// Returns the directions in which a joint can move, outer axes first. `frame` is the rotation of the joint
-    /// frame in the world, `body` that of the body. For a rotation with a range, the first axis leads to the end
-    /// of the range.
+    /// Returns the directions in which a joint can move, outer axes first. `frame` is the rotation of the joint frame
+    /// in the world, `body` that of the body. For a ball joint with a range, the first axis leads to the end of the
+    /// range.
     pub(super) fn axes(
         self,
         state: &JointPosition,
@@ -154,8 +154,8 @@ impl Model {
         }
     }
 
-    /// Returns the state at a share `t` of the path from one state to another; the shorter way round, unless there
-    /// is a range.
+    /// Returns the state at a share `t` of the path from one state to another. The path goes the shorter way round;
+    /// only the angles of a joint with a range go through the range instead.
     pub(super) fn between(
         self,
         range: JointRange,

@@ -30,21 +30,21 @@ const MOST: f64 = 0.99;
 const WIDER: f64 = 1e-9;
 
 impl Limit {
-    /// Returns the share of a step along the limit's column that leaves a part of the gap, if the gap were not
-    /// curved.
+    /// Returns the largest share of a step along the limit's column, at most 1, after which a part of the gap is left.
+    /// Assumes that the gap is not curved.
     pub(super) fn share(&self, step: f64) -> f64 {
         let way = -self.slope * step;
         if way > MOST * self.gap { MOST * self.gap / way } else { 1.0 }
     }
 
-    /// Returns whether the gap is still as large as a step may leave it. The gap's curvature may reduce the rest
-    /// by half.
+    /// Returns whether a step left enough of the gap. A step may use up the share [`MOST`] of the gap; the gap's
+    /// curvature may then reduce the rest by half.
     pub(super) fn is_left(&self, before: &Self) -> bool {
         self.gap >= 0.5 * (1.0 - MOST) * before.gap
     }
 
-    /// Returns the force after a step along the limit's column, which makes its product with the gap `height` to
-    /// first order.
+    /// Returns the force after a step along the limit's column. Its product with the gap is then `height`, to first
+    /// order; but the force keeps at least the share `1 - MOST` of its value.
     pub(super) fn force_after(&self, step: f64, height: f64) -> f64 {
         let after = (height - self.force * self.slope * step) / self.gap;
         after.max((1.0 - MOST) * self.force)

@@ -12,7 +12,7 @@ pub(super) struct PoseModel {
     pub(super) downhill: DVector<f64>,
     /// Additions of the barriers to the diagonal.
     pub(super) barrier: DVector<f64>,
-    /// Diagonal without second derivatives and barriers.
+    /// Diagonal of the matrix, without the second derivatives of positions and without the barriers.
     pub(super) own: DVector<f64>,
     /// Effect of the forces that the curve's bends exert.
     pub(super) pull: Pull,

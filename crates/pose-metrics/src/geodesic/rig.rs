@@ -57,7 +57,8 @@ pub(super) struct Joint {
     offset_m: DVec3,
     pub(super) weight: f64,
     pub(super) range: JointRange,
-    /// Whether a geodesic moves it: it is not the root and not fixed, and it moves a joint that has a weight.
+    /// Whether its motion would move a joint that has a weight; false for the root. A fixed joint has no columns even
+    /// if this is true.
     pub(super) moves: bool,
 }
 
@@ -113,8 +114,9 @@ impl Rig {
     /// Creates a rig of joints in regular numbering. The root's position and orientation are ignored.
     ///
     /// # Errors
-    /// [`RigError::Joint`] if a number is not finite, a weight is negative, a range does not fit the joint, or a
-    /// parent does not precede its child.
+    /// [`RigError::Joint`] if a weight is not from 0 to 1e6, an offset is not finite, a rotation or an axis is not of
+    /// unit length, the axes of a universal joint are not perpendicular, a range does not fit the joint, a parent does
+    /// not precede its child, or there is a second root.
     pub fn new(given: &[RigJoint]) -> Result<Self, RigError> {
         let expected = given.len();
         let mut joints = Vec::with_capacity(expected);

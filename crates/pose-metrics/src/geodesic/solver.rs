@@ -12,8 +12,8 @@ use super::rig::{Rig, RigError};
 pub struct Options {
     /// Number of steps of the curve, N in the paper: N - 1 poses are unknown.
     pub steps: usize,
-    /// Convergence limit: the solver ends if no component of the gradient, and no product of a limit's force and
-    /// gap, is above this share of the initial energy (per rad or m), or above the rounding error.
+    /// Convergence limit, as a share of the initial energy. The solver ends when each component of the gradient (per
+    /// rad or m) and each product of a limit's force and gap is at most this share, or at most the rounding error.
     pub tolerance: f64,
     /// Maximum number of iterations.
     pub iterations: usize,
@@ -69,8 +69,9 @@ const LOWER: f64 = 0.1;
 const MARGIN: f64 = 1e-2;
 
 /// Computes the curve of minimum energy (eq. 6) from one pose to another, both moved into the ranges. If there are
-/// several minima, the result is the one reached downhill from every joint's own shortest path. An iteration costs
-/// O(steps · columns³), or O(joints · steps³) for a rig with many more columns than steps.
+/// several minima, the result is the one that the descent reaches from the curve on which every joint moves on its own
+/// shortest path. An iteration costs O(steps · columns³), or O(joints · steps³) for a rig with many more columns than
+/// steps.
 ///
 /// # Errors
 /// [`RigError`] if a pose does not fit the rig.

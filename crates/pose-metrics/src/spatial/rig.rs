@@ -10,8 +10,8 @@ use sinew_mocap::Skeleton;
 use super::BODY_COUNT;
 use crate::weights;
 
-/// A skeleton's joints as bodies of a rig. All joints are spherical, bones have their length at rest, and end
-/// sites are omitted since nothing rotates there. Poses are compared relative to the root, whose own position and
+/// A skeleton's joints as bodies of a rig. All joints but the root are spherical, bones have their length at rest, and
+/// end sites are omitted since nothing rotates there. Poses are compared relative to the root, whose own position and
 /// orientation do not count.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpatialRig<const N: usize = BODY_COUNT> {
@@ -83,8 +83,8 @@ impl SpatialRig {
 }
 
 impl<const N: usize> SpatialRig<N> {
-    /// Creates the rig of a skeleton. Poses are relative to the joint called `root` and the bone that it turns;
-    /// without a name, to the skeleton's root.
+    /// Creates the rig of a skeleton. Poses are seen from the bone that the joint called `root` turns; without a name,
+    /// from the skeleton's root.
     ///
     /// # Errors
     /// [`SpatialError`] if there is no such joint, more than `N` bodies, or a bone that is not finite or longer
@@ -117,8 +117,8 @@ impl<const N: usize> SpatialRig<N> {
         Ok(rig)
     }
 
-    /// Returns the tree, with a body per joint of the skeleton. If the root is not the skeleton's, an additional
-    /// body without length is the first.
+    /// Returns the tree, with a body for each joint of the skeleton. If its root is not the skeleton's root, it has one
+    /// more body, since two bodies are then at the chosen joint.
     pub fn tree(&self) -> &Tree<N> {
         &self.tree
     }
@@ -128,8 +128,8 @@ impl<const N: usize> SpatialRig<N> {
         &self.bodies[body].joint
     }
 
-    /// Returns the importance of each body: the total length of its descendants' bones (D. Holden, "Joint Error
-    /// Propagation", 2025), with mean 1.
+    /// Returns the importance of each body, with mean 1. It is computed by [`descendants_length`] from the lengths of
+    /// its descendants' bones (D. Holden, "Joint Error Propagation", 2025).
     pub fn importance(&self) -> &[f32] {
         &self.importance
     }

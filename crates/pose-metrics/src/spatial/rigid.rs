@@ -6,8 +6,8 @@ use sinew_mocap::{Skeleton, SkeletonJoint};
 /// Difference below which two rotations are equal: readers' rounding of degrees with two digits is smaller.
 const STILL: f64 = 1e-7;
 
-/// The joints that move, and the conversion of poses of all joints to poses of these. A joint that does not move
-/// is kept if it is the end of a moving bone: the farthest joint of a moving joint without moving descendants.
+/// The joints that move, and the conversion of poses of all joints to poses of these. If a moving joint has no moving
+/// descendants, its farthest descendant is kept too: it is the end of the moving bone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rigid {
     /// Skeleton of the kept joints, parents first.
@@ -17,8 +17,9 @@ pub struct Rigid {
 }
 
 impl Rigid {
-    /// Removes the joints whose local rotation is equal in all `poses`, which contain a rotation for each joint.
-    /// The joint called `always` is kept.
+    /// Removes the joints whose local rotation is equal in all `poses`, which contain a rotation for each joint. The
+    /// root, the joint called `always` and the ends of moving bones are kept. If fewer than two joints remained without
+    /// these ends, all are kept.
     pub fn new<'p>(
         skeleton: &Skeleton,
         poses: impl IntoIterator<Item = &'p Vec<DQuat>>,
@@ -93,7 +94,7 @@ fn turned(turn: DQuat, rotation: DQuat) -> DQuat {
     if turn == DQuat::IDENTITY { rotation } else { (turn * rotation).normalize() }
 }
 
-/// Keeps the farthest joint of each moving joint that has no moving descendants.
+/// Keeps, for each moving joint without moving descendants, its farthest descendant.
 fn keep_ends(skeleton: &Skeleton, still: &[DQuat], keeps: &mut [bool]) {
     let mut carries = keeps.to_vec();
     for (index, joint) in skeleton.joints.iter().enumerate().rev() {

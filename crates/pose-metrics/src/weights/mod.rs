@@ -26,7 +26,7 @@ use radii::Radii;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
-    /// Total length of the joint's descendant bones.
+    /// Total length of the joint's descendant bones, each reduced by the discount.
     Lengths,
     /// Surface of the cylinders around the joint's descendant bones, each part times its distance from the joint.
     Cylinders,

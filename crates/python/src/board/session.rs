@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_board_client::{Board, ClientError, Journey, Line, commanded_pose, item};
+use sinew_board_client::{Board, ClientError, Journey, Line, item, pose};
 use sinew_firmware::node::SHOW_SCHEMA;
 use sinew_firmware::supervisor::{Fault, SOFT_MOST_RAD_S};
 use sinew_link::message::{
@@ -102,7 +102,7 @@ impl<'a, L: Line> Session<'a, L> {
     /// Returns the pose that the board commands, or `None` while torque is off.
     fn commanded(&self) -> Option<Vec<f32>> {
         let dofs = self.mechanism.dof_names().len();
-        commanded_pose(&self.blocks, dofs, &self.board.log)
+        pose::commanded(&self.blocks, dofs, &self.board.log)
     }
 
     fn ask(&mut self, command: Command) -> anyhow::Result<()> {

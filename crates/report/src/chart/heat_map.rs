@@ -61,7 +61,7 @@ pub fn heat_map(grid: &Grid) -> Markup {
     )
 }
 
-/// Returns n if there is room for a label at every n-th column of this width.
+/// Returns the smallest n for which a label fits at every n-th column of this width.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to some hundreds")]
 fn labelled(width: f64) -> usize {
     libm::ceil(NUMBER / width).max(1.0) as usize

@@ -31,7 +31,7 @@ pub struct Panel {
     pub title: String,
     /// Values by kind.
     pub values: Vec<Vec<f64>>,
-    /// A value for comparison, and its name.
+    /// A value for comparison, and its name; `None` draws no line.
     pub mark: Option<(f64, String)>,
 }
 

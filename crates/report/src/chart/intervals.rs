@@ -17,7 +17,7 @@ pub struct Interval {
     pub mean: f64,
     /// Interval of the middle half of the values.
     pub middle: [f64; 2],
-    /// Interval of the values without the outermost values at both ends.
+    /// Interval of the values without the outermost 5 % at each end.
     pub ends: [f64; 2],
 }
 

@@ -32,7 +32,7 @@ pub(crate) struct ParetoChart {
 /// A result in the chart.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spot {
-    /// Method whose colour and marker the spot has.
+    /// Method whose colour and marker the spot has; `None` for a neutral one.
     pub(crate) method: Option<MethodName>,
     /// Description of the result, for people who cannot see it.
     pub(crate) name: String,

@@ -47,7 +47,7 @@ pub struct Page<'a, P> {
     pub performance: &'a P,
     /// Changes made by a fit, one per line; `None` if there was no fit.
     pub fitted: Option<&'a str>,
-    /// Reason why the motion is not the performer's, if it is not.
+    /// Reason why the motion no longer looks like the performer's, if so.
     pub strange: Option<&'a str>,
     /// Further remarks about the show, one per line.
     pub summary: &'a str,
@@ -57,7 +57,7 @@ impl<P: Performance> Page<'_, P> {
     /// Returns the page as one HTML text that includes all scripts and data. O(duration · bodies).
     ///
     /// # Errors
-    /// [`CheckError`] if the rig is larger than the core's capacity, or a time is outside the performance.
+    /// [`CheckError`] if the rig is larger than the core's capacity, or an instant is invalid for the rig.
     pub fn html(&self) -> Result<String, CheckError> {
         let drawn = Drawn::of(self.mechanism, self.limits, self.report);
         let json = drawn.json(self.mechanism, self.performance)?;

@@ -9,8 +9,8 @@ use sinew_performance::play::{Part, SwingMeter};
 
 use crate::traces::{Channel, MOST, pack, spacing};
 
-/// Size of a sample of one joint in numbers of the page: its traces, and half a number each for limiter and
-/// oscillation.
+/// Number of values that a sample of one joint takes on the page: one for each trace, and half a value each for limiter
+/// and oscillation.
 const WIDTH: usize = 6;
 
 /// Columns of the recording for a joint of the page.

@@ -71,7 +71,7 @@ impl Mannequin {
     }
 }
 
-/// Returns the body to which a joint connects a link. A free body is not connected to its parent.
+/// Returns the body to which a joint connects a link; `None` if this is the world, or if the joint is free.
 fn hinged(link: &Link) -> Option<usize> {
     link.parent.filter(|_| link.joint != JointModel::Free)
 }

@@ -10,9 +10,9 @@ use sinew_rig::mechanism::{JointModel, Link};
 pub enum Quantity {
     /// An angle.
     Angle,
-    /// A way of a slide.
+    /// A position of a slide.
     Length,
-    /// A number of a quaternion, which has no unit.
+    /// A number whose column has no unit: of a quaternion, or of the base's pose.
     Pure,
 }
 
@@ -33,7 +33,7 @@ impl Unit {
     /// All units. `Mm` is before `M`, since the name of the first ends in that of the second.
     pub const ALL: [Self; 4] = [Self::Deg, Self::Rad, Self::Mm, Self::M];
 
-    /// Returns the unit's name, as headers have it after an underscore.
+    /// Returns the unit's name, which headers have after an underscore.
     pub fn name(self) -> &'static str {
         match self {
             Self::Deg => "deg",
@@ -86,7 +86,7 @@ pub enum HeaderUnits {
 }
 
 impl HeaderUnits {
-    /// Returns the unit of a quantity; `None` of a number without one.
+    /// Returns the unit of a quantity; `None` for a number without a unit.
     pub fn of(self, quantity: Quantity) -> Option<Unit> {
         match (quantity, self) {
             (Quantity::Angle, Self::Degrees) => Some(Unit::Deg),
@@ -101,7 +101,8 @@ impl HeaderUnits {
 /// A coordinate of a rig, as a column of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Column {
-    /// Name without the unit: that of the joint, with the part of a joint of several coordinates.
+    /// Name without the unit: the joint's name, and the part after it if the joint has several coordinates (`.0`,
+    /// `.w`).
     pub(crate) name: String,
     /// Index of the body that the joint moves.
     pub(crate) body: usize,

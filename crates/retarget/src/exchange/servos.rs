@@ -11,11 +11,6 @@ use thiserror::Error;
 
 use crate::feasibility::RigMotion;
 
-/// Pulse of a hobby servo in the middle of its range, us.
-const MIDDLE_US: f64 = 1500.0;
-/// Pulse difference from the middle to an end, us: typical for hobby servos, but each should be calibrated.
-const HALF_RANGE_US: f64 = 1000.0;
-
 /// Positions of one servo during a motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ServoTrack {
@@ -74,7 +69,7 @@ pub enum ServoTrackError {
         /// Id or channel of both.
         number: u8,
     },
-    /// Positions belong to servos that the rig does not have, or their number differs.
+    /// Positions belong to a servo that the rig does not have.
     #[error("servo {found}: expected the ids or channels of the rig: {expected}")]
     UnknownServo {
         /// Number of the servo.
@@ -82,12 +77,12 @@ pub enum ServoTrackError {
         /// Numbers of the rig's servos.
         expected: String,
     },
-    /// Most positions of a hobby servo are no pulses.
+    /// Most positions of a hobby servo are outside the range of pulses.
     #[error("servo `{servo}`: {found} is no pulse of this servo ({least} to {most} us): {unit}")]
     NoPulse {
         /// Name of the servo.
         servo: String,
-        /// First position that is no pulse.
+        /// First position that is outside this range.
         found: i32,
         /// Shortest pulse, us.
         least: i32,
@@ -112,13 +107,13 @@ pub enum ServoTrackError {
 
 /// Pulse at the ends of a hobby servo's range, us.
 const PULSES_US: [i32; 2] = [500, 2500];
-/// Longest 12-bit step of a PCA9685 that is a pulse of 2500 us, at 60 Hz.
+/// Number of 12-bit steps of a PCA9685 that make a pulse of 2500 us at 60 Hz.
 const MOST_STEPS: i32 = 615;
 /// Time of a step at 50 Hz, us.
 const US_PER_STEP: f64 = 20_000.0 / 4096.0;
 
-/// Refuses positions of a hobby servo in another unit than us: most of them are no pulses. A few beyond the ends are
-/// limits that the motion exceeds.
+/// Refuses positions of a hobby servo that are probably not in us: more than half of them are outside the range of
+/// pulses. Fewer of them are accepted, because a motion may exceed a servo's range at times.
 pub(super) fn check_pulses(servo: &str, positions: &[i32]) -> Result<(), ServoTrackError> {
     let [least, most] = PULSES_US;
     let mut wrong = positions.iter().filter(|us| !(least..=most).contains(*us));
@@ -153,23 +148,19 @@ impl Numbering {
         // `actuation` has ensured that the kind is known.
         let model = rig.servo_model(&servo.model).unwrap_or_default();
         let range_rad = model.range_rad.value.max(1e-6);
-        match servo.address {
-            Address::Channel(_) => {
-                Self { middle: MIDDLE_US, per_rad: 2.0 * HALF_RANGE_US / range_rad }
-            }
-            Address::Id(_) => {
-                let per_rad = model.resolution_rad.value.max(1e-9).recip();
-                Self { middle: (0.5 * range_rad * per_rad).round(), per_rad }
-            }
+        if let Some(pulses) = rig.pulses(servo) {
+            return Self { middle: pulses.us[1], per_rad: pulses.us_per_rad() };
         }
+        let per_rad = model.resolution_rad.value.max(1e-9).recip();
+        Self { middle: (0.5 * range_rad * per_rad).round(), per_rad }
     }
 }
 
 /// Computes the positions of a rig's servos during a motion.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, a drive refuses a position, or a position
-/// is not finite.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a drive
+/// refuses a position, or a position is not finite.
 pub fn tracks(
     rig: &Description,
     mechanism: &Mechanism,
@@ -216,8 +207,8 @@ pub fn tracks(
 /// Computes the rig's motion from servo positions; joints without servos stay at home.
 ///
 /// # Errors
-/// [`ServoTrackError`] if the rig has no servos, a servo has no position in a row, or a drive refuses a position.
-/// Tracks of other servos are ignored.
+/// [`ServoTrackError`] if the rig has no servos, a servo or drive is invalid, two servos have one number, a servo has
+/// no position in a row, or a drive refuses a position. Tracks of other servos are ignored.
 pub fn motion(
     rig: &Description,
     mechanism: &Mechanism,

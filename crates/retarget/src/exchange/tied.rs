@@ -1,9 +1,9 @@
-//! Tied joints of a table that has columns for some of them.
+//! Joints that follow others, in a table that has columns for only some of them.
 
 use sinew_rig::mechanism::Ties;
 
-/// Sets the coordinates of tied joints without a column, by those with a column (`given`). A follower without a column
-/// follows its leader; a leader without a column is where a follower with a column puts it.
+/// Sets the coordinates of tied joints without a column, from the joints with a column (`given`). A follower without a
+/// column follows its leader. The position of a leader without a column is computed from a follower with a column.
 pub(super) fn fill_tied(ties: &Ties, given: &[usize], q: &mut [f64]) {
     for tie in ties.each() {
         let [own, leader] = tie.places();

@@ -17,7 +17,7 @@ pub struct Efforts {
     side_by_side: [Vec<[f32; LANES]>; 3],
     /// Friction of each dof: Coulomb friction, and viscous friction per speed.
     friction: Vec<[f64; 2]>,
-    /// Whether any limit needs the efforts; if not, they are reported as zero.
+    /// Whether any limit needs the efforts; if not, they are computed as friction alone.
     is_asked: bool,
 }
 
@@ -73,7 +73,7 @@ impl Efforts {
     }
 
     /// Computes the efforts without friction for positions, speeds and accelerations.
-    fn without_friction(
+    pub(super) fn without_friction(
         &mut self,
         motion: [&[f64]; 3],
         out: &mut Vec<f64>,

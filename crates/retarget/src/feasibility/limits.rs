@@ -6,7 +6,7 @@ use sinew_rig::review::Servos;
 
 use super::report::{Excess, Kind, Report};
 
-/// Default time constant of the mean square of the effort, which measures heat, s: that of a small servo's motor.
+/// Time constant of the mean square of the effort, which measures heat, s: that of a small servo's motor.
 const THERMAL_TIME_S: f64 = 60.0;
 
 /// Limits of one dof; infinite without limit.
@@ -27,7 +27,7 @@ pub struct DofLimits {
     pub acceleration: f64,
     /// Maximum effort, N m or N.
     pub effort: f64,
-    /// Continuous effort, if servos are known.
+    /// Continuous effort of the servos; `None` without servos.
     pub heat: Option<Heat>,
 }
 
@@ -49,8 +49,8 @@ pub struct Limits {
     pub turns: Vec<(usize, f64)>,
     /// Limits that join two joints, none of which follows another.
     pub linked: Vec<LinkedRange>,
-    /// Joints that follow others. Their positions and speeds have no limits of their own: those of the leaders include
-    /// them.
+    /// Joints that follow others. Their positions, speeds and accelerations have no limits of their own: those of the
+    /// leaders include them.
     pub ties: Ties,
 }
 

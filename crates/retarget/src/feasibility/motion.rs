@@ -87,10 +87,10 @@ impl RigMotion {
         self.rows.len().saturating_sub(1) as f64 * self.dt_s
     }
 
-    /// Moves the followers of all rows to where their leaders put them. Returns the largest change of each follower
-    /// that changed, rad or m, by its body.
+    /// Moves the followers in all rows to the positions that their leaders require. Returns, for each follower that
+    /// changed, its body and its largest change, rad or m.
     pub fn follow(&mut self, ties: &Ties) -> Vec<(usize, f64)> {
-        /// Rounding of tables with six digits.
+        /// Largest change that counts as the rounding of a table with six digits.
         const ROUNDING: f64 = 1e-5;
         let mut changes: Vec<(usize, f64)> = ties.each().map(|tie| (tie.body, 0.0)).collect();
         for row in &mut self.rows {
@@ -104,8 +104,8 @@ impl RigMotion {
         changes
     }
 
-    /// Returns the changes of angles by more than half a turn, in order of time. A file that wraps angles into one turn
-    /// has them.
+    /// Returns the changes of angles by more than half a turn, in order of time. They occur in files that wrap angles
+    /// into one turn.
     pub fn jumps(&self, mechanism: &Mechanism) -> Vec<Jump> {
         let turns = |joint: &JointModel| {
             matches!(joint, JointModel::Revolute(_) | JointModel::Universal(_))

@@ -82,7 +82,7 @@ pub struct Excess {
     pub limit: f64,
 }
 
-/// Largest absolute values of a dof.
+/// Extreme values of a dof.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct DofPeaks {
     /// Minimum position, rad or m.
@@ -106,6 +106,6 @@ pub struct Report {
     pub duration_s: f64,
     /// Largest values of each dof, in the order of `qd`.
     pub peaks: Vec<DofPeaks>,
-    /// Excesses, sorted by dof, then by time.
+    /// Excesses, sorted by dof, then by kind, then by time.
     pub excesses: Vec<Excess>,
 }

@@ -8,7 +8,7 @@ use super::*;
 
 /// Creates an arm: a fixed base, and a shoulder and an elbow that bend about z, each with a rod of 0.2 m and 0.2
 /// kg.
-fn arm(effort: f64) -> Mechanism {
+pub(super) fn arm(effort: f64) -> Mechanism {
     let rod = |parent, joint, x: f64, name: &str| Link {
         joint_name: name.to_owned(),
         mass_kg: 0.2,
@@ -29,7 +29,7 @@ fn arm(effort: f64) -> Mechanism {
     Mechanism { bodies: vec![base, rod(0, bend, 0.0, "shoulder"), elbow], linked: vec![] }
 }
 
-fn swing(mechanism: &Mechanism, size: f64, hz: f64) -> (Limits, RigMotion) {
+pub(super) fn swing(mechanism: &Mechanism, size: f64, hz: f64) -> (Limits, RigMotion) {
     let rows = (0..=400)
         .map(|row| {
             let phase = std::f64::consts::TAU * hz * f64::from(row) * 0.01;
@@ -40,7 +40,7 @@ fn swing(mechanism: &Mechanism, size: f64, hz: f64) -> (Limits, RigMotion) {
 }
 
 #[track_caller]
-fn exceeds_nothing(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) {
+pub(super) fn exceeds_nothing(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) {
     let curve = Curve::new(mechanism, motion).unwrap();
     // Five times the sampling rate of the fit.
     let report = check(mechanism, limits, &curve, 1000.0).unwrap();

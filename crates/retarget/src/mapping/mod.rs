@@ -24,7 +24,7 @@ pub struct Mapping {
     pub clip: String,
     /// Settings of the performance.
     pub performance: Performance,
-    /// Landmarks that rig and clip have in common.
+    /// Landmarks of the rig, of the clip, or of both.
     pub landmarks: Vec<Entry>,
     /// Angles that directly drive a joint.
     pub curves: Vec<Curve>,

@@ -27,18 +27,20 @@ impl PerformerFrame {
         self.middle_m(Landmark::Hip).or(self.points_m[Landmark::Pelvis])
     }
 
-    /// Returns the midpoint between a landmark's left and right place, m.
+    /// Returns the midpoint between a landmark's left and right place, m; `None` if a side is missing.
     fn middle_m(&self, landmark: fn(Side) -> Landmark) -> Option<DVec3> {
         let [left, right] = Side::ALL.map(|side| self.points_m[landmark(side)]);
         Some((left? + right?) / 2.0)
     }
 
-    /// Returns the unit direction from one landmark to another.
+    /// Returns the unit direction from one landmark to another; `None` if a landmark is missing, or both are at one
+    /// place.
     pub fn direction(&self, from: Landmark, to: Landmark) -> Option<DVec3> {
         (self.points_m[to]? - self.points_m[from]?).try_normalize()
     }
 
-    /// Returns the way from the first to the last landmark of a limb, divided by the length of the limb.
+    /// Returns the way from the first to the last landmark of a limb, divided by the length of the limb; `None` if a
+    /// landmark is missing, or the limb has no length.
     pub fn reach(&self, [top, middle, end]: [Landmark; 3]) -> Option<DVec3> {
         let [top, middle, end] = [top, middle, end].map(|landmark| self.points_m[landmark]);
         let (top, middle, end) = (top?, middle?, end?);
@@ -120,7 +122,7 @@ impl Performer {
 }
 
 /// Returns the orientation of the trunk: left along the shoulders, and up from the hips to the shoulders, made
-/// perpendicular to left.
+/// perpendicular to left. `None` if a shoulder or a hip is missing, or the directions are undefined.
 pub(super) fn trunk(point: impl Fn(Landmark) -> Option<DVec3>) -> Option<DQuat> {
     let [left_m, right_m] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));
     let [left_hip_m, right_hip_m] = Side::ALL.map(|side| point(Landmark::Hip(side)));

@@ -95,7 +95,8 @@ fn uprightness(world: &[JointSample], joints: &PerformerJoints) -> f64 {
     cosines.fold(1.0, f64::min)
 }
 
-/// Measures pelvis, chest, head and feet in an upright pose.
+/// Measures pelvis, chest, head and feet in an upright pose. `None` for parts that are missing, and for those whose
+/// direction to the left is unknown.
 fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Option<Part>> {
     let point = |landmark: Landmark| joints.joints[landmark].map(|joint| upright[joint].position_m);
     let across = |landmark: fn(Side) -> Landmark| {
@@ -127,7 +128,8 @@ fn parts(joints: &PerformerJoints, upright: &[JointSample]) -> LandmarkMap<Optio
     })
 }
 
-/// Returns the rotation between the trunk's axes and its facing direction in an upright pose.
+/// Returns the rotation between the trunk's axes and its facing direction in an upright pose; `None` if a shoulder or a
+/// hip is missing, or a direction is undefined.
 fn upright_trunk(joints: &PerformerJoints, upright: &[JointSample]) -> Option<DQuat> {
     let point = |place: Landmark| Some(upright[joints.joints[place]?].position_m);
     let [left, right] = Side::ALL.map(|side| point(Landmark::Shoulder(side)));

@@ -44,7 +44,7 @@ impl Performer {
     /// Measures a performer over a clip. O(frames · joints).
     ///
     /// # Errors
-    /// [`PerformerError`] if a joint is missing, or a number is not finite.
+    /// [`PerformerError`] if the clip has no frames or lacks a joint, or a number is not finite.
     pub fn of(clip: &Clip, joints: &PerformerJoints) -> Result<Self, PerformerError> {
         check(clip, joints)?;
         Ok(measure::measure(clip, joints))

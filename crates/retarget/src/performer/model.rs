@@ -8,9 +8,9 @@ use crate::{Landmark, LandmarkMap};
 /// Joints of a recorded skeleton that are landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PerformerJoints {
-    /// Index of the joint in the clip's skeleton.
+    /// Index of the joint in the clip's skeleton, for each landmark that it has.
     pub joints: LandmarkMap<Option<usize>>,
-    /// Position of the top of the head in the frame of the head's joint, m.
+    /// Position of the top of the head in the frame of the head's joint, m; `None` if the file does not contain it.
     pub head_end_m: Option<DVec3>,
 }
 

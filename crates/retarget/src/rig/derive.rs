@@ -203,7 +203,7 @@ impl Places<'_> {
         self.set(landmark, last, point_m);
     }
 
-    /// Sets the points of hands and toes without a joint.
+    /// Sets the points of hands, toes and ankles that have no joint.
     fn ends(&mut self, side: Side, directions: &RigDirections) {
         let (elbow, wrist) = (Landmark::Elbow(side), Landmark::Wrist(side));
         if self.world_m[wrist].is_none()

@@ -12,7 +12,7 @@ pub struct Group {
     /// Indices of the bodies that the joints move, from the trunk outwards. For [`Landmark::Chest`], the joints
     /// between pelvis and chest.
     pub joints: Vec<usize>,
-    /// Point of the landmark, if it does not follow from the axes.
+    /// Point of the landmark; `None` if it follows from the axes.
     pub point: Option<RigPoint>,
     /// Confidence, from 0 to 1.
     pub confidence: f64,
@@ -81,11 +81,11 @@ pub struct RigMatch {
     pub left_out: Vec<UnmatchedJoint>,
     /// Directions of the rig, with every joint at zero.
     pub directions: RigDirections,
-    /// Index of the body that carries the hips.
+    /// Index of the body that carries the hips; `None` if the rig has no hip.
     pub pelvis: Option<usize>,
-    /// Index of the body that carries the shoulders.
+    /// Index of the body that carries the shoulders or, without shoulders, the head; `None` if the rig has neither.
     pub chest: Option<usize>,
-    /// Index of the last body of the head's joints.
+    /// Index of the last body of the head's joints; `None` if the rig has no head.
     pub head: Option<usize>,
     /// Points of limbs, on the last body of their group.
     pub points: LandmarkMap<Option<RigPoint>>,

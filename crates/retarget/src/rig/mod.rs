@@ -78,12 +78,13 @@ impl RigMatch {
         left != right && !has_legs && self.group(Landmark::Head).is_none()
     }
 
-    /// Returns the group of a landmark.
+    /// Returns the group of a landmark; `None` if the rig does not have the landmark.
     pub fn group(&self, landmark: Landmark) -> Option<&Group> {
         self.groups.iter().find(|group| group.landmark == landmark)
     }
 
-    /// Returns the last body of a landmark's group: for a hip the thigh, for an ankle the foot.
+    /// Returns the last body of a landmark's group: for a hip the thigh, for an ankle the foot. `None` if the rig does
+    /// not have the landmark.
     pub fn body(&self, landmark: Landmark) -> Option<usize> {
         match landmark {
             Landmark::Pelvis => self.pelvis,

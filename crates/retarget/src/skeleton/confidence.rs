@@ -183,7 +183,7 @@ impl<'a> Judge<'a> {
         Ok(self.weigh(joint, &evidence))
     }
 
-    /// Returns the evidence against limbs that begin at one place.
+    /// Returns the evidence against a hip or shoulder that is at the same place as that of the other side, or `None`.
     fn by_place(&self, pair: &Pair, place: usize) -> Option<Evidence> {
         let [Some(left), Some(right)] = &pair.limbs else { return None };
         let [left, right] = [left.joints[place], right.joints[place]];

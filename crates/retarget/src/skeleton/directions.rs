@@ -47,7 +47,7 @@ pub(super) struct Stance {
 
 /// The body's own axes in one pose.
 struct Axes {
-    /// From the hips to the shoulders.
+    /// From the hips to the shoulders; without shoulders, to the head; without hips, from the shoulders to the head.
     trunk: Option<DVec3>,
     /// From the ankles to the hips.
     legs: Option<DVec3>,
@@ -161,7 +161,8 @@ impl Stance {
     }
 }
 
-/// Returns how well toes and bent knees agree with forward for these sides, and the weight of this.
+/// Returns how well toes and bent knees agree with forward for these sides, and the weight of this. `None` if neither
+/// toes nor knees show a direction.
 fn faces(body: &Body, pose: &Pose, axes: &Axes, legs: &Pair) -> Option<(f64, f64)> {
     let [up, forward, _] = axes.frame()?;
     let (mut sum, mut weight) = (0.0, 0.0);

@@ -50,7 +50,7 @@ pub(super) struct Limb {
     pub joints: [usize; 3],
     /// Lengths of the upper and the lower bone.
     pub lengths: [f64; 2],
-    /// Side that the joints' names contain.
+    /// Side that the joints' names contain, or `None`.
     pub side: Option<Side>,
     /// Support by the names: at most 3, negative if they contradict.
     pub by_name: f64,

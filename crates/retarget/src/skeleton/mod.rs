@@ -115,7 +115,7 @@ impl SkeletonMatch {
         self.found.get(&landmark)
     }
 
-    /// Returns the joint of `landmark`.
+    /// Returns the joint of `landmark`; `None` if the landmark was not found.
     pub fn joint(&self, landmark: Landmark) -> Option<usize> {
         self.get(landmark).map(|found| found.joint)
     }
@@ -135,7 +135,7 @@ impl SkeletonMatch {
         self.missing.iter().map(|(landmark, reason)| (*landmark, reason.as_str()))
     }
 
-    /// Returns the landmark with the lowest confidence.
+    /// Returns the landmark with the lowest confidence; `None` if no landmark was found.
     pub fn lowest(&self) -> Option<(Landmark, &Found)> {
         self.found().min_by(|a, b| a.1.confidence.total_cmp(&b.1.confidence))
     }

@@ -76,7 +76,7 @@ pub(super) enum Kind {
 /// Meaning of a name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Name {
-    /// Side in the name.
+    /// Side in the name, or `None`.
     pub side: Option<Side>,
     /// Kind of joint.
     pub kind: Kind,
@@ -94,12 +94,12 @@ impl Name {
         self.parts.iter().find(|(other, _)| *other == part).map_or(0.0, |(_, likely)| *likely)
     }
 
-    /// Returns the most probable part.
+    /// Returns the most probable part; `None` if the name means no part.
     pub(super) fn best(&self) -> Option<Part> {
         self.parts.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(part, _)| *part)
     }
 
-    /// Returns whether the name contains no part of a body.
+    /// Returns whether the name has no known meaning.
     pub(super) fn is_silent(&self) -> bool {
         self.parts.is_empty() && self.kind == Kind::Body
     }

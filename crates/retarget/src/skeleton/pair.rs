@@ -24,7 +24,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    /// Returns the limb of a side.
+    /// Returns the limb of a side; `None` if it is missing.
     pub(super) fn limb(&self, side: Side) -> Option<&Limb> {
         self.limbs[side as usize].as_ref()
     }

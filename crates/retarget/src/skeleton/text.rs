@@ -67,8 +67,8 @@ fn tokens(name: &str) -> Vec<String> {
     tokens
 }
 
-/// Splits a token into known words that cover all of it: `lhipjoint` is left, hip, joint. The split with the fewest
-/// words is used.
+/// Splits a token into known words that cover all of it: `lhipjoint` is left, hip, joint. Uses the split with the
+/// fewest words. Returns `None` if there is no such split.
 fn in_words(token: &str, side_is_known: bool) -> Option<Vec<Word>> {
     if !token.is_ascii() {
         return None;
@@ -97,8 +97,9 @@ fn in_words(token: &str, side_is_known: bool) -> Option<Vec<Word>> {
     covers.pop().flatten()
 }
 
-/// Returns the word that a single letter means: a side at the beginning or the end; `u` and `f` as in `LUArm`,
-/// `LFArm`.
+/// Returns the word that the first letter of `rest` means, and its length, 1: at the beginning or the end of a token
+/// `l` and `r` mean a side; `u` and `f` mean upper and fore, as in `LUArm`, `LFArm`. If the side is already known, `l`
+/// means lower. Returns `None` for other letters.
 fn letter(rest: &str, from: usize, token: &str, side_is_known: bool) -> Option<(Word, usize)> {
     let at_edge = from == 0 || rest.len() == 1;
     let word = match rest.as_bytes().first()? {

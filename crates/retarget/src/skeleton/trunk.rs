@@ -47,7 +47,8 @@ fn above_spine(body: &Body, carrier: usize) -> usize {
     parent.filter(|_| is_spine).unwrap_or(carrier)
 }
 
-/// Finds the head: by its name, otherwise at the end of the chain that leads from the chest between the arms.
+/// Finds the head: by its name, otherwise at the end of the chain that leads from the chest between the arms. Returns
+/// `None` if there is neither.
 fn head(body: &Body, chest: Option<usize>, uppers: &[usize]) -> Option<usize> {
     let in_limb = |joint: usize| uppers.iter().any(|upper| body.hangs_on(joint, *upper));
     let carries_limb = |joint: usize| uppers.iter().any(|upper| body.hangs_on(*upper, joint));
@@ -96,7 +97,8 @@ fn pelvis_by_name(body: &Body) -> Option<usize> {
     (0..body.count()).find(|joint| body.names[*joint].says(Part::Pelvis) > 0.8)
 }
 
-/// Finds the ball of the foot beyond the ankle: by its name, otherwise as the bone that continues.
+/// Finds the ball of the foot beyond the ankle: by its name, otherwise as the bone that continues. Returns `None` if
+/// there is neither.
 pub(super) fn toe(body: &Body, ankle: usize) -> Option<usize> {
     let below: Vec<usize> = (ankle + 1..body.count())
         .filter(|joint| body.hangs_on(*joint, ankle) && !body.is_end[*joint])

@@ -31,7 +31,7 @@ const ARM: f64 = 0.332;
 /// Unit of length of a skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// Length of one unit in metres; `None` if no unit gives a plausible height.
+    /// Length of one unit in metres; `None` if no unit gives a plausible height, or several units do equally well.
     pub metres_per_unit: Option<f64>,
     /// Height of the standing body, in the skeleton's unit. It is derived from bone lengths, therefore poses do not
     /// matter.
@@ -53,8 +53,8 @@ impl Unit {
     }
 }
 
-/// Returns the unit that gives a usual height, otherwise the only unit that gives a possible height, with the
-/// reason and the other possible units.
+/// Returns the unit that gives a usual height, otherwise the only unit that gives a possible height, or `None`; and the
+/// reason, with the other possible units.
 fn of_height(height: f64) -> (Option<f64>, String) {
     let fits = |range: &std::ops::RangeInclusive<f64>| -> Vec<&(f64, &str)> {
         UNITS.iter().filter(|(metres, _)| range.contains(&(metres * height))).collect()

@@ -185,7 +185,7 @@ pub(super) const VOCABULARY: &[(Word, &[&str])] = &[
     ),
 ];
 
-/// Translations of Japanese (MMD) and Chinese names, the longest first.
+/// Translations of Japanese (MMD) and Chinese names, each before the names that are parts of it.
 pub(super) const JAPANESE: &[(&str, &str)] = &[
     ("全ての親", " root "),
     ("センター", " root "),

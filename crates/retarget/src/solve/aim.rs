@@ -51,7 +51,7 @@ enum Source {
 #[derive(Debug, Clone)]
 pub(super) struct Aims {
     sources: Vec<(Source, f64)>,
-    /// Midpoint between the hips, on the pelvis.
+    /// Midpoint between the hips, on the pelvis; `None` if the rig lacks a hip or the pelvis.
     pub(super) hips: Option<RigPoint>,
     /// Indices of the terms of the hips and of the toes.
     pub(super) hips_term: Option<usize>,
@@ -211,7 +211,8 @@ impl Aims {
         }
     }
 
-    /// Returns the target orientation of a part: forward, left, up in the world.
+    /// Returns the target orientation of a part: forward, left, up in the world. `None` if the part has no target at
+    /// present.
     pub(super) fn part_target(&self, part: Landmark, targets: &[Target]) -> Option<DQuat> {
         let place = self.sources.iter().position(|(source, _)| *source == Source::Part(part))?;
         Some(targets[place].rotation).filter(|_| targets[place].weight > 0.0)
@@ -344,7 +345,7 @@ fn end_point(rig: &RigMatch, state: &State, end: Landmark) -> Option<RigPoint> {
     Some(RigPoint { body: forearm, position_m: pose.to_local(state.point_m(&point)) })
 }
 
-/// Returns the midpoint between the hips, on the pelvis.
+/// Returns the midpoint between the hips, on the pelvis; `None` if the rig lacks a hip or the pelvis.
 fn middle(rig: &RigMatch, state: &State) -> Option<RigPoint> {
     let [left, right] = Side::ALL.map(|side| rig.points[Landmark::Hip(side)]);
     let body = rig.pelvis?;

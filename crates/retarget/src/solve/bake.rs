@@ -10,14 +10,16 @@ use super::path::Frames;
 use super::performance::Performance;
 use super::settings::Settings;
 use super::solver::{ActiveBound, Solver};
-use super::terms::Target;
+use super::terms::{Kind, Target, Term};
 use crate::performer::Performer;
 use crate::rig::RigMatch;
 use crate::{Landmark, Side};
 
-/// Sweeps per frame: for posture alone, and with root and feet.
+/// Sweeps per frame: for posture alone, with root and feet, and with the path of a hand, which may turn joints far in a
+/// frame.
 const POSTURE_SWEEPS: usize = 1;
 const SWEEPS: usize = 2;
+const HAND_SWEEPS: usize = 6;
 /// Number of sweeps of the first frame.
 const FIRST_SWEEPS: usize = 30;
 /// Weights of the hips' position and of a toe's position (in the air, and standing), divided by the squared leg
@@ -54,6 +56,8 @@ pub fn bake(
     settings: &Settings,
 ) -> Baked {
     let mut solver = Solver::new(mechanism, rig, settings);
+    solver.free_hands(settings.speed_rad_s);
+    let sweeps = if solver.hands().is_empty() { SWEEPS } else { HAND_SWEEPS };
     let performance = Performance { performer, clip };
     let (frame_s, count) = (clip.frame_time_s, clip.frames.len());
     let first = solver.find_branch(&performance);
@@ -75,7 +79,7 @@ pub fn bake(
             solver.settle(&first, FIRST_SWEEPS);
         } else {
             solver.begin();
-            for _ in 0..SWEEPS {
+            for _ in 0..sweeps {
                 solver.sweep(Some(frame_s));
             }
         }
@@ -85,6 +89,18 @@ pub fn bake(
         baked.held.push(solver.held().collect());
     }
     baked
+}
+
+impl Solver {
+    /// Lets joints that move a hand along a path go at a speed of at least `speed`, rad/s, in this clip's time. A joint
+    /// that is too slow would cut the path short, which nothing can restore; a fit slows the motion down instead.
+    fn free_hands(&mut self, speed: f64) {
+        let paths = self.terms.iter().filter(|term| matches!(term.kind, Kind::Way { .. }));
+        for dof in paths.flat_map(Term::dofs) {
+            let least = if self.model.slides[dof] { f64::INFINITY } else { speed };
+            self.model.speeds[dof] = self.model.speeds[dof].max(least);
+        }
+    }
 }
 
 /// Paths of hips and toes.
@@ -98,7 +114,7 @@ struct Plan {
 
 impl Solver {
     /// Performs a pass with posture alone, and plans the paths of hips and toes from its poses. Returns `None` if the
-    /// rig does not travel, or if its hips, its leg length or the scale are unknown.
+    /// rig does not travel, or if its hips, its leg length, the scale or the performer's hips are unknown.
     fn plan(
         &mut self,
         performance: &Performance<'_>,

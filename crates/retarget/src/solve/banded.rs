@@ -3,19 +3,19 @@
 /// A symmetric matrix with two bands below its diagonal, and a right side: for sums of squares of values, first and
 /// second differences.
 #[derive(Debug, Clone)]
-pub(super) struct Banded {
+pub(crate) struct Banded {
     /// The diagonal, then the first and the second band below it.
     bands: [Vec<f64>; 3],
     right: Vec<f64>,
 }
 
 impl Banded {
-    pub(super) fn new(count: usize) -> Self {
+    pub(crate) fn new(count: usize) -> Self {
         Self { bands: std::array::from_fn(|_| vec![0.0; count]), right: vec![0.0; count] }
     }
 
     /// Adds `weight · (Σ factors[k] · x[first + k] - value)²`.
-    pub(super) fn add<const N: usize>(
+    pub(crate) fn add<const N: usize>(
         &mut self,
         first: usize,
         factors: [f64; N],
@@ -31,7 +31,7 @@ impl Banded {
     }
 
     /// Returns the least-squares solution, by the factors L D Lᵀ. O(n).
-    pub(super) fn solve(self) -> Vec<f64> {
+    pub(crate) fn solve(self) -> Vec<f64> {
         let Self { bands: [mut d, mut one, mut two], right: mut x } = self;
         let n = x.len();
         for i in 0..n {

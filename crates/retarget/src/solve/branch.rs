@@ -12,7 +12,7 @@ const EVERY_S: f64 = 1.0 / 15.0;
 const FAR_RAD: f64 = 0.1;
 /// Positions in the clip at which other branches begin, as shares of its length.
 const BEGINNINGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Maximum error of another branch relative to the first, for it to be used.
+/// Maximum error of another branch relative to the best so far, for it to be used.
 const BETTER: f64 = 0.8;
 
 impl Solver {

@@ -9,12 +9,13 @@ const LOW_M: [f64; 2] = [0.05, 0.09];
 /// Half the time over which the speed is measured, s.
 pub(super) const HALF_S: f64 = 1.0 / 30.0;
 
-/// Returns whether a toe with this speed and height stands, from 0 to 1.
+/// Returns how certainly a toe with this speed and height stands, from 0 to 1.
 pub(super) fn stands(speed_m_s: f64, height_m: f64) -> f64 {
     fade(speed_m_s, STILL_M_S) * fade(height_m, LOW_M)
 }
 
-/// Returns whether the toe stands in each frame, from 0 to 1. Its speed is measured over both sides of a frame.
+/// Returns how certainly the toe stands in each frame, from 0 to 1. The speed in a frame is measured over the time
+/// before and after it.
 pub(super) fn contacts(toe_m: &[DVec3], frame_s: f64, floor_m: f64) -> Vec<f64> {
     #[expect(
         clippy::cast_possible_truncation,

@@ -16,11 +16,11 @@ const HIPS: f64 = 0.3;
 const TOE: f64 = 60.0;
 /// Time constants with which the hips return to the performer's path, horizontally and in height, s.
 const HIPS_S: [f64; 2] = [1.6, 0.3];
-/// Time constants of the low-pass of a toe's speed, and of the beginning and end of a contact, s.
+/// Time constant of the low-pass of a toe's speed, s; and of the beginning and end of a contact, s.
 const SPEED_S: f64 = 0.03;
 const RAMP_S: f64 = 0.05;
 
-/// Converts a performance to a rig as it arrives: one sweep per frame, without allocation.
+/// Converts a performance to a rig as it arrives: after the first frame with one sweep per frame, without allocation.
 #[derive(Debug, Clone)]
 pub struct Live {
     solver: Solver,

@@ -23,6 +23,7 @@ mod terms;
 mod tilt;
 
 pub use bake::{Baked, bake};
+pub(crate) use banded::Banded;
 pub use limb::{BakedLimb, Hand};
 pub use live::{Live, NotFinite};
 pub use settings::{Limb, Settings};

@@ -119,8 +119,8 @@ impl Model {
         dofs
     }
 
-    /// Returns the dof that moves a dof, and the motion of the dof for a motion of that: the dof itself, or the one
-    /// that it follows.
+    /// Returns the dof that must be changed to move `dof`, and the motion of `dof` for a unit motion of that dof: the
+    /// dof itself and 1, or the dof that it follows and a factor.
     pub(super) fn leader(&self, dof: usize) -> (usize, f64) {
         let tie = self.ties.each().find(|tie| tie.dofs()[0] == dof);
         tie.map_or((dof, 1.0), |tie| (tie.dofs()[1], tie.factor))

@@ -30,7 +30,7 @@ pub(super) struct Frames<'a> {
     pub(super) wanted_m: &'a [DVec3],
     /// For each foot, the toe relative to the hips by posture alone, m.
     pub(super) toes_m: &'a [Vec<DVec3>],
-    /// For each foot, whether it stands, from 0 to 1.
+    /// For each foot, how certainly it stands in each frame, from 0 to 1.
     pub(super) contacts: &'a [Vec<f64>],
 }
 
@@ -39,7 +39,7 @@ impl Frames<'_> {
         self.wanted_m.len()
     }
 
-    /// Returns whether a foot stands from a frame to the next, from 0 to 1.
+    /// Returns how certainly a foot stands from a frame to the next, from 0 to 1.
     fn stands(&self, foot: usize, frame: usize) -> f64 {
         self.contacts[foot][frame].min(self.contacts[foot][frame + 1])
     }

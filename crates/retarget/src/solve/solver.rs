@@ -47,7 +47,7 @@ pub enum Bound {
     Speed,
 }
 
-/// A solver for one rig. The constructor allocates all memory.
+/// A solver for one rig. The constructor allocates the memory of all steps: `sweep` allocates nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Solver {
     pub(super) model: Model,

@@ -11,7 +11,7 @@ use crate::rig::RigPoint;
 pub(super) enum Kind {
     /// Direction from one point to another.
     Direction { from: RigPoint, to: RigPoint },
-    /// Way from one point to another, m.
+    /// Vector from one point to another, m.
     Way { from: RigPoint, to: RigPoint },
     /// Orientation of a body; `upright` is forward, left, up in its frame.
     Orientation { body: usize, upright: DQuat },
@@ -24,7 +24,7 @@ pub(super) enum Kind {
 /// Target of a term in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Target {
-    /// Target of a direction, a way, a twist, or a position.
+    /// Target of a direction, a vector, a twist, or a position.
     pub(super) vector: DVec3,
     /// Target of an orientation.
     pub(super) rotation: DQuat,
@@ -41,7 +41,7 @@ impl Target {
 #[derive(Debug, Clone, Copy)]
 struct Mover {
     dof: usize,
-    /// The dof that the solver changes: `dof`, or the one that `dof` follows with this factor.
+    /// The dof that the solver changes: `dof` itself, or the dof that `dof` follows with this factor.
     leader: usize,
     factor: f64,
     /// Whether the dof moves the point where a direction begins, and the point where it ends.
@@ -51,7 +51,7 @@ struct Mover {
 }
 
 impl Mover {
-    /// Returns the motion of the way between two points by a unit of the dof.
+    /// Returns the change of the vector between two points for a unit motion of the dof.
     fn moved(&self, state: &State, [from_m, to_m]: [DVec3; 2]) -> DVec3 {
         let (axis, anchor) = (state.axes[self.dof], state.anchors_m[self.dof]);
         if self.slides {

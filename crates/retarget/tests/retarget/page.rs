@@ -70,7 +70,7 @@ fn the_tables_are_the_scores() {
     }
 }
 
-/// Lists all quantities, which should be small, in which our result is larger than GMR's.
+/// Lists every score in which our result is larger, and therefore worse, than GMR's.
 #[test]
 fn where_it_is_not_better_is_told() {
     let scores = scores();

@@ -10,8 +10,8 @@ use sinew_retarget::{Landmark, Side};
 /// Words for left and right in a maker's names.
 type Sides = (&'static str, &'static str);
 
-/// A file; the joints of the middle and the left side, found by looking at its tree; up; and sides. The order is
-/// pelvis, chest, neck, head, shoulder, elbow, wrist, hip, knee, ankle, toe; `-` if there is no joint.
+/// A file; the joints of the middle and the left side, which a person found in its tree; up; and sides. The order of
+/// the joints is pelvis, chest, neck, head, shoulder, elbow, wrist, hip, knee, ankle, toe; `-` if there is no joint.
 type Expected = (&'static str, &'static str, char, Sides);
 
 const FOREIGN: [Expected; 13] = [

@@ -19,7 +19,8 @@ pub struct JointDefaults {
     pub damping: f64,
     /// Maximum effort when only one dof acts, N m (N for a slide).
     pub effort: f64,
-    /// Maximum speed when only one dof moves, rad/s (m/s for a slide).
+    /// Maximum speed when only one dof moves, rad/s (m/s for a slide). For mimic joints, the speed at which they move
+    /// with their servos.
     pub speed: f64,
 }
 

@@ -19,7 +19,10 @@ pub(super) fn of(rig: &Description, index: usize) -> Result<Servo, DescriptionEr
     })?;
     // A servo's own position is zero in the middle of its range.
     let half = 0.5 * model.range_rad.value;
-    let range = described.range_rad.first().copied().unwrap_or([-half, half]);
+    let range = described.range_rad.first().copied();
+    let range = range
+        .or_else(|| rig.pulses(described).map(|pulses| pulses.range_rad()))
+        .unwrap_or([-half, half]);
     Servo::new(ServoSettings {
         gear: single(f64::from(described.direction) * described.gear),
         offset_rad: single(described.offset_rad.unwrap_or(0.0)),

@@ -30,7 +30,7 @@ pub enum BoardRigError {
         /// Version that was found.
         found: u16,
     },
-    /// The number of bytes differs from the length of the rig.
+    /// The number of bytes differs from the length of the rig, or is too small to write the rig.
     Length {
         /// Expected number of bytes.
         expected: usize,
@@ -44,7 +44,7 @@ pub enum BoardRigError {
         /// CRC computed from the content.
         computed: u32,
     },
-    /// The number of a kind is unknown.
+    /// The number that encodes the kind of a part is unknown.
     Kind {
         /// Part whose kind it is: `"joint of body"`, `"drive"`, ...
         what: &'static str,
@@ -55,7 +55,7 @@ pub enum BoardRigError {
         /// Largest known number of a kind.
         most: u16,
     },
-    /// A count is wrong.
+    /// The number of bodies, dofs, or a drive's dofs or servos does not fit the other parts.
     Count {
         /// Parts that are counted.
         what: &'static str,

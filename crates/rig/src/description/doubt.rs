@@ -8,13 +8,14 @@ use glam::DVec3;
 use super::{Description, JointType};
 use crate::number::text;
 
-/// Largest end of a range in rad, with rounding: a whole turn.
+/// Largest absolute value of a range's end that may be in radians: a whole turn, with a margin for rounding.
 const TURN: f64 = TAU + 0.02;
-/// Digits after the point that people write; a range that was converted from another unit has more.
+/// Power of ten for the digits after the point that people write, at most five. A range that was converted from another
+/// unit has more digits.
 const DIGITS: f64 = 1e5;
-/// Factor of the rest of the rig above which a length is doubted.
+/// A length is doubted if it is more than this factor times all other lengths of the rig together.
 const FAR: f64 = 10.0;
-/// Least length that is doubted because of the rest of the rig, m.
+/// Minimum length that is doubted because of the factor [`FAR`], m.
 const LEAST_M: f64 = 1.0;
 /// Length that is doubted in any rig, m.
 const MOST_M: f64 = 20.0;
@@ -49,8 +50,9 @@ impl Description {
         doubts
     }
 
-    /// Finds `range_deg` whose numbers are probably radians: at most a turn, and not whole numbers unless all ranges
-    /// of the rig are as small.
+    /// Finds `range_deg` whose numbers are probably radians: they are at most a turn if read as radians, have few
+    /// digits, and are not whole numbers. Whole numbers are found too if all ranges of the rig are at most a turn in
+    /// radians.
     fn radians(&self) -> Vec<Doubt> {
         let of_joints = self.joints.iter().flat_map(|joint| {
             joint.range_rad.iter().map(move |range| ("joint", &joint.name, range))
@@ -86,7 +88,7 @@ impl Description {
             .collect()
     }
 
-    /// Finds lengths that are much longer than all the others together.
+    /// Finds lengths that are much longer than all the others together, and lengths that are too long for any rig.
     fn distances(&self) -> Vec<Doubt> {
         let length = |about: String, key, vector: [f64; 3]| Length {
             about,

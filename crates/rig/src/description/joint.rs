@@ -56,19 +56,20 @@ pub struct Joint {
     pub range_rad: Vec<[f64; 2]>,
     /// Minimum and maximum position of a prismatic joint, m.
     pub range_m: Option<[f64; 2]>,
-    /// Home position of a revolute joint. Default: zero, or the end of the range that is nearest to zero.
+    /// Home position of a revolute joint, rad. Default: zero, or the end of the range that is nearest to zero.
     pub home_rad: Option<f64>,
     /// Home position of a prismatic joint, m. Default as for `home_rad`.
     pub home_m: Option<f64>,
-    /// Maximum commanded speed of a joint that turns.
+    /// Maximum commanded speed of a joint that turns, rad/s. Default: the limit from its servos' speed, if they have
+    /// one.
     pub speed_rad_s: Option<f64>,
-    /// Maximum commanded speed of a joint that slides, m/s.
+    /// Maximum commanded speed of a joint that slides, m/s. Default as for `speed_rad_s`.
     pub speed_m_s: Option<f64>,
-    /// Maximum commanded acceleration of a joint that turns.
+    /// Maximum commanded acceleration of a joint that turns, rad/s². Default: no limit.
     pub acceleration_rad_s2: Option<f64>,
-    /// Maximum commanded acceleration of a joint that slides, m/s².
+    /// Maximum commanded acceleration of a joint that slides, m/s². Default: no limit.
     pub acceleration_m_s2: Option<f64>,
-    /// Maximum commanded torque (N m) or force (N).
+    /// Maximum commanded torque (N m) or force (N). Default: the limit from its servos' effort, if they have one.
     pub effort: Option<f64>,
     /// Inertia that the drive's rotor adds to each dof, seen through its gear: kg m², or kg for a slide. Default:
     /// that of the servos that move the joint.
@@ -133,7 +134,8 @@ impl Joint {
 
 /// A limit on the sum of two joints' positions: `least <= factor · q[joint] + other_factor · q[other] <= most`.
 ///
-/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`.
+/// For example, two lids that must not overlap: `1 · upper - 1 · lower >= 0`. The sum is in the unit of the first joint.
+/// If one joint turns and the other slides, the second factor is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkedLimit {
     /// Name of the first joint, of one dof.
@@ -144,13 +146,13 @@ pub struct LinkedLimit {
     pub factor: f64,
     /// Factor of the second joint. Default: -1.
     pub other_factor: f64,
-    /// Minimum sum of two joints that turn.
+    /// Minimum sum, if the first joint turns.
     pub least_rad: Option<f64>,
-    /// Maximum sum of two joints that turn.
+    /// Maximum sum, if the first joint turns.
     pub most_rad: Option<f64>,
-    /// Minimum sum of two joints that slide, m.
+    /// Minimum sum, if the first joint slides, m.
     pub least_m: Option<f64>,
-    /// Maximum sum of two joints that slide, m.
+    /// Maximum sum, if the first joint slides, m.
     pub most_m: Option<f64>,
 }
 

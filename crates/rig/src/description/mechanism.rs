@@ -8,9 +8,9 @@ use crate::actuation::JointDefaults;
 use crate::mechanism::{JointModel, Link, LinkedRange, Mechanism, MergedBody, Pose};
 
 impl Description {
-    /// Returns the bodies and joints by index. They are numbered depth first in the order of the joints; body 0 is
-    /// the base; every body on a fixed joint is merged into its parent. A joint that others follow can only do what
-    /// they can.
+    /// Returns the bodies and joints by index. They are numbered depth first in the order of the joints; body 0 is the
+    /// base; every body on a fixed joint is merged into its parent. If other joints follow a joint, its range, speed
+    /// and acceleration are narrowed to values that the followers allow.
     ///
     /// # Errors
     /// Those of [`Self::check`].

@@ -9,10 +9,12 @@ mod check;
 mod doubt;
 mod drive;
 mod error;
+mod face_shape;
 mod joint;
 pub(crate) mod mass;
 mod mechanism;
 mod mount;
+mod pulses;
 mod servo;
 mod shape;
 mod unit;
@@ -23,8 +25,10 @@ pub use doubt::Doubt;
 pub(crate) use drive::UnitKeys;
 pub use drive::{Drive, DriveKind};
 pub use error::{DescriptionError, Path, Step};
+pub use face_shape::FaceShape;
 pub use joint::{Joint, JointType, LinkedLimit};
 pub use mount::{Base, Mount, Supply};
+pub use pulses::Pulses;
 pub use servo::{MotorFigures, Servo, ServoModel, SourcedValue};
 pub use shape::{BodyShape, ShapeKind};
 pub(crate) use unit::is_angle;
@@ -46,6 +50,8 @@ pub struct Description {
     pub joints: Vec<Joint>,
     /// Limits that join two joints, such as those of an upper and a lower lid.
     pub limits: Vec<LinkedLimit>,
+    /// Shapes of a face, by which the files of other programs move the joints.
+    pub face_shapes: Vec<FaceShape>,
     /// Drives, by which servos move the joints.
     pub drives: Vec<Drive>,
     /// Servos of the rig.

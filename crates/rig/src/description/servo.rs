@@ -17,20 +17,25 @@ pub struct Servo {
     pub address: Address,
     /// 1 if positive turns of servo and drive agree, -1 if they are opposite.
     pub direction: i8,
-    /// Servo's own position when the drive is at zero.
+    /// Servo's own position when the drive is at zero, rad. Default: 0.
     pub offset_rad: Option<f64>,
-    /// Value of its register Homing Offset, rad. Default: what the servo has.
+    /// Value of the servo's register Homing Offset, rad. `None`: the value in the servo is kept.
     pub homing_offset_rad: Option<f64>,
     /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
+    /// Measured pulses at the least position, at position zero and at the greatest position of a hobby servo, us.
+    /// Default: those of its kind.
+    pub pulse_us: Option<[f64; 3]>,
+    /// Measured angle between the first and the last of these pulses. Default: by the angle per us of its kind.
+    pub travel_rad: Option<f64>,
     /// Permitted range of the servo's own position: one pair. If it is empty, the range is that of the servo's
     /// kind.
     pub range_rad: Vec<[f64; 2]>,
-    /// Maximum commanded torque, N m. Default: that of its kind.
+    /// Maximum commanded torque, N m. Default: stall torque of its kind.
     pub torque_nm: Option<f64>,
-    /// Maximum commanded speed.
+    /// Maximum commanded speed, rad/s. Default: no-load speed of its kind.
     pub speed_rad_s: Option<f64>,
-    /// Maximum commanded acceleration.
+    /// Maximum commanded acceleration, rad/s². Default: no limit.
     pub acceleration_rad_s2: Option<f64>,
     /// Value of the register of the position P gain, in the unit of the register. Default: derived from
     /// [`Stiffness`](crate::stiffness::Stiffness).
@@ -50,6 +55,8 @@ impl Default for Servo {
             offset_rad: None,
             homing_offset_rad: None,
             gear: 1.0,
+            pulse_us: None,
+            travel_rad: None,
             range_rad: Vec::new(),
             torque_nm: None,
             speed_rad_s: None,
@@ -104,6 +111,12 @@ pub struct ServoModel {
     pub gear_damping_nm_s: Option<SourcedValue>,
     /// Share of the Coulomb friction that acts at the output, 0 to 1; see [`Self::output_friction_share`].
     pub output_friction_share: Option<SourcedValue>,
+    /// Pulse of a hobby servo at its least position, us; see [`Pulses`](super::Pulses).
+    pub pulse_least_us: Option<SourcedValue>,
+    /// Pulse of a hobby servo at position zero, us.
+    pub pulse_middle_us: Option<SourcedValue>,
+    /// Pulse of a hobby servo at its greatest position, us.
+    pub pulse_most_us: Option<SourcedValue>,
 }
 
 /// Default twist of a gear at stall torque, rad.
@@ -151,9 +164,10 @@ impl ServoModel {
         0.5 * self.backlash_rad.value
     }
 
-    /// Derives the motor's constants from the maker's figures; `None` if the figures contradict each other. At
-    /// no-load speed, back-EMF and friction use the whole supply voltage; at stall, the missing torque is friction
-    /// that grows with the load. `stiction_nm` is the friction at rest, without load.
+    /// Derives the motor's constants from the maker's figures; `None` if the figures contradict each other. At no-load
+    /// speed, back-EMF and friction use the whole supply voltage. At stall, the output has less torque than the stall
+    /// current makes: the difference is friction, which grows with the load. `stiction_nm` is the friction at rest,
+    /// without load.
     pub fn motor(&self, stiction_nm: f64) -> Option<MotorFigures> {
         let [volts, amps] = [self.voltage_v.value, self.stall_current_a.value];
         let [stall_nm, speed] = [self.stall_torque_nm.value, self.no_load_speed_rad_s.value];
@@ -184,11 +198,14 @@ impl ServoModel {
     }
 
     /// Returns the optional values, each with its key.
-    pub(crate) fn optional_values_mut(&mut self) -> [(&'static str, &mut Option<SourcedValue>); 3] {
+    pub(crate) fn optional_values_mut(&mut self) -> [(&'static str, &mut Option<SourcedValue>); 6] {
         [
             ("gear_stiffness_nm_rad", &mut self.gear_stiffness_nm_rad),
             ("gear_damping_nm_s", &mut self.gear_damping_nm_s),
             ("output_friction_share", &mut self.output_friction_share),
+            ("pulse_least_us", &mut self.pulse_least_us),
+            ("pulse_middle_us", &mut self.pulse_middle_us),
+            ("pulse_most_us", &mut self.pulse_most_us),
         ]
     }
 

@@ -3,7 +3,7 @@
 use super::error::Step;
 
 /// Endings of keys, the longer first, and how the unit is displayed.
-const UNITS: [(&str, &str); 20] = [
+const UNITS: [(&str, &str); 21] = [
     // Pairs of both units.
     ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
@@ -17,6 +17,7 @@ const UNITS: [(&str, &str); 20] = [
     ("_nm_a", "N m/A"),
     ("_rad_s", "rad/s"),
     ("_rad", "rad"),
+    ("_us", "us"),
     ("_k_w", "K/W"),
     ("_kg", "kg"),
     ("_nm", "N m"),

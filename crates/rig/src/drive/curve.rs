@@ -43,9 +43,9 @@ impl Curve {
     /// falling.
     ///
     /// # Errors
-    /// [`DriveError`] if there are fewer than 2 or more than [`CURVE_CAPACITY`] points, a number is not finite,
-    /// servo positions do not rise by at least 0.001 rad, joint positions change direction, or the slope is
-    /// anywhere below 1/100 of the mean slope.
+    /// [`DriveError`] if there are fewer than 2 or more than [`CURVE_CAPACITY`] points, a number is not finite or above
+    /// 1e6 in absolute value, servo positions do not rise by at least 0.001 rad, joint positions change direction, the
+    /// mean slope is below 1e-6, or the slope is anywhere below 1/100 of the mean slope.
     pub fn new(points: &[[f32; 2]]) -> Result<Self, DriveError> {
         let (what, found) = ("points", points.len());
         let [first, .., last] = points else {
@@ -126,8 +126,9 @@ impl Curve {
         )
     }
 
-    /// Finds the pose of a wanted position, in the first piece that reaches it; `share_of` returns the share of the
-    /// piece's width. Beyond the curve, returns its nearest end.
+    /// Finds the pose of a wanted position in the first piece for which `reached` is true; `share_of` returns the share
+    /// of the piece's width. Beyond the curve, returns its nearest end: the first end if `before` is true for it,
+    /// otherwise the last.
     fn pose(
         &self,
         wanted: f32,

@@ -48,11 +48,11 @@ pub enum DriveError {
         /// Maximum accepted value.
         most: f32,
     },
-    /// No servo moves a dof: all numbers of its row are below 1e-6 in absolute value.
+    /// No servo moves a dof: all numbers of its row, or the mean slope of a curve, are below 1e-6 in absolute value.
     Unmoved {
         /// Index of the dof.
         dof: usize,
-        /// Largest absolute value in its row.
+        /// Largest absolute value in its row, or of the mean slope.
         largest: f32,
     },
     /// A servo moves nothing: all numbers of its column are below 1e-6 in absolute value.
@@ -86,7 +86,7 @@ pub enum DriveError {
         /// Minimum accepted share.
         least: f32,
     },
-    /// The links of a four-bar cannot be connected at some servo position within the range.
+    /// At some servo position within the range, the links of a four-bar are too short or too long to be connected.
     Open {
         /// Servo position where they cannot be connected, rad.
         servo_rad: f32,

@@ -81,9 +81,9 @@ impl FourBar {
     /// Creates a linkage whose servo moves within a range, rad.
     ///
     /// # Errors
-    /// [`DriveError`] if a number is not finite, a length is out of range, the servo's range is empty or a whole
-    /// turn, the links cannot be connected everywhere in that range or come too close to a line there, or the
-    /// rocker turns by more than 180 deg from its zero.
+    /// [`DriveError`] if a number is not finite, a length is not from 0.1 mm to 10 m, an angle is above 360 deg in
+    /// absolute value, the servo's range is empty or a whole turn, the links cannot be connected everywhere in that
+    /// range or come too close to a line there, or the rocker turns by more than 180 deg from its zero.
     pub fn new(links: Links, range_rad: [f32; 2]) -> Result<Self, DriveError> {
         for (what, length) in [
             ("ground_m", links.ground_m),

@@ -36,7 +36,8 @@ impl Matrix {
     /// Creates a drive of joints with axes. `offset` has one number for each row (rad or m), or is empty for zeros.
     ///
     /// # Errors
-    /// [`DriveError`] if the matrix is empty, too large, singular, not finite, or has rows of different length.
+    /// [`DriveError`] if the matrix is empty, too large or nearly singular, rows or `offset` have a wrong length, a
+    /// number is not finite or above 1e6 in absolute value, or a dof has no servo that moves it, or a servo no dof.
     pub fn new(rows: &[impl AsRef<[f32]>], offset: &[f32]) -> Result<Self, DriveError> {
         let dofs = rows.len();
         let servos = rows.first().map_or(0, |row| row.as_ref().len());

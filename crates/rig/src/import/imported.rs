@@ -31,6 +31,7 @@ pub(super) fn empty(name: Option<&str>) -> Description {
         bodies: Vec::new(),
         joints: Vec::new(),
         limits: Vec::new(),
+        face_shapes: Vec::new(),
         drives: Vec::new(),
         servos: Vec::new(),
         servo_models: Vec::new(),
@@ -48,7 +49,7 @@ pub(super) fn place_base(description: &mut Description, position_m: DVec3, rotat
     description.mount.rotation_xyzw = (up * rotation).normalize().to_array();
 }
 
-/// Adds notes on bodies that move but have no mass, even together with the bodies welded to them.
+/// Adds notes on bodies that move although neither they nor the bodies welded to them have mass.
 pub(super) fn tell_massless(description: &Description, notes: &mut Notes) {
     let mut carried: BTreeMap<&str, f64> =
         description.bodies.iter().map(|body| (body.name.as_str(), body.mass_kg)).collect();

@@ -28,7 +28,8 @@ impl Mass {
         }
     }
 
-    /// Returns a ball with the same sum of principal moments: the rule of MuJoCo's `balanceinertia`.
+    /// Returns this mass with the inertia of a ball that has the same sum of principal moments: the rule of MuJoCo's
+    /// `balanceinertia`.
     pub(super) fn balanced(&self) -> Self {
         let m = self.inertia_kg_m2;
         let mean = ((m.x_axis.x + m.y_axis.y + m.z_axis.z) / 3.0).max(0.0);

@@ -30,7 +30,8 @@ pub use xml::document;
 /// a joint, and a [`LinkedLimit`](crate::description::LinkedLimit) with equal ends ties it to the other.
 ///
 /// # Errors
-/// [`ImportError`] if the text is not XML or not a robot, its links are not a tree, or a value is invalid.
+/// [`ImportError`] if the text is not XML or not a robot, its links are not a tree, it has closed loops (unless
+/// [`Options::open_loops`] accepts them), or a value is invalid.
 ///
 /// ```
 /// let text = r#"<robot name="nod">
@@ -59,8 +60,8 @@ pub fn urdf(text: &str, options: &Options) -> Result<Imported, ImportError> {
 /// becomes its effort, and an equality of two joints ties them as in [`urdf`].
 ///
 /// # Errors
-/// [`ImportError`] if the text is not XML or not a model, has parts in other files or closed loops, or a value is
-/// invalid.
+/// [`ImportError`] if the text is not XML or not a model, has parts in other files or closed loops (unless
+/// [`Options::open_loops`] accepts them), or a value is invalid.
 ///
 /// ```
 /// let text = r#"<mujoco model="nod"><worldbody><body name="stand"><body name="head">
@@ -80,7 +81,8 @@ pub fn mjcf(text: &str, options: &Options) -> Result<Imported, ImportError> {
 /// is replaced by the content of its file, which `load` reads.
 ///
 /// # Errors
-/// As [`mjcf`]; also if a part cannot be read, is not below the model's folder, is included twice, or is too large.
+/// As [`mjcf`]; also if a part cannot be read, is neither in the model's folder nor in a folder below it, is included
+/// twice, or is too large.
 pub fn mjcf_with_parts(
     text: &str,
     options: &Options,

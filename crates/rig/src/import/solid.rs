@@ -30,7 +30,7 @@ impl Solid {
         }
     }
 
-    /// Returns the solid as it is drawn; `None` for an ellipsoid that is no sphere, or without extent.
+    /// Returns the solid as it is drawn; `None` for an ellipsoid that is not a sphere, and for a solid without extent.
     pub(super) fn shape(&self) -> Option<BodyShape> {
         let extends = |lengths: &[f64]| lengths.iter().all(|length| *length > 0.0);
         match *self {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use super::note::{NoteKind, Notes};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m.
+/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m. If one joint turns and the other slides, the
+/// multiplier is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tie {
     pub(super) joint: String,
@@ -14,8 +15,9 @@ pub(super) struct Tie {
     pub(super) offset: f64,
 }
 
-/// Ties joints by limits with equal ends, cuts the ranges of leaders to what their followers can, and moves homes to
-/// positions that satisfy the ties. Adds a note on each cut, and on each joint that a rig cannot tie.
+/// Ties joints by limits with equal ends, narrows the ranges of leaders to positions that their followers can reach,
+/// and moves homes to positions that satisfy the ties. Adds a note on each cut, and on each joint that a rig cannot
+/// tie.
 pub(super) fn tie(ties: &[Tie], description: &mut Description, notes: &mut Notes) {
     let places: BTreeMap<String, usize> =
         description.joints.iter().enumerate().map(|(at, joint)| (joint.name.clone(), at)).collect();
@@ -97,19 +99,10 @@ const ROUNDING: f64 = 1e-9;
 
 /// Checks that a rig can tie these joints.
 fn check(tie: &Tie, joint: &Joint, of: &Joint) -> Result<(), &'static str> {
-    match (joint.kind, of.kind) {
-        (JointType::Revolute, JointType::Revolute)
-        | (JointType::Prismatic, JointType::Prismatic) => {}
-        (
-            JointType::Revolute | JointType::Prismatic,
-            JointType::Revolute | JointType::Prismatic,
-        ) => {
-            return Err(
-                "one turns and the other slides: nothing ties them, until one servo drives both by a matrix \
-                        [[1], [factor]]",
-            );
-        }
-        _ => return Err("only joints of one dof follow each other in a rig"),
+    let has_one_dof =
+        |joint: &Joint| matches!(joint.kind, JointType::Revolute | JointType::Prismatic);
+    if !has_one_dof(joint) || !has_one_dof(of) {
+        return Err("only joints of one dof follow each other in a rig");
     }
     if tie.multiplier.abs() <= 0.0 {
         return Err(
@@ -122,9 +115,9 @@ fn check(tie: &Tie, joint: &Joint, of: &Joint) -> Result<(), &'static str> {
 /// Change of ranges by a tie.
 enum Cut {
     Nothing,
-    /// The leader's range is smaller: the new one as text.
+    /// The leader's range was narrowed: the new range as text.
     Leader(String),
-    /// The follower has the range of its leader.
+    /// The follower's range was replaced by that of its leader, times the factor.
     Turned,
 }
 
@@ -132,7 +125,7 @@ fn range(joint: &Joint) -> Option<[f64; 2]> {
     joint.range_m.or_else(|| joint.range_rad.first().copied())
 }
 
-/// Cuts the range of the leader to what the follower can; fails if nothing would remain.
+/// Narrows the range of the leader to positions that the follower can reach; fails if nothing would remain.
 fn cut(tie: &Tie, joints: &mut [Joint], joint: usize, of: usize) -> Result<Cut, &'static str> {
     let Some(own) = range(&joints[joint]) else { return Ok(Cut::Nothing) };
     let [a, b] = own.map(|end| (end - tie.offset) / tie.multiplier);
@@ -180,7 +173,7 @@ fn set_range(joint: &mut Joint, [least, most]: [f64; 2]) {
     }
 }
 
-/// Returns the limit of a tie, and moves the follower's home to its place.
+/// Returns the limit of a tie, and moves the follower's home to the position that the leader's home gives it.
 fn limit(tie: &Tie, joints: &mut [Joint], joint: usize, of: usize) -> LinkedLimit {
     let home_of = joints[of].home().first().copied().unwrap_or(0.0);
     let home = tie.multiplier * home_of + tie.offset;

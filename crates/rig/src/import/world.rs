@@ -104,7 +104,16 @@ impl World {
                 joint.rotor_inertia = joint.rotor_inertia.map(|inertia| inertia * unit * unit);
             }
         }
+        let slides = |name: &str| {
+            let joint = description.joints.iter().find(|joint| joint.name == name);
+            joint.is_some_and(|joint| joint.kind == JointType::Prismatic)
+        };
         for limit in &mut description.limits {
+            match (slides(&limit.joint), slides(&limit.other)) {
+                (false, true) => limit.other_factor /= unit,
+                (true, false) => limit.other_factor *= unit,
+                _ => {}
+            }
             [&mut limit.least_m, &mut limit.most_m]
                 .into_iter()
                 .flatten()

@@ -17,7 +17,8 @@ pub use joint_model::JointModel;
 pub use pose::Pose;
 pub use ties::{Tie, Ties};
 
-/// Maximum number of bodies of a rig after merging, equal to the capacity of `sinew-core` on any machine.
+/// Maximum number of bodies of a rig after merging. A tree of `sinew-core` may have more:
+/// [`sinew_core::BodySet::CAPACITY`].
 pub const BODY_COUNT_MAX: usize = 128;
 
 /// Acceleration of gravity, m/s², in world axes; equal to that of `sinew-core`, in f64.

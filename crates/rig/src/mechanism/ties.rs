@@ -6,7 +6,8 @@ use super::{JointModel, LinkedRange, Mechanism};
 /// Difference of the ends of a range, rad or m, below which the range ties its joints.
 const TIED: f64 = 1e-9;
 
-/// A joint that follows another joint, its leader, which follows none.
+/// A joint that follows another joint, its leader, which follows none. If one turns and the other slides, the factor is
+/// in rad/m or m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tie {
     /// Index of the body that the follower moves.
@@ -27,15 +28,15 @@ pub struct Tie {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ties {
     list: Vec<Tie>,
-    /// Limits of two joints that are no ties, in terms of leaders.
+    /// Limits on two joints that do not tie them, in terms of leaders.
     limits: Vec<LinkedRange>,
-    /// Ranges of leaders that follow from limits of two joints with one leader.
+    /// Ranges of leaders, from limits on two joints that have the same leader.
     ranges: Vec<(usize, [f64; 2])>,
 }
 
 impl Mechanism {
-    /// Returns the ties of the mechanism. If a joint has several ties, the first counts; ties in a circle count as
-    /// limits. O(ties²).
+    /// Returns the ties of the mechanism. If a joint has several ties, only the first is a tie. The others, and a tie
+    /// that would close a circle, count as limits. O(ties²).
     pub fn ties(&self) -> Ties {
         let mut ties: Vec<Tie> = Vec::new();
         let mut limits: Vec<LinkedRange> = Vec::new();
@@ -63,8 +64,9 @@ impl Mechanism {
         }
         let ties: Vec<Tie> = ties.iter().map(|tie| chain(&ties, *tie)).collect();
         let mut all = Ties { list: ties, limits: Vec::new(), ranges: Vec::new() };
+        let slides = |body: usize| matches!(self.bodies[body].joint, JointModel::Prismatic(_));
         for limit in limits {
-            all.add(limit);
+            all.add(limit, slides);
         }
         all
     }
@@ -81,7 +83,7 @@ impl Mechanism {
             .collect()
     }
 
-    /// Narrows the range and the speed of each leader to what its followers can.
+    /// Narrows the range, the speed and the acceleration of each leader to values that its followers allow.
     pub(crate) fn narrow_leaders(&mut self) {
         let ties = self.ties();
         for tie in &ties.list {
@@ -175,34 +177,37 @@ impl Ties {
         self.of(body).map_or(body, |tie| tie.leader)
     }
 
-    /// Returns the limits of two joints that are no ties, in terms of joints that follow none.
+    /// Returns the limits on two joints that do not tie them, in terms of joints that follow no other joint.
     pub fn limits(&self) -> &[LinkedRange] {
         &self.limits
     }
 
-    /// Moves the followers to where their leaders put them. O(ties).
+    /// Sets the positions of the followers in `q` from those of their leaders. O(ties).
     pub fn follow(&self, q: &mut [f64]) {
         for Tie { factor, offset, places: [own, leader], .. } in &self.list {
             q[*own] = factor * q[*leader] + offset;
         }
     }
 
-    /// Gives the followers the speeds or accelerations that their leaders give them.
+    /// Sets the speeds or accelerations of the followers in `qd` from those of their leaders.
     pub fn follow_rates(&self, qd: &mut [f64]) {
         for Tie { factor, dofs: [own, leader], .. } in &self.list {
             qd[*own] = factor * qd[*leader];
         }
     }
 
-    /// Adds a limit of two joints, in terms of their leaders.
-    fn add(&mut self, limit: LinkedRange) {
+    /// Adds a limit of two joints, in terms of their leaders. The sum is in the unit of its first joint; `slides` tells
+    /// the unit of a body's joint.
+    fn add(&mut self, limit: LinkedRange, slides: impl Fn(usize) -> bool) {
         let of = |body: usize| {
             self.of(body).map_or((body, 1.0, 0.0), |t| (t.leader, t.factor, t.offset))
         };
         let [own, other] = [of(limit.body), of(limit.other)];
         let constant = limit.factor * own.2 + limit.other_factor * other.2;
-        let range = limit.range.map(|end| end - constant);
-        let [factor, other_factor] = [limit.factor * own.1, limit.other_factor * other.1];
+        let unit = if slides(own.0) == slides(limit.body) { 1.0 } else { own.1.abs() };
+        let range = limit.range.map(|end| (end - constant) / unit);
+        let [factor, other_factor] =
+            [limit.factor * own.1, limit.other_factor * other.1].map(|factor| factor / unit);
         if own.0 != other.0 {
             let (body, other) = (own.0, other.0);
             self.limits.push(LinkedRange { body, other, factor, other_factor, range });
@@ -273,8 +278,27 @@ mod tests {
         assert_eq!(mechanism.bodies[1].ranges, [[0.0, 0.5]]);
     }
 
+    #[test]
+    fn a_limit_of_a_slide_that_follows_a_hinge_is_in_the_hinges_unit() {
+        let mut mechanism = tied(3, &[(2, 1, 0.02, 0.01)]);
+        for body in [2, 3] {
+            mechanism.bodies[body].joint = JointModel::Prismatic(DVec3::X);
+        }
+        let limit =
+            LinkedRange { body: 2, other: 3, factor: 1.0, other_factor: -1.0, range: [0.0, 0.03] };
+        mechanism.linked.push(limit);
+        let ties = mechanism.ties();
+        let [found] = ties.limits() else { panic!("one limit") };
+        assert_eq!((found.body, found.other), (1, 3));
+        // 0.02 q1 + 0.01 - q3 from 0 to 0.03 m, in rad of q1.
+        let numbers = [found.factor, found.other_factor, found.range[0], found.range[1]];
+        for (found, expected) in numbers.into_iter().zip([1.0, -50.0, -0.5, 1.0]) {
+            assert!((found - expected).abs() < 1e-9, "{numbers:?}");
+        }
+    }
+
     proptest! {
-        /// Chains of ties in any order lead to one leader, whose range is what all followers can.
+        /// Chains of ties in any order lead to one leader. Within its range, all followers are within theirs.
         #[test]
         fn random_chains_follow(
             factors in prop::collection::vec((0.4..2.0_f64, any::<bool>()), 4),

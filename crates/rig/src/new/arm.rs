@@ -22,8 +22,8 @@ pub struct ArmError {
     pub joints: usize,
 }
 
-/// Creates a desk arm of small bus servos on printed links. The first joint turns about the vertical, then two
-/// joints bend, one turns, two bend, and so on; each link is shorter than the previous one.
+/// Creates a desk arm of small bus servos on printed links. The first joint turns about the vertical, then two joints
+/// bend, one turns, two bend, and so on; each link is shorter than the previous one, down to the length of a servo.
 ///
 /// With up to six joints, its servos can hold any pose continuously. Longer arms are useful only as tails.
 ///

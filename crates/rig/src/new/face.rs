@@ -1,7 +1,7 @@
 //! An animatronic face.
 
-use super::face_shapes;
 use super::turn::Turn;
+use super::{face_shapes, shapes};
 use crate::description::{
     Address, Body, Description, Drive, DriveKind, LinkedLimit, Servo, SignalLoss, Supply,
 };
@@ -14,14 +14,15 @@ const TILT: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// Maximum speed and acceleration of each kind of joint, deg/s and deg/s².
 const NECK: [f64; 2] = [120.0, 500.0];
-const JAW: [f64; 2] = [300.0, 3000.0];
+/// A jaw that follows speech opens by 15 deg in 0.1 s.
+const JAW: [f64; 2] = [400.0, 9000.0];
 const EYE: [f64; 2] = [400.0, 6000.0];
 /// A blink closes a lid by 45 deg in 0.1 s.
 const LID: [f64; 2] = [500.0, 12000.0];
 const BROW: [f64; 2] = [200.0, 2000.0];
 
 /// Creates a face on hobby servos: a neck of three joints, a jaw, two eyes of two joints, four lids and two brows,
-/// on one PWM driver.
+/// on one PWM driver; and shapes of a face.
 ///
 /// The face is kinematic: its bodies have no mass, therefore range, speed and acceleration are limited, and no
 /// torques are computed.
@@ -58,6 +59,7 @@ pub fn face() -> Description {
             ..LinkedLimit::default()
         });
     }
+    rig.face_shapes = shapes::shapes();
     rig
 }
 

@@ -3,6 +3,7 @@
 mod arm;
 mod face;
 mod face_shapes;
+mod shapes;
 mod turn;
 
 pub use arm::{ArmError, arm};
@@ -41,6 +42,7 @@ mod tests {
         // Jaw 1, eyes 4, lids 4, brows 2, neck 3.
         assert_eq!(rig.servos.len(), 14);
         assert_eq!(rig.limits.len(), 2);
+        assert_eq!(rig.face_shapes.len(), 15 + 52);
         assert_eq!(read(&write(&rig)).unwrap(), rig);
     }
 }

@@ -7,7 +7,8 @@ use super::flexible_joint::{ControlLoop, FlexibleJoint};
 use super::results::{DofReview, Loop, LoopReview, SoftGear};
 use crate::number::single;
 
-/// Factors on the stiffness and on the play of a gear. They give the worst gear with which a loop is judged.
+/// Factor on the stiffness of a gear. The next constant is the factor on its play. Both give the worst gear with which
+/// a loop is judged.
 const SOFTER: f64 = 0.5;
 const LOOSER: f64 = 2.0;
 
@@ -23,7 +24,7 @@ const AMPLITUDE_PLAYS: f64 = 2.0;
 /// Minimum load that is assumed, as a share of the rotor's inertia: even a bare shaft has some inertia.
 const LEAST_LOAD: f64 = 0.01;
 
-/// Search for a bandwidth: its lower end, rad/s, and the number of bisection steps.
+/// Lower end of the search for a bandwidth, rad/s. The next constant is the number of bisection steps.
 const LEAST_RAD_S: f64 = 1.0;
 const HALVINGS: usize = 16;
 

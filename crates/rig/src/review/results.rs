@@ -106,14 +106,15 @@ pub struct LoopReview {
     pub nominal: Stability,
     /// Stability with a gear of half the stiffness and twice the play, the worse for both loads.
     pub worst: Stability,
-    /// Largest bandwidth at which all cases are stable, rad/s; 0 if there is none; `None` if the observer's
-    /// bandwidth is stable.
+    /// Largest observer bandwidth at which the loop is stable with both loads and both gears, rad/s; 0 if there is
+    /// none. `None` if the loop is stable with the observer's own bandwidth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bearable_rad_s: Option<f64>,
     /// Whether the loop with the minimum load is stable both with the nominal gear and with the worst gear. If so,
     /// a smaller load helps.
     pub light_bears: bool,
-    /// Whether all cases are stable in voltage mode, in which the winding damps oscillations.
+    /// Whether the loop is stable with both loads and both gears in voltage mode, in which the winding damps
+    /// oscillations.
     pub voltage_bears: bool,
 }
 

@@ -64,8 +64,8 @@ impl Servos {
     }
 }
 
-/// Returns, for each kind of servo in the order of the file, its servos, the supply voltage and the voltage at
-/// which the kind's values are valid.
+/// Returns, for each kind of servo in the order of the file, its servos, the supply voltage and the voltage at which
+/// the kind's values are valid. Returns nothing if the rig has no supply.
 fn voltages(rig: &Description) -> Vec<Voltage> {
     let mut voltages: Vec<Voltage> = Vec::new();
     let Some(supply) = rig.supply else { return voltages };

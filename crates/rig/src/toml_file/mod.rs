@@ -2,6 +2,7 @@
 
 mod error;
 mod item;
+mod pose;
 mod reader;
 mod schema;
 #[cfg(test)]

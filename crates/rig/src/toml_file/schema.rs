@@ -1,10 +1,11 @@
 //! Tables of the file and their keys, in the order in which they are written: one function for each table.
 
+use super::pose::Pose;
 use super::value::Ranges;
 use super::visitor::{KEYS, Visitor};
 use crate::description::{
-    Address, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, LinkedLimit,
-    Mount, Servo, ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
+    Address, Body, BodyShape, Description, Drive, DriveKind, FaceShape, InertiaMatrix, Joint,
+    LinkedLimit, Mount, Servo, ServoModel, SourcedValue, Supply, UnitKeys, is_angle,
 };
 
 /// Form of a value with its source, for messages.
@@ -22,7 +23,22 @@ pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Resul
     let joints = &rig.joints;
     v.sections("drive", &mut rig.drives, |item, v| drive(item, joints, v))?;
     v.sections("servo", &mut rig.servos, servo)?;
-    v.sections("servo_model", &mut rig.servo_models, servo_model)
+    v.sections("servo_model", &mut rig.servo_models, servo_model)?;
+    let joints = &rig.joints;
+    v.sections("shape", &mut rig.face_shapes, |item, v| face_shape(item, joints, v))
+}
+
+/// Visits a shape of a face. The units of its numbers depend on the joints.
+fn face_shape<V: Visitor>(
+    shape: &mut FaceShape,
+    joints: &[Joint],
+    v: &mut V,
+) -> Result<(), V::Error> {
+    v.required("name", &mut shape.name)?;
+    let mut pose = Pose::of_si(&shape.pose, joints);
+    v.required("pose", &mut pose)?;
+    shape.pose = pose.into_si(joints);
+    Ok(())
 }
 
 fn mount<V: Visitor>(mount: &mut Mount, v: &mut V) -> Result<(), V::Error> {
@@ -232,6 +248,8 @@ fn servo<V: Visitor>(servo: &mut Servo, v: &mut V) -> Result<(), V::Error> {
     v.optional("offset_deg", &mut servo.offset_rad, None)?;
     v.optional("homing_offset_deg", &mut servo.homing_offset_rad, None)?;
     v.optional("gear", &mut servo.gear, default.gear)?;
+    v.optional("pulse_us", &mut servo.pulse_us, None)?;
+    v.optional("travel_deg", &mut servo.travel_rad, None)?;
     ranges(&mut servo.range_rad, v)?;
     v.optional("torque_nm", &mut servo.torque_nm, None)?;
     v.optional("speed_deg_s", &mut servo.speed_rad_s, None)?;

@@ -30,6 +30,15 @@ const VALUES: [(&str, &str, Value); 19] = [
     ("shuts down at", "°C", |m| &m.shutdown_c),
 ];
 
+type Pulse = fn(&ServoModel) -> &Option<SourcedValue>;
+
+/// Name and accessor of each pulse of a hobby servo.
+const PULSES: [(&str, Pulse); 3] = [
+    ("shortest pulse", |m| &m.pulse_least_us),
+    ("pulse of position zero", |m| &m.pulse_middle_us),
+    ("longest pulse", |m| &m.pulse_most_us),
+];
+
 fn models() -> Vec<ServoModel> {
     ServoModel::built_in_names()
         .map(|name| {
@@ -117,9 +126,12 @@ fn cautions_of_the_sources_are_kept() {
     assert!(model("STS3215-7.4V").stall_torque_nm.value < 2.0);
     // The divisor of the XL330's P gain was observed as 256; with the manual's 128 it would be twice as stiff.
     assert!(model("XL330-M288-T").position_gain_nm_rad.value < 0.7);
-    // Hobby servos have not been identified by anyone.
-    for name in ["MG90S", "MG996R"] {
-        assert!(VALUES.iter().all(|(_, _, of)| of(&model(name)).is_guess()), "{name}");
+    // Hobby servos have not been identified by anyone: only figures of sellers have a source.
+    for name in ["SG90", "MG90S", "MG996R", "DS3218"] {
+        let model = model(name);
+        for value in [&model.rotor_inertia_kg_m2, &model.friction_nm, &model.backlash_rad] {
+            assert!(value.is_guess(), "{name}");
+        }
     }
     assert_eq!(ServoModel::built_in("XL330"), None);
 }
@@ -138,6 +150,10 @@ fn the_page_of_servos_is_what_the_files_say() {
     );
 }
 
+fn cell(sourced: &SourcedValue) -> String {
+    format!("{}{}", sourced.value, if sourced.is_guess() { " ?" } else { "" })
+}
+
 fn page() -> String {
     let models = models();
     let mut page = "# Servos\n\n\
@@ -145,18 +161,20 @@ fn page() -> String {
         is not here goes into the rig's own `[[servo_model]]`, with the same keys and a source for every value.\n\n\
         Values are at the output shaft, at the voltage in the first row. A question mark is a guess: nobody has\n\
         measured or stated it. Measure your own before you rely on it. A servo's own position counts from the middle\n\
-        of its range.\n\n"
+        of its range; that of a hobby servo from its pulse of position zero. `pulse_us` and `travel_deg` of a\n\
+        `[[servo]]` have the pulses that you measured.\n\n"
         .to_owned();
     let mut line = |cells: Vec<String>| writeln!(page, "| {} |", cells.join(" | ")).unwrap();
     let names = models.iter().map(|model| model.name.clone());
     line([String::new(), "unit".to_owned()].into_iter().chain(names).collect());
     line(vec!["---".to_owned(); models.len() + 2]);
     for (what, unit, of) in VALUES {
-        let numbers = models.iter().map(|model| {
-            let sourced = of(model);
-            format!("{}{}", sourced.value, if sourced.is_guess() { " ?" } else { "" })
-        });
+        let numbers = models.iter().map(|model| cell(of(model)));
         line([what.to_owned(), unit.to_owned()].into_iter().chain(numbers).collect());
+    }
+    for (what, of) in PULSES {
+        let numbers = models.iter().map(|model| of(model).as_ref().map_or("-".to_owned(), cell));
+        line([what.to_owned(), "us".to_owned()].into_iter().chain(numbers).collect());
     }
     page += "\n## Sources\n\n\
         ROBOTIS e-manual: emanual.robotis.com. Rhoban/bam, hshi74/toddlerbot, Open_Duck_Playground: repositories of\n\
@@ -165,6 +183,10 @@ fn page() -> String {
         writeln!(page, "\n### {}\n\n| value | source |\n| --- | --- |", model.name).unwrap();
         for (what, _, of) in VALUES {
             writeln!(page, "| {what} | {} |", of(model).source).unwrap();
+        }
+        for (what, of) in PULSES {
+            let Some(sourced) = of(model) else { continue };
+            writeln!(page, "| {what} | {} |", sourced.source).unwrap();
         }
     }
     page

@@ -224,9 +224,10 @@ fn a_mimic_joint_is_tied_by_a_limit_without_room() {
     assert_eq!((limit.factor, limit.other_factor), (1.0, 0.5));
     assert_eq!((limit.least_rad, limit.most_rad), (Some(0.1), Some(0.1)));
     assert_noted(&imported, NoteKind::Changed, "k = -0.5 j + 0.1");
+    // A slide that follows a hinge: metres for each radian.
     let mixed = read(&tied("prismatic", "j"));
-    assert!(mixed.description.limits.is_empty());
-    assert_noted(&mixed, NoteKind::LeftOut, "one turns and the other slides");
+    let [limit] = mixed.description.limits.as_slice() else { panic!("one limit") };
+    assert_eq!((limit.other_factor, limit.least_rad, limit.least_m), (0.5, None, Some(0.1)));
     assert_refused(&tied("revolute", "k"), "joint `k`: mimic: joint", "another joint", "`k`");
     assert_refused(&tied("revolute", "x"), "joint `k`: mimic: joint", "a joint of the file", "`x`");
     let ball = read(&tied("spherical", "j"));
@@ -539,6 +540,31 @@ fn lengths_are_in_the_unit_that_is_told() {
     let body = &imported.description.bodies[1];
     assert!(close(&[body.mass_kg, body.inertia_kg_m2.unwrap().xx], &[1.0, 1e-6]));
     assert_noted(&imported, NoteKind::Changed, "lengths by 0.001");
+}
+
+#[test]
+fn a_tie_of_a_slide_and_a_hinge_is_in_the_unit_that_is_told() {
+    let joint = |name: &str, kind: &str, end: f64, mimic: &str| {
+        let child = if name == "way" { "b" } else { "c" };
+        format!(
+            r#"<joint name="{name}" type="{kind}"><parent link="a"/><child link="{child}"/><axis xyz="0 0 1"/>
+            <limit lower="0" upper="{end}" effort="3" velocity="20"/>{mimic}</joint>"#
+        )
+    };
+    let of = |on_way: &str, on_turn: &str| {
+        let joints =
+            joint("way", "prismatic", 40.0, on_way) + &joint("turn", "revolute", 2.0, on_turn);
+        let text = robot(&(link("a") + &link("b") + &link("c") + &joints));
+        let options = Options { metres_per_unit: Some(0.001), ..Options::default() };
+        let rig = urdf(&text, &options).unwrap().description;
+        let [limit] = rig.limits.as_slice() else { panic!("one limit") };
+        limit.other_factor
+    };
+    // 20 mm for each rad, either way.
+    let by_turn = of(r#"<mimic joint="turn" multiplier="20"/>"#, "");
+    assert!((by_turn + 0.02).abs() < 1e-12, "{by_turn} m/rad");
+    let by_way = of("", r#"<mimic joint="way" multiplier="0.05"/>"#);
+    assert!((by_way + 50.0).abs() < 1e-9, "{by_way} rad/m");
 }
 
 #[test]

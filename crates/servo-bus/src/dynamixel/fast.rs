@@ -69,8 +69,8 @@ impl<const N: usize> FastReader<N> {
         Self { head: Head::new(total), block: [0; N], len: 0, broken: false }
     }
 
-    /// Returns the next servo's part. It must have this `id` and `length` data bytes. Consumes as much of `input` as it
-    /// needs.
+    /// Returns the next servo's part as soon as it has arrived completely. It must have this `id` and `length` data
+    /// bytes. Consumes as much of `input` as it needs.
     ///
     /// After a wrong id or CRC it returns nothing more: all later CRCs cover the damaged bytes too.
     pub fn next(&mut self, id: u8, length: u16, input: &mut &[u8]) -> Option<Status<'_>> {

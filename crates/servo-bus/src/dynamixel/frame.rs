@@ -46,7 +46,7 @@ impl<'a> FrameWriter<'a> {
         frame
     }
 
-    /// Appends a parameter byte.
+    /// Appends a parameter byte, and a stuffing byte if the bytes would begin a packet.
     pub fn push(&mut self, byte: u8) {
         self.sink.push(byte);
         if self.run.completes_header(byte) {

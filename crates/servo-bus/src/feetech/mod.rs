@@ -19,7 +19,7 @@ mod status;
 pub mod table;
 
 pub use bus::{Bus, Mode, ServoSetup, Settings, traffic};
-pub use device::{Device, Event, Refuses};
+pub use device::{Device, Event};
 pub use frame::{BROADCAST, MAX_ID, Packet};
 pub use instruction::{
     Instruction, SyncWriter, factory_reset, open_eeprom, set_middle, sync_blocks,

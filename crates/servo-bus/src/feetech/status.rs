@@ -13,7 +13,7 @@ pub mod status_bit {
     pub const TEMPERATURE: u8 = 1 << 2;
     /// The current is too high.
     pub const CURRENT: u8 = 1 << 3;
-    /// The load was too high for too long: the servo reduces itself to a fifth of its torque.
+    /// The load was too high for too long: the servo reduces its torque to a fifth.
     pub const OVERLOAD: u8 = 1 << 5;
 }
 

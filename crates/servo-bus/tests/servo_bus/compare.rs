@@ -10,7 +10,7 @@ use sinew_servo_bus::{
 
 const TIMING: Timing = Timing { baud: 1_000_000, return_delay_us: 2, turnaround_us: 5 };
 
-/// An XL330 with the values of its kind and a range of 100 degrees either way of the middle.
+/// Requirements for an XL330: the values of its kind, and a range of 100 degrees to either side of the middle.
 const DEMAND: ServoRequirements = ServoRequirements {
     mode: Mode::Position,
     range_rad: [std::f32::consts::PI - 1.75, std::f32::consts::PI + 1.75],
@@ -26,7 +26,7 @@ fn model(name: &str) -> &'static Model {
     MODELS.iter().find(|model| model.name == name).unwrap()
 }
 
-/// Runs one tick. Returns the number of questions after the readings. `damage` changes the replies.
+/// Runs one tick. Returns the number of questions after the readings. `damage` changes the replies to these questions.
 fn tick<D: BusDevice>(
     bus: &mut impl ServoBus,
     device: &mut D,

@@ -14,7 +14,8 @@ const TIMING: Timing = Timing { baud: 2_000_000, return_delay_us: 2, turnaround_
 
 type Dxl<'m> = dynamixel::Device<'m, 512>;
 
-/// The traffic of one tick: bytes on the wire, and number and length of the silences.
+/// The traffic of one tick: the number of bytes on the wire, the total time of the servos' delays, us, and the number
+/// of the controller's turnarounds.
 #[derive(Debug, Default, PartialEq, Clone, Copy)]
 struct Wire {
     bytes: usize,

@@ -115,7 +115,8 @@ fn mirrored_servos_and_all_positions() {
     }
 }
 
-/// The four registers that write all channels at once are directly before PRESCALE and the test mode.
+/// A write to the test mode, the last register, changes no other register. Before it are PRESCALE and the four
+/// registers that write all channels at once.
 #[test]
 fn nothing_but_channels_is_written_by_a_packet_that_is_none() {
     let prescale = Prescale::new(25e6, 50.0).unwrap();

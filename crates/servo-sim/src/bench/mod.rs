@@ -48,7 +48,7 @@ pub struct Bench<'m, P> {
     pub baud: u32,
     /// Index of each servo's supply.
     fed_by: Vec<usize>,
-    /// Current that each supply gives in a step.
+    /// Total load of the servos on each supply in a step.
     draws: Vec<Draw>,
     traffic: Traffic,
     now_ns: u64,

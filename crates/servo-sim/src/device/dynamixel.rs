@@ -10,7 +10,7 @@ use sinew_servo_bus::dynamixel::{Device, Event, Instruction};
 use super::codes::whole;
 use super::error::ServoError;
 use super::limits::{LONGEST, check_memory};
-use super::refused;
+use super::restrictions;
 use crate::firmware::Sensed;
 use crate::firmware::dynamixel::{Firmware, PWM_COUNTS, Settings, VELOCITY_COUNTS_S};
 use crate::model::{Parameters, Power};
@@ -57,7 +57,7 @@ impl<'m> Dynamixel<'m> {
             no_limit_a: f64::INFINITY,
             time_ms: 0.0,
         };
-        servo.device.memory_mut().refuse(refused::dynamixel);
+        servo.device.memory_mut().restrict(&restrictions::DYNAMIXEL);
         servo.restart(0);
         Ok(servo)
     }
@@ -69,8 +69,8 @@ impl<'m> Dynamixel<'m> {
         self.reset_goals(encoder);
     }
 
-    /// Resets the goals so that nothing moves, with full current allowed. It is a guess that a start and a change of
-    /// mode do this.
+    /// Resets the goals so that nothing moves. Except in current mode, the full current is then allowed. It is a guess
+    /// that a start and a change of mode do this.
     fn reset_goals(&mut self, encoder: i32) {
         let sensed = Sensed { position: encoder, ..Sensed::default() };
         let position = self.firmware.position(&sensed);

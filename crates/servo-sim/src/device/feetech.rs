@@ -7,7 +7,7 @@ use sinew_servo_bus::feetech::{Device, Event, Instruction, Table};
 use super::codes::{duty_per_rad, whole};
 use super::error::ServoError;
 use super::limits::{MEMORY_LEN, check_memory};
-use super::refused;
+use super::restrictions;
 use crate::firmware::Sensed;
 use crate::firmware::feetech::{Firmware, Settings};
 use crate::model::{Parameters, Power};
@@ -58,7 +58,7 @@ impl<'m> Feetech<'m> {
             firmware: Firmware::new(duty_per_count, speed_cap),
         };
         servo.device.set(UNLOADING, SHIPPED_UNLOADING);
-        servo.device.refuse(refused::feetech);
+        servo.device.restrict(&restrictions::FEETECH);
         servo.restart(0);
         Ok(servo)
     }

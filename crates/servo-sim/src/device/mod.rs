@@ -6,7 +6,7 @@ pub(crate) mod error;
 mod feetech;
 pub(crate) mod limits;
 mod on_line;
-mod refused;
+mod restrictions;
 
 use std::collections::VecDeque;
 
@@ -88,7 +88,7 @@ impl<'m> Servo<'m> {
     pub fn on_pulses(kind: &Parameters) -> Self {
         // The servo's resolution is a dead band; the potentiometer itself has no steps.
         let rad_per_count = kind.resolution_rad / 64.0;
-        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind.range_rad);
+        let firmware = pulse::Firmware::new(duty_per_rad(kind), rad_per_count, kind);
         Self::with(kind, Program::Pulse(firmware), rad_per_count)
     }
 
@@ -276,7 +276,7 @@ impl<'m> Servo<'m> {
         self.keep_torque();
     }
 
-    /// Switches torque on again if this fault is active.
+    /// Switches torque on again if the servo has the fault that its torque stays on.
     fn keep_torque(&mut self) {
         if self.is_torque_stuck {
             match &mut self.program {

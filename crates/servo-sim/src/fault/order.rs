@@ -130,7 +130,7 @@ impl FromStr for FaultOrder {
     }
 }
 
-/// Parses a time with its unit, s: not negative, at most a day.
+/// Parses a time with its unit, and returns it in s. Returns `None` if the text is not a time from 0 to a day.
 fn seconds(text: &str) -> Option<f64> {
     let units = [("us", 1e-6), ("ms", 1e-3), ("s", 1.0)];
     let (number, unit) =

@@ -220,9 +220,9 @@ impl Firmware {
     }
 
     /// Computes PWM: PID on the position error e, plus feed-forward of the trajectory's speed v and acceleration a. PWM
-    /// is the sum of `KP e`, `KI sum(e)`, `KD (e - e before)`, `KFF1 v` and `KFF2 a`, where KP = P/128, KI = I/65,536,
-    /// KD = D/16, KFF = FF/4. Two details are guesses: sums and differences are per tick, and v and a are in the counts
-    /// of their registers.
+    /// is the sum of `KP e`, `KI sum(e)`, `KD (e - e before)`, `KFF1 v` and `KFF2 a`, where KP = P/`p_divisor`, KI =
+    /// I/65,536, KD = D/16, KFF = FF/4. Without a profile there is no feed-forward. Two details are guesses: sums and
+    /// differences are per tick, and v and a are in the counts of their registers.
     fn position_pwm(&mut self, sensed: &Sensed, dt_s: f64, limit: f64) -> f64 {
         let goal = f64::from(self.settings.goal_position);
         let [speed, acceleration] = self.limits(goal);

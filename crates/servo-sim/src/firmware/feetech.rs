@@ -61,7 +61,8 @@ impl Settings {
         if self.has(phase::REVERSED_MOTOR) { -1.0 } else { 1.0 }
     }
 
-    /// Returns whether positions stay within one turn: a move has limits unless both are 0.
+    /// Returns whether goals are limited to a range within one turn: in mode 0, if the minimum position is below the
+    /// maximum.
     fn is_single_turn(&self) -> bool {
         let [least, most] = self.position_limits;
         self.mode == 0 && least < most
@@ -235,9 +236,9 @@ impl Firmware {
         self.duty(sensed)
     }
 
-    /// Computes the duty cycle: P on the position error. D and I are ignored: the damping of identified servos (0.56 to
-    /// 0.6 N m s with factory gains) is that of back-EMF and viscous friction alone, and the factory I is 0. It is a
-    /// guess that Minimum Startup Force is a minimum of the duty cycle.
+    /// Computes the duty cycle: P on the position error, and 0 in the dead zone. D and I are ignored: the damping of
+    /// identified servos (0.56 to 0.6 N m s with factory gains) is that of back-EMF and viscous friction alone, and the
+    /// factory I is 0. It is a guess that Minimum Startup Force is a minimum of the duty cycle.
     fn duty(&self, sensed: &Sensed) -> f64 {
         let s = &self.settings;
         let error = self.profile.position - f64::from(self.position(sensed));

@@ -1,7 +1,7 @@
 //! Parameters of a servo kind: from `sinew-rig`, from the files of `models/`, and computed from both.
 
 use serde::Deserialize;
-use sinew_rig::description::{ServoModel, SourcedValue};
+use sinew_rig::description::{Pulses, ServoModel, SourcedValue};
 use thiserror::Error;
 
 const COMMON: &str = include_str!("../../models/common.toml");
@@ -96,6 +96,8 @@ pub struct Parameters {
     pub resolution_rad: f64,
     /// Range of the position, rad.
     pub range_rad: f64,
+    /// Pulses, if the servo is driven by them.
+    pub pulses: Pulses,
     /// Maximum speed that the firmware commands, rad/s; `None` for no limit.
     pub speed_cap_rad_s: Option<f64>,
     /// Torque per position error with factory gains, N m/rad.
@@ -190,6 +192,7 @@ impl Parameters {
             output_friction_share: model.output_friction_share(),
             resolution_rad: model.resolution_rad.value,
             range_rad: model.range_rad.value,
+            pulses: Pulses::of_model(model),
             speed_cap_rad_s: extra.speed_cap_rad_s.as_ref().map(|cap| cap.value),
             position_gain_nm_rad: model.position_gain_nm_rad.value,
             position_p_divisor: extra.position_p_divisor.as_ref().map_or(128.0, |p| p.value),

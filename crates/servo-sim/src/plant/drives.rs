@@ -27,7 +27,8 @@ pub(super) struct Driven {
     zeros_rad: Vec<f64>,
 }
 
-/// Independent motions of a drive at one pose: for each motion the speeds of its dofs, and of its servos.
+/// Independent motions of a drive at one pose. For each motion: the speeds of the drive's dofs, and of its servos, if
+/// the motion has speed 1.
 pub(super) struct DriveAxes {
     pub(super) joints: Vec<Vec<f64>>,
     pub(super) servos: Vec<Vec<f64>>,

@@ -34,7 +34,8 @@ pub(super) struct Holds {
 }
 
 impl Grip {
-    /// Returns the grip on a dof, or `None` for a ball joint, which hands cannot guide.
+    /// Returns the grip on a dof. Returns `None` for a ball joint or the free base, which hands cannot guide, and if
+    /// there is no such dof.
     pub(super) fn new(mechanics: &Mechanics, dof: usize) -> Option<Self> {
         let bodies = &mechanics.mechanism.bodies;
         let body = (0..bodies.len()).find(|at| mechanics.dofs_of(*at).contains(&dof))?;
@@ -49,7 +50,7 @@ impl Grip {
 }
 
 impl Holds {
-    /// Returns the force of the hand, and how it decreases with speed.
+    /// Returns the force of the hand, and the decrease of the force per unit of speed.
     pub(super) fn push(&self, dt_s: f64, q: &[f64], qd: &[f64]) -> (f64, f64) {
         let Grip { dof, coordinate, stiffness } = self.grip;
         let (at, speed) = (q[coordinate], qd[dof]);

@@ -26,7 +26,7 @@ impl Spatial {
         self.turn.dot(other.turn) + self.slide.dot(other.slide)
     }
 
-    /// Returns the change of another motion that is carried by this motion.
+    /// Returns the rate of change of another motion that this motion carries along (spatial cross product).
     fn cross(self, motion: Self) -> Self {
         Self {
             turn: self.turn.cross(motion.turn),
@@ -34,7 +34,7 @@ impl Spatial {
         }
     }
 
-    /// Returns the change of a force or a momentum that is carried by this motion.
+    /// Returns the rate of change of a force or a momentum that this motion carries along (spatial cross product).
     fn cross_force(self, force: Self) -> Self {
         Self {
             turn: self.turn.cross(force.turn) + self.slide.cross(force.slide),

@@ -23,8 +23,7 @@ use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel};
 use sinew_rig::{Description, Mechanism};
 
 use crate::load::{Arm, Plant, Push, STOP_DAMPING_S, STOP_N_M, STOP_NM_RAD, Shaft};
-use crate::model::Parameters;
-use crate::rig::{HORN_KG_M2, RigServosError};
+use crate::rig::{HORN_KG_M2, RigServosError, kind};
 use drives::Driven;
 pub use hand::Hand;
 use hand::{Grip, Holds};
@@ -118,7 +117,7 @@ impl RigPlant {
             let described = &description.servos[index];
             // `actuation` has already refused unknown models.
             let Some(model) = description.servo_model(&described.model) else { continue };
-            let middle = 0.5 * Parameters::of_model(&model)?.range_rad;
+            let middle = 0.5 * kind(description, described, &model)?.range_rad;
             benched[index] = Some((place, middle));
             let range = actuation.servos[index].settings().range_rad;
             stops_rad.push(range.map(|end| f64::from(end) + middle));
@@ -232,7 +231,8 @@ impl RigPlant {
         Ok(())
     }
 
-    /// Sets the additional inertia of each motion, so that none is lighter at home than a horn on each servo.
+    /// Sets the additional inertia of each motion. With it, no motion has less inertia at home than a horn on each of
+    /// its servos. A joint without servos gets the inertia of its rotor, and at least [`LEAST_INERTIA`] in total.
     fn take_extra(&mut self) {
         for way in 0..self.joints.len() {
             let moved = self.inertia(way, way);
@@ -261,8 +261,8 @@ impl RigPlant {
         sum
     }
 
-    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide
-    /// ball joints.
+    /// Makes a hand guide a dof; `None` releases it. Returns whether a hand can guide this dof: hands cannot guide ball
+    /// joints and the free base.
     pub fn lead(&mut self, dof: usize, hand: Option<Hand>) -> bool {
         self.hands.retain(|holds| holds.grip.dof != dof);
         let Some(grip) = Grip::new(&self.mechanics, dof) else { return false };
@@ -404,8 +404,8 @@ fn along(list: &[Vec<(usize, f64)>], at: usize) -> Vec<f64> {
     list.iter().map(own).collect()
 }
 
-/// Returns the force of a stop and how it decreases with speed, or `None` if the stop does not push. A stop never
-/// pulls.
+/// Returns the force of a stop, and the decrease of the force per unit of speed. Returns `None` if the stop does not
+/// push; it never pulls.
 fn stop(
     dt_s: f64,
     stiffness: f64,

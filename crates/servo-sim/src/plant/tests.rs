@@ -10,6 +10,8 @@ use sinew_rig::description::{Drive, DriveKind};
 use sinew_rig::mechanism::{InverseDynamics, Link};
 use sinew_rig::new::arm;
 use sinew_rig::servo::Address;
+
+use crate::model::Parameters;
 use sinew_servo_bus::dynamixel::Instruction;
 
 use super::*;

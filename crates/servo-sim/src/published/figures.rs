@@ -9,7 +9,8 @@ pub(super) struct Law {
     pub(super) back_emf_nm_s: f64,
     pub(super) damping_nm_s: f64,
     pub(super) friction_nm: f64,
-    /// Friction, relative to the torque of the motor.
+    /// Friction per torque: of the motor's torque during a step, and of the sum of the motor's and the load's torque at
+    /// rest.
     pub(super) load_friction: f64,
     pub(super) inertia_kg_m2: f64,
     /// Speed of the goal, rad/s.

@@ -48,7 +48,7 @@ impl Row {
         self.simulated / self.published - 1.0
     }
 
-    /// Returns whether the value is within its tolerance.
+    /// Returns whether the value is within its tolerance, or has no tolerance.
     pub fn holds(&self) -> bool {
         let off = (self.simulated - self.expected.unwrap_or(self.published)).abs();
         self.within.is_none_or(|within| off <= within)

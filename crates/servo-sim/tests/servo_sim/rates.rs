@@ -13,8 +13,9 @@ use sinew_servo_sim::supply::Supply;
 const TURNAROUND_US: u32 = 5;
 const TICKS: u32 = 20;
 
-/// Returns the wire time of a tick with `servos` XL330, us: all are written and read, plus the supply of one servo. It
-/// is computed from the bytes on the wire and the pauses of the servos, independently of the schedule.
+/// Returns the wire time of a tick with `servos` XL330, us: all servos are written and read, and the supply voltage of
+/// one servo is read. The time is computed from the bytes on the wire and the pauses of the servos, independently of
+/// the schedule.
 fn wire_us(servos: u8, baud: u32, fast: bool) -> f64 {
     let kind = Parameters::built_in("XL330-M288-T").unwrap();
     let mut memory = vec![[0; MEMORY_LEN]; servos.into()];

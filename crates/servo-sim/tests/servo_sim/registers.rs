@@ -1,5 +1,5 @@
-//! For each register of each simulated table: whether it is simulated, kept without an effect, or refused. Each is
-//! found by trying: values are written over the bus, and motion, answers and all other registers are compared.
+//! Finds out, for each register of each simulated table, whether the register is simulated, kept without an effect, or
+//! refused. The test writes values over the bus, and compares motion, answers and all other registers.
 //! `INSTA_UPDATE=always` with this test writes `docs/simulated-registers.md`.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,7 +13,7 @@ use sinew_servo_sim::load::Arm;
 use sinew_servo_sim::model::Parameters;
 use sinew_servo_sim::registers::RegisterTable;
 
-/// Kinds of servo, by protocol: those with physics, one of each table.
+/// Kinds of Dynamixel with physics, one for each register table. The next constant contains those of Feetech.
 const DYNAMIXEL: [&str; 4] = ["XL330-M288-T", "XL430-W250-T", "XM430-W350-T", "MX-64"];
 const FEETECH: [&str; 1] = ["STS3215-7.4V"];
 
@@ -26,7 +26,7 @@ const KEPT: [(&str, &str); 6] = [
     ("Velocity Limit", "no goal is above it"),
     ("Registered Instruction", "a flag"),
 ];
-/// Registers of which some values are refused, and what a real servo does with them.
+/// Registers of which some values are refused: name, and the refused values with their meaning in a real servo.
 const REFUSED: [(&str, &str); 12] = [
     ("Drive Mode", "bit 1, the slave of a dual joint"),
     ("Protocol Type", "all but 2: other protocols"),
@@ -42,7 +42,7 @@ const REFUSED: [(&str, &str); 12] = [
     ("Operating Mode", "3: steps"),
 ];
 
-/// The reason of a register that neither list has.
+/// Reason that the page shows for a register that is in neither list.
 const UNEXPLAINED: &str = "nobody knows";
 
 /// A sequence of a mode, registers and goals.
@@ -55,7 +55,7 @@ struct Script {
     time_s: f64,
 }
 
-/// A light arm, and a wall.
+/// A light arm. The next constant is an arm that is too heavy to move.
 const LIGHT: Arm = Arm { inertia_kg_m2: 5e-4, ..REST };
 const WALL: Arm = Arm { inertia_kg_m2: 1e4, ..REST };
 const REST: Arm = Arm {
@@ -99,7 +99,7 @@ struct Bench<'m> {
 }
 
 impl Bench<'_> {
-    /// Sends a packet to an id, and notes the answer.
+    /// Reads a register of the servo with this id, or writes `value` to it, and notes the answer.
     fn ask(&mut self, id: u8, item: &Item, value: Option<i32>) {
         let bytes = item.bytes(value.unwrap_or(0), ByteOrder::Little);
         let data = &bytes[..usize::from(item.size)];
@@ -154,13 +154,14 @@ fn feetech(id: u8, body: &[u8]) -> Vec<u8> {
 #[derive(PartialEq)]
 struct Seen {
     trace: Vec<i64>,
-    /// Values of all registers at times.
+    /// Values of all registers, at several times during the script.
     registers: Vec<Vec<i32>>,
     /// Whether the register that was tried holds the value.
     is_taken: bool,
 }
 
-/// Plays a script, with another value of a register.
+/// Plays a script. With `other`, writes this value to this register: before torque is on if it is in EEPROM, otherwise
+/// after the goals.
 fn play(kind: &str, items: &[Item], script: &Script, other: Option<(&Item, i32)>) -> Seen {
     let parameters = Parameters::built_in(kind).unwrap();
     let mut memory = [0; MEMORY_LEN];
@@ -244,7 +245,7 @@ fn play(kind: &str, items: &[Item], script: &Script, other: Option<(&Item, i32)>
     Seen { trace: bench.seen, registers, is_taken: is_taken == Some(true) }
 }
 
-/// Values to try in a register.
+/// Returns the values to try in a register.
 fn candidates(item: &Item) -> BTreeSet<i32> {
     let [least, most] = match item.range {
         Range::Between(least, most) => [least, most],
@@ -260,11 +261,11 @@ enum Fate {
     Simulated,
     Kept,
     Refused,
-    /// Read-only, and the same all the time.
+    /// The register is read-only, and its value never changes.
     Constant,
 }
 
-/// Finds the fate of each register of a kind.
+/// Finds out for each register of a kind whether it is simulated, kept, refused or constant.
 fn fates(kind: &str) -> BTreeMap<(u16, &'static str), Fate> {
     let table = RegisterTable::of(kind).unwrap();
     let (items, is_feetech): (Vec<Item>, bool) = match table {
@@ -312,7 +313,7 @@ fn fates(kind: &str) -> BTreeMap<(u16, &'static str), Fate> {
     fates
 }
 
-/// Returns the rows of a protocol.
+/// Returns the section of the page for the kinds of a protocol.
 fn section(title: &str, kinds: &[&str]) -> String {
     let mut all: BTreeMap<(u16, &str), Fate> = BTreeMap::new();
     for kind in kinds {

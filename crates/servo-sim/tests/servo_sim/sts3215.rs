@@ -29,7 +29,8 @@ impl<'m> Bench<'m> {
         Self(Servo::new(&kind, 1, memory).unwrap())
     }
 
-    /// Sends an instruction and returns the answer. The codec would refuse what a controller must not do by accident.
+    /// Sends an instruction and returns the answer. Does not use the codec, which refuses what a controller must not do
+    /// by accident.
     fn ask(&mut self, instruction: u8, parameters: &[u8]) -> Vec<u8> {
         let length = u8::try_from(parameters.len() + 2).unwrap();
         let mut packet = vec![0xFF, 0xFF, 1, length, instruction];

@@ -20,7 +20,7 @@ const MOVES: i32 = 3;
 /// Step by which the torque limit grows every [`RAMP`] until the servo creeps, as a part of the full torque.
 const RAMP_PART: f64 = 0.005;
 const RAMP: Duration = Duration::from_millis(8);
-/// Maximum torque that friction may take, as a part of the full torque.
+/// Maximum torque for friction, in addition to that for gravity, as a part of the full torque.
 const MOST_CREEP: f64 = 0.4;
 /// Maximum time to brake, with as much torque as the tap itself.
 const MOST_BRAKE: Duration = Duration::from_millis(400);
@@ -50,7 +50,8 @@ struct Registers {
     present: Item,
     /// Limit of the torque.
     limit: Item,
-    /// Present maximum of the limit, and its value for the full torque, counts.
+    /// Maximum value of the limit that the servo allows. The next field is the value for the full torque. Both are in
+    /// counts.
     most: i32,
     full: f64,
     /// Position gain before and during the test; `None` if it does not change.
@@ -322,7 +323,8 @@ fn position<E: Exchange>(
     Ok(now)
 }
 
-/// Taps once: creeps, steps, and returns. The result is the tap, and the maximum distance in counts.
+/// Taps once: lets the servo creep, makes the step of torque, and moves the servo back to its start. Returns the tap,
+/// and the maximum distance from the start, in counts.
 fn one<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,
@@ -402,7 +404,8 @@ fn creep<E: Exchange>(
     }
 }
 
-/// Brakes, returns gently, and waits until the servo rests. Returns the maximum distance, in counts.
+/// Brakes, moves back to the start with little torque, and waits until the servo rests. Returns the maximum distance
+/// from the start, in counts.
 fn back<E: Exchange>(
     guard: &mut Guard<'_, E>,
     registers: &Registers,

@@ -9,7 +9,7 @@ use crate::{Client, Exchange, ServiceError, Servo, Table};
 
 /// Minimum interval of readings: the servo's own program does not measure faster.
 const PERIOD: Duration = Duration::from_micros(700);
-/// Realtime Tick of a Dynamixel, in ms, starts again at 0 after this number of counts.
+/// Number of counts, in ms, after which the register Realtime Tick of a Dynamixel starts again at 0.
 const TICKS: i32 = 32_768;
 
 /// The clock that times the readings of a servo.
@@ -37,7 +37,7 @@ impl Clock {
         })
     }
 
-    /// Reads as fast as line and servo allow.
+    /// Reads until the time `end`, as fast as line and servo allow, and appends the measurements that are new.
     pub(super) fn read_until<E: Exchange>(
         &self,
         client: &mut Client<E>,

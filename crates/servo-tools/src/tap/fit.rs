@@ -1,8 +1,8 @@
 //! Fits stiffness and damping to recorded taps, by least squares (Levenberg and Marquardt).
 //!
-//! All taps share stiffness, damping, drag and torque. Each tap also has its own numbers: position and speed of the
-//! shaft, windup of the gear and its speed, remaining torque, and time of the step. A tap's own numbers are eliminated
-//! before the shared numbers are solved.
+//! All taps share stiffness, damping, drag, torque, and a delay of the step. Each tap also has its own numbers:
+//! position and speed of the shaft, windup of the gear and its speed, remaining torque, and an additional delay of the
+//! step. A tap's own numbers are eliminated before the shared numbers are solved.
 
 use nalgebra::{SMatrix, SVector};
 

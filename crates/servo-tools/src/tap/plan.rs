@@ -35,7 +35,8 @@ pub(super) struct Plan {
     pub(super) gravity_part: f64,
     /// Minimum friction at the shaft, N m.
     friction_nm: f64,
-    /// Minimum time of creeping before the acceleration, s.
+    /// Time from the first motion of creeping to the acceleration, in which the teeth come to rest on each other, s; up
+    /// to twice as long in a tap.
     pub(super) meet_s: f64,
     /// Time of the acceleration before the step, s.
     pub(super) preload_s: f64,
@@ -51,16 +52,16 @@ pub(super) struct Plan {
 
 /// Torque of the acceleration before the step, as a part of the full torque.
 const PRELOAD: f64 = 0.1;
-/// Time of creeping, in expected periods, limited to the times [`MEET_S`], s.
+/// Minimum time for the teeth to come to rest: this many expected periods, within the bounds [`MEET_S`], s.
 const MEET_PERIODS: f64 = 2.0;
 const MEET_S: [f64; 2] = [0.04, 0.15];
-/// Time of the acceleration, in expected periods, limited to the times [`PRELOAD_S`], s.
+/// Duration of the acceleration: this many expected periods, within the bounds [`PRELOAD_S`], s.
 const PRELOAD_PERIODS: f64 = 1.5;
 const PRELOAD_S: [f64; 2] = [0.03, 0.15];
-/// Time of reading before the step, in expected periods, limited to the times [`BEFORE_S`], s.
+/// Duration of reading before the step: this many expected periods, within the bounds [`BEFORE_S`], s.
 const BEFORE_PERIODS: f64 = 0.8;
 const BEFORE_S: [f64; 2] = [0.02, 0.06];
-/// Time of reading after the step, in expected periods, limited to the times [`WINDOW_S`], s.
+/// Duration of reading after the step: this many expected periods, within the bounds [`WINDOW_S`], s.
 const WINDOW_PERIODS: f64 = 2.7;
 const WINDOW_S: [f64; 2] = [0.03, 0.2];
 /// Position error at which a servo gives its full torque, rad. Its gain is raised for this if possible.
@@ -82,7 +83,8 @@ const SURE_FRICTION: f64 = 0.5;
 const VARIES: f64 = 0.2;
 
 impl Plan {
-    /// Creates a plan. For a servo that rests with torque off, gravity is at most what its friction holds.
+    /// Creates a plan. The torque of gravity on a servo that rests with torque off is limited to its friction, which
+    /// holds the load.
     pub(super) fn new(model: &ServoModel, settings: &Settings, was_on: bool) -> Self {
         let (joint, full_nm) = believed(model, &settings.load);
         let friction_nm = model.friction_nm.value;

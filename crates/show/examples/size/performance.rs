@@ -19,7 +19,8 @@ pub(crate) const CHANNELS: usize = 20;
 pub(crate) const RATE: Rate = Rate { samples: 120, seconds: 1 };
 const RATE_HZ: f64 = 120.0;
 pub(crate) const SECONDS: f64 = 600.0;
-/// Duration of the transition from the end of a clip to the start of the next. It counts in bytes, not in time.
+/// Duration of the transition from the end of a clip to the start of the next. The size contains its bytes; the 10
+/// minutes do not contain its time.
 const BETWEEN_S: f64 = 0.5;
 
 /// Returns the samples of a [`performance`] as the motion of a rig of revolute joints.
@@ -67,7 +68,8 @@ pub(crate) fn performance(cmu: &Path, class: &str) -> Result<Vec<f64>, Box<dyn E
     Ok((0..count).flat_map(|k| channels.iter().map(move |channel| channel[k])).collect())
 }
 
-/// Returns a quintic from one value and slope to another, with zero accelerations.
+/// Appends the samples between two clips: a quintic from one value and slope (per sample) to another, with zero
+/// accelerations at both ends.
 fn bridge(to: &mut Vec<f64>, p0: f64, v0: f64, p1: f64, v1: f64, count: usize) {
     let n = count as f64;
     for k in 1..count {
@@ -83,7 +85,8 @@ fn bridge(to: &mut Vec<f64>, p0: f64, v0: f64, p1: f64, v1: f64, count: usize) {
     }
 }
 
-/// Returns a low-passed clip, and its joints without a flip: no rig should follow a fault of a recording.
+/// Returns a low-passed clip, and the indices of its joints that never flip. A flip is a fault of the recording, which
+/// no rig should follow.
 fn read(file: &Path, skip_first: bool) -> Result<(Clip, Vec<usize>), Box<dyn Error>> {
     let mut recording = format::read(file)?.in_metres(1.0);
     if skip_first {

@@ -6,8 +6,8 @@ const SMOOTHING: f64 = 1e-10;
 /// than samples, and if spans are short and samples noisy, a curve could swing out between the samples.
 const AT_ENDS: (usize, f64) = (3, 1e-4);
 
-/// The weights of control values 1 to 4 of six knots between knots 2 and 3, as cubics of the distance from knot 2, by
-/// power.
+/// Between knots 2 and 3 of six, the curve is a cubic of the distance from knot 2. For each of its powers, 0 to 3: the
+/// weights of control values 1 to 4 in the coefficient.
 struct Weights([[f64; 4]; 4]);
 
 impl Weights {

@@ -29,7 +29,8 @@ impl Errors {
     }
 }
 
-/// Measures the errors of a show at its samples.
+/// Measures the errors of a show at its samples: of angles and rotations in rad, and of displacements in m. Refuses an
+/// error beyond its bound.
 pub(super) fn measure(
     bytes: &[u8],
     motion: &Motion<'_>,

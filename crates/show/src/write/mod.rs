@@ -47,7 +47,7 @@ pub struct Written {
 /// Writes a show of a motion, with few knots for the given error bounds.
 ///
 /// # Errors
-/// [`WriteError`] with the invalid part of the motion or the settings.
+/// [`WriteError`] with the invalid part of the motion or the settings, or as in [`Writer::write`].
 pub fn write(motion: &Motion<'_>, settings: &Settings) -> Result<Written, WriteError> {
     Writer::new(*motion, *settings)?.write()
 }
@@ -64,15 +64,15 @@ pub struct Writer<'a> {
     ties: Vec<ShowTie>,
 }
 
-/// A joint of one coordinate that follows another joint of one: `value = factor · leader + offset`, rad or m. Its curve
-/// is that of the leader.
+/// A joint of one coordinate that follows another such joint, the leader: `value = factor · leader + offset`, rad or m.
+/// It gets the leader's knots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ShowTie {
     /// Index of the joint that follows.
     pub joint: usize,
     /// Index of the joint that it follows, which follows none.
     pub leader: usize,
-    /// Motion of the follower for a motion of the leader, not zero.
+    /// Motion of the follower per motion of the leader; not zero.
     pub factor: f64,
     /// Position of the follower with the leader at zero.
     pub offset: f64,
@@ -120,7 +120,7 @@ impl<'a> Writer<'a> {
         Ok(Self { motion, settings, length, block, joints, ties: Vec::new() })
     }
 
-    /// Ties joints to others, whose curves they get. The error bound holds for leaders and followers.
+    /// Ties joints to leaders: a tied joint follows its leader's curve. Leaders and followers keep the error bound.
     pub fn tie(&mut self, ties: impl IntoIterator<Item = ShowTie>) {
         let count = self.motion.q.len() / per_sample(&self.motion);
         for tie in ties {
@@ -200,7 +200,7 @@ impl<'a> Writer<'a> {
         Ok(Written { bytes: parts.bytes(timing)?, angles, lengths, knots })
     }
 
-    /// Recomputes the channels that do not fulfil the requested shares.
+    /// Recomputes the channels that do not fulfil the requested shares, and those of the joints that follow them.
     fn refine(&mut self, longest: i32, blocks: i32) -> Result<(), WriteError> {
         let Self { motion, settings, block, .. } = *self;
         let per_sample = per_sample(&motion);
@@ -259,7 +259,8 @@ impl Channel {
 
     /// Returns the curve of a joint that follows this one: the same knots, with steps of another size.
     fn tied(&self, tie: &ShowTie) -> Refined {
-        /// Largest share of the control values for an offset: with a smaller step, an offset needs more.
+        /// Maximum offset in steps: a quarter of the largest control value. If the follower's step is so small that its
+        /// offset exceeds this, the step is made larger.
         const OFFSET_STEPS: f64 = 0.25 * LARGEST_CONTROL as f64;
         let own = f64::from(self.record.step) * tie.factor.abs();
         // A step that is too small for the offset is coarsened by a whole number, which rounds the curve.

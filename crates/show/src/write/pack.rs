@@ -124,7 +124,7 @@ pub(super) fn streams(
         .collect()
 }
 
-/// Returns the parameters of a channel that give the fewest bits.
+/// Returns the parameters of a channel: of the tried ones, those that give the fewest bits.
 pub(super) fn record(
     curve: &Curve,
     step: f32,

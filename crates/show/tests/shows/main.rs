@@ -7,4 +7,5 @@ mod nearer;
 mod round_trip;
 mod run_in;
 mod second_reader;
+mod sound;
 mod tied;

@@ -197,7 +197,7 @@ proptest! {
     }
 }
 
-/// At every sample, and therefore at every knot and every block border.
+/// Checks every sample, and therefore every knot and every block border.
 #[test]
 fn accelerations_have_no_steps() {
     let joints = vec![Joint::Revolute, Joint::Spherical, Joint::Prismatic];

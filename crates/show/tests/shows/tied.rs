@@ -6,7 +6,7 @@ use sinew_show::{Joint, Player, Position, Rate, Show};
 
 const SAMPLES: usize = 400;
 
-/// Positions of a leader: three waves.
+/// Returns the leader's position at a sample: a sum of three waves.
 fn leader(sample: usize) -> f64 {
     let wave = |period: f64, size: f64| size * (sample as f64 / period).sin();
     wave(60.0, 0.6) + wave(23.0, 0.2) + wave(9.0, 0.03)

@@ -100,7 +100,7 @@ fn the_only_ones_that_are_damaged_are_missed() {
     assert_eq!((damaged(&mut store), stored(&mut store, Kind::Settings)), ([true, false], None));
 }
 
-/// An upload that was given up, or interrupted before its seal, has no effect.
+/// An upload that a power cut interrupts before its seal is not reported as damage.
 #[test]
 fn what_was_never_sealed_is_not_missed() {
     let mut base = two(Kind::Settings, [b"old", b"older"]);

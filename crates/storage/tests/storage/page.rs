@@ -11,7 +11,7 @@ const F446: BoardTable = BoardTable::NUCLEO_F446RE;
 /// Maximum length of a controller's settings, in bytes.
 const SETTINGS_LEN: u32 = 512;
 
-/// Bytes of a ten-minute show, from `docs/show-format.md`.
+/// Returns the length of a ten-minute show, in bytes, from a row of `docs/show-format.md`.
 fn ten_minutes(motion: &str) -> f32 {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/show-format.md");
     let page = std::fs::read_to_string(path).unwrap();

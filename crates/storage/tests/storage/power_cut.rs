@@ -45,7 +45,8 @@ fn cut(name: &str, start: &MockFlash, operation: impl Fn(&mut Flash<'_>, &Disarm
     is_on_page(&[format!("| {name} | {} | {after} |", whole.steps * 3)]);
 }
 
-/// After the cut, records faults without an erase, and repeats the operation.
+/// Checks a store after the cut: it can be tidied and has the items that were found; the operation, if it had no
+/// effect, can be repeated; and a fault can be recorded.
 fn check_usable(
     flash: &mut MockFlash,
     found: &Everything,

@@ -16,7 +16,7 @@ fn crc(bytes: &[u8]) -> u32 {
     })
 }
 
-/// A used store: its items, and all items it ever had.
+/// Returns the flash of a used store, and the contents of all items that were ever written to it.
 fn used() -> (MockFlash, Vec<Vec<u8>>) {
     let mut flash = MockFlash::new(&SMALL);
     let (mut store, disarmed) = Store::open(&mut flash, SMALL).unwrap();

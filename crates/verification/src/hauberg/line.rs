@@ -106,7 +106,8 @@ impl Line {
         self.steps().fold(Number::ZERO, |sum, step| sum + step * step)
     }
 
-    /// Returns the gradient of the energy at a point: by motions in body axes, and by rotation vectors.
+    /// Returns the gradient of the energy at a point: with respect to joint rotations in body axes, and with respect to
+    /// rotation vectors.
     pub(super) fn gradient(&self, case: &Case, point: usize) -> [Vec<Vector>; 2] {
         let [before, at, after] = [point - 1, point, point + 1].map(|k| &self.places[k]);
         let count = at.len();

@@ -1,4 +1,5 @@
-//! Inverse dynamics by the recursive Newton-Euler algorithm, and columns of the mass matrix with it.
+//! Inverse dynamics by the recursive Newton-Euler algorithm; the mass matrix by that algorithm, column by column, and
+//! by the composite-rigid-body algorithm.
 
 use sinew_core::JointKind;
 

@@ -125,7 +125,7 @@ impl Number {
     }
 }
 
-/// Returns the largest power of two that is not above a number; 0 for 0.
+/// Returns the largest power of two that is not above the magnitude of a number; 0 for 0.
 #[inline]
 fn power_of_two_below(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)

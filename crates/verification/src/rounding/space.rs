@@ -165,7 +165,8 @@ impl Rotation {
         DQuat::from_xyzw(v.x, v.y, v.z, self.w.exact())
     }
 
-    /// Returns the limit of the angle's error: twice the vector part of a small rotation.
+    /// Returns the limit of the angle's error: twice that of the quaternion, because a small angle is twice the length
+    /// of the vector part.
     pub fn limit(&self) -> f64 {
         2.0 * self.v.limit().hypot(self.w.limit())
     }

@@ -184,7 +184,8 @@ impl BodyCheck<'_> {
         }
     }
 
-    /// Checks the desired orientation after compensation, derived from the error.
+    /// Checks the desired orientation after compensation, derived from the error; with full compensation also its turn
+    /// and the error of the tip. Checks nothing if the directions are opposite.
     fn check_turned(&self, case: &Case, body: usize, arm_m: DVec3, tallies: &mut Tallies) {
         if self.opposite() {
             return;

@@ -167,6 +167,7 @@ pub(crate) fn dynamixel_device() {
     let mut device = black_box(Device::<300>::new(table, black_box(1), slice_mut()));
     device.pass_time(black_box(1));
     device.memory_mut().set(black_box(1), black_box(1));
+    device.memory_mut().restrict(slice());
     black_box((device.memory().get(black_box(1)), device.memory().torque_is_on()));
     black_box(device.memory().table());
     black_box((device.baud(), &device.next_event()));
@@ -221,11 +222,13 @@ pub(crate) fn feetech_packets() {
 pub(crate) fn feetech_device() {
     use feetech::{Device, Table};
     let Some(table) = Table::of(black_box("")) else { return };
+    let table = black_box(table.with_phase(black_box(1)));
     item(table.at(black_box(1)));
     item(table.named(black_box("")));
     item(table.items().last());
     let mut device = black_box(Device::new(table, black_box(1), slice_mut()));
     device.set(black_box(1), black_box(1));
+    device.restrict(slice());
     black_box((device.get(black_box(1)), device.baud(), &device.next_event(), &device.table()));
     exchange(&mut [device]);
 }

@@ -94,7 +94,7 @@ fn of(instruction: &Instruction) -> u64 {
     }
 }
 
-/// Whether an instruction loads or stores at most one word.
+/// Returns whether an instruction loads or stores at most one word.
 fn is_single_access(instruction: &Instruction) -> bool {
     let operation = instruction.operation.as_str();
     let is_word = is_any(operation, &["ldr", "str", "vldr", "vstr"])

@@ -22,7 +22,7 @@ pub(crate) struct Promise {
     figure: String,
     /// Bound of the figure; if `times` is given, as a multiple of that figure.
     at_most: f64,
-    /// Key of the figure of which the bound is a multiple.
+    /// Key of the figure of which the bound is a multiple; `None` if the bound is a number of its own.
     times: Option<String>,
     /// Reason for the bound.
     reason: String,

@@ -81,7 +81,7 @@ const MEASURED: [Measured; 6] = [
         sizes: &["20"],
         hashes: || Ok(sinew_bench::show::hashes()?.to_vec()),
     },
-    // The tests of the crate `bus` check the results of this code; here only its instructions are counted.
+    // Tests of the crates check the results of this code; here only its instructions are counted.
     Measured { image: BUS, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
     Measured { image: DRIVES, callers: &[], sizes: &["18"], hashes: || Ok(Vec::new()) },
     Measured {

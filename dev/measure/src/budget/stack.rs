@@ -96,7 +96,8 @@ fn immediate(operands: &str) -> Option<u64> {
 /// Returns the deepest stack from `root`.
 ///
 /// # Errors
-/// If a function on the path recurs or calls through a pointer: then there is no bound.
+/// If a function that can be reached recurs, calls through a pointer, or calls an address without a function: then
+/// there is no bound.
 pub(crate) fn deepest(elf: &Elf, frames: &Frames, root: usize) -> Result<Depth> {
     Search { elf, frames, pointers: &[], known: BTreeMap::new() }.depth(root, &mut Vec::new())
 }
@@ -134,7 +135,7 @@ const EXCEPTION_BYTES: u64 = 26 * 4 + 4;
 struct Search<'a> {
     elf: &'a Elf,
     frames: &'a Frames,
-    /// Possible targets of a pointer; if empty, any function.
+    /// Possible targets of a pointer. If empty, a call through a pointer is an error.
     pointers: &'a [usize],
     known: BTreeMap<usize, Depth>,
 }

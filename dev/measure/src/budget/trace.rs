@@ -161,7 +161,7 @@ impl<R: BufRead> Log<R> {
                 let address = address.and_then(|address| u64::from_str_radix(address, 16).ok());
                 translated.push(address.with_context(|| format!("QEMU's log: {line}"))?);
             } else if let Some(first) = translated.first() {
-                // Address after the last instruction of a block.
+                // The line after the last instruction of a block.
                 self.blocks.insert(*first, std::mem::take(&mut translated));
             }
             if line.starts_with("qemu") {

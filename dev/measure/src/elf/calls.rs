@@ -108,7 +108,7 @@ pub(super) fn of_callers(
     (!found.is_empty()).then_some(found)
 }
 
-/// Whether an instruction jumps to the address in a register, and is neither a return nor a jump table.
+/// Returns whether an instruction jumps to the address in a register, and is neither a return nor a jump table.
 fn jumps_to_a_register(instruction: &Instruction) -> bool {
     instruction.operation == "bx" && instruction.operands != "lr"
 }

@@ -78,7 +78,7 @@ fn named(file: &File<'_>, section: SectionIndex) -> Result<BTreeMap<u64, Symbols
     Ok(named)
 }
 
-/// Whether a symbol marks the kind of content at its address (ELF for the Arm Architecture, mapping symbols).
+/// Returns whether a symbol marks the kind of content at its address (ELF for the Arm Architecture, mapping symbols).
 fn is_mapping(name: &str) -> bool {
     ["$a", "$t", "$d"].iter().any(|kind| {
         name.strip_prefix(kind).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))

@@ -45,7 +45,7 @@ impl Eraser {
         Some(sector)
     }
 
-    /// Ends the erase when `FLASH_SR` reports its end. Returns the sector.
+    /// Ends the erase when `FLASH_SR` reports its end. Returns the erased sector, or `None` if no erase has ended.
     pub fn end(&mut self, sr: u64, host: &mut dyn Host) -> Option<usize> {
         if sr & BSY != 0 {
             return None;
@@ -61,7 +61,7 @@ impl Eraser {
         self.sector = None;
     }
 
-    /// Whether an erase is in progress: the core stops.
+    /// Returns whether an erase is in progress; the core stands still until it ends.
     pub fn is_busy(&self) -> bool {
         self.sector.is_some()
     }

@@ -33,7 +33,7 @@ impl Wire {
         self.to_say.push_back((from_ns, bytes.into()));
     }
 
-    /// Returns the start of the next burst that has not begun.
+    /// Returns the start of the next burst that has not begun, or `None`.
     pub fn next_ns(&self, now_ns: u64) -> Option<u64> {
         self.to_say.iter().map(|(from_ns, _)| *from_ns).find(|from_ns| *from_ns > now_ns)
     }

@@ -38,7 +38,7 @@ pub(super) struct TwoClassesArgs {
 }
 
 impl TwoClassesArgs {
-    /// Whether this is a short test on built-in clips.
+    /// Returns whether this is a short test on built-in clips.
     pub(super) const fn is_quick(&self) -> bool {
         self.recordings.data.quick
     }

@@ -122,7 +122,8 @@ pub(super) fn read(folder: &Path) -> Result<Vec<Row>, DataError> {
     Ok(rows)
 }
 
-/// Returns every trial of a subject once, preferring thinned recordings; sorted by file.
+/// Returns each trial of each subject once, sorted by file. If a trial has several recordings, the one with the lowest
+/// frame rate is kept.
 pub(super) fn trials_once(mut rows: Vec<Row>) -> Vec<Row> {
     rows.sort_by(|a, b| (a.fps.total_cmp(&b.fps)).then_with(|| a.file.cmp(&b.file)));
     let mut seen = BTreeSet::new();

@@ -1,4 +1,4 @@
-//! Detector of a servo that does not follow its target.
+//! Detector of a dof that does not follow its target.
 
 use super::check_dt;
 use crate::SettingError;
@@ -21,7 +21,7 @@ impl Default for FollowingSettings {
     }
 }
 
-/// Detects a servo that is too far from its target for too long. O(1).
+/// Detects a dof that is too far from its target for too long. O(1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Following {
     settings: FollowingSettings,
@@ -46,8 +46,8 @@ impl Following {
         self.ticks = 0;
     }
 
-    /// Checks a tick in which torque is on. `error_rad` is the commanded minus the measured position at the same
-    /// time.
+    /// Checks a tick in which torque is on, and returns the fault, if any. `error_rad` is the commanded minus the
+    /// measured position at the same time.
     pub fn step(&mut self, error_rad: f32) -> Option<Fault> {
         if !error_rad.is_finite() {
             return Some(Fault::NotFinite);

@@ -12,8 +12,8 @@ pub struct HeatSettings {
     pub warn_c: f32,
     /// Above this temperature the effort is reduced, degC.
     pub derate_c: f32,
-    /// A fault starts at this temperature, degC. A drive's own [`CutOff`](crate::drives::CutOff) begins at this
-    /// temperature at the earliest.
+    /// A fault starts at this temperature, degC. A drive's own [`CutOff`](crate::drives::CutOff) must begin at this
+    /// temperature or above it.
     pub off_c: f32,
 }
 

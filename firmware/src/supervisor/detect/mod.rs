@@ -2,15 +2,16 @@
 //!
 //! | detector | one for each | default |
 //! | --- | --- | --- |
-//! | [`Following`] | servo | 15 deg for 0.2 s |
-//! | [`Supply`] | branch of the supply | reduced below 85 % of the recommended voltage, after a filter of 0.1 s |
+//! | [`Following`] | dof | 15 deg for 0.2 s |
+//! | [`Supply`] | servo | reduced below 85 % of the recommended voltage, after a filter of 0.1 s |
 //! | [`Heat`] | servo | reduced above 60 degC, minimum 5 degC below its limit |
 //! | [`Winding`] | servo with a current | 30 % of the stall current without time limit; 20 s winding, 600 s case |
 //! | [`Silence`] | servo | 5 replies missed in a row |
 //! | [`Overrun`] | rig | more than 3 ticks in 500 |
-//! | [`Swing`] | joint | 0.15 deg rms above about 12 Hz, and 3 % of its maximum effort: a warning, not a fault |
+//! | [`Swing`] | dof | 0.15 deg rms above about 12 Hz, and 3 % of its maximum effort: a warning, not a fault |
 //!
-//! A NaN or infinite input is a fault at once, [`Fault::NotFinite`], and does not change the detector.
+//! A NaN or infinite input is a fault at once, [`Fault::NotFinite`], and does not change the detector. [`Swing`]
+//! reports no fault: such an input resets its measurement.
 //!
 //! When a detector finds a fault, [`LEAST_SHARE`] of the effort is left: the reaction decides how the rig is lowered,
 //! and a servo without effort would let it fall.
@@ -73,7 +74,8 @@ impl Derated {
     const NOT_FINITE: Self =
         Self { share: 0.0, reason: Some(Concern::NotFinite), fault: Some(Fault::NotFinite) };
 
-    /// Returns the stricter of two results.
+    /// Combines two results: the smaller share, with the reason and the fault of the stricter result, or those of the
+    /// other result if it has none.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         let (less, more) = if other.share < self.share { (other, self) } else { (self, other) };

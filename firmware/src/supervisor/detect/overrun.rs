@@ -43,7 +43,7 @@ impl Overrun {
         Ok(Self { settings, level: 0, count: 0 })
     }
 
-    /// Counts a tick. `is_late` is whether the last tick took too long.
+    /// Counts a tick, and returns the fault, if any. `is_late` is whether the last tick took too long.
     pub fn step(&mut self, is_late: bool) -> Option<Fault> {
         let OverrunSettings { most, window } = self.settings;
         self.level = self.level.saturating_sub(most);

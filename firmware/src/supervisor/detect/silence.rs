@@ -27,7 +27,8 @@ impl Silence {
         Ok(Self { most: missed })
     }
 
-    /// Checks a tick. `missed_in_a_row` is [`Health::missed_in_a_row`](sinew_servo_bus::Health::missed_in_a_row).
+    /// Checks a tick, and returns the fault, if any. `missed_in_a_row` is
+    /// [`Health::missed_in_a_row`](sinew_servo_bus::Health::missed_in_a_row).
     pub fn step(&self, missed_in_a_row: u32) -> Option<Fault> {
         (missed_in_a_row >= self.most).then_some(Fault::ServoSilent)
     }

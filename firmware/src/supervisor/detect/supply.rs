@@ -78,7 +78,7 @@ impl Supply {
         Derated::by(volts, [warn_v, derate_v, low_v], Concern::SupplyLow, Fault::SupplyLow)
     }
 
-    /// Returns the filtered voltage, V.
+    /// Returns the filtered voltage, V, or `None` before the first reading.
     pub fn filtered_v(&self) -> Option<f32> {
         self.filtered_v
     }

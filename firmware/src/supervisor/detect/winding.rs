@@ -4,8 +4,9 @@ use super::{Concern, Derated, check_dt};
 use crate::SettingError;
 use crate::supervisor::Fault;
 
-/// Heat at which a warning starts, and heat above which the effort is reduced; the fault is at 1.
+/// Heat at which a warning starts. The fault is at 1.
 const WARN: f32 = 0.8;
+/// Heat above which the effort is reduced.
 const DERATE: f32 = 0.9;
 
 /// Thermal limits of a motor.
@@ -99,7 +100,7 @@ impl Winding {
 mod tests {
     use super::*;
 
-    /// Returns the seconds until a current is a fault, up to an hour.
+    /// Returns the seconds until a current is a fault, or `None` if it is not within an hour.
     fn lasts_s(current_a: f32, dt_s: f32) -> Option<f32> {
         let mut winding = Winding::new(WindingSettings::of_stall(1.0), dt_s).unwrap();
         let mut at_s = (1_u32..).map(|tick| tick as f32 * dt_s).take_while(|at| *at < 3600.0);

@@ -29,7 +29,7 @@ impl Findings {
         self.present
     }
 
-    /// Returns the servo for which a fault was added.
+    /// Returns the servo for which a fault was added, or `None` if the fault belongs to no servo.
     pub fn servo(&self, fault: Fault) -> Option<u16> {
         let mut named = Fault::ALL.into_iter().zip(self.servos);
         named.find(|(of, _)| *of == fault).and_then(|(_, servo)| servo)

@@ -58,14 +58,15 @@ impl<const K: usize> FaultLog<K> {
         self.since = self.since.saturating_add(1);
     }
 
-    /// Records that faults were cleared: the next fault becomes the first. Until then the stored one stays.
+    /// Records that faults were cleared: the next fault becomes the first. Until then the log keeps the previous first
+    /// fault.
     pub fn clear(&mut self) {
         self.since = 0;
         self.clears = self.clears.wrapping_add(1);
     }
 
-    /// Returns the first fault since faults were cleared. Until one occurs, returns the first fault before they were
-    /// cleared.
+    /// Returns the first fault since faults were cleared. If no fault has occurred since then, returns the previous
+    /// first fault.
     pub fn first(&self) -> Option<FaultRecord> {
         self.first
     }
@@ -75,8 +76,8 @@ impl<const K: usize> FaultLog<K> {
         self.last.iter().flatten().copied()
     }
 
-    /// Returns the records that are new compared with an earlier copy of this log, in the order in which they
-    /// occurred.
+    /// Returns the records that are new compared with an earlier copy of this log, in the order in which they occurred,
+    /// and between them the news that faults were cleared.
     pub(crate) fn news<'l>(&'l self, before: &'l Self) -> impl Iterator<Item = FaultNews> + 'l {
         let is_new = |record: &&FaultRecord| !before.last.contains(&Some(**record));
         let (since, older) = self.last.split_at_checked(self.since).unwrap_or((&self.last, &[]));

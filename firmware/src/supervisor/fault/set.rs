@@ -63,7 +63,7 @@ impl FaultSet {
         Fault::ALL.into_iter().filter(move |fault| self.contains(*fault))
     }
 
-    /// Returns the fault with the smallest number.
+    /// Returns the fault with the smallest number, or `None` if the set is empty.
     pub fn first(self) -> Option<Fault> {
         self.iter().next()
     }

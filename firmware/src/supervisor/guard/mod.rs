@@ -133,13 +133,14 @@ impl Guard {
         read.age_ticks as f32 * self.dt_s
     }
 
-    /// Returns the maximum speed of the servo, rad/s.
+    /// Returns the maximum speed of the servo, rad/s: its own, or the permitted speed if that is lower.
     fn speed(&self, permission: &Permission) -> f32 {
         let allowed = permission.speed_rad_s.map(|speed| speed * self.settings.gear);
         allowed.map_or(self.settings.speed_rad_s, |speed| speed.min(self.settings.speed_rad_s))
     }
 
-    /// Limits a goal by the last goal, the measured position and the range.
+    /// Limits a goal by the last goal, the measured position and the range. Returns the permitted position on the bus,
+    /// rad, and the reason if it was changed.
     fn position(
         &mut self,
         goal: &GoalLimits,
@@ -184,8 +185,9 @@ impl Guard {
         (goal_rad, beyond.or(reason).filter(|_| is_held))
     }
 
-    /// Limits a current or a part of the supply by the servo's last reading. `limits` returns the command with which
-    /// the servo coasts, the minimum and maximum command, and the reason for a command outside of them.
+    /// Limits a current or a part of the supply by the servo's last reading, and returns it with the reason if it was
+    /// changed. `limits` returns the command with which the servo coasts, the minimum and maximum command, and the
+    /// reason for a command outside of them.
     fn effort(
         &self,
         wanted: f32,
@@ -220,7 +222,7 @@ impl Guard {
     }
 }
 
-/// Clamps a finite value. Returns the reason if it was changed.
+/// Clamps a finite value, and returns it with `reason` if it was changed.
 fn within(value: f32, [least, most]: [f32; 2], reason: GuardReason) -> (f32, Option<GuardReason>) {
     let held = value.max(least).min(most);
     (held, ((held - value).abs() > 0.0).then_some(reason))

@@ -79,7 +79,8 @@ pub struct VoltageLimits {
 }
 
 impl VoltageLimits {
-    /// Returns the supply voltage for the computation, V.
+    /// Returns the supply voltage for the computation, V: the reported one, or else that of the settings; at least
+    /// [`LEAST_SUPPLY`] of the latter.
     fn supply(&self, told_v: Option<f32>) -> f32 {
         told_v.unwrap_or(self.supply_v).max(LEAST_SUPPLY * self.supply_v)
     }

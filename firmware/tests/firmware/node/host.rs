@@ -64,7 +64,7 @@ impl Host {
         }
     }
 
-    /// Sends a new hello.
+    /// Makes the host send a new hello in its next step.
     pub(crate) fn greet(&mut self) {
         self.nonce = self.nonce.wrapping_add(1);
         self.welcome = None;
@@ -94,14 +94,14 @@ impl Host {
         self.send(&ToController::Command(command), now_us);
     }
 
-    /// Returns bytes for the controller.
+    /// Takes `count` bytes from the line to the controller, and adds them to their hash.
     pub(crate) fn give(&mut self, count: usize) -> Vec<u8> {
         let bytes: Vec<u8> = self.there.bytes.drain(..count).collect();
         hash_of(&mut self.hashes[0], &bytes);
         bytes
     }
 
-    /// Receives bytes of the controller, and sends them as frames on the line to the host.
+    /// Adds the controller's bytes to their hash, and sends them as frames on the line to the host.
     pub(crate) fn take(&mut self, bytes: &[u8], now_us: u64) {
         hash_of(&mut self.hashes[1], bytes);
         if self.is_deaf {

@@ -184,7 +184,7 @@ pub(crate) fn check_outputs(world: &World) {
     }
 }
 
-/// Sends `frames` frames, `each` of them in a tick. Returns the number of ticks in each state.
+/// Sends `each` frames in every tick until `frames` frames have been sent. Returns the number of ticks in each state.
 fn talk(frames: u64, each: u64, arms: bool, seed: u64) -> [u32; State::COUNT] {
     let trouble = Trouble { lost: 50, twice: 50, flipped: 50, jitter_us: 5_000 };
     let mut world = World::ready(KIND, trouble, seed, &show(KIND, 4, true));

@@ -75,8 +75,9 @@ fn a_rig_that_flash_has_lost_refuses_motion() {
     assert_eq!(world.ask(Command::Arm), Outcome::Refused(Refusal::Fault(13)));
 }
 
-/// The newest settings are damaged and the previous ones are complete: no start uses the previous settings silently
-/// until somebody approves settings again, even if they are the same ones.
+/// The newest settings are damaged and the previous ones are complete. Every start then reads the previous settings,
+/// but reports a fault that prevents arming, until somebody approves settings again. These may be the same as the
+/// previous ones.
 #[test]
 fn older_settings_do_not_count_where_newer_ones_are_damaged() {
     let mut world = ready();

@@ -8,7 +8,7 @@ use super::stored::show;
 use super::test_rig::Kind;
 use super::world::World;
 
-/// Returns the seconds of silence until the rig holds, until it is lowered, and until it is faulted.
+/// Returns the seconds of silence until the rig holds, until its lowering begins, and until it is faulted.
 fn silence(world: &mut World) -> [f64; 3] {
     world.until(State::Limp, 3.0);
     // Released at its home, the arm falls: it is armed when it hangs.

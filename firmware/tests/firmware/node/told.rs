@@ -25,7 +25,7 @@ pub(crate) struct Told {
     pub(crate) lie: Lie,
     /// Address that a single servo was asked for.
     asked: Option<u16>,
-    /// Number of answers of servo 0 since it has a false position.
+    /// Number of answers of servo 0 since its position became false.
     answers: usize,
     /// Position that a runaway encoder reports, and its change since the previous answer, steps.
     runs: Option<[i32; 2]>,

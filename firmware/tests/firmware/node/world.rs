@@ -136,12 +136,13 @@ impl World {
         self.ticks * self.tick_us()
     }
 
-    /// Restarts the board with the data in flash; its clock continues, and so does the host's.
+    /// Restarts the board with the data in flash; its clock continues, and so does the host's. Returns whether the
+    /// board started.
     pub(crate) fn restart(&mut self) -> bool {
         self.restart_after(FaultSet::EMPTY)
     }
 
-    /// Restarts the board for these reasons.
+    /// Restarts the board for these reasons. Returns whether it started.
     fn restart_after(&mut self, causes: FaultSet) -> bool {
         self.starts += 1;
         self.pins.outputs = false;

@@ -212,7 +212,7 @@ fn reaction(faults: FaultSet, state: State) -> Reaction {
     asked.map_or(Reaction::Note, |(reaction, _)| *reaction)
 }
 
-/// Returns whether a mode follows the reaction that a present fault requires.
+/// Returns whether a mode that allows more than lowering follows the reaction that a present fault requires.
 fn is_followed(reaction: Reaction, mode: &Mode) -> bool {
     match reaction {
         Reaction::Note => true,

@@ -1,4 +1,5 @@
-//! All events, where faults and operators of the same kind are represented by one of them.
+//! Events for the model: every command in every situation. One fault represents all faults of its kind, two operators
+//! represent all operators, and zero, one, two or all faults are present.
 
 use sinew_firmware::supervisor::{
     Command, Event, Fault, FaultSet, Feed, Feeds, Moving, Operator, Overload, Registers, TABLE,

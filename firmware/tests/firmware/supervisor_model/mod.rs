@@ -131,7 +131,7 @@ fn a_stop_that_pulls_a_rig_out_of_hands_is_found() {
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
-/// The wire from the board is dead, and its host continues to drive the rig.
+/// With this mistake, a host would continue to drive the rig although the wire from the board is dead.
 #[test]
 fn a_host_that_acknowledges_nothing_and_drives_on_is_found() {
     let rule = mistake(|mode, event| {
@@ -172,7 +172,7 @@ fn a_deaf_host_whose_rig_is_pulled_out_of_hands_is_found() {
     assert_eq!(rule, "what is in somebody's hands goes nowhere by itself");
 }
 
-/// A rig that its servos cannot hold swings up until the supply sags.
+/// With this mistake, a rig that its servos cannot hold would be armed; it would swing up until the supply sags.
 #[test]
 fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
     let rule = mistake(|mode, event| mode.next(&Event { overload: None, ..*event }));
@@ -180,7 +180,7 @@ fn a_rig_that_is_armed_and_cannot_be_held_is_found() {
     assert_eq!(rule, expected);
 }
 
-/// The encoder of a rig that holds would be off, and no user would look.
+/// With this mistake, a rig would continue to hold with a wrong encoder, and no user would notice it.
 #[test]
 fn a_jump_that_a_rig_holds_on_with_is_found() {
     let rule = mistake(|mode, event| {
@@ -191,7 +191,8 @@ fn a_jump_that_a_rig_holds_on_with_is_found() {
     assert_eq!(rule, "no fault goes without its reaction");
 }
 
-/// The readings are believed as soon as torque is off.
+/// With this mistake, the jumped readings would be believed as soon as torque is off, without a command that clears the
+/// fault.
 #[test]
 fn a_jump_that_nobody_clears_is_found() {
     let rule = mistake(|mode, event| {

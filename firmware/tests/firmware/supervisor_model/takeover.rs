@@ -11,7 +11,7 @@ use sinew_link::message::{
 };
 use sinew_link::{Intake, Session};
 
-/// Session numbers that a program may have: of no session, of the one before, of the current one.
+/// Session numbers that a program may have: of no session, of the previous session, of the current session.
 const NUMBERS: [u16; 3] = [0, 7, 8];
 const CURRENT: u16 = NUMBERS[2];
 
@@ -29,7 +29,7 @@ const ABOUT: About = About {
     },
 };
 
-/// A rig, the program that has the session, and the session number that each of two programs was told last.
+/// A rig, the program that has the session, and the session number that each of two programs received last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 struct Desk {
     mode: Mode,
@@ -38,7 +38,7 @@ struct Desk {
 }
 
 impl Desk {
-    /// Returns the session as the link has it. It has no number of a command before.
+    /// Returns the link's session, as if no command had arrived in it before.
     fn session(&self) -> Session {
         let mut session = Session::new(CURRENT - 1);
         if let Some(holder) = self.holder {
@@ -213,7 +213,8 @@ fn mistake(rule: &str, take: impl Fn(&mut Desk, usize, Option<&Command>) -> Opti
     assert_eq!(check(take), Err(rule));
 }
 
-/// Nobody would end the way down, and a fault would be another program's.
+/// With this mistake, nobody would watch the lowering to its end, and a fault in it would be reported to another
+/// program.
 #[test]
 fn a_greeting_that_takes_over_a_rig_that_is_lowered_is_found() {
     mistake("a rig with torque stays with its program", |desk, who, said| {
@@ -225,7 +226,7 @@ fn a_greeting_that_takes_over_a_rig_that_is_lowered_is_found() {
     });
 }
 
-/// A program that is refused would command the rig of another one, with the number that it was told.
+/// With this mistake, a refused program could command another program's rig with the session number in the answer.
 #[test]
 fn an_answer_that_tells_a_live_session_s_number_is_found() {
     mistake("only the program that has the session knows its number", |desk, who, said| {
@@ -237,7 +238,7 @@ fn an_answer_that_tells_a_live_session_s_number_is_found() {
     });
 }
 
-/// A rig that somebody guides by hand would stiffen.
+/// With this mistake, a rig that somebody guides by hand would stiffen.
 #[test]
 fn a_stranger_s_hold_is_found() {
     mistake("a stranger commands nothing but an end", |desk, who, said| {
@@ -246,7 +247,7 @@ fn a_stranger_s_hold_is_found() {
     });
 }
 
-/// After a takeover, the program that had the session before would not be refused.
+/// With this mistake, the previous program would not be refused after a takeover.
 #[test]
 fn a_session_that_outlives_its_end_is_found() {
     mistake("torque comes on by the program that has the session", |desk, who, said| {

@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
 use sinew_board_client::{Board, ClientError, Line};
+use sinew_firmware::supervisor::Fault;
 use sinew_host_util::command::note;
-use sinew_link::message::{Command, Refusal, State};
+use sinew_link::message::{Command, FaultRecord, Refusal, State};
 use sinew_performance::play::RigParts;
 
 /// Longest wait for a rig to become ready to be armed.
@@ -24,7 +25,8 @@ pub(in crate::cli) fn check_rig<L: Line>(board: &Board<L>, parts: &RigParts) -> 
     Ok(())
 }
 
-/// Ends what a program that was ended left: a rig that is led by hand with torque off, and cannot be armed.
+/// Ends a state in which an ended program may have left the rig: led by hand with torque off. The rig can then be
+/// armed.
 pub(in crate::cli) fn end_by_hand<L: Line>(
     board: &mut Board<L>,
     state: State,
@@ -32,6 +34,24 @@ pub(in crate::cli) fn end_by_hand<L: Line>(
     note(format_args!("the rig was still {state}, for a program that was ended"));
     board.ask(Command::Stop)?;
     Ok(())
+}
+
+/// Clears the lost link of a program that was ended, if it is the only fault. Returns whether it was.
+pub(in crate::cli) fn clear_lost_link<L: Line>(board: &mut Board<L>) -> anyhow::Result<bool> {
+    let log = board.fault_log()?;
+    let Some(first) = log.first() else { return Ok(false) };
+    let is_since = |record: &&FaultRecord| {
+        record.start == first.start && record.time_us >= first.time_us && !record.is_warning()
+    };
+    let of_link = [Fault::LinkLate, Fault::LinkLost].map(Fault::number);
+    if !log.iter().filter(is_since).all(|record| of_link.contains(&record.fault)) {
+        return Ok(false);
+    }
+    board.ask(Command::ClearFaults)?;
+    note(format_args!(
+        "the program before was ended while it drove the rig, and the board lowered the rig: that fault is cleared"
+    ));
+    Ok(true)
 }
 
 /// Asks the board to arm its rig, and returns whether it did. With `waits`, returns `false` if the board refuses for a

@@ -1,10 +1,10 @@
-//! Timing of a board's parts: a table, in microseconds and in cycles of its processor.
+//! Timing of a board's tasks: a table, in microseconds and in cycles of its processor.
 
 use sinew_board_client::{ClientError, Line};
 use sinew_host_util::command::table;
 use sinew_link::message::{Applied, Command, Cycles, Health};
 
-/// Reads the counts since the last read. The board then starts to count from zero. Returns `None` if the board answers
+/// Reads the counts since the last read; the board then counts from zero again. Returns `None` if the board answers
 /// something else.
 ///
 /// # Errors
@@ -18,7 +18,7 @@ pub(super) fn read<L: Line>(
     }
 }
 
-/// Formats minimum, mean, maximum and jitter of each part. Returns `None` if the board counts no cycles.
+/// Formats minimum, mean, maximum and jitter of each task's time. Returns `None` if the board counts no cycles.
 pub(super) fn spreads(health: &Health) -> Option<String> {
     if health.cycles_hz == 0 {
         return None;

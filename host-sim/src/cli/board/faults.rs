@@ -9,9 +9,9 @@ use super::{BoardPort, remedy, text::fault_text};
 
 /// Print the faults that a board has stored, each with its remedy; or clear the faults.
 ///
-/// A board keeps its faults when power is lost. The first fault since the last clear is printed first, then the
-/// others, the latest first. The exit code is 1 if there are faults other than warnings. docs/faults.md explains each
-/// fault.
+/// A board keeps its faults when power is lost. The first fault since the last clear is printed first, then the others,
+/// the latest first. Without --clear, the exit code is 1 if there are faults other than warnings. docs/faults.md
+/// explains each fault.
 #[derive(Debug, clap::Args)]
 pub(super) struct FaultsArgs {
     #[command(flatten)]

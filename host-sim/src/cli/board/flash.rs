@@ -13,7 +13,7 @@ use super::BoardPort;
 
 /// Name of each board's chip in `probe-rs`.
 const CHIPS: [(&str, &str); 1] = [("nucleo_f446re", "STM32F446RETx")];
-/// Folder in which `cargo xtask firmware` puts images.
+/// Folder in which `cargo xtask firmware` stores images.
 const IMAGES: &str = "target/arm/thumbv7em-none-eabihf/firmware";
 
 /// Write firmware into a board, through its debugger and `probe-rs`.
@@ -97,8 +97,8 @@ fn check(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     }
 }
 
-/// Checks that the board does not hold a rig with torque. A board that does not answer has no firmware that could hold
-/// one.
+/// Checks that torque is off. A board that does not answer has no firmware that could hold a rig; a board with another
+/// version of the host link cannot be asked.
 fn is_limp(port: &BoardPort) -> anyhow::Result<()> {
     let mut board = match port.open() {
         Ok(board) => board,

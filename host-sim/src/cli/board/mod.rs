@@ -15,10 +15,10 @@ mod simulate;
 mod text;
 mod upload;
 
-pub(super) use arm::{READY, arm, check_rig, end_by_hand};
+pub(super) use arm::{READY, arm, check_rig, clear_lost_link, end_by_hand};
 #[cfg(unix)]
 pub(super) use moves::await_limp;
-pub(super) use port::{PortBoard, SilenceArg, open};
+pub(super) use port::{PortBoard, SilenceArg, open, open_to_end};
 pub(super) use text::{named, tell_faults};
 pub(super) use upload::{put, put_show};
 

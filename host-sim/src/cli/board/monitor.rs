@@ -1,19 +1,32 @@
-//! `sinew board monitor`: prints the state of a controller's rig.
+//! `sinew board monitor`: prints the state of a controller's rig, also while another command drives it.
 
 use std::process::ExitCode;
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
-use anyhow::ensure;
+use anyhow::{Context as _, ensure};
+use sinew_board_client::ClientError;
+use sinew_console::local::{Watching, consoles, name_of_port, watch};
+use sinew_console::{Hosted, Owner, Scene};
 use sinew_host_util::command::{note, print};
-use sinew_link::message::{Summary, TelemetryParts};
+use sinew_link::message::{FaultRecord, Servo, State, Summary, TelemetryParts};
 
+use super::text::fault_text;
 use super::{BoardPort, cycles, named};
 use crate::cli::stop::Stop;
 
+/// Longest wait for a message of the board.
+const LOOK: Duration = Duration::from_millis(50);
+/// Time in which a command that has asked for the port opens it, and interval of looking for it.
+const OPENS: Duration = Duration::from_secs(4);
+const AGAIN: Duration = Duration::from_millis(100);
+
 /// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
 ///
-/// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. At the end it
-/// prints a table of times: of ticks, of the exchange with servos, of the host link, and from tick to tick.
+/// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. It also watches
+/// a rig that `sinew play`, `record` or `console` of this user drives, or begins to drive. At the end it prints a table
+/// of times, if no other command had the board: of ticks, of the exchange with servos, of the host link, and from tick
+/// to tick.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]
@@ -30,40 +43,140 @@ pub(super) struct MonitorArgs {
 
 /// Prints until Ctrl-C or the last sample.
 pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
-    let mut board = args.board.open()?;
     let stop = Stop::new()?;
-    let about = board.about();
-    note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
-    ensure!(
-        about.rig != 0,
-        "the board has no rig, so it has nothing to report: `sinew board upload rig` uploads one"
-    );
-    board.telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
-    // Discards the counts of the time before this command.
-    let counts = board.needs(1).is_ok() && cycles::read(&mut board)?.is_some();
-    let (mut due, mut state, mut lines, mut faults) = (board.now(), None, 0, 0);
-    while stop.times() == 0 && args.samples.is_none_or(|most| lines < most) {
-        board.step(Duration::from_millis(50))?;
-        for fault in board.log.faults.iter().skip(faults) {
-            print(&format!("{}\n", super::text::fault_text(fault)))?;
+    let mut monitor = Monitor { args, stop: &stop, state: None, due: Instant::now(), lines: 0 };
+    // Until then, the port belongs to the command that has asked for it.
+    let mut given_up: Option<Instant> = None;
+    while !monitor.is_over() {
+        let hub = args.hub();
+        let waits = given_up.is_some_and(|at| at.elapsed() < OPENS);
+        if let Some(name) = &hub {
+            if let Ok(watching) = watch(name) {
+                monitor.watch(name, watching)?;
+                given_up = Some(Instant::now());
+            }
+            if args.board.path().is_none() {
+                break;
+            }
+        } else if waits {
+            sleep(AGAIN);
+        } else {
+            match monitor.own() {
+                Ok(true) => given_up = Some(Instant::now()),
+                Ok(false) => break,
+                // Another program has the port for a moment.
+                Err(error) if given_up.is_some() && is_of_port(&error) => sleep(AGAIN),
+                Err(error) => return Err(error),
+            }
         }
-        faults = board.log.faults.len();
-        let Some(summary) = board.log.summary else { continue };
-        if state.replace(summary.state) == Some(summary.state) && board.now() < due {
-            continue;
-        }
-        due = board.now() + Duration::from_millis(args.interval_ms);
-        lines += 1;
-        print(&line(&summary, &board.log.servos))?;
-    }
-    if counts && let Some(spreads) = cycles::read(&mut board)?.as_ref().and_then(cycles::spreads) {
-        print(&spreads)?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
+fn is_of_port(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(ClientError::Port(_)))
+}
+
+impl MonitorArgs {
+    /// Returns the name of the hub that has the board; without a port, of the only hub.
+    fn hub(&self) -> Option<String> {
+        let mut names = consoles();
+        match self.board.path() {
+            Some(port) => Some(name_of_port(port)).filter(|name| names.contains(name)),
+            None => names.pop().filter(|_| names.is_empty()),
+        }
+    }
+}
+
+/// The lines that were printed.
+struct Monitor<'a> {
+    args: &'a MonitorArgs,
+    stop: &'a Stop,
+    state: Option<State>,
+    due: Instant,
+    lines: u32,
+}
+
+impl Monitor<'_> {
+    fn is_over(&self) -> bool {
+        self.stop.times() > 0 || self.args.samples.is_some_and(|most| self.lines >= most)
+    }
+
+    /// Watches a rig through the hub that has it, until the hub ends.
+    fn watch(&mut self, name: &str, mut watching: Watching) -> anyhow::Result<()> {
+        note(format_args!("another command has the board: watching {name}"));
+        while !self.is_over() {
+            match watching.next(LOOK) {
+                Ok(Some(view)) => self.tell(&view.summary, &view.servos, &view.faults)?,
+                Ok(None) => {}
+                Err(_) => {
+                    note(format_args!("the command that had the board has ended"));
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Watches a rig of a board at a free port. Returns whether another command has asked for the port.
+    fn own(&mut self) -> anyhow::Result<bool> {
+        let (mut board, name) = self.args.board.open_named()?;
+        let about = board.about();
+        note(format_args!("firmware {}, rig {:08x}", about.firmware, about.rig));
+        ensure!(
+            about.rig != 0,
+            "the board has no rig, so it has nothing to report: `sinew board upload rig` uploads one"
+        );
+        let scene = Scene::empty();
+        let mut hosted = Hosted::open(&mut board, &scene, Owner::Watches, Some(&name))
+            .context("the socket for other commands")?;
+        hosted.board_mut().telemetry(10.0, TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS))?;
+        // Discards the counts of the time before this command.
+        let board = hosted.board_mut();
+        let counts = board.needs(1).is_ok() && cycles::read(board)?.is_some();
+        let mut faults = 0;
+        while !self.is_over() && !hosted.yields() {
+            hosted.step(LOOK)?;
+            let log = &hosted.board().log;
+            if let Some(summary) = &log.summary {
+                self.tell(summary, &log.servos, log.faults.get(faults..).unwrap_or_default())?;
+                faults = log.faults.len();
+            }
+        }
+        if hosted.yields() {
+            return Ok(true);
+        }
+        if counts
+            && let Some(spreads) =
+                cycles::read(hosted.board_mut())?.as_ref().and_then(cycles::spreads)
+        {
+            print(&spreads)?;
+        }
+        Ok(false)
+    }
+
+    /// Prints new faults, and a line if it is due.
+    fn tell(
+        &mut self,
+        summary: &Summary,
+        servos: &[Servo],
+        faults: &[FaultRecord],
+    ) -> anyhow::Result<()> {
+        for fault in faults {
+            print(&format!("{}\n", fault_text(fault)))?;
+        }
+        let is_new = self.state.replace(summary.state) != Some(summary.state);
+        if is_new || Instant::now() >= self.due {
+            self.due = Instant::now() + Duration::from_millis(self.args.interval_ms);
+            self.lines += 1;
+            print(&line(summary, servos))?;
+        }
+        Ok(())
+    }
+}
+
 /// Formats a summary as a line.
-fn line(summary: &Summary, servos: &[sinew_link::message::Servo]) -> String {
+fn line(summary: &Summary, servos: &[Servo]) -> String {
     let errors: u32 = servos.iter().map(|servo| u32::from(servo.bus_errors)).sum();
     let hottest = servos.iter().filter_map(|servo| servo.temperature_c).max();
     let hottest = hottest.map_or_else(String::new, |c| format!(", hottest {c} C"));

@@ -23,8 +23,8 @@ const STOP_MOST: Duration = Duration::from_mins(1);
 
 /// Move all joints of a rig to the home pose.
 ///
-/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
-/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, the console moves its armed rig, which then holds. Without a console, the command opens
+/// the port, arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct HomeArgs {
     #[command(flatten)]
@@ -33,15 +33,15 @@ pub(super) struct HomeArgs {
 
 /// Move a joint of a rig by an angle.
 ///
-/// If a `sinew console` runs, it moves its armed rig, which then holds. Without a console, the command opens the port,
-/// arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
+/// If a `sinew console` runs, the console moves its armed rig, which then holds. Without a console, the command opens
+/// the port, arms the rig, moves it, and stops it: the rig is then lowered, and torque is off.
 #[derive(Debug, clap::Args)]
 pub(super) struct JogArgs {
     /// Name of the joint.
     #[arg(value_name = "JOINT")]
     joint: String,
 
-    /// Angle by which the joint moves, in deg; for a slide in mm.
+    /// Angle by which the joint moves, in deg. For a joint that slides: distance, in mm.
     #[arg(value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
 
@@ -84,21 +84,23 @@ impl PlaceArgs {
         Ok(if reply.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Returns the name of the console that has the port; without a port, of the only console that runs. Returns `None`
-    /// if there is none.
+    /// Returns the name of the console that uses the port; without a port, of the only console that runs. Returns
+    /// `None` if there is no such console.
     fn console(&self) -> anyhow::Result<Option<String>> {
         let mut names = consoles();
         if let Some(port) = self.board.path() {
             let own = name_of_port(port);
-            return Ok(names.contains(&own).then_some(own));
+            names.retain(|name| *name == own);
         }
+        // A command that only watches closes its port for this one.
+        names.retain(|name| !ask(name, &Request::Yield).is_ok_and(|reply| reply.ok));
         if names.len() > 1 {
             bail!("several consoles run ({}): `--port PORT` names the board", names.join(", "));
         }
         Ok(names.pop())
     }
 
-    /// Moves the rig of a board that no console has.
+    /// Executes the command on a board that no console uses.
     fn open(&self, request: &Request) -> anyhow::Result<Reply> {
         let Some(path) = &self.rig else {
             bail!(
@@ -113,14 +115,14 @@ impl PlaceArgs {
             RigParts::new(&rig.description, &rig.mechanism, DrivenArgs::default().on_board());
         let parts = parts.with_context(|| path.display().to_string())?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, &parts, Source::Board);
-        let mut board = self.board.open()?;
+        let (mut board, name) = self.board.open_named()?;
         check_rig(&board, &parts)?;
         let stop = Stop::new()?;
-        Ok(execute(&mut board, &scene, request, &|| stop.times())?)
+        Ok(execute(&mut board, &scene, (&name, request), &|| stop.times())?)
     }
 }
 
-/// Waits until torque is off.
+/// Waits until torque is off. Fails after a minute, or at a signal that asks this program to end.
 pub(in crate::cli) fn await_limp<L: Line>(board: &mut Board<L>, stop: &Stop) -> anyhow::Result<()> {
     board.telemetry(10.0, TelemetryParts::SUMMARY)?;
     let end = board.now() + STOP_MOST;

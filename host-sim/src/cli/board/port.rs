@@ -1,11 +1,14 @@
 //! Options that name a controller's port, and the time without messages after which a rig is no longer driven.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use sinew_board_client::{Board, ClientError, SILENCE, SerialBoard, port};
+use sinew_console::local::{Request, ask, consoles, name_of_port};
 use sinew_host_util::command::note;
+use sinew_servo_tools::usb_ports;
 
 /// A controller at a serial port.
 pub(in crate::cli) type PortBoard = Board<SerialBoard>;
@@ -29,7 +32,7 @@ pub(in crate::cli) struct SilenceArg {
 }
 
 impl SilenceArg {
-    /// Whether the option is given.
+    /// Returns whether the option is given.
     pub(in crate::cli) fn is_given(self) -> bool {
         self.silence_s.is_some()
     }
@@ -51,32 +54,95 @@ fn silence(text: &str) -> Result<f64, String> {
 const AUTO: &str = "auto";
 
 impl BoardPort {
-    /// Returns the port that is named.
-    #[cfg(unix)]
+    /// Returns the port that is given; `None` if the program must find it.
     pub(super) fn path(&self) -> Option<&Path> {
         self.port.as_deref().filter(|path| *path != Path::new(AUTO))
     }
 
     /// Opens the port.
     pub(super) fn open(&self) -> anyhow::Result<PortBoard> {
+        Ok(self.open_named()?.0)
+    }
+
+    /// Opens the port. Returns the board, and its name for other commands.
+    pub(super) fn open_named(&self) -> anyhow::Result<(PortBoard, String)> {
         open(self.port.as_deref(), "--port")
     }
 }
 
+/// Time in which a command that watches closes its port for another one.
+const YIELDS: Duration = Duration::from_secs(3);
+/// Time in which a command that ends just now closes its port.
+const CLOSES: Duration = Duration::from_millis(300);
+/// Interval of attempts to open the port.
+const AGAIN: Duration = Duration::from_millis(50);
+
 /// Opens a controller's port; without a path, or with `auto`, the USB port where a board answers. `option`: name of
-/// the option for the port, for messages.
-pub(in crate::cli) fn open(path: Option<&Path>, option: &str) -> anyhow::Result<PortBoard> {
-    if let Some(path) = path.filter(|path| *path != Path::new(AUTO)) {
-        Ok(port::open(path)?)
+/// the option for the port, for messages. Returns the board, and its name for other commands.
+pub(in crate::cli) fn open(
+    path: Option<&Path>,
+    option: &str,
+) -> anyhow::Result<(PortBoard, String)> {
+    let named = path.filter(|path| *path != Path::new(AUTO));
+    let waited = if let Some(path) = named {
+        ask_for(path)?
     } else {
-        let found = port::find(None).map_err(|error| match error {
-            ClientError::NoneFound(_) | ClientError::Several(_) => {
-                anyhow!("{error}: name its port, `{option} PORT`")
+        // A port of a program that drives is not free.
+        usb_ports().iter().any(|path| ask_for(path).unwrap_or_default())
+    };
+    let end = Instant::now() + if waited { YIELDS } else { CLOSES };
+    loop {
+        let found = match named {
+            Some(path) => port::open(path, &lowers).map(|board| (path.to_owned(), board)),
+            None => port::find(None, &lowers),
+        };
+        match found {
+            Err(ClientError::Port(_)) if Instant::now() < end => sleep(AGAIN),
+            Err(ClientError::NoneFound(_)) if waited && Instant::now() < end => sleep(AGAIN),
+            Err(error @ (ClientError::NoneFound(_) | ClientError::Several(_))) => {
+                return Err(anyhow!("{error}: name its port, `{option} PORT`"));
             }
-            error => error.into(),
-        });
-        let (path, board) = found?;
-        note(format_args!("the controller at {}", path.display()));
-        Ok(board)
+            found => {
+                let (path, board) = found?;
+                if named.is_none() {
+                    note(format_args!("the controller at {}", path.display()));
+                }
+                return Ok((board, name_of_port(&path)));
+            }
+        }
+    }
+}
+
+fn lowers() {
+    note(format_args!(
+        "the program that drove this rig has ended: this command waits until the board has lowered the rig"
+    ));
+}
+
+/// Opens a port to end a motion, whichever program drives the rig. Returns the board, and whether it executes only a
+/// stop and an e-stop, because its rig still belongs to a program that has ended.
+pub(in crate::cli) fn open_to_end(
+    path: Option<&Path>,
+    option: &str,
+) -> anyhow::Result<(PortBoard, bool)> {
+    match path.filter(|path| *path != Path::new(AUTO)) {
+        Some(path) => Ok(port::open_any(path)?),
+        None => Ok((open(path, option)?.0, false)),
+    }
+}
+
+/// Asks the command of this user that has a port to close it. Returns whether it does.
+///
+/// # Errors
+/// The command drives the rig.
+fn ask_for(path: &Path) -> anyhow::Result<bool> {
+    let name = name_of_port(path);
+    if !consoles().contains(&name) {
+        return Ok(false);
+    }
+    match ask(&name, &Request::Yield) {
+        Ok(reply) if !reply.ok => bail!("{}: {}", path.display(), reply.text),
+        // A command that does not answer is about to end.
+        _ => Ok(true),
     }
 }

@@ -15,7 +15,7 @@ use super::{BoardPort, PortBoard};
 /// Longest time until a restarted board answers.
 const RESTART: Duration = Duration::from_secs(10);
 
-/// Print or set a board's settings: times, speeds and limits of safety.
+/// Print or set a board's settings: times, speeds and safety limits.
 ///
 /// Without a sub-command it prints all settings.
 #[derive(Debug, clap::Args)]
@@ -72,7 +72,7 @@ fn all(board: &mut PortBoard) -> anyhow::Result<String> {
     Ok(format!("{table}\n"))
 }
 
-/// Adds the setting's name to a refusal. The board knows only its number.
+/// Adds the setting's name to the text of a refusal. The board knows only the setting's number.
 fn in_words(error: ClientError) -> anyhow::Error {
     let ClientError::Refused(Refusal::Setting { key, found, least, most }) = error else {
         return error.into();

@@ -2,13 +2,10 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::thread;
 
 use anyhow::Context as _;
 use clap::Args;
-use signal_hook::consts::{SIGINT, SIGTERM};
 use sinew_firmware::supervisor::State;
 use sinew_host_util::command::print;
 use sinew_performance::play::{Chip, Memory, RigParts, SimulatedBoard, put_servos};
@@ -20,17 +17,18 @@ use crate::cli::driven::DrivenArgs;
 use crate::cli::guide::read_guide;
 use crate::cli::output::OutputPlace;
 use crate::cli::rig::read;
+use crate::cli::stop::flag;
 
-/// Stack size. The loop's arrays are sized for the largest board.
+/// Stack size, bytes. It is large because the loop's arrays are sized for the largest board.
 const STACK_BYTES: usize = 64 << 20;
 /// Value of --guide for the built-in path, instead of a file.
 const BUILT_IN: &str = "built-in";
 /// Rate of the port until a program sets another, bit/s.
 const BAUD: u32 = 1_000_000;
 
-/// Simulate a board on a serial port of this machine: the program of boards, with simulated servos.
+/// Simulate a board on a serial port of this machine: it runs the program of real boards, with simulated servos.
 ///
-/// It creates the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM). All
+/// It creates the link of --pty, prints `ready`, and runs in real time until it is ended (Ctrl-C, SIGTERM, SIGHUP). All
 /// commands of `sinew board`, and `--target` of `play` and `record`, accept the link as their port. The flash of the
 /// board already contains the rig.
 #[derive(Debug, Args)]
@@ -39,12 +37,12 @@ pub(super) struct SimulateArgs {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Path of the link that programs open as a serial port. An existing link is replaced.
+    /// Path of the link that programs open as a serial port. A link that an ended simulation has left is replaced.
     #[arg(long, value_name = "LINK")]
     pty: OutputPlace,
 
-    /// File that stores the board's flash: rig, shows, settings and faults remain for the next start. Default: they
-    /// are lost at the end.
+    /// File that stores the board's flash, so that rig, shows, settings and faults remain for the next start. Default:
+    /// they are lost at the end.
     #[arg(long, value_name = "FILE")]
     flash: Option<PathBuf>,
 
@@ -53,11 +51,11 @@ pub(super) struct SimulateArgs {
     blank: bool,
 
     /// Let a scripted hand guide the rig whenever its state is teaching or floating: along this CSV of joint
-    /// coordinates, or without a value along the built-in path of `sinew record`.
+    /// coordinates, or, if no value is given, along the built-in path of `sinew record`.
     #[arg(long, value_name = "FILE.csv", num_args = 0..=1, default_missing_value = BUILT_IN)]
     guide: Option<PathBuf>,
 
-    /// Servos for joints that have none, as in `sinew play`.
+    /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
     #[arg(long, value_name = "[JOINT=]KIND")]
     servo: Vec<sinew_performance::play::ServoChoice>,
 
@@ -92,10 +90,7 @@ fn serve(args: &SimulateArgs) -> anyhow::Result<ExitCode> {
     let mut memories: Vec<Memory> = vec![[0; MEMORY_LEN]; parts.servos.len()];
     let plant = parts.plant(&rig.description, &rig.mechanism).with_context(of_rig)?;
     let mut board = SimulatedBoard::new(&parts, &mut memories, plant, chip)?;
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&stop))?;
-    }
+    let stop = flag()?;
     let port = Port::open(&args.pty, BAUD).context("--pty")?;
     print("ready\n")?;
     let way = |file: &PathBuf| {

@@ -5,7 +5,7 @@ use sinew_firmware::supervisor::Fault;
 use sinew_host_util::command::note;
 use sinew_link::message::FaultRecord;
 
-/// Returns the fault with this number. Returns `None` if this program does not know the number.
+/// Returns the fault with this number; `None` if this program does not know the number.
 fn known(number: u8) -> Option<Fault> {
     Fault::ALL.into_iter().find(|fault| fault.number() == number)
 }

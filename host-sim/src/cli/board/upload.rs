@@ -13,6 +13,7 @@ use sinew_link::message::{Command, Item, Kind, Refusal};
 use sinew_mocap::Kind as FileKind;
 use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_show::Show;
+use sinew_show::sound::split;
 
 use super::BoardPort;
 use crate::cli::driven::DrivenArgs;
@@ -35,7 +36,7 @@ enum What {
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Servos for joints that have none, as in `sinew play`.
+        /// Add a servo of this kind to each joint that has none, as `sinew play` does. May be repeated.
         #[arg(long, value_name = "[JOINT=]KIND")]
         servo: Vec<ServoChoice>,
 
@@ -51,7 +52,7 @@ enum What {
         #[arg(value_name = "FILE")]
         file: PathBuf,
 
-        /// Slot whose show the board deletes first.
+        /// Slot whose show the board deletes before the upload.
         #[arg(long, value_name = "SLOT")]
         replace: Option<u8>,
 
@@ -116,17 +117,19 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
         file.display(),
         FileKind::found(found)
     );
-    Show::open(&bytes).with_context(|| file.display().to_string())?;
+    // The section for a sound stays on the host.
+    let (bytes, _) = split(&bytes).with_context(|| file.display().to_string())?;
+    Show::open(bytes).with_context(|| file.display().to_string())?;
     let mut board = common.board.open()?;
     if let Some(slot) = replace {
         board.ask(Command::DeleteShow { slot })?;
     }
-    let slot = put_show(&mut board, &bytes, &common.approved_by)?;
+    let slot = put_show(&mut board, bytes, &common.approved_by)?;
     print(&format!("{} is in slot {slot}\n", file.display()))?;
     Ok(ExitCode::SUCCESS)
 }
 
-/// Returns the slot of a show on a board. Uploads the show if no slot has its hash.
+/// Returns the slot of a show on a board. If no slot has the show, uploads it first.
 pub(in crate::cli) fn put_show<L: Line>(
     board: &mut Board<L>,
     bytes: &[u8],

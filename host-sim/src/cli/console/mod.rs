@@ -1,5 +1,7 @@
 //! `sinew console`: a page that shows a rig, moves it and stops it.
 
+mod browser;
+mod recorded;
 mod simulated;
 
 use std::net::{IpAddr, SocketAddr};
@@ -8,7 +10,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_board_client::{Board, ClientError, Line};
-use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, local};
+use sinew_console::{Console, Ended, Options, OwnShow, OwnSound, Scene, Source};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{RigParts, ServoChoice, ServoPart, put_servos};
 use sinew_performance::rig::LoadedRig;
@@ -16,23 +18,29 @@ use sinew_rig::new;
 use sinew_rig::servo::Address;
 use sinew_servo_sim::fault::{Fault, FaultOrder};
 use sinew_show::Show;
+use sinew_show::sound::Sound;
 
 use super::board::{check_rig, open};
 use super::driven::DrivenArgs;
+use super::output::OutputPath;
 use super::performance::PerformanceArgs;
-use super::play::show;
+use super::play::{nucleo, show};
 use super::rig::read;
+use super::sound;
 use super::stack::with_stack;
 use super::stop::Stop;
 use super::target::Target;
 use super::unit_args::UnitArgs;
+
+use browser::Redirect;
 
 /// Number of joints of the arm that is used if no rig is given.
 const JOINTS: usize = 6;
 
 /// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
 ///
-/// It prints the address of the page, with a secret token, and serves the page until Ctrl-C. The page needs no network.
+/// It prints the address of the page, with a secret token, opens it in the browser of a desktop, and serves the page
+/// until Ctrl-C. The page needs no network. A recording is shown on the same page, which then moves nothing.
 /// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
 /// six joints.
 ///
@@ -41,8 +49,8 @@ const JOINTS: usize = 6;
 #[derive(Debug, clap::Args)]
 pub(super) struct ConsoleArgs {
     /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
-    /// does it.
-    #[arg(value_name = "SHOW|CLIP")]
+    /// does it. Or a recording of `--record`, alone.
+    #[arg(value_name = "SHOW|CLIP|RECORDING")]
     shows: Vec<String>,
 
     /// The rig: rig.toml, URDF or MJCF. Default: the arm of `sinew rig new --arm 6`.
@@ -56,29 +64,40 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Place where the rig moves: `sim`, a simulated board in this program; or the serial port of a board with this
-    /// rig, such as /dev/ttyACM0, or the USB port where a board answers (`auto`).
-    #[arg(long, value_name = "sim|PORT", default_value_t = Target::Sim)]
+    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE of
+    /// `sinew play`, slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
+    /// USB port where a board answers (`auto`).
+    #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
 
     /// A fault of a simulated servo, as in `sinew servo simulate`: `SERVO:WHAT[=HOW MUCH][@WHEN][+HOW LONG]`, such as
-    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or its joint; the time is that since the start. May
-    /// be repeated.
+    /// 2:silent@20s+3s. SERVO is its id, or the name of the servo or of its joint. WHEN counts from the start of the
+    /// console. May be repeated.
     #[arg(long, value_name = "FAULT")]
     fault: Vec<FaultOrder>,
 
-    /// Serve the page also at this address of the machine, such as 192.168.1.5 or 192.168.1.5:8080. Everybody who has
-    /// the token may then watch and stop the rig from other machines. The connection is not encrypted.
+    /// Serve the page also to other machines, at this address of this machine, such as 192.168.1.5 or 192.168.1.5:8080.
+    /// Everybody who has the token can then watch and stop the rig. The connection is not encrypted.
     #[arg(long, value_name = "ADDRESS[:PORT]", value_parser = address)]
     listen: Option<SocketAddr>,
 
-    /// Let pages on other machines drive the rig, too. Default: they may watch, hold and stop.
+    /// Let pages on other machines drive the rig, too. Default: they can only watch, hold and stop.
     #[arg(long, requires = "listen")]
     allow_drive: bool,
 
-    /// Let a show continue while no page drives. Default: the rig holds after 2 s, and is lowered 3 s later.
+    /// Let a show continue while no page drives. Default: the rig holds after 2 s without a driver, and is lowered 3 s
+    /// later.
     #[arg(long)]
     unattended: bool,
+
+    /// Record the session into this Parquet file, which `sinew report` and this command read: 30 rows a second.
+    #[arg(long, value_name = "FILE.parquet")]
+    record: Option<OutputPath>,
+
+    /// Do not open the page in a browser. Without a desktop, over ssh and if the output is no terminal, it is never
+    /// opened.
+    #[arg(long)]
+    no_open: bool,
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
@@ -89,12 +108,10 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses options that have no effect on the target.
+    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
-            bail!(
-                "--target nucleo: the emulated board is slower than real time; use `sim` or a port"
-            );
+            self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "`--target sim`")?;
         }
         if let Target::Port(_) = self.target {
             self.target.refuse(&self.driven.given(), "the simulated board")?;
@@ -104,6 +121,33 @@ impl ConsoleArgs {
             }
         }
         Ok(())
+    }
+
+    /// Opens the port for pages.
+    fn open(&self) -> anyhow::Result<Console> {
+        let options = Options {
+            listen: self.listen,
+            allow_drive: self.allow_drive,
+            unattended: self.unattended,
+        };
+        Console::open(options).context("the page's port")
+    }
+
+    /// Prints the addresses, and opens the first in a browser.
+    fn tell(&self, addresses: &[String]) -> anyhow::Result<Option<Redirect>> {
+        for address in addresses {
+            print(&format!("{address}\n"))?;
+        }
+        if let Some(listen) = self.listen.filter(|listen| !listen.ip().is_loopback()) {
+            let may = if self.allow_drive { "watch, stop and drive" } else { "watch and stop" };
+            let whole = listen.ip().is_unspecified();
+            let at = if whole { ", at any address of this machine" } else { "" };
+            note(format_args!(
+                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
+            ));
+        }
+        let opened = addresses.first().filter(|_| !self.no_open);
+        Ok(opened.and_then(|address| browser::open(address)))
     }
 
     /// Returns the rig in the file, or the desk arm.
@@ -148,17 +192,33 @@ impl ConsoleArgs {
         let own = |name: &String| {
             let path = Path::new(name);
             let crc = parts.rig_crc();
-            let bytes = if let Some(bytes) = show::read(path)? {
-                bytes
+            let (bytes, sound) = if let Some(file) = show::read(path)? {
+                (file.bytes, file.sound.and_then(|sound| own_sound(path, &sound)))
             } else {
                 let on_rig = PerformanceArgs::default();
-                show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?
+                (show::bake((rig, crc), path, &on_rig, None, None, UnitArgs::default())?, None)
             };
             Show::open(&bytes)?.check_rig(crc).with_context(|| name.clone())?;
             let stem = path.file_stem().unwrap_or(path.as_os_str());
-            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into() })
+            Ok(OwnShow { name: stem.to_string_lossy().into_owned(), bytes: bytes.into(), sound })
         };
         self.shows.iter().map(own).collect()
+    }
+}
+
+/// Returns the sound of a show; without its file the show plays without it.
+fn own_sound(show: &Path, sound: &Sound) -> Option<OwnSound> {
+    match sound::find(show, sound) {
+        Ok(found) => Some(OwnSound {
+            hash: sound::hex(&sound.sha256),
+            name: sound.name.clone(),
+            offset_s: sound.offset_us as f64 * 1e-6,
+            bytes: found.bytes.into(),
+        }),
+        Err(error) => {
+            note(format_args!("warning: {error:#}: the show plays without its sound"));
+            None
+        }
     }
 }
 
@@ -169,6 +229,9 @@ pub(super) fn run(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
 
 fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     args.check()?;
+    if let Some(recording) = args.recording()? {
+        return args.replay(recording);
+    }
     let rig = args.rig()?;
     let parts = RigParts::new(&rig.description, &rig.mechanism, args.driven.on_board());
     let parts = parts.with_context(|| args.name())?;
@@ -178,17 +241,25 @@ fn serve(args: &ConsoleArgs) -> anyhow::Result<ExitCode> {
     let serve = |source| Served { args, rig: &rig, parts: &parts, source, stop: &stop };
     match &args.target {
         Target::Port(port) => {
-            let mut board = open(Some(port), "--target")?;
+            let (mut board, name) = open(Some(port), "--target")?;
             check_rig(&board, &parts)?;
-            serve(Source::Board).on(&mut board, shows)
+            serve(Source::Board).on(&mut board, &name, shows)
         }
-        Target::Sim | Target::Nucleo => simulated::with_board(&rig, &parts, faults, |board| {
-            serve(Source::Simulated).on(board, shows)
+        Target::Nucleo => {
+            let files = nucleo::Files::find()?;
+            nucleo::with_board(&files, &rig, &parts, |board, _| {
+                let name = format!("nucleo-{}", std::process::id());
+                serve(Source::Simulated).on(board, &name, shows)
+            })
+        }
+        Target::Sim => simulated::with_board(&rig, &parts, faults, |board| {
+            let name = format!("simulated-{}", std::process::id());
+            serve(Source::Simulated).on(board, &name, shows)
         }),
     }
 }
 
-/// Everything that a console needs, except its board.
+/// Everything that a console needs, except its board and its shows.
 struct Served<'a> {
     args: &'a ConsoleArgs,
     rig: &'a LoadedRig,
@@ -198,32 +269,19 @@ struct Served<'a> {
 }
 
 impl Served<'_> {
-    fn on<L: Line>(self, board: &mut Board<L>, shows: Vec<OwnShow>) -> anyhow::Result<ExitCode> {
+    fn on<L: Line>(
+        self,
+        board: &mut Board<L>,
+        name: &str,
+        shows: Vec<OwnShow>,
+    ) -> anyhow::Result<ExitCode> {
         let Self { args, rig, parts, source, stop } = self;
-        let options = Options {
-            listen: args.listen,
-            allow_drive: args.allow_drive,
-            unattended: args.unattended,
-        };
-        let console = Console::open(options).context("the page's port")?;
+        let console = args.open()?;
         let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, source);
-        for address in console.addresses() {
-            print(&format!("{address}\n"))?;
-        }
-        if let Some(listen) = args.listen.filter(|listen| !listen.ip().is_loopback()) {
-            let may = if args.allow_drive { "watch, stop and drive" } else { "watch and stop" };
-            let whole = listen.ip().is_unspecified();
-            let at = if whole { ", at any address of this machine" } else { "" };
-            note(format_args!(
-                "other machines may {may} the rig{at}, with this token; the connection is not encrypted"
-            ));
-        }
+        let record = args.recorder(rig, parts)?;
+        let _redirect = args.tell(&console.addresses())?;
         note(format_args!("open this address in a browser; Ctrl-C stops the rig and ends"));
-        let name = match &args.target {
-            Target::Port(port) => local::name_of_port(port),
-            Target::Sim | Target::Nucleo => format!("simulated-{}", std::process::id()),
-        };
-        match console.run(board, &scene, (&name, shows), &|| stop.times()) {
+        match console.run(board, &scene, (name, shows, record), &|| stop.times()) {
             Ok(Ended::Stopped) => {
                 note(format_args!("torque is off"));
                 Ok(ExitCode::SUCCESS)

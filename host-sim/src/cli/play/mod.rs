@@ -3,11 +3,12 @@
 mod board;
 mod live;
 mod notes;
-mod nucleo;
+pub(super) mod nucleo;
 mod real_time;
 pub(super) mod show;
 mod sim;
 
+use std::io::{self, IsTerminal as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -17,11 +18,13 @@ use sinew_performance::play::{RigParts, ServoChoice, put_servos};
 use sinew_performance::rig_hash;
 use sinew_servo_sim::variation::{Change, Variation};
 use sinew_show::Show;
+use sinew_show::sound::Sound;
 
 use super::board::SilenceArg;
 use super::clips::seconds;
 use super::driven::DrivenArgs;
 use super::performance::{ON_STAND, PerformanceArgs};
+use super::sound::{self, Player, PlayerCommand};
 use super::stack::with_stack;
 use super::target::Target;
 use super::unit_args::UnitArgs;
@@ -34,17 +37,17 @@ const ROUNDS: u32 = 2;
 ///
 /// The controller is the one that boards run. The simulated rig hangs on a stand. After power-on the rig is armed where
 /// it is, moves to the show's first pose at 20 deg/s at most, and plays. Then it moves to its rest pose and is lowered,
-/// and torque is switched off. At the end a table shows how well each joint followed. Every run of the same command
-/// sends the same bytes to the servos.
+/// and torque is switched off. At the end a table shows how well each joint followed. In the simulator, every run of
+/// the same command sends the same bytes to the servos.
 ///
 /// On a terminal it plays in real time and shows the joints with the largest errors. Ctrl-C stops the rig safely: it
-/// moves to its rest pose, then torque is off. A second Ctrl-C ends at once.
+/// moves to its rest pose and is lowered, then torque is off. A second Ctrl-C ends the program at once.
 ///
 /// The exit code is 1 if a fault ended the show, 2 if the board does not answer any more.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// A show of `sinew bake`, or a clip: the name of a built-in clip, or a file. A clip is first baked into a show, as
-    /// `sinew bake --fit` does it.
+    /// A show of `sinew bake`, or a clip: the name of a built-in clip, or a file. The command first bakes a clip into a
+    /// show, as `sinew bake --fit` does.
     #[arg(value_name = "SHOW|CLIP")]
     show: String,
 
@@ -94,15 +97,26 @@ pub(super) struct Args {
     #[command(flatten)]
     units: UnitArgs,
 
-    /// Record every tick into this Parquet file, which `sinew report` and pandas read: time, state, whether the show
-    /// ran, faults; of each joint its command, measurement, error, effort and limiter; of each servo current,
-    /// temperature and voltage.
+    /// Record every tick into this Parquet file, which `sinew report` and pandas can read. It contains time, state,
+    /// whether the show ran, and faults; for each joint its command, measurement, error, effort and limiter; for each
+    /// servo its current, temperature and voltage.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
+
+    /// Start this program with the show, and end it with the show: a player of the show's sound. `{}` is the file, and
+    /// `{s}` the place in the sound at the start of the show, in s: `aplay -q {}`. Needs real time. The sound must be
+    /// beside the show, or in the working directory. The console plays the sound by itself, and keeps both together.
+    #[arg(long, value_name = "COMMAND")]
+    sound_with: Option<PlayerCommand>,
 
     /// Number of rounds of a looping show. Default: in real time, the show loops until Ctrl-C; otherwise 2 rounds.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
+
+    /// Time from the armed rig to the start of the show, in s: the way to the first pose, after a wait. Refused if that
+    /// way takes longer. Default: the show starts as soon as the rig is at its first pose.
+    #[arg(long, value_name = "S", value_parser = preroll, allow_negative_numbers = true)]
+    preroll: Option<f64>,
 
     /// Play only the first S seconds of a clip.
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
@@ -141,25 +155,29 @@ fn play(args: &Args) -> anyhow::Result<ExitCode> {
         note(format_args!("{count} joint(s) of {} get servos by --servo", rig.description.name));
     }
     let options =
-        if args.target == Target::Nucleo { args.driven.on_board() } else { args.driven.here() };
+        if args.target == Target::Sim { args.driven.here() } else { args.driven.on_board() };
     let mut parts = RigParts::new(&rig.description, &rig.mechanism, options)
         .with_context(|| args.rig.display().to_string())?;
     parts.vary(variation);
-    notes::tell(&parts);
+    notes::tell(&parts, !matches!(args.target, Target::Port(_)));
     if let Some(plant) = args.varied() {
         note(format_args!("the simulated plant differs from {}: {plant}", args.rig.display()));
     }
-    let bytes = args.read_or_bake(&rig, &mut parts, bare)?;
+    let show = args.read_or_bake(&rig, &mut parts, bare)?;
+    let player = args.player(show.sound.as_ref())?;
+    let bytes = show.bytes;
     let rounds = |is_watched| args.rounds(&Show::open(&bytes)?, is_watched);
     match (&args.target, nucleo) {
         (Target::Port(port), _) => {
-            board::perform(port, args.silence.time(), &parts, &bytes, rounds(true)?)
+            let timing = board::Timing { rounds: rounds(true)?, preroll_s: args.preroll };
+            board::perform(port, args.silence.time(), (&rig, &parts), &bytes, timing, player)
         }
         (Target::Nucleo, Some(files)) => {
             // Emulation is slower than real time, so loops end by themselves.
-            nucleo::perform(&files, &rig, &parts, &bytes, rounds(false)?)
+            let timing = board::Timing { rounds: rounds(false)?, preroll_s: args.preroll };
+            nucleo::perform(&files, &rig, &parts, &bytes, timing)
         }
-        (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes),
+        (Target::Sim | Target::Nucleo, _) => args.simulate(&rig, &parts, &bytes, player),
     }
 }
 
@@ -184,6 +202,32 @@ impl Args {
         Ok(())
     }
 
+    /// Returns the player of the show's sound.
+    fn player(&self, sound: Option<&Sound>) -> anyhow::Result<Option<Player>> {
+        let Some(command) = &self.sound_with else {
+            if let Some(sound) = sound.filter(|_| self.is_real_time()) {
+                note(format_args!(
+                    "note: the show has a sound, {}: `--sound-with 'aplay -q {{}}'` plays it",
+                    sound.name
+                ));
+            }
+            return Ok(None);
+        };
+        let path = Path::new(&self.show);
+        let sound = sound.with_context(|| {
+            format!("--sound-with: {} has no sound: `sinew bake --sound` adds it", path.display())
+        })?;
+        let is_in_time = self.is_real_time() || matches!(self.target, Target::Port(_));
+        ensure!(is_in_time, "--sound-with: sounds need real time: expected --real-time");
+        let found = sound::find(path, sound)?;
+        command.player(&found.path, sound).map(Some)
+    }
+
+    /// Whether a simulation keeps the pace of the clock.
+    fn is_real_time(&self) -> bool {
+        self.pace.real_time || !self.pace.fast && io::stdout().is_terminal()
+    }
+
     /// Refuses files that do not exist. A clip without an extension may be built in.
     fn find_files(&self) -> anyhow::Result<()> {
         let show = Some(Path::new(&self.show)).filter(|show| show.extension().is_some());
@@ -193,7 +237,7 @@ impl Args {
         Ok(())
     }
 
-    /// Returns the changes of the simulated plant as a text; `None` if there are none.
+    /// Returns the changes of the simulated plant as text; `None` if there are none.
     fn varied(&self) -> Option<String> {
         let changes: Vec<String> = self.plant.iter().map(ToString::to_string).collect();
         (!changes.is_empty()).then(|| changes.join(", "))
@@ -208,5 +252,12 @@ impl Args {
             self.show
         );
         Ok(self.rounds.or((show.is_loop() && !is_watched).then_some(ROUNDS)))
+    }
+}
+
+fn preroll(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(seconds) if (0.0..=300.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0 to 300".into()),
     }
 }

@@ -1,13 +1,31 @@
-//! Notes on a loop before it plays: its buses, its rate, its pulses.
+//! Notes on the control loop before a show plays: its buses, rates and pulses, and the joints without servos.
 
 use sinew_host_util::command::note;
-use sinew_performance::play::{Drive, RigParts};
+use sinew_performance::play::{Drive, PulseRange, RigParts};
 
-/// Pulses that are safe for usual hobby servos, us.
+/// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
+/// Prints facts about the loop. `is_here`: whether this program chooses its rates, or a board has them.
+pub(super) fn tell(parts: &RigParts, is_here: bool) {
+    if is_here {
+        tell_buses(parts);
+    }
+    tell_pulses(parts);
+    if is_here {
+        tell_rate(parts);
+    }
+    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
+        .filter(|(_, drive)| drive.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
+    if !idle.is_empty() {
+        note(format_args!("no servo moves {}", idle.join(", ")));
+    }
+}
+
 /// Prints the buses, drives and rates of the loop.
-pub(super) fn tell(parts: &RigParts) {
+fn tell_buses(parts: &RigParts) {
     for (index, line) in parts.lines.iter().enumerate() {
         let count = line.servos.len();
         let by = |drive| line.servos.iter().filter(|s| parts.servos[**s].drive == drive).count();
@@ -33,7 +51,10 @@ pub(super) fn tell(parts: &RigParts) {
             line.name, line.baud, parts.rate_hz
         ));
     }
-    tell_pulses(parts);
+}
+
+/// Prints the rate that a board can hold, if it differs.
+fn tell_rate(parts: &RigParts) {
     let (compute_us, holds) = parts.on_board;
     if holds != Some(parts.rate_hz) {
         let holds =
@@ -46,27 +67,21 @@ pub(super) fn tell(parts: &RigParts) {
             parts.servos.len()
         ));
     }
-    let idle: Vec<&str> = (parts.names.iter().zip(&parts.drives))
-        .filter(|(_, drive)| drive.is_none())
-        .map(|(name, _)| name.as_str())
-        .collect();
-    if !idle.is_empty() {
-        note(format_args!("no servo moves {}", idle.join(", ")));
-    }
 }
 
 /// Prints the pulses for hobby servos at the ends of their joints' ranges.
 fn tell_pulses(parts: &RigParts) {
     let all = parts.pulses_us();
-    let told = |of: &[&(&str, [f32; 2])]| {
-        let each = of.iter().map(|(name, [least, most])| {
-            format!("{name} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
+    let told = |of: &[&PulseRange<'_>]| {
+        let each = of.iter().map(|PulseRange { servo, us: [least, most], .. }| {
+            format!("{servo} {:.2} to {:.2} ms", 1e-3 * least, 1e-3 * most)
         });
         each.collect::<Vec<_>>().join(", ")
     };
     let [safe_least, safe_most] = SAFE_PULSES_US;
-    let (safe, wide): (Vec<_>, Vec<_>) =
-        (all.iter()).partition(|(_, [least, most])| *least >= safe_least && *most <= safe_most);
+    // Somebody has tried the pulses that the rig's file has.
+    let (safe, wide): (Vec<_>, Vec<_>) = (all.iter())
+        .partition(|of| of.is_measured || of.us[0] >= safe_least && of.us[1] <= safe_most);
     if !safe.is_empty() {
         note(format_args!("pulses within the joints' ranges: {}", told(&safe)));
     }

@@ -5,11 +5,11 @@ use std::time::{Duration, Instant};
 
 use sinew_host_util::command::note;
 
-/// A tick that ends later than this counts as late. It is the duration of a frame at 25 Hz: a person can see that such
-/// a frame is missing.
+/// A tick that ends this much after its time counts as late. This is the duration of a frame at 25 Hz: a person can see
+/// that such a frame is missing.
 const LATE: Duration = Duration::from_millis(40);
 
-/// Keeps a simulation in step with the clock, and counts ticks that came late.
+/// Keeps a simulation in step with the clock, and counts late ticks.
 pub(super) struct RealTime {
     start: Instant,
     ticks: u32,
@@ -36,7 +36,7 @@ impl RealTime {
         self.latest = self.latest.max(behind);
     }
 
-    /// Reports ticks that came late, if there were any.
+    /// Prints how many ticks were late, if any.
     pub(super) fn report(&self) {
         if let Some(text) = self.text() {
             note(format_args!("{text}"));

@@ -10,22 +10,34 @@ use sinew_performance::rig::LoadedRig;
 use sinew_performance::{Baked, RigPerformance, ShowChoices};
 use sinew_rig::Mechanism;
 use sinew_show::Show;
+use sinew_show::sound::{Sound, split};
 
 use super::Args;
 use crate::cli::performance::{ON_STAND, PerformanceArgs};
 use crate::cli::unit_args::UnitArgs;
 
-/// Reads a show file. Returns `None` for a file of another kind, which may be a clip.
+/// The content of a show file.
+pub(in crate::cli) struct ShowFile {
+    /// The show, as boards get it.
+    pub(in crate::cli) bytes: Vec<u8>,
+    /// The sound that belongs to it.
+    pub(in crate::cli) sound: Option<Sound>,
+}
+
+/// Reads a show file. Returns `None` for a path that may be a clip: a file of another kind, or the name of a built-in
+/// clip.
 ///
 /// # Errors
-/// A file whose name ends with `.show` is not a show, or a show is damaged.
-pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
+/// A file whose name ends with `.show` cannot be read or is not a show, or a show is damaged.
+pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<ShowFile>> {
     let is_named = path.extension().is_some_and(|extension| extension == "show");
     match sinew_mocap::read::bytes(path) {
         Err(error) if is_named => bail!("{}: {error}", path.display()),
         Ok(bytes) if Kind::of(path, &bytes) == Some(Kind::Show) => {
-            Show::open(&bytes).with_context(|| path.display().to_string())?;
-            Ok(Some(bytes))
+            let of_file = || path.display().to_string();
+            let (show, sound) = split(&bytes).with_context(of_file)?;
+            Show::open(show).with_context(of_file)?;
+            Ok(Some(ShowFile { bytes: show.to_vec(), sound }))
         }
         Ok(bytes) if is_named => {
             let found = Kind::found(Kind::of(path, &bytes));
@@ -35,29 +47,19 @@ pub(in crate::cli) fn read(path: &Path) -> anyhow::Result<Option<Vec<u8>>> {
     }
 }
 
-/// Share of the joints' way from which a fit changed nothing that is worth a word.
-const UNCHANGED: f64 = 0.98;
-
-/// Prints what the fit of a clip did, and what would leave more of the motion.
+/// Prints the changes that the fit of a clip made, and what would preserve more of the motion.
 fn tell_fit(
     performance: &RigPerformance,
     baked: &Baked,
     mechanism: &Mechanism,
 ) -> anyhow::Result<()> {
-    let (given_s, fitted_s) = (performance.clip.motion.duration_s(), baked.duration_s);
-    let slower = if fitted_s > given_s + 0.005 {
-        format!(", {:.0} % of the clip's {given_s:.2} s", 100.0 * fitted_s / given_s)
-    } else {
-        String::new()
-    };
     let likeness = performance.likeness(mechanism);
     let name = &performance.name;
-    note(format_args!(
-        "{name}: {fitted_s:.2} s{slower}, fitted to the rig; {:.0} % of the joints' way is left",
-        100.0 * likeness.way
-    ));
-    let is_changed = likeness.way < UNCHANGED || !slower.is_empty();
-    if let Some(summary) = performance.fit_summary().filter(|_| is_changed) {
+    let headline = performance.headline(mechanism);
+    let is_changed = headline.is_some();
+    let told = headline.unwrap_or_else(|| "all of the way is left".to_owned());
+    note(format_args!("{name}: {:.2} s, fitted to the rig. {told}", baked.duration_s));
+    if let Some(summary) = performance.fit_summary(mechanism).filter(|_| is_changed) {
         for line in summary.lines() {
             note(format_args!("fit: {line}"));
         }
@@ -99,12 +101,13 @@ impl Args {
         rig: &LoadedRig,
         parts: &mut RigParts,
         bare: u32,
-    ) -> anyhow::Result<Vec<u8>> {
+    ) -> anyhow::Result<ShowFile> {
         let path = Path::new(&self.show);
-        let Some(bytes) = read(path)? else {
+        let Some(file) = read(path)? else {
             let rig = (rig, parts.rig_crc());
             let mapping = self.mapping.as_deref();
-            return bake(rig, path, &self.on_rig, mapping, self.seconds, self.units);
+            let bytes = bake(rig, path, &self.on_rig, mapping, self.seconds, self.units)?;
+            return Ok(ShowFile { bytes, sound: None });
         };
         let clip_only = self.mapping.as_ref().map(|_| "--mapping");
         let clip_only = clip_only.or(self.seconds.map(|_| "--seconds"));
@@ -112,7 +115,7 @@ impl Args {
         if let Some(option) = clip_only.or(self.units.given()) {
             bail!("{option}: is of clips, and {} is a show", path.display());
         }
-        let show = Show::open(&bytes)?;
+        let show = Show::open(&file.bytes)?;
         if show.check_rig(parts.rig_crc()).is_err() && show.check_rig(bare).is_ok() {
             note(format_args!(
                 "note: {} was baked before servos were put on the rig: it may ask for more than they can do",
@@ -120,6 +123,6 @@ impl Args {
             ));
             parts.take_shows_of(bare);
         }
-        Ok(bytes)
+        Ok(file)
     }
 }

@@ -33,12 +33,12 @@ use crate::cli::output::OutputPath;
 /// Record a motion by leading the rig by hand: as a show, or as a CSV of its joint coordinates.
 ///
 /// By default torque is off: hold the rig. With --float the rig carries its own weight by its model, and stays about
-/// where you leave it; for this every servo must accept an effort (be driven by current or voltage). The measured
-/// motion is low-pass filtered, and rest at its beginning and end is cut; both are reported.
+/// where you leave it; for this every servo must accept an effort (be driven by current or voltage). The command
+/// filters the measured motion with a low-pass filter, and removes the rest at its beginning and end; it reports both.
 ///
 /// In the simulator a scripted hand leads the rig, by a spring and a damper at each joint. At the end the command
 /// reports how far the result is from the hand's path. With a board you lead the rig, from the line `lead it` until
-/// Ctrl-C. Then a rig with torque is lowered, and torque is off before the command ends.
+/// Ctrl-C. Then, if torque is on, the rig is lowered; torque is off before the command ends.
 ///
 /// `sinew bake FILE.csv --rig RIG --fit` brings a CSV within the rig's limits.
 #[derive(Debug, clap::Args)]
@@ -93,8 +93,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     release_test_s: Option<f64>,
 
-    /// Factor on the masses and inertias of the simulated bodies. The controller uses the values in the rig's file.
-    /// Default: 1.
+    /// Factor on the masses and inertias of the simulated bodies. The controller still uses the values in the rig's
+    /// file. Default: 1.
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     mass_scale: Option<f64>,
 
@@ -102,7 +102,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_negative_numbers = true)]
     friction_scale: Option<f64>,
 
-    /// File to write: `.show` or `.csv`. May be given twice.
+    /// File to write: `.show` or `.csv`. May be repeated.
     #[arg(short, long, value_name = "FILE", required = true)]
     output: Vec<OutputPath>,
 }
@@ -290,7 +290,10 @@ impl Args {
             baked.written.bytes.len(),
             feasibility(mechanism, &performance.limits, &report, rounding, None)
         );
-        if let Some(done) = performance.fit_summary() {
+        if let Some(line) = performance.headline(mechanism) {
+            text.extend([line, "\n".to_owned()]);
+        }
+        if let Some(done) = performance.fit_summary(mechanism) {
             text.extend([format!("\nFitted: {done}")]);
         }
         let played = ShowPlayback::new(&baked.written.bytes)?.motion(motion.dt_s);

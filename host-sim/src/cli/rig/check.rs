@@ -14,7 +14,7 @@ use sinew_servo_tools::position_gain::{PositionGain, position_gains};
 use super::files::read_as;
 use crate::cli::unit_args::UnitArgs;
 
-/// Check a rig: loads, speeds, inertias, stable gains, resolution and current, joint by joint.
+/// Check a rig, joint by joint: loads, speeds, inertias, stable gains, resolution and current.
 ///
 /// Exit code 1 if a fault is found, such as a servo that is too weak for the rig's weight.
 #[derive(Debug, clap::Args)]
@@ -86,7 +86,7 @@ enum Format {
     Json,
 }
 
-/// Checks and prints. A fault is a bad result.
+/// Checks the rig and prints the result. If a fault is found, the result is bad: exit code 1.
 pub(super) fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     let loaded = read_as(&args.rig, &args.units.import())?;
     let review = review(&loaded, args.control.control())?;
@@ -196,7 +196,7 @@ fn words(
     out
 }
 
-/// Makes the table of bodies, each below its parent.
+/// Makes the table of bodies, each body below its parent.
 fn tree(mechanism: &sinew_rig::Mechanism) -> Table {
     let mut table = table(["body", "joint", "type", "kg"], [3]);
     let mut depths: Vec<usize> = Vec::new();

@@ -21,7 +21,7 @@ pub(super) struct ImportArgs {
     #[arg(value_name = "FILE")]
     file: PathBuf,
 
-    /// Leave out these joints, with everything beyond them, to open a closed loop.
+    /// Leave out these joints, and all bodies beyond them, to open a closed loop.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     cut: Vec<String>,
 
@@ -33,8 +33,8 @@ pub(super) struct ImportArgs {
     #[arg(long)]
     repair_inertia: bool,
 
-    /// Reverse the axes of these joints. `sinew rig check` names joints whose axis is not the mirror image of the other
-    /// side's. Ranges stay as they are.
+    /// Reverse the axes of these joints. `sinew rig check` names joints whose axis is not the mirror image of the axis
+    /// on the other side. Ranges stay as they are.
     #[arg(long, value_name = "JOINT,..", value_delimiter = ',')]
     turn_axis: Vec<String>,
 

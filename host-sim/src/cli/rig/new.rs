@@ -6,7 +6,7 @@ use sinew_rig::{new, toml_file};
 
 use super::files::OutputArgs;
 
-/// Write a rig to start from, with plausible numbers that you replace by yours.
+/// Write a rig to start from, with plausible numbers that you replace with your own.
 #[derive(Debug, clap::Args)]
 #[group(id = "kind", required = true, multiple = false, args = ["arm", "face"])]
 pub(super) struct NewArgs {

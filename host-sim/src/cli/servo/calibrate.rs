@@ -36,7 +36,7 @@ pub(super) struct CalibrateArgs {
     #[arg(value_name = "JOINT")]
     joints: Vec<String>,
 
-    /// Distance of the range from both stops, in degrees of the servo.
+    /// Distance between the range and each stop, in degrees of the servo.
     #[arg(long, value_name = "DEG", default_value_t = 2.0, value_parser = margin, allow_negative_numbers = true)]
     margin_deg: f64,
 }
@@ -82,7 +82,7 @@ fn servos_of<'s>(rig: &Description, drive: usize, servos: &'s [RigServo]) -> Vec
         .collect()
 }
 
-/// Calibrates one drive. Returns the rig's text with the found values.
+/// Calibrates one drive. Returns the text of the rig's file with the values that were found.
 fn one(
     client: &mut PortClient,
     rig: &Description,

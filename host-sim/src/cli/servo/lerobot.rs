@@ -1,4 +1,4 @@
-//! `sinew servo lerobot`: a calibration of `LeRobot` into the rig file, or out of it.
+//! `sinew servo lerobot`: copies a calibration of `LeRobot` into the rig file, or from the rig file.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -14,29 +14,29 @@ use sinew_servo_tools::rig_file::edited;
 
 use crate::cli::output::OutputPath;
 
-/// Take a calibration of `LeRobot` into the rig file, or write one of it.
+/// Copy a calibration of `LeRobot` into the rig file, or write a calibration from the rig file.
 ///
 /// The file is the JSON that `lerobot-calibrate` writes: for each motor its id, drive mode, homing offset and range. A
-/// motor belongs to the servo of its name, or of its id. `range_deg` and `homing_offset_deg` of the servos
-/// are changed, and `direction` of reversed motors; everything else stays as you wrote it. `sinew servo apply` then
+/// motor belongs to the servo with its name, or with its id. The command changes `range_deg` and `homing_offset_deg` of
+/// the servos, and `direction` if a motor is reversed; everything else stays as you wrote it. `sinew servo apply` then
 /// writes the registers. No port is needed.
 #[derive(Debug, clap::Args)]
 #[command(group(clap::ArgGroup::new("way").required(true).args(["from", "to"])))]
 pub(super) struct LerobotArgs {
-    /// The rig.toml to read, and with --from to change.
+    /// The rig.toml to read. With --from the command changes it.
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Calibration to take into the rig file.
+    /// File with the calibration to copy into the rig file.
     #[arg(long, value_name = "FILE.json")]
     from: Option<PathBuf>,
 
-    /// Calibration to write from the rig file.
+    /// File to write the calibration of the rig file to.
     #[arg(long, value_name = "FILE.json")]
     to: Option<OutputPath>,
 }
 
-/// Takes or writes a calibration.
+/// Copies a calibration into the rig file, or writes one from it.
 pub(super) fn run(args: &LerobotArgs) -> anyhow::Result<ExitCode> {
     let name = || args.rig.display().to_string();
     let text = sinew_mocap::read::text(&args.rig).with_context(name)?;

@@ -97,7 +97,7 @@ impl LineArgs {
     /// Opens the port, at the first possible rate.
     pub(super) fn client(&self) -> anyhow::Result<PortClient> {
         let (line, wait_ms): (Box<dyn Exchange>, u64) = if let Some(path) = &self.board {
-            (Box::new(BoardServos::new(open(Some(path), "--board")?, self.line)?), 5)
+            (Box::new(BoardServos::new(open(Some(path), "--board")?.0, self.line)?), 5)
         } else {
             let path = self.port.as_deref().context(
                 "which port? `--port PORT` names it, such as /dev/ttyUSB0, or the link of `sinew servo simulate`; \
@@ -114,7 +114,7 @@ impl LineArgs {
         Ok(client)
     }
 
-    /// Returns the port of --port if a controller answers there: commands for servos cannot work on it.
+    /// Returns the port of --port if a controller answers there: then commands for servos cannot work on it.
     pub(super) fn of_controller(&self) -> Option<&Path> {
         self.port.as_deref().filter(|path| sinew_board_client::port::has_controller(path))
     }

@@ -48,9 +48,9 @@ pub(super) fn set_baud(line: &LineArgs, args: &SetBaudArgs) -> anyhow::Result<Ex
 
 /// Identify a servo: it moves by 6 degrees to either side and back, with its light on if it has one.
 ///
-/// It moves slowly, with at most 30 % of its torque, plus the torque that holds its load. If torque was off, it is off
-/// afterwards. All registers are restored, also after Ctrl-C or an error. It is an error if the servo does not move as
-/// commanded. Keep fragile things out of its way.
+/// It moves slowly, with at most 30 % of its torque in addition to the torque that holds its load. If torque was off
+/// before, it is off afterwards. All registers are restored, also after Ctrl-C or an error. If the servo does not move
+/// as commanded, the command fails. Keep fragile things out of the servo's way.
 #[derive(Debug, clap::Args)]
 pub(super) struct IdentifyArgs {
     /// The servo's id.

@@ -24,7 +24,7 @@ impl Prompt {
         Self(receiver)
     }
 
-    /// Repeats `meanwhile` until there is a line.
+    /// Repeats `meanwhile` until there is a line, and returns the line. Fails if the input ends.
     pub(super) fn enter(
         &self,
         mut meanwhile: impl FnMut() -> anyhow::Result<()>,

@@ -60,10 +60,10 @@ fn words(readings: &[Reading]) -> String {
 
 /// Write a register by name, and read it back.
 ///
-/// Fails for a number out of the register's range, for a register that is read-only or has its own command (id, rate),
-/// and for EEPROM while torque is on. For a Feetech, it also fails for a goal while torque is off, which would switch
-/// torque on, and for the torque value 128, which would redefine the middle position. The EEPROM of a Feetech is
-/// unlocked for the write, then locked again.
+/// Fails for a number outside the register's range, for a register that is read-only or has its own command (id, rate),
+/// and for EEPROM while torque is on. For a Feetech, it also fails for a goal while torque is off, because a goal would
+/// switch torque on, and for the torque value 128, because it would redefine the middle position. The EEPROM of a
+/// Feetech is unlocked for the write, then locked again.
 #[derive(Debug, clap::Args)]
 pub(super) struct WriteArgs {
     /// The servo's id.

@@ -14,7 +14,7 @@ use super::format::Format;
 use super::line::{LineArgs, PortClient, open_rig_servo};
 use crate::cli::rig::read;
 
-/// The rig, and the quantity that its servos control.
+/// The rig, and its bus that is connected to the port.
 #[derive(Debug, clap::Args)]
 pub(super) struct RigArgs {
     /// The rig: rig.toml, URDF or MJCF.
@@ -76,7 +76,8 @@ impl RigArgs {
     }
 }
 
-/// Sets the rate at which the first servo of the rig answers.
+/// Sets the protocol and rate at which a servo of the rig answers; the servos are tried in their order. Fails if none
+/// answers.
 pub(super) fn find_rate(
     line: &LineArgs,
     client: &mut PortClient,
@@ -180,7 +181,7 @@ fn words(compared: &[Compared]) -> String {
     }
 }
 
-/// Prints what a difference means for the rig, if it means more than itself.
+/// Prints the consequence of a difference for the rig, if there is a special one.
 fn tell_consequence(name: &str, difference: &Difference) {
     if let Some(consequence) = difference.consequence() {
         note(format_args!("{name}: {} is {}: {consequence}", difference.name, difference.has.raw));

@@ -13,7 +13,7 @@ use sinew_servo_tools::rig_servo::RigServo;
 use sinew_servo_tools::tap::{Settings, TapTest, Tapped};
 use sinew_servo_tools::{Client, Exchange, Protocol, Settings as Patience};
 
-/// A simulated servo that is tapped in place of one at a port.
+/// The servo to tap instead of a servo at a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum TargetArg {
     /// A simulated servo with factory settings, alone with its load at the rig's home pose.
@@ -21,12 +21,12 @@ pub(super) enum TargetArg {
 }
 
 const BAUD: u32 = 1_000_000;
-/// Steps of the gear per step of the servo. With this number the integration adds only some per cent of damping.
+/// Steps of the gear for each step of the servo. With this number, the integration adds only a few per cent of damping.
 const GEAR_STEPS: u32 = 20;
 /// A controller's tick, s: the unit of the delay of readings.
 const TICK_S: f64 = 1e-3;
 
-/// Taps a simulated servo that moves its load by itself.
+/// Taps a simulated servo that moves only its own load.
 pub(super) fn tap(
     servo: &RigServo,
     load: Loaded,

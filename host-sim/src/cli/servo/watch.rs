@@ -18,10 +18,11 @@ use crate::cli::rig::read;
 
 /// Print measurements of servos repeatedly: position, speed, current or load, supply, temperature, errors.
 ///
-/// On a terminal it prints a table; else a line for each servo. Ctrl-C ends it.
+/// On a terminal it prints a table; otherwise it prints a line for each servo. Ctrl-C ends it.
 #[derive(Debug, clap::Args)]
 pub(super) struct WatchArgs {
-    /// Ids of the servos. Default: the servos of the rig; without a rig, all servos that answer a scan.
+    /// Ids of the servos. Default: the servos of the rig; without a rig, the servos that a scan finds with the
+    /// protocol and rate of the first one.
     #[arg(value_name = "ID", value_parser = clap::value_parser!(u8).range(0..=252))]
     ids: Vec<u8>,
 

@@ -36,7 +36,7 @@ struct Shared {
     stop: AtomicBool,
 }
 
-/// A hand on the horn: it pulls the shaft to its own position.
+/// A hand on the horn, which pulls the shaft to the hand's position.
 #[derive(Clone, Copy)]
 struct Hand {
     at_rad: f64,
@@ -68,7 +68,7 @@ impl Plant for Held<'_> {
     }
 }
 
-/// A bench that counts packets of the master.
+/// A bench that counts the packets from the program.
 struct Counted<'s> {
     bench: Bench<'s, Held<'s>>,
     shared: &'s Shared,
@@ -112,7 +112,7 @@ impl Shared {
         }
     }
 
-    /// Moves the joint to an angle, and waits until the servo was read there.
+    /// Moves the joint to an angle, and waits until the program has read the servo there.
     #[track_caller]
     fn move_to(&self, degrees: f64) {
         let urad = (1e6 * (degrees + 180.0).to_radians()).round() as i64;

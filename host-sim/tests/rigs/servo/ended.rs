@@ -1,4 +1,5 @@
-//! `sinew servo` ended in the middle, as processes: the servo is restored, or the next command reports it.
+//! `sinew servo`, ended in the middle of its work, as a process: the servo is restored, or the next command reports the
+//! registers that were left.
 
 use std::io::Read as _;
 use std::process::{Child, Command, Stdio};
@@ -28,7 +29,7 @@ fn identify(bus: &Bus, protocol: &str) -> Child {
 
 /// Ends a program by a signal after the servo's torque was switched on. Returns its exit code and its output.
 fn end(mut child: Child, signal: &str) -> (Option<i32>, String) {
-    // It looks at the other servos for a second, and moves for 4 s.
+    // The program checks the other servos for a second, and then moves the servo for 4 s.
     std::thread::sleep(Duration::from_millis(2200));
     let killed = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
     assert!(killed.success());

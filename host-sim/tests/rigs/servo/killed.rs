@@ -1,5 +1,5 @@
-//! Every command of `sinew servo` at a port, ended as a process: the servo is as before or as asked, or the next
-//! command reports what is left. The second table of the page `docs/hostile.md`.
+//! Every command of `sinew servo` at a port, ended as a process: the servo is as before or as commanded, or the next
+//! command reports what is left. Prints a table; `docs/hostile.md` has its sums.
 
 use std::collections::BTreeMap;
 use std::io::{Read as _, Write as _};
@@ -16,7 +16,7 @@ use crate::common::{command, end_by};
 const KILLS: &str = "SINEW_KILLS";
 const SIGNALS: [&str; 4] = ["-KILL", "-INT", "-TERM", "-HUP"];
 
-/// Commands, and whether they run until they are ended.
+/// Commands, and whether they run until a signal ends them.
 const COMMANDS: [(&str, bool); 13] = [
     ("scan --max-id 4", false),
     ("ping 2", false),
@@ -50,7 +50,7 @@ fn start(bus: &Bus, args: &str) -> Child {
     child
 }
 
-/// Returns id and rate at which servo 2 answers now, and what it said to `ping`.
+/// Returns the id and the rate at which servo 2 now answers, and the output of `ping`.
 fn found(bus: &Bus) -> (&'static str, &'static str, String) {
     for (id, baud) in [("2", "1000000"), ("7", "1000000"), ("2", "57600")].repeat(3) {
         let (code, _, said) = bus.servo(&["ping", id, "--baud", baud, "--timeout-ms", "300"]);
@@ -61,8 +61,8 @@ fn found(bus: &Bus) -> (&'static str, &'static str, String) {
     panic!("the servo is lost");
 }
 
-/// Returns the registers that are not measurements, after two equal readings: a busy machine may delay an answer until
-/// another one is expected.
+/// Returns the registers that are not measurements. Reads until two readings are equal, because a busy machine may
+/// delay an answer until the program expects another one.
 fn registers(bus: &Bus, id: &str, baud: &str) -> Registers {
     let mut last = None;
     for _ in 0..9 {
@@ -89,7 +89,8 @@ fn once(bus: &Bus, id: &str, baud: &str) -> Option<Registers> {
     Some(registers.collect())
 }
 
-/// Ends runs of a command, each at new servos. Returns a row of the table.
+/// Starts a command several times, each time with new servos, and ends each run by a signal. Returns a row of the
+/// table.
 fn row((args, is_endless): (&str, bool), times: u32) -> String {
     let new_bus = || Bus::of_new_arm("3", &[]);
     let bus = new_bus();
@@ -144,7 +145,7 @@ fn row((args, is_endless): (&str, bool), times: u32) -> String {
     format!("| `servo {name}` | {runs} | {on} | {left} | {told} |")
 }
 
-/// Ends all commands by all signals, which takes minutes.
+/// Ends runs of all commands by all signals, which takes minutes.
 #[test]
 fn each_ended_command_leaves_a_servo_as_it_was_or_is_told_by_the_next() {
     let times = std::env::var(KILLS).map_or(1, |times| times.parse().unwrap());

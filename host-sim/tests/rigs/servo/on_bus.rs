@@ -58,8 +58,8 @@ impl Bus {
         (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
     }
 
-    /// Runs `sinew servo ARGS` at the rate of the port; it must succeed. Waits longer for answers, because a busy
-    /// machine may delay the simulator.
+    /// Runs `sinew servo ARGS` at the rate of the port. The command must succeed. It waits longer for answers, because
+    /// a busy machine may delay the simulator.
     #[track_caller]
     pub(super) fn done(&self, args: &[&str]) -> String {
         let args: Vec<&str> =
@@ -69,7 +69,8 @@ impl Bus {
         said
     }
 
-    /// Runs `sinew servo ARGS` at the rate of the port; it must end with code `expected`. Returns all its output.
+    /// Runs `sinew servo ARGS` at the rate of the port. The command must end with code `expected`. Returns all its
+    /// output.
     #[track_caller]
     pub(super) fn not_done(&self, args: &[&str], expected: i32) -> String {
         let args: Vec<&str> =

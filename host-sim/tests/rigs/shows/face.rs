@@ -9,7 +9,8 @@ use sinew_show::{Player, Show};
 use super::done;
 use crate::common::path;
 
-/// A head with a jaw and two brows, 60 frames at 30 Hz: the jaw opens to 20 degrees and closes, the brows rise by 10.
+/// A head with a jaw and two brows, 60 frames at 30 Hz: the jaw opens to 20 degrees and closes, and the brows rise by
+/// 10 degrees.
 fn bvh() -> String {
     let mut text = String::from(
         "HIERARCHY\nROOT Head\n{\nOFFSET 0 160 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n",

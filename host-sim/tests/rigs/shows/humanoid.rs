@@ -146,9 +146,12 @@ fn a_fitted_show_exceeds_no_limit_by_an_independent_check() {
     let bake = ["bake", "punches_01", "--rig", &rig, "--seconds", "6", "-o", &show];
     let [report, _] = done(&bake);
     assert!(report.contains("EXCEEDED"), "{report}");
-    let [report, _] =
-        done(&[&bake[..], &["--fit", "--cue", "bow@2", "--time-code", "1:0:0:0@25"]].concat());
-    assert!(super::within_limits(&report) && report.contains("Fitted"), "{report}");
+    let fit = ["--fit", "--cue", "bow@2", "--time-code", "1:0:0:0@25"];
+    let [report, _] = done(&[&bake[..], &fit, &["--keep-time=false"]].concat());
+    assert!(
+        super::within_limits(&report) && report.contains("SLOWED DOWN: 6.0 s became"),
+        "{report}"
+    );
     let bytes = std::fs::read(&show).unwrap();
     independent::exceeds_nothing(&super::mechanism(&rig), &bytes);
     // The show is slower, and its time code follows the clip: at the cue of 2 s it shows 2 s, within a frame.
@@ -158,6 +161,16 @@ fn a_fitted_show_exceeds_no_limit_by_an_independent_check() {
     let [one, at] = [show.time_code().unwrap(), show.time_code_at(bow.sample).unwrap()];
     assert!((49..=51).any(|frames| one.after(frames) == at), "{at:?}");
     assert!(report.contains("time code: 01:00:00:00 to 01:00:06:00 at 25 a second"), "{report}");
+    // With a time code the time is kept, unless it is refused.
+    let path = path(folder.path(), "punches.show");
+    let [report, _] = done(&[&bake[..], &fit].concat());
+    assert!(super::within_limits(&report) && report.contains("TIME KEPT: 6.0 s"), "{report}");
+    assert!(report.contains("left of "), "{report}");
+    let bytes = std::fs::read(path).unwrap();
+    independent::exceeds_nothing(&super::mechanism(&rig), &bytes);
+    let show = Show::open(&bytes).unwrap();
+    assert!((show.duration_s() - 6.0).abs() < 0.02);
+    assert_eq!(show.cues().next().unwrap().sample, show.position_at_us(2_000_000).sample());
 }
 
 #[test]

@@ -6,13 +6,13 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{GRAVITY_M_S2, JointModel, Pose};
 use sinew_show::{Player, Show};
 
-/// Time between the positions that are differenced, s. Rounding to f32 adds errors of 0.02 rad/s².
+/// Time between the positions of which differences are computed, s. Rounding to f32 adds errors of 0.02 rad/s².
 const H_S: f64 = 4e-3;
-/// Margin on each limit, as a share: in addition to rounding, differences with this step have an error in proportion to
+/// Margin on each limit, as a share. Besides rounding, differences with this time step have an error in proportion to
 /// the square of the step.
 const ROOM: f64 = 0.01;
 
-/// Refuses a show that exceeds a limit at any of 500 instants per second; for a loop also across its seam.
+/// Fails if a show exceeds a limit at any of 500 instants per second; for a loop also across its seam.
 pub(crate) fn exceeds_nothing(mechanism: &Mechanism, bytes: &[u8]) {
     let show = Show::open(bytes).unwrap();
     let mut player = Player::<256>::new(show).unwrap();

@@ -54,6 +54,29 @@ fn an_exported_table_is_read_back() {
 }
 
 #[test]
+fn layers_are_put_on_a_motion() {
+    let folder = tempfile::tempdir().unwrap();
+    let [rig, idle, talk, show, again] =
+        ["face.toml", "idle.csv", "talk.csv", "idle.show", "again.show"]
+            .map(|name| path(folder.path(), name));
+    done(&["rig", "new", "--face", "-o", &rig]);
+    done(&["clip", "idle", "--rig", &rig, "--seconds", "60", "-o", &idle]);
+    done(&["bake", &idle, "--rig", &rig, "--loop", "-o", &show]);
+    std::fs::write(&talk, "time,jaw_deg\n5,0\n5.5,-15\n6,-3\n90,0\n").unwrap();
+    let bake = ["bake", "--rig", &rig, "--layer", &show, "--layer", &talk, "--fit", "--keep-time"];
+    let [table, told] = done(&[&bake[..], &["-o", &again]].concat());
+    assert!(told.contains("weight 1, 5.00 to 90.00 s: jaw"), "{told}");
+    assert!(table.contains("idle on face, 90.00 s"), "{table}");
+    let bake = ["bake", &idle, "--rig", &rig, "-o", &again];
+    refused(
+        &[&bake[..], &["--layer", "talk.bvh"]].concat(),
+        "--layer talk.bvh: talk.bvh: expected",
+    );
+    refused(&[&bake[..], &["--layer", &format!("{talk}:over:3")]].concat(), "expected 0 to 1");
+    refused(&["bake", "--rig", &rig, "--layer", &format!("{talk}:add"), "-o", &again], "no mode");
+}
+
+#[test]
 fn idle_life_is_a_loop_within_all_limits() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, idle, show] =

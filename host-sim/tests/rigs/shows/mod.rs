@@ -11,6 +11,7 @@ mod play;
 #[cfg(unix)]
 mod report;
 mod servos;
+mod talk;
 
 use crate::common::sinew;
 
@@ -45,7 +46,7 @@ fn whole_us(time_s: f64) -> u64 {
     us
 }
 
-/// Returns whether a report of `bake` names no excess; the motion may still be far from the clip.
+/// Returns whether a report of `bake` has no limit that is exceeded. The motion may still differ much from the clip.
 fn within_limits(report: &str) -> bool {
     !report.contains("EXCEEDED")
         && (report.contains("No limit is exceeded") || report.contains("is within all limits"))

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::{done, refused};
 use crate::common::{command, path};
 
-/// Writes a desk arm, and a show for it: its first bend swings by 60 deg with a forearm.
+/// Writes a desk arm, and a show for it in which the first bending joint follows a forearm and swings by 60 deg.
 pub(super) fn arm(folder: &Path) -> [String; 2] {
     arm_with(folder, &[])
 }
@@ -53,9 +53,13 @@ fn an_arm_plays_a_show_the_same_way_twice() {
         let play = ["play", &show, "--rig", &rig, "--drive", drive];
         let [table, notes] = done(&play);
         assert!(notes.contains(rate), "{notes}");
-        let states =
-            ["limp", "arming", "holding", "playing", "holding", "stopping", "lowering", "limp"];
-        let told: Vec<&str> = notes.lines().filter_map(|line| line.split(" s  ").nth(1)).collect();
+        let approach = "going to the show's first pose";
+        let states = ["limp", "arming", "holding", approach, "playing", "holding", "stopping"];
+        let states = [&states[..], &["lowering", "limp"]].concat();
+        let told: Vec<&str> = notes
+            .lines()
+            .filter_map(|line| line.split(" s  ").nth(1)?.split(": ").next())
+            .collect();
         assert_eq!(told[told.len() - states.len()..], states, "{notes}");
         assert!(
             table.contains("faults: none") && table.contains(" 0 overruns, 0 not whole"),
@@ -235,8 +239,8 @@ fn a_recording_has_a_row_a_tick() {
     refused(&["play", &show, "--rig", &rig, "--record", &show], "is the show, which would be lost");
 }
 
-/// The robots of `SINEW_DATA`: a walk by current, by position, and mixed as Poppy is built; a fight by current and by
-/// position. Prints rows of docs/play.md.
+/// The robots of `SINEW_DATA` play a walk by current, by position, and with the drives that Poppy really has; and a
+/// fight by current and by position. Prints rows of docs/play.md.
 #[test]
 #[ignore = "needs SINEW_DATA"]
 fn robots_follow_within_their_bounds() {

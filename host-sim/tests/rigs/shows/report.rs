@@ -88,8 +88,8 @@ fn a_page_is_written_beside_its_recording() {
     assert_eq!(std::fs::read_to_string(&other).unwrap(), page);
 }
 
-/// A recording may end anywhere: the part that is read is a beginning of the whole, and an end between two parts is a
-/// valid end.
+/// A recording may be cut off anywhere: the rows that are read are a beginning of the whole. If it is cut between two
+/// parts, the recording is valid.
 #[test]
 fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -128,7 +128,8 @@ fn of_a_recording_that_is_cut_off_what_is_whole_is_shown() {
     assert!(std::fs::read_to_string(path(folder.path(), "cut.html")).unwrap().contains(&told));
 }
 
-/// Every flipped bit is refused, or the page is said to be cut off; then the shown part is as it was written.
+/// After a flip of any bit, the recording is refused, or the page says that it is cut off; then the part that is shown
+/// is unchanged.
 #[test]
 fn each_flipped_bit_of_a_recording_is_told() {
     let folder = tempfile::tempdir().unwrap();

@@ -269,8 +269,8 @@ fn sensed(rig: &Rig, motions: &[MovingPose]) -> JointStates<CAPACITY> {
     states
 }
 
-/// Returns the largest difference between the bodies' errors in the world and the critically damped return, as a
-/// share of the largest error at the start. A figure at rest is released towards a pose.
+/// Releases a figure at rest towards a pose, and returns the largest difference between the bodies' errors in the world
+/// and those of a critically damped return, as a share of the largest error at the start.
 fn off_law(desired: &Rig, measured: &Rig, method: Method<CAPACITY>, dt_s: f64) -> f64 {
     let controller = controller(desired, method);
     let targets = targets(desired);

@@ -1,4 +1,4 @@
-//! Each kind of servo with each class of drive: stillness, tracking errors and heat. `docs/drives.md` has the table.
+//! Each kind of servo with each class of drive: stillness, tracking errors and heat. `docs/drives.md` has a summary.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -14,7 +14,8 @@ const CREEPS_S: f64 = 6.0;
 /// Longest duration of a stick-slip step, s.
 const STEP_S: f64 = 0.1;
 
-/// Speeds below, at and above the one from which a target counts as moving: 1.146 deg/s.
+/// Speeds far below, slightly below, slightly above and far above the one from which a target counts as moving: 1.146
+/// deg/s.
 const SPEEDS_DEG_S: [f64; 5] = [0.1, 0.5, 1.1, 1.2, 2.0];
 
 #[test]

@@ -30,7 +30,7 @@ pub(super) fn clip_show<'r>(rig: &'r Rig, name: &'r str) -> impl FnOnce(u32) -> 
         let clip = PreparedClip::read(&ClipFile::new(Path::new(name)), ClipSettings::default());
         let clip = clip.unwrap();
         let retargeted = retarget_clip(&rig.mechanism, &clip, None, false).unwrap();
-        let choices = MotionChoices { fit: true, loop_blend_s: None };
+        let choices = MotionChoices { fit: true, ..MotionChoices::default() };
         let performance = RigPerformance::new(&loaded, name, clip.start_s, retargeted, choices);
         let choices = ShowChoices { rig_crc, ..ShowChoices::default() };
         performance.unwrap().bake(&rig.mechanism, &choices).unwrap().0.written.bytes

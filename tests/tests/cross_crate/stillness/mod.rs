@@ -11,6 +11,6 @@ mod measure;
 mod onset;
 mod position;
 mod push;
-mod robots;
+pub(super) mod robots;
 mod robustness;
-mod run;
+pub(super) mod run;

@@ -12,8 +12,8 @@ use super::limits::{ON_ROTOR, SPLIT};
 use super::measure::Poses;
 use super::run::Rig;
 
-pub(super) const OP3: &str = "robotis-op3/robotis_op3.urdf";
-pub(super) const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
+pub(crate) const OP3: &str = "robotis-op3/robotis_op3.urdf";
+pub(crate) const POPPY: &str = "poppy-humanoid/Poppy_Humanoid.urdf";
 /// An OP3 with weaker servos in its head and arms.
 pub(super) const MIXED: &[&str] =
     &["xm430", "head_*=xl430", "l_sho_*=xl430", "r_sho_*=xl430", "l_el=xl430", "r_el=xl430"];
@@ -21,7 +21,7 @@ pub(super) const MIXED: &[&str] =
 const AWAY_RAD: f64 = 0.25;
 
 /// Returns a robot with servos on it; the axis of the joint `turned` is reversed.
-pub(super) fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
+pub(crate) fn robot(file: &str, turned: Option<&str>, servos: &[&str]) -> Rig {
     let data: PathBuf = std::env::var_os("SINEW_DATA").expect("SINEW_DATA").into();
     let text = std::fs::read_to_string(data.join("urdf").join(file)).unwrap();
     let options = Options { repair_inertia: true, ..Options::default() };

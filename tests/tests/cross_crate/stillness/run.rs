@@ -17,9 +17,9 @@ const OLD_ARM: &str = include_str!("../../../support/rigs/arm_62ff7e0.toml");
 const BESIDE_S: u32 = 60;
 
 /// A rig that is driven by current wherever possible.
-pub(super) struct Rig {
-    pub(super) description: Description,
-    pub(super) mechanism: Mechanism,
+pub(crate) struct Rig {
+    pub(crate) description: Description,
+    pub(crate) mechanism: Mechanism,
     pub(super) drive: Option<Drive>,
 }
 

@@ -53,7 +53,8 @@ impl ArticulatedPlant {
     /// The position and velocity of each joint along its dofs are computed from `start`. A bolted root has no velocity.
     ///
     /// # Errors
-    /// [`PlantError`] if this is not a tree with a state for each body, or a number is physically impossible.
+    /// [`PlantError`] if this is not a tree with a state for each body, a number is physically impossible, the step or
+    /// the substeps are not positive, or a joint can move without moving any inertia.
     pub fn new(
         mechanism: &Mechanism,
         start: &[MovingPose],

@@ -28,7 +28,7 @@ impl Random {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Returns any bit pattern, with small and large numbers equally likely.
+    /// Returns a random number with a random maximum length of 1 to 32 bits, so that small numbers are frequent, too.
     pub(crate) fn bits(&mut self) -> u32 {
         let shift = self.below(32);
         (self.next() as u32) >> shift

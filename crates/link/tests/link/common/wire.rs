@@ -17,7 +17,7 @@ pub(crate) fn frame_of(body: &[u8]) -> Vec<u8> {
     frame
 }
 
-/// Returns direction and message of a frame, decoded as a program without this crate would.
+/// Returns direction and message of a frame, decoded without the code of this crate.
 pub(crate) fn body_of(frame: &[u8]) -> Vec<u8> {
     let mut body = Vec::new();
     let mut rest = &frame[1..frame.len() - 1];

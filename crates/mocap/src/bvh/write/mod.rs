@@ -64,11 +64,11 @@ pub enum WriteError {
     /// A number cannot be written.
     #[error("{what}: expected {expected}, found {value}")]
     Value {
-        /// Name of the number.
+        /// Name of the number, or its frame and joint.
         what: String,
         /// Description of the accepted values.
         expected: &'static str,
-        /// Value that was found.
+        /// Value that was found; for a quaternion the square of its length.
         value: f64,
     },
 }
@@ -85,8 +85,9 @@ pub fn write(path: &Path, clip: &Clip, metres_per_unit: f64) -> Result<(), Write
 /// Returns a motion as the text of a BVH file, with lengths in units of `metres_per_unit` (0.01 for centimetres).
 ///
 /// The angles of a joint are those nearest to its angles in the previous frame: they continue beyond 180 deg and
-/// through gimbal lock. After reading the text, rotations are equal within 2e-7 rad and positions within 1e-7 m. A
-/// joint without children and end sites gets an end site at its origin, because many readers require one.
+/// through gimbal lock. After reading the text, rotations are equal within 2e-7 rad, and positions within 1e-7 m if the
+/// unit is at most 100 m. A joint that is never more than 1e-6 m away from its offset is written at its offset. A joint
+/// without children and end sites gets an end site at its origin, because many readers require one.
 ///
 /// # Errors
 /// [`WriteError`] for numbers that are not finite, names that cannot be read again, and an invalid skeleton or
@@ -260,7 +261,7 @@ impl<'a> Writer<'a> {
 
     fn place(&self, place_m: DVec3) -> String {
         let [x, y, z] = (place_m / self.metres_per_unit).to_array().map(|length| {
-            // At least to 1e-8 m, whatever the unit.
+            // Decimals to 1e-7 m or finer, for units of up to 100 m.
             number(length, if self.metres_per_unit < 0.1 { 6 } else { 9 })
         });
         format!("{x} {y} {z}")

@@ -26,12 +26,12 @@ pub(crate) struct Board {
 }
 
 impl Board {
-    /// Powers the board on with the image that an environment variable names.
+    /// Powers the board on with blank flash and the image whose path is in the environment variable `image`.
     pub(crate) fn new(image: &str) -> Self {
         Self::start(image, None)
     }
 
-    /// Powers the board on with the flash contents at an earlier loss of power.
+    /// Powers the board on with the image, as above, and with these contents of flash.
     pub(crate) fn with_flash(image: &str, flash: &[u8]) -> Self {
         let path = env::temp_dir().join(format!("sinew-flash-{}", std::process::id()));
         fs::write(&path, flash).unwrap();

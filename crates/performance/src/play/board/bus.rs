@@ -53,13 +53,13 @@ impl ServoBus for AllLines<'_> {
     }
 }
 
-/// The lines during a tick. They keep the time.
+/// The bus lines during a tick, with the time on them.
 pub(super) struct Servos<'s, 'm, P> {
     pub(super) buses: &'s RefCell<Buses>,
     pub(super) failed: &'s Cell<Option<EncodeError>>,
     pub(super) lines: &'s mut [Line<Branch<'m, P>>],
-    /// Rates of the lines, bit/s; `None` for a line with a PCA9685. That chip is not a servo: it would take the bytes
-    /// of a packet as values for its registers.
+    /// Rates of the lines, bit/s; `None` for a line with a PCA9685, to which no packet may be passed: the chip would
+    /// interpret the bytes of a packet as values for its registers.
     pub(super) bauds: &'s [Option<u32>],
     pub(super) end_ns: u64,
     pub(super) clock_us: &'s Cell<u64>,
@@ -73,7 +73,7 @@ impl<P: Plant> Servos<'_, '_, P> {
         self.lines.first().map_or(0, |line| line.servos.now_ns())
     }
 
-    /// Advances the board's clock by the time that passed on the lines.
+    /// Advances the board's clock by the time that an exchange on the lines took.
     fn pass_time(&self, begin_ns: u64) {
         let took_us = self.now_ns().saturating_sub(begin_ns) / 1000;
         self.clock_us.set(self.clock_us.get() + took_us);

@@ -9,7 +9,7 @@ use super::serve::HostSide;
 
 /// Rate of the line, bit/s: that of the NUCLEO's serial port.
 const BAUD: u32 = 1_000_000;
-/// Chunks of the board that wait for the host. Further output has to wait in the board, as at a port.
+/// Maximum number of chunks that wait for the host. Further output waits in the board, as at a port.
 const CHUNKS: usize = 256;
 
 /// The host's end of a pipe.

@@ -1,4 +1,4 @@
-//! Serves a simulated board in real time, to a host at its other side.
+//! Serves a simulated board in real time to a host.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,14 +10,14 @@ use sinew_servo_sim::port::Port;
 
 use super::SimulatedBoard;
 
-/// Longest delay of the machine that is made up. A longer delay shifts the board's time.
+/// Longest delay of the machine that the board catches up. After a longer delay, the board's time is shifted.
 const CATCH_UP: Duration = Duration::from_millis(50);
 /// Time of a byte on a line of 1 bit/s, ns: start bit, eight bits, stop bit.
 const BYTE: u128 = 10_000_000_000;
 /// Longest output that waits for a program to read it, bytes. Further output is lost.
 const ROOM: usize = 1 << 16;
 
-/// A line between a simulated board and its host, as the board sees it.
+/// A line between a simulated board and its host, from the board's point of view.
 pub trait HostSide {
     /// Returns the rate of the line, bit/s.
     ///
@@ -54,9 +54,9 @@ impl HostSide for &Port {
 }
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Serves a host in real time until `stop` is true. `before` is called before each tick, to act on the rig. In a
-    /// tick, at most as many bytes pass in each direction as a line of the host's rate carries. Further bytes wait, so
-    /// that a program that sends too fast for a real board sends too fast here, too.
+    /// Serves a host in real time until `stop` is true. `before` is called before each tick, and can act on the rig. In
+    /// a tick, at most as many bytes pass in each direction as a line with the host's rate can carry. Further bytes
+    /// wait, so that a program that sends too fast for a real board also sends too fast for this board.
     ///
     /// # Errors
     /// An I/O error of reading or writing.
@@ -91,12 +91,13 @@ impl<P: Plant> SimulatedBoard<'_, P> {
     }
 }
 
-/// Bits that a line can still carry one way, times 10⁹.
+/// Bits that a line can still carry in one direction, times 10⁹.
 #[derive(Debug, Clone, Copy, Default)]
 struct Share(u128);
 
 impl Share {
-    /// Adds the bytes of a tick, and returns the sum as a whole number. Unused ticks are lost, as on a line.
+    /// Adds the share of a tick, and returns the number of whole bytes that the line can carry. The share of unused
+    /// ticks is lost, as on a real line.
     fn grow(&mut self, baud: u32, tick: Duration) -> usize {
         let of_tick = u128::from(baud) * tick.as_nanos();
         self.0 = (self.0 + of_tick).min(of_tick + BYTE);

@@ -24,7 +24,7 @@ use crate::play::bus::Buses;
 use crate::play::simulated_lines::lines;
 use crate::play::{BODIES, COORDINATES, DOFS, Memory, RigParts, SERVOS, Wires, pulses};
 
-/// Steps of the background task per tick. A step takes at most 64 of the bytes that came.
+/// Number of steps of the background task per tick. A step reads at most 64 received bytes.
 const STEPS: u32 = 8;
 /// Name of the approver that is stored with the rig of a simulated board.
 const APPROVER: &str = "simulated board";
@@ -44,7 +44,7 @@ pub struct SimulatedBoard<'a, P> {
     starts: u32,
     /// Bytes from the host that the board has not read yet.
     came: VecDeque<u8>,
-    /// Bytes for the host.
+    /// Bytes for the host that the host has not read yet.
     pub(super) said: VecDeque<u8>,
 }
 
@@ -176,7 +176,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         self.node.control.as_ref().map(|control| control.controller().report().state)
     }
 
-    /// Sets the faults of the servos, which have the rig's numbers; times are since power-on.
+    /// Sets the faults of the servos. A servo is given by its index in the rig; times are since power-on.
     pub fn set_faults(&mut self, faults: impl IntoIterator<Item = Fault>) {
         let place = |fault: Fault| Fault { servo: self.parts.place_on_bench(fault.servo), ..fault };
         let faults = faults.into_iter().map(place).collect();
@@ -186,7 +186,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
         }
     }
 
-    /// Returns the number of restarts.
+    /// Returns the number of starts, including the first.
     pub fn starts(&self) -> u32 {
         self.starts
     }
@@ -198,7 +198,7 @@ impl<'a, P: Plant> SimulatedBoard<'a, P> {
 }
 
 impl<P: Plant> SimulatedBoard<'_, P> {
-    /// Calls `look` with all servos; not at all without a line.
+    /// Calls `look` with all servos; does not call it if the rig has no line.
     pub fn look_at_servos(&self, look: impl FnOnce(&[Servo<'_>])) {
         if let Some(line) = self.lines.first() {
             look(line.servos.bench().servos());

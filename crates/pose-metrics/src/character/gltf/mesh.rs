@@ -67,7 +67,8 @@ enum Owner<'a> {
 }
 
 impl<'a> Owner<'a> {
-    /// Returns `None` for scenery. Scenery is not checked further, since it may contain lines or anything else.
+    /// Returns the owner of a node's mesh; `None` for scenery, which belongs to no skin or joint. Scenery is not
+    /// checked further, since it may contain lines or anything else.
     fn of(node: &Node<'_>, skeleton: &'a Skeleton, nodes: &Nodes) -> Result<Option<Self>, Refusal> {
         let binding = node.skin().and_then(|skin| skeleton.skins[skin.index()].as_ref());
         if let Some(binding) = binding {

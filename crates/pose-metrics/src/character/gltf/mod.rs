@@ -4,7 +4,7 @@
 //! nearest ancestor that is a joint, whatever nodes are between. Joints whose only common ancestor is another node
 //! get that node as their root. The pose is that of the skin's `inverseBindMatrices`, with the place and scale of
 //! its first root joint in the scene; without these matrices, the pose is the scene's. A mesh without a skin
-//! belongs to the joint to which it is attached, and is ignored if there is none. Morph targets are left at zero.
+//! belongs to the joint to which it is attached, and is ignored if there is none. Morph targets are left at zero; their animation has a reader of its own.
 //! VRM is glTF with extensions.
 
 mod accessor;
@@ -12,6 +12,7 @@ mod buffers;
 mod extensions;
 mod mesh;
 mod nodes;
+mod shape_keys;
 mod skeleton;
 
 use std::path::Path;
@@ -23,6 +24,7 @@ use super::mesh::Mesh;
 use super::model::Character;
 use buffers::Buffers;
 use nodes::Nodes;
+pub use shape_keys::ShapeKeys;
 use skeleton::Skeleton;
 
 /// The first bytes of a `.glb`.
@@ -51,6 +53,17 @@ pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Charact
         ));
     }
     Ok(character)
+}
+
+/// Parses the animation of shape keys in the bytes of a file.
+///
+/// # Errors
+/// [`Refusal`] if the file is not glTF 2.0, or has no such animation.
+pub(super) fn parse_shape_keys(bytes: &[u8], folder: &Path) -> Result<ShapeKeys, Refusal> {
+    check_header(bytes)?;
+    let (document, chunk) = document(bytes)?;
+    let buffers = Buffers::read(&document, chunk, folder)?;
+    shape_keys::read(&document, &buffers)
 }
 
 /// Returns the document, with all indices valid, and the binary chunk.

@@ -1,4 +1,5 @@
 mod gltf_files;
+mod shape_keys;
 mod urdf_files;
 
 use std::path::PathBuf;

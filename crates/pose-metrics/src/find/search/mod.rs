@@ -86,8 +86,9 @@ impl SearchStats {
     }
 }
 
-/// Number of places that are examined before the limit is updated: small if each place takes long. It does not depend
-/// on the number of threads, since the cost of the search is part of the result.
+/// Number of places that are examined before the limit is updated, if the measure is a geodesic: small, since each
+/// place takes long. [`LINES`] is the number for lines, and [`OTHERS`] for all other measures. They do not depend on
+/// the number of threads, since the cost of the search is part of the result.
 const GEODESICS: usize = 4;
 const LINES: usize = 32;
 const OTHERS: usize = 512;

@@ -1,9 +1,9 @@
-//! Ways from a key to the next.
+//! Easings: courses of the motion from a key to the next.
 
-/// The way from a key to the next.
+/// The course of the motion from a key to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Easing {
-    /// Holds the key's value, then moves as fast as the joint may, and arrives at the next key's time.
+    /// Holds the key's value, then moves with 90 % of the joint's limits, and arrives at the next key's time.
     Step,
     /// Moves at constant speed.
     Linear,
@@ -19,7 +19,8 @@ pub enum Easing {
 }
 
 impl Easing {
-    /// Reads the name of an easing, in any case; words may be joined by `-` or `_`.
+    /// Reads the name of an easing, in any case, with or without "ease" before it; words may be joined by `-` or `_`.
+    /// Returns `None` for an unknown name.
     pub(super) fn named(text: &str) -> Option<Self> {
         let words = text.trim().to_lowercase().replace(['-', '_'], " ");
         match words.strip_prefix("ease ").unwrap_or(&words) {
@@ -33,8 +34,8 @@ impl Easing {
         }
     }
 
-    /// Returns the share of the change at a share of the time, both from 0 to 1; `None` of a step and of a cubic,
-    /// which depend on more than that.
+    /// Returns the share of the change at a share of the time, both from 0 to 1; `None` for a step and a cubic, which
+    /// depend on more data.
     pub(super) fn share(self, time: f64) -> Option<f64> {
         match self {
             Self::Linear => Some(time),
@@ -45,7 +46,7 @@ impl Easing {
         }
     }
 
-    /// Returns the speeds at the beginning and at the end, as factors of the mean speed; `None` of a cubic, which
+    /// Returns the speeds at the beginning and at the end, as factors of the mean speed; `None` for a cubic, which
     /// adapts to its neighbours.
     pub(super) fn end_speeds(self) -> Option<[f64; 2]> {
         match self {

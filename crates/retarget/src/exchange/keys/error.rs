@@ -91,12 +91,12 @@ pub enum KeyError {
         /// Text that was found.
         found: String,
     },
-    /// A time is not after the one before.
+    /// A time is not after the previous time.
     #[error("line {line}, column `time`: expected a time after {before} s, found {found} s")]
     Order {
         /// Line of the file.
         line: u64,
-        /// Time of the row before, s.
+        /// Time of the previous row, s.
         before: f64,
         /// Time that was found, s.
         found: f64,
@@ -104,7 +104,8 @@ pub enum KeyError {
     /// The motion is too long.
     #[error("the last time is {0} s after the first: expected 7200 s at most")]
     TooLong(f64),
-    /// The rig's base travels; an exported table has its pose in another world.
+    /// The rig's base travels. No table is read for it, because an exported table has the pose of the base in another
+    /// world.
     #[error("the rig's base travels (`root_x` ..): hold it with `--base stand`")]
     Travels,
     /// The numbers are not a valid motion.

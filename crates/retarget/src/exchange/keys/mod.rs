@@ -1,9 +1,9 @@
-//! Reads tables of keys: times as they are, joints by name, units in the header, and easings.
+//! Reads tables of keys: times of any spacing, joints by name, units in the header, and easings.
 //!
 //! A table is CSV with commas, semicolons or tabs. The column `time` is in s (`time_ms` in ms); a joint has the column
-//! `NAME_deg` or `NAME_rad`, a slide `NAME_mm` or `NAME_m`. An empty field is no key: the joint moves on to its next
-//! one. A joint without a column stays at home. The column `easing` names the way from each row to the next; a row
-//! `easing` below the header does so for each joint.
+//! `NAME_deg` or `NAME_rad`, a slide `NAME_mm` or `NAME_m`. An empty field is not a key: the joint moves on to its next
+//! key. A joint without a column stays at home. The column `easing` names the easing from each row to the next; a row
+//! below the header with `easing` as its time names the easing of each joint.
 
 mod easing;
 mod error;
@@ -25,15 +25,16 @@ use header::{Content, contents};
 use sheet::Sheet;
 use track::{Key, Track};
 
-/// Rate of a motion that is made of keys, Hz. Keys that are nearer to each other than its step get a higher one.
+/// Rate of a motion that is made from keys, Hz. If the mean time between the keys is less than its time step, the rate
+/// is higher.
 const RATE_HZ: f64 = 100.0;
 /// The highest rate of such a motion, Hz.
 const RATE_MAX_HZ: f64 = 1000.0;
-/// Largest step of a recording, s. Rows that are farther apart are keys.
+/// Largest time step of a recording, s. Rows with a larger step are keys.
 const RECORDED_STEP_S: f64 = 0.1;
-/// The longest motion, s.
+/// Longest motion that is read, s.
 const DURATION_MAX_S: f64 = 7200.0;
-/// Speed of a step of a joint without a limit, rad/s, and of a slide, m/s.
+/// Speed of the easing `step` for joints without a speed limit, rad/s; the second constant is for slides, m/s.
 const STEP_SPEED: f64 = 12.0;
 const STEP_SPEED_M_S: f64 = 1.0;
 
@@ -44,20 +45,24 @@ pub struct KeyedMotion {
     pub motion: RigMotion,
     /// Time of the first row, s.
     pub start_s: f64,
-    /// Number of rows, if they are keys and not a recording.
+    /// Number of rows, if they are keys; `None` for a recording.
     pub keys: Option<usize>,
-    /// The fastest change of each joint that is faster than the joint may move.
+    /// For each joint with changes that are faster than its maximum speed: the fastest such change.
     pub jumps: Vec<Jump>,
+    /// Coordinates that the file has; `None` for all.
+    pub given: Option<Vec<usize>>,
+    /// Whether the motion is a loop.
+    pub is_loop: bool,
 }
 
-/// A change from key to key that is faster than its joint may move.
+/// A change from a key to the next that is faster than the joint's maximum speed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jump {
     /// Name of the column without unit.
     pub joint: String,
     /// Line of the later key.
     pub line: u64,
-    /// Change and duration: in `unit`, and s.
+    /// Change of the joint, in `unit`.
     pub change: f64,
     /// Duration of the change, s.
     pub span_s: f64,
@@ -85,15 +90,15 @@ impl std::fmt::Display for Jump {
 struct Keyed {
     place: usize,
     unit: Option<Unit>,
-    /// Easing of its column, from the row below the header.
+    /// Easing of its column, from the row below the header; `None` if there is no such row, or its field is empty.
     easing: Option<Easing>,
     track: Track,
 }
 
 /// Reads a table. `units` are those of columns without a unit.
 ///
-/// Evenly spaced rows of at least 10 Hz without easings and gaps are a recording: the motion is the rows. Other rows
-/// are keys, and the motion passes through them.
+/// Evenly spaced rows at 10 Hz or more, without easings and empty fields, are a recording: the motion consists of these
+/// rows, resampled if shows cannot have their rate. Other rows are keys, and the motion passes through them.
 ///
 /// # Errors
 /// [`KeyError`] names line, column, joint and unit.
@@ -133,7 +138,8 @@ pub fn read(
         let motion = RigMotion { dt_s, rows: (0..rows).map(row).collect() };
         let motion = if is_rate_of_shows(dt_s) { motion } else { resampled(mechanism, &motion)? };
         motion.check(mechanism)?;
-        return Ok(KeyedMotion { motion, start_s, keys: None, jumps });
+        let (given, is_loop) = (Some(given), false);
+        return Ok(KeyedMotion { motion, start_s, keys: None, jumps, given, is_loop });
     }
     let rate_hz = rate_hz(duration_s / (rows - 1) as f64);
     let at = |time_s: f64| {
@@ -148,7 +154,8 @@ pub fn read(
     let rows_s = times(duration_s, rate_hz);
     let motion = RigMotion { dt_s: rate_hz.recip(), rows: rows_s.map(at).collect() };
     motion.check(mechanism)?;
-    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps })
+    let (given, is_loop) = (Some(given), false);
+    Ok(KeyedMotion { motion, start_s, keys: Some(rows), jumps, given, is_loop })
 }
 
 /// Reads the times of the rows and the keys of each coordinate. Returns also whether the table has easings.
@@ -265,7 +272,8 @@ fn balls(mechanism: &Mechanism, columns: &[Column], keyed: &mut [Keyed]) -> Resu
 }
 
 impl Keyed {
-    /// Returns the fastest change that is faster than the joint may move. Ball joints are not looked at.
+    /// Returns the fastest change that exceeds the joint's maximum speed; `None` if no change does, and for ball
+    /// joints.
     fn jump(&self, columns: &[Column], mechanism: &Mechanism) -> Option<Jump> {
         let (unit, column) = (self.unit?, &columns[self.place]);
         let limit = mechanism.bodies[column.body].speed;
@@ -283,7 +291,7 @@ impl Keyed {
     }
 }
 
-/// Returns the step of evenly spaced times of at least 10 Hz, s.
+/// Returns the time step, s, if the times are evenly spaced, at 10 Hz or more.
 fn even_step_s(times_s: &[f64]) -> Option<f64> {
     let steps = (times_s.len() - 1) as f64;
     let step_s = (times_s[times_s.len() - 1] - times_s[0]) / steps;
@@ -295,25 +303,25 @@ fn even_step_s(times_s: &[f64]) -> Option<f64> {
     (is_even && step_s <= RECORDED_STEP_S + 1e-9).then_some(step_s)
 }
 
-/// Returns whether a show can have this step: a whole number of samples in 1 s, or in 1001 s, as television has it.
+/// Returns whether a show can have this time step: a whole number of samples in 1 s, or in 1001 s, as in television.
 fn is_rate_of_shows(dt_s: f64) -> bool {
     let hz = dt_s.recip();
     [hz, 1001.0 * hz].iter().any(|samples| (samples - samples.round()).abs() < 1e-6 * samples)
 }
 
-/// Returns the rate for keys whose mean distance is `step_s`, Hz.
+/// Returns the rate, Hz, for keys with the mean time step `step_s`.
 fn rate_hz(step_s: f64) -> f64 {
     step_s.recip().ceil().clamp(RATE_HZ, RATE_MAX_HZ)
 }
 
-/// Returns the times of rows that reach a duration, s.
+/// Returns the times of rows from 0 until a duration is reached, s.
 fn times(duration_s: f64, rate_hz: f64) -> impl Iterator<Item = f64> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
     let last = (duration_s * rate_hz - 1e-6).ceil().max(1.0) as usize;
     (0..=last).map(move |row| row as f64 / rate_hz)
 }
 
-/// Returns a recording at a rate that shows have.
+/// Resamples a recording at a rate that shows can have.
 fn resampled(mechanism: &Mechanism, motion: &RigMotion) -> Result<RigMotion, MotionError> {
     let (curve, rate_hz) = (Curve::new(mechanism, motion)?, rate_hz(motion.dt_s));
     let at = |time_s: f64| {

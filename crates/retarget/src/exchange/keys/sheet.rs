@@ -46,7 +46,7 @@ impl Sheet {
         Ok(Self { header, rows, decimal_comma: delimiter != b',' })
     }
 
-    /// Reads a number from -1e6 to 1e6.
+    /// Reads a number from -1e6 to 1e6; `None` for any other text.
     pub(super) fn number(&self, field: &str) -> Option<f64> {
         let pointed = if self.decimal_comma { field.replace(',', ".") } else { field.to_owned() };
         pointed.parse().ok().filter(|x| (-1e6..=1e6).contains(x))

@@ -12,7 +12,7 @@ pub(super) struct Key {
     pub(super) time_s: f64,
     /// Value, rad or m; a part of a quaternion without unit.
     pub(super) value: f64,
-    /// Way to the next key.
+    /// Easing to the next key.
     pub(super) easing: Easing,
     /// Line of the file.
     pub(super) line: u64,
@@ -22,13 +22,13 @@ pub(super) struct Key {
 #[derive(Debug, Clone)]
 pub(super) struct Track {
     pub(super) keys: Vec<Key>,
-    /// Maximum speed, rad/s or m/s: the joint's, or a default.
+    /// Maximum speed, rad/s or m/s: that of the joint, or a default.
     pub(super) speed: f64,
     /// Maximum acceleration, rad/s² or m/s²; infinite without limit.
     pub(super) acceleration: f64,
 }
 
-/// A change between two neighbouring keys that is faster than the joint may move.
+/// A change between two neighbouring keys that is faster than the joint's maximum speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fast {
     /// Index of the later key.
@@ -59,8 +59,8 @@ impl Track {
         from.value + change * smooth(time) + span_s * time * rest * bend
     }
 
-    /// Returns how long a step needs, s. `smooth` has 1.5 times its mean speed, and accelerates by 6 changes per
-    /// squared duration.
+    /// Returns the duration that the motion of a step needs, s. The largest speed of `smooth` is 1.5 times its mean
+    /// speed; its largest acceleration is 6 times the change divided by the squared duration.
     fn step_s(&self, change: f64) -> f64 {
         let way = change.abs() / STEP_SHARE;
         f64::max(1.5 * way / self.speed, (6.0 * way / self.acceleration).sqrt())
@@ -71,9 +71,9 @@ impl Track {
         (to.value - from.value) / (to.time_s - from.time_s)
     }
 
-    /// Returns the slope at a key, of the cubic that ends at key `to`. The slope is that of a neighbour that is not a
-    /// cubic, within three times the cubic's own mean slope; between two cubics it is a weighted harmonic mean (Fritsch
-    /// and Butland, 1984). Both rules keep a cubic between the values of its keys.
+    /// Returns the slope at the key `key` of the cubic that ends at the key `to`. If the neighbouring piece is not a
+    /// cubic, the slope is that of this piece, limited to three times the cubic's own mean slope. Between two cubics it
+    /// is a weighted harmonic mean (Fritsch and Butland, 1984). Both rules keep a cubic between the values of its keys.
     fn slope(&self, key: usize, to: usize) -> f64 {
         if key == 0 || key + 1 == self.keys.len() {
             return 0.0;

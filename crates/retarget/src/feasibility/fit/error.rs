@@ -34,11 +34,13 @@ pub enum FitError {
     },
     /// A limit remains exceeded, although everything was tried.
     #[error(
-        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of the given motion: even slower, smoother and \
-         nearer to home, it exceeds the limit, or leaves no room for the rounding of a show",
+        "`{joint}`: its {} is {} and its limit is {}, at {time_s:.2} s of the given motion: even {} and \
+         nearer to home, it exceeds the limit, or leaves no room for the rounding of a show{}",
         kind.name(),
         kind.shown(*slides, *value),
-        kind.shown(*slides, *limit)
+        kind.shown(*slides, *limit),
+        if *in_time { "smaller, rounder" } else { "slower, smoother" },
+        if *in_time { "; a fit without --keep-time may slow the motion down" } else { "" }
     )]
     OutOfReach {
         /// Name of the dof.
@@ -53,5 +55,7 @@ pub enum FitError {
         limit: f64,
         /// Time in the given motion, s.
         time_s: f64,
+        /// Whether the fit had to keep the time.
+        in_time: bool,
     },
 }

@@ -24,11 +24,11 @@ use crate::feasibility::report::{Excess, Kind, Report};
 use crate::feasibility::rows::Rows;
 
 /// Time before and after an instant over which poses are drawn towards home too, s.
-const LOWERING_S: f64 = 0.4;
+pub(super) const LOWERING_S: f64 = 0.4;
 /// Factor on the motion of a hot drive in each round.
 const COOLING: f64 = 0.97;
 /// Minimum share of speed, and of the distance from home. With less, the result is useless as a performance.
-const LEAST_SHARE: f64 = 0.02;
+pub(super) const LEAST_SHARE: f64 = 0.02;
 /// Number of samples beside an excess that are checked again after smoothing.
 const BESIDE: usize = 2;
 
@@ -36,7 +36,7 @@ const BESIDE: usize = 2;
 pub(super) enum Round {
     /// No limit is exceeded.
     Within,
-    /// A limit is exceeded, but by less than before.
+    /// A limit was exceeded, and the motion was slowed or lowered there.
     Nearer,
     /// The remaining motion is useless as a performance.
     Hopeless,
@@ -101,7 +101,7 @@ impl<'a> Fitting<'a> {
 
     /// Continues from the changes of an earlier fit of the motion.
     pub(super) fn go_on_from(&mut self, before: &Progress) {
-        let Progress { widest, ended, pace, share, room } = before.clone();
+        let Progress { widest, ended, pace, share, room, .. } = before.clone();
         (self.widest, self.ended, self.share) = (widest, ended, share);
         (self.course.pace, self.within.room) = (pace, room);
         self.rows.iter_mut().for_each(|row| self.within.bring(self.limits, row));
@@ -354,6 +354,7 @@ impl<'a> Fitting<'a> {
         Fit {
             motion: RigMotion { dt_s: self.dt_s, rows: rows.lists() },
             given_s,
+            settings: self.settings,
             slowest: least(&self.course.pace),
             lowered: lowered
                 .map(|(joint, share)| {
@@ -370,6 +371,9 @@ impl<'a> Fitting<'a> {
                 pace: self.course.pace,
                 share: self.share,
                 room: self.within.room,
+                caps: Vec::new(),
+                is_curved: Vec::new(),
+                starts_slowly: Vec::new(),
             },
         }
     }

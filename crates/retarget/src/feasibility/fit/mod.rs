@@ -2,12 +2,14 @@
 //!
 //! It uses three methods, the least intrusive first: a low-pass of single joints, as far as it changes angles only
 //! slightly; a slower pace where the motion is too fast or its forces are too large; and poses nearer to home where
-//! gravity alone needs too much effort, or a drive becomes too hot.
+//! gravity alone needs too much effort, or a drive becomes too hot. A fit that keeps the time ([`in_time`]) replaces the
+//! first two.
 
 mod along;
 mod course;
 mod error;
 mod fitting;
+mod in_time;
 mod interpolation;
 mod joint;
 mod progress;
@@ -21,11 +23,13 @@ use sinew_rig::Mechanism;
 
 use super::check::{check, rate_at_rows};
 use super::curve::{Curve, Performance as _};
+use super::error::CheckError;
 use super::limits::Limits;
 use super::motion::RigMotion;
 use super::report::{Excess, Kind};
 pub use error::FitError;
 use fitting::{Fitting, Round};
+use in_time::Keeping;
 use interpolation::interpolated;
 pub use progress::Progress;
 use rest::Rest;
@@ -41,7 +45,8 @@ const LEAST_HZ: f64 = 100.0;
 
 /// Finds the nearest motion within all limits. O(rows · bodies) for each of at most 120 rounds, usually ten.
 ///
-/// A motion that exceeds no limit is returned unchanged; for any other, the rows may be finer than given.
+/// A motion that keeps the margins of `settings` to all limits is returned unchanged; for any other, the rows may be
+/// finer than given.
 ///
 /// # Errors
 /// [`FitError`] if the motion is invalid for the rig, no pose near its home is light enough, or a limit remains
@@ -92,8 +97,28 @@ fn go_on(
     let motion = finer.as_ref().unwrap_or(motion);
     let rate_hz = rate_at_rows(settings.rate_hz, motion.dt_s);
     let settings = FitSettings { rate_hz, ..settings };
+    let before = before.filter(|before| before.is_of(motion, settings.keep_time));
+    if settings.keep_time {
+        let mut keeping = Keeping::new(mechanism, &kept, &rest, motion, settings)?;
+        if let Some(before) = before {
+            keeping.go_on_from(before);
+        }
+        drop(finer);
+        for _ in 0..ROUNDS {
+            match keeping.round()? {
+                Round::Within => return Ok(keeping.done()),
+                Round::Nearer => {}
+                Round::Hopeless => break,
+            }
+        }
+        let curve = keeping.curve();
+        return match remaining(mechanism, limits, &rest, &curve, None, settings)? {
+            None => Ok(keeping.done()),
+            Some(why) => Err(why),
+        };
+    }
     let mut fitting = Fitting::new(mechanism, &kept, &rest, motion, settings)?;
-    if let Some(before) = before.filter(|before| before.is_of(motion)) {
+    if let Some(before) = before {
         fitting.go_on_from(before);
     }
     drop(finer);
@@ -107,26 +132,42 @@ fn go_on(
             Round::Hopeless => break,
         }
     }
-    // The remaining motion may be within the limits without a margin.
     let (curve, given_s) = fitting.curve();
-    let report = check(mechanism, limits, &curve, settings.rate_hz)?;
-    let beyond = |excess: &&Excess| (excess.value / excess.limit - 1.0).abs();
-    match report.excesses.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b))) {
+    match remaining(mechanism, limits, &rest, &curve, Some(&given_s), settings)? {
         None => Ok(fitting.done()),
-        Some(excess) => {
-            let dof = &limits.dofs[excess.dof];
-            let (joint, slides) = (dof.name.clone(), dof.slides);
-            let Excess { kind, value, limit, worst_s, .. } = *excess;
-            let rows_a_s = (given_s.len() - 1) as f64 / curve.duration_s();
-            let time_s = interpolated(&given_s, worst_s * rows_a_s);
-            let held = rest.holding[excess.dof].abs();
-            Err(if kind == Kind::Effort && held > limit {
-                FitError::Heavy { joint, slides, held, limit }
-            } else {
-                FitError::OutOfReach { joint, slides, kind, value, limit, time_s }
-            })
-        }
+        Some(why) => Err(why),
     }
+}
+
+/// Returns why a motion that exceeds the limits with their margin cannot be performed; `None` if it is within the
+/// limits without a margin. `given_s`: times of its rows in the given motion, s; `None` if they are its own.
+fn remaining(
+    mechanism: &Mechanism,
+    limits: &Limits,
+    rest: &Rest,
+    curve: &Curve,
+    given_s: Option<&[f64]>,
+    settings: FitSettings,
+) -> Result<Option<FitError>, CheckError> {
+    let report = check(mechanism, limits, curve, settings.rate_hz)?;
+    let beyond = |excess: &&Excess| (excess.value / excess.limit - 1.0).abs();
+    let worst = report.excesses.iter().max_by(|a, b| beyond(a).total_cmp(&beyond(b)));
+    Ok(worst.map(|excess| {
+        let dof = &limits.dofs[excess.dof];
+        let (joint, slides) = (dof.name.clone(), dof.slides);
+        let Excess { kind, value, limit, worst_s, .. } = *excess;
+        let time_s = given_s.map_or(worst_s, |given_s| {
+            let rows_a_s = (given_s.len() - 1) as f64 / curve.duration_s();
+            interpolated(given_s, worst_s * rows_a_s)
+        });
+        let held = rest.holding[excess.dof].abs();
+        let in_time = settings.keep_time;
+        if kind == Kind::Effort && held > limit {
+            FitError::Heavy { joint, slides, held, limit }
+        } else {
+            FitError::OutOfReach { joint, slides, kind, value, limit, time_s, in_time }
+        }
+    }))
 }
 
 /// Returns the limits with a margin for the rounding of a show, except efforts that the rest pose needs almost

@@ -16,11 +16,24 @@ pub struct FitSettings {
     /// Minimum sampling rate of the checks, Hz. Every row is sampled, because a curve's accelerations are largest
     /// there, and places evenly between rows, where it may leave a range.
     pub rate_hz: f64,
+    /// Whether the motion keeps its time: where a limit is met, it is made smaller or rounder there, and nowhere
+    /// slower.
+    pub keep_time: bool,
+    /// Whether a motion that keeps its time begins at rest, if it has to be changed. A controller lets a show that
+    /// begins at speed run slower at first, and the show is late from then on.
+    pub from_rest: bool,
 }
 
 impl Default for FitSettings {
     fn default() -> Self {
-        Self { change: 0.05, share: 0.95, room: 0.005, rate_hz: 200.0 }
+        Self {
+            change: 0.05,
+            share: 0.95,
+            room: 0.005,
+            rate_hz: 200.0,
+            keep_time: false,
+            from_rest: false,
+        }
     }
 }
 
@@ -31,6 +44,8 @@ pub struct Fit {
     pub motion: RigMotion,
     /// Time in the given motion of every row of the new motion, s; used to shift cues.
     pub given_s: Vec<f64>,
+    /// Settings of the fit.
+    pub settings: FitSettings,
     /// Joints whose angles were low-passed.
     pub smoothed: Vec<SmoothedJoint>,
     /// Minimum share of the given speed, and its time in the given motion, s.

@@ -42,6 +42,12 @@ impl Within {
         self.room[joint] += 2.0 * beyond + 1e-6;
     }
 
+    /// Returns the range of a dof of a joint without the margin.
+    pub(super) fn inner(&self, joint: usize, [least, most]: [f64; 2]) -> [f64; 2] {
+        let own = self.room[joint].min(MOST_ROOM * (most - least));
+        [least + own, most - own]
+    }
+
     /// Limits a row to all ranges.
     pub(super) fn bring(&mut self, limits: &Limits, row: &mut [f64]) {
         for (joint, [numbers, dofs]) in self.joints.iter().enumerate() {

@@ -193,7 +193,8 @@ impl<'a> Draft<'a> {
         (self.neck, rotation, Some(remark))
     }
 
-    /// Returns the last of `joints` that is at a distance from `end`, and therefore rotates it.
+    /// Returns the last of `joints` that is not at the place of `end`, and therefore moves `end` when it turns. `None`
+    /// if all are at this place.
     fn turner(&self, joints: &[usize], end: usize) -> Option<usize> {
         joints.iter().rev().find(|joint| !self.at_one_place(**joint, end)).copied()
     }

@@ -43,7 +43,8 @@ pub struct MapHead<'a> {
     pub rate_hz: Option<f64>,
 }
 
-/// Returns the end of the head of `skeleton`, with a remark if it is not in the file; `None` without a head.
+/// Returns the end of the head of `skeleton`, with a remark if it is not in the file; `None` if the head was not found,
+/// or the height of the body is unknown.
 pub fn head_end(skeleton: &Skeleton, matched: &SkeletonMatch) -> Option<(End, Option<String>)> {
     let head = matched.joint(Landmark::Head)?;
     (matched.height() > 0.0)

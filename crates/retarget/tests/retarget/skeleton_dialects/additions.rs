@@ -15,17 +15,25 @@ pub(crate) struct Additions {
     twists: bool,
     ends: Option<&'static str>,
     helpers: bool,
+    /// Names of the left and the right joint of no length between pelvis and thigh, such as CMU's `LHipJoint`.
+    hips: Option<[&'static str; 2]>,
     spine: bool,
 }
 
 pub(crate) fn additions() -> impl Strategy<Value = Additions> {
     let ends = prop::option::of(prop::sample::select(vec!["_end", "Nub", "_End", ".tip"]));
+    let hips = prop::option::of(prop::sample::select(vec![
+        ["LHipJoint", "RHipJoint"],
+        ["leftHipNull_x", "rightHipNull_x"],
+        ["Helper_7x", "Helper_8x"],
+    ]));
     let flags = (any::<bool>(), any::<bool>(), any::<bool>(), any::<bool>());
-    (flags, ends).prop_map(|((fingers, twists, helpers, spine), ends)| Additions {
+    (flags, ends, hips).prop_map(|((fingers, twists, helpers, spine), ends, hips)| Additions {
         fingers,
         twists,
         ends,
         helpers,
+        hips,
         spine,
     })
 }
@@ -36,6 +44,12 @@ impl Additions {
         let mut dialect = dialect.clone();
         if self.spine {
             split_the_bone_below_the_chest(&mut dialect);
+        }
+        for (place, side) in Side::ALL.into_iter().enumerate() {
+            if let Some(names) = self.hips {
+                let hip = find(&dialect, Landmark::Hip(side));
+                put_before(&mut dialect, names[place], hip);
+            }
         }
         for (side, word) in [(Side::Left, "Left"), (Side::Right, "Right")] {
             let sign = if side == Side::Left { 1.0 } else { -1.0 };
@@ -103,6 +117,23 @@ fn add(dialect: &mut Dialect, name: &str, on: usize, offset_m: DVec3) -> usize {
         end_sites_m: Vec::new(),
     });
     dialect.skeleton.joints.len() - 1
+}
+
+/// Adds a joint at the place of a joint's parent, between both.
+fn put_before(dialect: &mut Dialect, name: &str, joint: usize) {
+    let joints = &mut dialect.skeleton.joints;
+    let Some(parent) = joints[joint].parent else { return };
+    for parent in joints.iter_mut().filter_map(|joint| joint.parent.as_mut()) {
+        *parent += usize::from(*parent >= joint);
+    }
+    joints[joint].parent = Some(joint);
+    let helper = SkeletonJoint {
+        name: name.to_owned(),
+        parent: Some(parent),
+        offset_m: DVec3::ZERO,
+        end_sites_m: Vec::new(),
+    };
+    joints.insert(joint, helper);
 }
 
 /// Adds a joint in the middle of the bone that ends in the chest.

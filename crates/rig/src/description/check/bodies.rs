@@ -30,7 +30,8 @@ pub(super) fn check(part: Part<'_>, body: &Body) -> Result<(), DescriptionError>
     body.inertia_kg_m2.as_ref().map_or(Ok(()), |inertia| check_inertia(part, body, inertia))
 }
 
-/// Refuses a solid that lacks a length of its kind, or has one that its kind does not have.
+/// Refuses a solid that lacks a length of its kind, has a length that its kind does not have, or whose position,
+/// rotation or colour is invalid.
 fn check_shape(part: Part<'_>, index: usize, shape: &BodyShape) -> Result<(), DescriptionError> {
     let at = |key| [Step::Key("shape"), Step::Index(index), Step::Key(key)];
     let size = shape.size_m.as_ref().map(<[f64; 3]>::as_slice);

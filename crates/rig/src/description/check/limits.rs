@@ -36,7 +36,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Returns the two joints. Both must have one dof, of the same kind.
+/// Returns the two joints. Both must have one dof.
 fn check_joints<'a>(
     part: Part<'_>,
     rig: &'a Description,
@@ -54,19 +54,15 @@ fn check_joints<'a>(
         }
     };
     let pair = [find("joint", &limit.joint)?, find("other", &limit.other)?];
-    let at = [Step::Key("other")];
     if limit.joint == limit.other {
         let expected = "another joint; the range of a single one is the joint's own";
-        return Err(part.refuse(&at, expected, format!("{:?} twice", limit.other)));
-    }
-    if pair[0].kind != pair[1].kind {
-        let found = format!("{:?} and {:?}, one of each", limit.joint, limit.other);
-        return Err(part.refuse(&at, "two joints that turn, or two that slide", found));
+        let found = format!("{:?} twice", limit.other);
+        return Err(part.refuse(&[Step::Key("other")], expected, found));
     }
     Ok(pair)
 }
 
-/// Returns the minimum and maximum sum with their keys, in the unit of the joints.
+/// Returns the minimum and maximum sum with their keys, in the unit of the first joint.
 fn check_ends(
     part: Part<'_>,
     limit: &LinkedLimit,
@@ -75,10 +71,10 @@ fn check_ends(
     let turns = [("least_deg", limit.least_rad), ("most_deg", limit.most_rad)];
     let slides = [("least_m", limit.least_m), ("most_m", limit.most_m)];
     let (right, wrong, why) =
-        if slide { (slides, turns, "slide") } else { (turns, slides, "turn") };
+        if slide { (slides, turns, "slides") } else { (turns, slides, "turns") };
     for ((wrong, value), (right, _)) in wrong.into_iter().zip(right) {
         if value.is_some() {
-            let expected = format!("{right}, since the joints {why}");
+            let expected = format!("{right}, since {:?} {why}", limit.joint);
             return Err(part.refuse(&[Step::Key(wrong)], expected, wrong));
         }
     }

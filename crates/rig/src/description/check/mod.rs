@@ -2,6 +2,7 @@
 
 mod bodies;
 mod drives;
+mod face_shapes;
 mod joints;
 mod limits;
 mod names;
@@ -48,6 +49,10 @@ impl Description {
         let shape = tree::shape(self, &bodies)?;
         for (index, limit) in self.limits.iter().enumerate() {
             limits::check(self, &joints, index, limit)?;
+        }
+        Names::new("shape", self.face_shapes.iter().map(|shape| &shape.name))?;
+        for (index, shape) in self.face_shapes.iter().enumerate() {
+            face_shapes::check(self, &joints, index, shape)?;
         }
         let servos = Names::new("servo", self.servos.iter().map(|servo| &servo.name))?;
         let mut owners = drives::Owners::new(self);

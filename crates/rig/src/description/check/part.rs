@@ -70,8 +70,8 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Refuses a number that is not finite, too large, or of the wrong sign. `value` is in SI units; the error
-    /// shows it in the file's unit.
+    /// Refuses a number that is not finite, too large, of the wrong sign, or smaller than `sign` permits. `value` is in
+    /// SI units; the error shows it in the file's unit.
     pub(super) fn number(
         self,
         at: &[Step],

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::joints::check_range;
 use super::part::{Part, Sign, shown};
 use crate::description::error::{DescriptionError, Step};
-use crate::description::{Address, Servo, ServoModel, SourcedValue};
+use crate::description::{Address, Pulses, Servo, ServoModel, SourcedValue};
 use crate::number;
 
 /// Values of a kind that may be zero; all others must be positive.
@@ -20,6 +20,9 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
 
 /// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
+
+/// Shortest and longest pulse that a hobby servo may have, us.
+const PULSES_US: [f64; 2] = [200.0, 4000.0];
 
 /// Fastest vibration of a rotor on its gear, rad/s (190 Hz): its phase changes by 0.3 rad in a step of the
 /// simulated servos, 0.25 ms. The step does not resolve faster vibrations: light bodies would be thrown when teeth
@@ -47,6 +50,7 @@ pub(super) fn check<'a>(
     part.number_if_any("offset_deg", servo.offset_rad, Sign::Any)?;
     part.number_if_any("homing_offset_deg", servo.homing_offset_rad, Sign::Any)?;
     part.number(&[Step::Key("gear")], servo.gear, Sign::Positive)?;
+    check_pulses(part, servo)?;
     let at = [Step::Key("range_deg")];
     for pair in &servo.range_rad {
         check_range(part, &at, *pair)?;
@@ -65,6 +69,31 @@ pub(super) fn check<'a>(
         return Err(part.refuse(&[Step::Key("p_gain")], "a whole number above 0", 0));
     }
     Ok(())
+}
+
+/// Refuses pulses of a servo that takes none, and pulses that no hobby servo understands.
+fn check_pulses(part: Part<'_>, servo: &Servo) -> Result<(), DescriptionError> {
+    let given =
+        [("pulse_us", servo.pulse_us.is_some()), ("travel_deg", servo.travel_rad.is_some())];
+    if let (Address::Id(id), Some((key, _))) =
+        (servo.address, given.into_iter().find(|(_, is_given)| *is_given))
+    {
+        let expected =
+            "no such key of a servo with an id: only hobby servos (`channel`) take pulses";
+        return Err(part.refuse(&[Step::Key(key)], expected, format!("it with id = {id}")));
+    }
+    part.number_if_any("travel_deg", servo.travel_rad, Sign::Positive)?;
+    let Some([least, middle, most]) = servo.pulse_us else { return Ok(()) };
+    let [shortest, longest] = PULSES_US;
+    // The comparisons also refuse NaN.
+    if shortest <= least && least < middle && middle < most && most <= longest {
+        return Ok(());
+    }
+    let expected = format!(
+        "[least, middle, most] in us, rising, from {shortest} to {longest}; `direction = -1` turns a servo around"
+    );
+    let found = [least, middle, most].map(number::text).join(", ");
+    Err(part.refuse(&[Step::Key("pulse_us")], expected, format!("[{found}]")))
 }
 
 fn check_address<'a>(
@@ -120,6 +149,16 @@ pub(super) fn check_model(index: usize, model: &ServoModel) -> Result<(), Descri
         }
         let sign = if key == "gear_stiffness_nm_rad" { Sign::Positive } else { Sign::NotNegative };
         check_sourced(part, key, sourced, sign)?;
+    }
+    let [least, middle, most] = Pulses::of_model(model).us;
+    if !(PULSES_US[0] <= least && least < middle && middle < most && most <= PULSES_US[1]) {
+        let at = [Step::Key("pulse_middle_us"), Step::Key("value")];
+        let [shortest, longest] = PULSES_US;
+        let expected = format!(
+            "rising pulses from {shortest} to {longest} us: pulse_least_us (default 500), pulse_middle_us (1500), \
+             pulse_most_us (2500)"
+        );
+        return Err(part.refuse(&at, expected, format!("{least}, {middle} and {most}")));
     }
     check_ring(part, model)
 }

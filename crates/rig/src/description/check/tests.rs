@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::description::{
-    Address, Base, Body, BodyShape, Drive, DriveKind, InertiaMatrix, Joint, JointType, LinkedLimit,
-    Servo, ServoModel, SourcedValue, Supply,
+    Address, Base, Body, BodyShape, Drive, DriveKind, FaceShape, InertiaMatrix, Joint, JointType,
+    LinkedLimit, Servo, ServoModel, SourcedValue, Supply,
 };
 
 fn body(name: &str) -> Body {
@@ -88,6 +88,10 @@ fn model(name: &str) -> ServoModel {
     }
     for (_, value) in model.optional_values_mut() {
         *value = Some(tested.clone());
+    }
+    let pulses = [&mut model.pulse_least_us, &mut model.pulse_middle_us, &mut model.pulse_most_us];
+    for (pulse, us) in pulses.into_iter().zip([600.0, 1500.0, 2400.0]) {
+        *pulse = Some(SourcedValue { value: us, ..tested.clone() });
     }
     model.friction_nm.value = 0.5;
     (model.resolution_rad.value, model.backlash_rad.value) = (0.01, 0.0);
@@ -308,6 +312,45 @@ fn a_kind_that_no_servo_can_be_is_refused() {
     }
 }
 
+#[test]
+fn poses_of_shapes_are_of_joints_within_their_ranges() {
+    let shape = |rig: &mut Description, pose: &[(&str, f64)]| {
+        let pose = pose.iter().map(|(joint, at)| ((*joint).to_owned(), *at)).collect();
+        rig.face_shapes.push(FaceShape { name: "jawOpen".to_owned(), pose });
+    };
+    let at = "shape[0].pose";
+    refused(|rig| shape(rig, &[("hing", 0.0)]), at, "such as \"hinge\"");
+    refused(|rig| shape(rig, &[("hinge", 5000.0)]), at, "within its range");
+    refused(|rig| shape(rig, &[("hinge", f64::NAN)]), at, "within its range");
+    refused(|rig| shape(rig, &[("hinge", 0.0), ("hinge", 0.0)]), at, "twice");
+    let twice = |rig: &mut Description| {
+        shape(rig, &[]);
+        shape(rig, &[]);
+    };
+    refused(twice, "shape[1].name", "shape[0] already");
+}
+
+/// Pulses rise, and belong to servos that take pulses.
+#[test]
+fn pulses_that_no_servo_takes_are_refused() {
+    let on_channel = |rig: &mut Description, pulse_us| {
+        rig.servos[0].address = Address::Channel(0);
+        rig.servos[0].pulse_us = Some(pulse_us);
+    };
+    let mut rig = rig();
+    on_channel(&mut rig, [600.0, 1480.0, 2350.0]);
+    assert_eq!(rig.check(), Ok(()));
+    for wrong in
+        [[2350.0, 1480.0, 600.0], [600.0, 600.0, 2350.0], [0.6, 1.48, 2.35], [f64::NAN, 1.0, 2.0]]
+    {
+        refused(|rig| on_channel(rig, wrong), "servo[0].pulse_us", "rising, from 200 to 4000");
+    }
+    refused(|rig| rig.servos[0].pulse_us = Some([1.0; 3]), "servo[0].pulse_us", "take pulses");
+    refused(|rig| rig.servos[0].travel_rad = Some(1.0), "servo[0].travel_deg", "take pulses");
+    let path = "servo_model[0].pulse_middle_us.value";
+    refused(|rig| set_gear(rig, "pulse_middle_us", 2500.0), path, "rising pulses");
+}
+
 fn set_gear(rig: &mut Description, key: &str, value: f64) {
     for (of, sourced) in rig.servo_models[0].optional_values_mut() {
         if let Some(sourced) = sourced.as_mut().filter(|_| of == key) {
@@ -448,9 +491,8 @@ fn ranges_are_ranges_and_homes_lie_in_them() {
 }
 
 #[test]
-fn linked_limits_join_two_joints_of_a_kind() {
+fn linked_limits_join_two_joints_of_one_dof() {
     refused(|rig| rig.limits[0].other = "hinge".to_owned(), "limit[0].other", "twice");
-    refused(|rig| rig.limits[0].other = "slide".to_owned(), "limit[0].other", "one of each");
     refused(|rig| rig.limits[0].other = "ball".to_owned(), "limit[0].other", "which is neither");
     refused(|rig| rig.limits[0].factor = 0.0, "limit[0].factor", "other than 0");
     refused(|rig| rig.limits[0].other_factor = -0.0, "limit[0].other_factor", "other than 0");

@@ -14,11 +14,11 @@ use crate::description::{Description, JointType};
 use crate::import::error::ImportError;
 use crate::import::note::NoteKind;
 
-/// Lowest and highest sum of the forces of a joint's actuators, N m or N.
+/// Lowest and highest sum of the forces of a joint's actuators, N m or N, by the joint's name.
 type Sums<'a> = BTreeMap<&'a str, [f64; 2]>;
 
-/// Reads all actuators. The effort of a joint is the larger size of the two ends of its force: of the sum of its
-/// actuators at the ends of their controls, within the joint's own limit.
+/// Reads all actuators. The effort of a joint is the largest absolute force that its actuators make together at the
+/// ends of their control ranges, within the joint's own limit.
 pub(super) fn read<'a, 'd>(
     root: Node<'a, 'd>,
     model: &Model<'a, 'd, '_>,
@@ -111,7 +111,7 @@ fn effort(
     Some(effort).filter(|effort| effort.is_finite() && *effort > 0.0)
 }
 
-/// Returns the joint's own limit of all its actuators. Its note was added with the joint.
+/// Returns the joint's own limit on the sum of its actuators' forces. The note on this limit was added with the joint.
 fn own_forces<'a, 'd>(
     root: Node<'a, 'd>,
     name: &str,

@@ -1,7 +1,8 @@
 //! The force of one actuator of an MJCF, from its element and the defaults of its class.
 //!
 //! MuJoCo stores all kinds of actuators as `general`: `gain · control + bias`, each within its range, times the gear.
-//! Defaults of all kinds change the same values, and a kind sets gain and bias anew.
+//! The defaults of every kind change these same values. An element of a certain kind then replaces gain and bias by
+//! those of its kind.
 
 use roxmltree::Node;
 
@@ -12,7 +13,7 @@ use super::super::{none, xml};
 pub(super) const TAGS: [&str; 7] =
     ["position", "motor", "general", "velocity", "intvelocity", "damper", "cylinder"];
 
-/// A gain or a bias: constant, and factors of length (rad or m) and speed.
+/// The terms of a gain or a bias: a constant, a factor of the length (rad or m), and a factor of the speed.
 type Terms = [f64; 3];
 
 /// Values of an actuator.
@@ -28,13 +29,14 @@ pub(super) struct ActuatorForce {
     force: Limit,
     activation: Limit,
     dynamics: Dynamics,
-    /// Share of the joint's range that is the control range, if there is one.
+    /// Width of the control range as a share of the joint's range; 0 if the control range does not follow from the
+    /// joint's range.
     inherited: f64,
     /// Whether the force has a form that is not linear in the control.
     is_other: bool,
 }
 
-/// A range, and the word that states whether it limits.
+/// A range, and the file's flag that states whether the range is a limit; `None` for `auto`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Limit {
     range: [f64; 2],
@@ -52,8 +54,8 @@ enum Dynamics {
 }
 
 impl Limit {
-    /// Returns the range if it limits: as the word states, otherwise because the range rises. Ends that stand for
-    /// "none" are infinite.
+    /// Returns the range if it is a limit; otherwise infinite ends. It is a limit if the flag is true or, without a
+    /// flag, if `auto_limits` is true and the range rises. Ends that stand for "none" are infinite, too.
     fn ends(self, auto_limits: bool) -> [f64; 2] {
         let [least, most] = self.range;
         if !self.is_limited.unwrap_or(auto_limits && least < most) {
@@ -82,7 +84,7 @@ impl Limit {
         Ok(())
     }
 
-    /// Refuses a range that the word calls a limit although it does not rise.
+    /// Refuses a range that does not rise although the flag states that it is a limit.
     fn check(self, node: Node<'_, '_>, range: &str) -> Result<(), ImportError> {
         let [least, most] = self.range;
         if self.is_limited == Some(true) && least >= most {

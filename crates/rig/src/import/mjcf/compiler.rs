@@ -11,7 +11,7 @@ use crate::import::xml;
 pub(super) struct MassRules {
     /// Whether geoms define the mass: always, never, or (`None`) only without `inertial`.
     pub(super) from_geoms: Option<bool>,
-    /// First and last group of geoms that count.
+    /// First and last group of the geoms that define masses.
     pub(super) groups: [f64; 2],
     pub(super) balance: bool,
     pub(super) least_kg: f64,

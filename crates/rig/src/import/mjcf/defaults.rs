@@ -97,8 +97,8 @@ impl<'a, 'd> Defaults<'a, 'd> {
 }
 
 impl<'a, 'd> Defaults<'a, 'd> {
-    /// Returns an element after its class's defaults for any of these tags, in the order in which later ones override
-    /// earlier ones.
+    /// Returns the defaults of an element's class for any of these tags, followed by the element itself. Later ones
+    /// override earlier ones.
     pub(super) fn in_order(
         &self,
         node: Node<'a, 'd>,
@@ -160,8 +160,8 @@ impl<'a, 'd> Element<'a, 'd> {
         xml::vector(self.at(name), name)
     }
 
-    /// Returns a range if it is a limit: if the flag `limited` is true or, without a decisive flag, if the range is
-    /// present and `auto_limits` is true.
+    /// Returns a range if it is a limit: if the flag `limited` is true or, without a decisive flag, if `auto_limits` is
+    /// true and the range rises. Fails if the flag is true but the range does not rise.
     pub(super) fn range(
         &self,
         name: &str,

@@ -8,7 +8,8 @@ use roxmltree::Node;
 use super::super::error::ImportError;
 use super::super::xml;
 
-/// Depth of parts in parts, and size of the whole text: bounds far above those of any robot.
+/// Maximum depth of parts in parts. The next constant is the maximum size of the whole text in bytes. No robot is near
+/// these bounds.
 const DEPTH_MAX: usize = 8;
 const BYTES_MAX: usize = 16 << 20;
 

@@ -97,7 +97,8 @@ fn refuse_parts(root: Node<'_, '_>) -> Result<(), ImportError> {
     }
 }
 
-/// Reads gravity. MuJoCo's default has the rig's value, along -z.
+/// Reads the file's gravity, and adds a note if it is not 9.81 m/s² along -z. Returns `None` if the file does not set
+/// it: MuJoCo's default is this value.
 fn gravity(root: Node<'_, '_>, notes: &mut Notes) -> Result<Option<DVec3>, ImportError> {
     let mut gravity = None;
     for option in xml::children(root, "option") {

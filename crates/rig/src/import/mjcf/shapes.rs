@@ -14,8 +14,9 @@ use crate::description::BodyShape;
 /// Groups from this one on are hidden in MuJoCo's viewer: models keep their geoms for contacts there.
 const HIDDEN_FROM: f64 = 3.0;
 
-/// Returns the solids among a body's geoms that are seen; without any, all, since a mesh is not read. A solid that
-/// cannot be drawn is left out. `shift_m` is the origin of the rig's body in the frame of the file's body.
+/// Returns the solids of a body's visible geoms. If none of these is a solid (meshes are not read), returns the solids
+/// of all geoms. Solids that cannot be drawn are left out. `shift_m` is the origin of the rig's body in the frame of
+/// the file's body.
 pub(super) fn of_body(
     parts: &Parts<'_, '_>,
     shift_m: DVec3,

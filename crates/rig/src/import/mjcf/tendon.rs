@@ -13,7 +13,7 @@ use super::joint;
 use super::model::Model;
 use crate::description::{Description, JointType, LinkedLimit};
 
-/// A sum of joint positions, each with its factor. The length of a fixed tendon is one.
+/// A sum of joint positions, each with its factor. The length of a fixed tendon has this form.
 type Sum<'a> = Vec<(&'a str, f64)>;
 
 const UNTIED: &str =
@@ -39,7 +39,8 @@ fn joints<'a>(tendon: Node<'a, '_>) -> Result<Sum<'a>, ImportError> {
     xml::children(tendon, "joint").map(joint).collect()
 }
 
-/// Reads an equality of tendons: `length1 - rest1 = a + b (length2 - rest2)`. It ties two joints if it has only two.
+/// Reads an equality of tendons: `length1 - rest1 = a + b (length2 - rest2)`. Returns a tie if the equality is linear
+/// and contains exactly two joints; otherwise adds a note.
 pub(super) fn tie<'a, 'd>(
     root: Node<'a, 'd>,
     node: Node<'a, 'd>,
@@ -93,8 +94,8 @@ fn rest<'a, 'd>(
     joint::reference(&element, kind.map_or(JointType::Fixed, |joint| joint.kind), model)
 }
 
-/// Reads the lengths that tendons permit: those of two joints become linked limits. Names all other tendons of several
-/// joints in a note, except those in an equality, which [`tie`] reads.
+/// Reads the lengths that tendons permit: those of two joints become linked limits. Adds a note on each spatial tendon,
+/// and on each other tendon of several joints. Leaves out tendons in an equality, which [`tie`] reads.
 pub(super) fn limits<'a, 'd>(
     root: Node<'a, 'd>,
     model: &Model<'a, 'd, '_>,
@@ -140,7 +141,7 @@ pub(super) fn limits<'a, 'd>(
     Ok(())
 }
 
-/// Returns the limit of a sum of two joints of one dof and one kind, if the home pose keeps it.
+/// Returns the limit of a sum of two joints of one dof, if the home pose is within the limit.
 fn linked(
     description: &Description,
     joints: [(&str, f64); 2],
@@ -148,24 +149,28 @@ fn linked(
 ) -> Option<LinkedLimit> {
     let find = |name: &str| description.joints.iter().find(|joint| joint.name == name);
     let [one, other] = [find(joints[0].0)?, find(joints[1].0)?];
-    let slides = match (one.kind, other.kind) {
-        (JointType::Revolute, JointType::Revolute) => false,
-        (JointType::Prismatic, JointType::Prismatic) => true,
-        _ => return None,
+    let has_one_dof = |joint: &crate::description::Joint| {
+        matches!(joint.kind, JointType::Revolute | JointType::Prismatic)
     };
+    if !has_one_dof(one) || !has_one_dof(other) {
+        return None;
+    }
+    let slides = one.kind == JointType::Prismatic;
     let home = |joint: &crate::description::Joint| joint.home().first().copied().unwrap_or(0.0);
     let sum = joints[0].1 * home(one) + joints[1].1 * home(other);
     if one.name == other.name || sum < least || sum > most {
         return None;
     }
-    let ends = [Some(least), Some(most)];
+    // The sum of joints of two kinds is put into the unit of the first one.
+    let unit = if one.kind == other.kind { 1.0 } else { joints[0].1.abs() };
+    let ends = [Some(least / unit), Some(most / unit)];
     let [[least_rad, most_rad], [least_m, most_m]] =
         if slides { [[None; 2], ends] } else { [ends, [None; 2]] };
     Some(LinkedLimit {
         joint: one.name.clone(),
         other: other.name.clone(),
-        factor: joints[0].1,
-        other_factor: joints[1].1,
+        factor: joints[0].1 / unit,
+        other_factor: joints[1].1 / unit,
         least_rad,
         most_rad,
         least_m,

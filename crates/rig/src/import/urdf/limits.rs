@@ -119,7 +119,7 @@ fn largest(
 /// Number of joints from which one common value is suspicious.
 const ALIKE_MIN: usize = 4;
 
-/// Adds a note if all joints have the same limit.
+/// Adds a note for each kind of limit (effort, speed) that is equal at all joints that have it, at least [`ALIKE_MIN`].
 pub(super) fn doubt(joints: &mut [Joint], notes: &mut Notes) {
     let speed = |joint: &Joint| joint.speed_rad_s.or(joint.speed_m_s);
     let values: [(&str, Vec<f64>); 2] = [

@@ -110,7 +110,7 @@ fn mass_properties(
 }
 
 /// Computes inertia for a given mass from the link's solids at uniform density: those of `collision`, otherwise of
-/// `visual`.
+/// `visual`. Without solids, returns a point mass if `points` is true, otherwise fails.
 fn fill(
     link: Node<'_, '_>,
     inertial: Node<'_, '_>,

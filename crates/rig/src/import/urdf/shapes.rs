@@ -6,8 +6,8 @@ use super::super::xml;
 use super::link::solid;
 use crate::description::BodyShape;
 
-/// Returns the solids of a link's `visual` elements; without any, those of `collision`, since a mesh is not read. A
-/// solid that cannot be drawn is left out.
+/// Returns the solids of a link's `visual` elements. If none of these is a solid (meshes are not read), returns the
+/// solids of the `collision` elements. Solids that cannot be drawn are left out.
 pub(super) fn of_link(link: Node<'_, '_>) -> Vec<BodyShape> {
     let of = |tag| xml::children(link, tag).filter_map(shape).collect::<Vec<_>>();
     let visual = of("visual");
@@ -23,7 +23,7 @@ fn shape(node: Node<'_, '_>) -> Option<BodyShape> {
     })
 }
 
-/// Returns the colour of a `visual`: its own, or that of the robot's material with the name.
+/// Returns the colour of a `visual`: its own, or that of the robot's material of the same name.
 fn color(visual: Node<'_, '_>) -> Option<[f64; 3]> {
     let material = xml::children(visual, "material").next()?;
     let name = material.attribute("name");

@@ -148,7 +148,7 @@ impl OpenLoop {
         }
     }
 
-    /// Returns the matrix of the closed loop, with a factor on the torque.
+    /// Returns the matrix of the closed loop, with the torque multiplied by `gain`.
     pub(super) fn closed(&self, gain: f64) -> Matrix {
         let size = self.asked.len();
         Matrix::of_map(size, |x| {
@@ -158,7 +158,7 @@ impl OpenLoop {
         })
     }
 
-    /// Returns the return ratio of the loop at a frequency, as an angle per tick. If the ratio is -1 at some
+    /// Returns the return ratio of the loop at a frequency of `angle_rad` per tick. If the ratio is -1 at some
     /// frequency, the closed loop oscillates forever.
     pub(super) fn response(&self, angle_rad: f64) -> Complex {
         let z = Complex::turn(angle_rad);

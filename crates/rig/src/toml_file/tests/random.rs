@@ -1,8 +1,8 @@
 //! Valid random rigs, with numbers as people write them.
 
 use crate::description::{
-    Address, Base, Body, BodyShape, Description, Drive, DriveKind, InertiaMatrix, Joint, JointType,
-    LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
+    Address, Base, Body, BodyShape, Description, Drive, DriveKind, FaceShape, InertiaMatrix, Joint,
+    JointType, LinkedLimit, Mount, Servo, ServoModel, SignalLoss, SourcedValue, Supply,
 };
 
 /// A generator of random numbers from a seed (`SplitMix64`).
@@ -84,6 +84,7 @@ pub(super) fn rig(seed: u64) -> Description {
     let limits = limits(r, &joints);
     let (drives, servos) = drives(r, &joints);
     let models = r.below(3);
+    let face_shapes = (0..r.below(3)).map(|index| face_shape(r, index, &joints)).collect();
     Description {
         name: r.name("rig", 0),
         mount: Mount {
@@ -98,7 +99,29 @@ pub(super) fn rig(seed: u64) -> Description {
         drives,
         servos,
         servo_models: (0..models).map(|index| model(r, index)).collect(),
+        face_shapes,
     }
+}
+
+/// Returns a shape with some of the joints at an end of their range.
+fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
+    let position = |joint: &Joint, end: usize| match joint.kind {
+        JointType::Revolute => {
+            Some(joint.range_rad.first().map_or(30_f64.to_radians(), |range| range[end]))
+        }
+        JointType::Prismatic => Some(joint.range_m.map_or(0.02, |range| range[end])),
+        _ => None,
+    };
+    let mut pose = Vec::new();
+    for joint in joints {
+        let end = r.below(4);
+        pose.extend(
+            Some(end)
+                .filter(|end| *end < 2)
+                .and_then(|end| Some((joint.name.clone(), position(joint, end)?))),
+        );
+    }
+    FaceShape { name: r.name("shape", index), pose }
 }
 
 fn body(r: &mut Random, index: usize) -> Body {
@@ -306,6 +329,7 @@ fn servo(r: &mut Random, index: usize) -> Servo {
         Ok(channel @ 0..16) if r.below(2) == 0 => Address::Channel(channel),
         other => Address::Id(other.unwrap()),
     };
+    let is_hobby = matches!(address, Address::Channel(_));
     Servo {
         name: r.name("servo", index),
         model: r.one_of(&["XL330-M288-T".to_owned(), "MX-64".to_owned(), "MG90S".to_owned()]),
@@ -315,6 +339,8 @@ fn servo(r: &mut Random, index: usize) -> Servo {
         offset_rad: r.perhaps(Random::angle),
         homing_offset_rad: r.perhaps(Random::angle),
         gear: r.perhaps(Random::positive).unwrap_or(1.0),
+        pulse_us: r.perhaps(|_| [600.0, 1450.0, 2350.5]).filter(|_| is_hobby),
+        travel_rad: r.perhaps(Random::positive).filter(|_| is_hobby).map(f64::to_radians),
         range_rad: r.perhaps(|r| vec![r.range(Random::angle).0]).unwrap_or_default(),
         torque_nm: r.perhaps(Random::positive),
         speed_rad_s: r.perhaps(|r| r.positive().to_radians()),
@@ -340,12 +366,18 @@ fn model(r: &mut Random, index: usize) -> ServoModel {
     let stiffest = (1e6 * *rotor).round();
     for (key, value) in model.optional_values_mut() {
         *value = r.perhaps(|r| {
-            let most = match key {
-                "output_friction_share" => 1.0,
-                "gear_stiffness_nm_rad" => stiffest,
-                _ => f64::INFINITY,
+            let [least, most] = match key {
+                "pulse_least_us" => [300.0, 900.0],
+                "pulse_middle_us" => [1400.0, 1600.0],
+                "pulse_most_us" => [2000.0, 2500.0],
+                "output_friction_share" => [0.0, 1.0],
+                "gear_stiffness_nm_rad" => [0.0, stiffest],
+                _ => [0.0, f64::INFINITY],
             };
-            SourcedValue { value: r.positive().min(most), source: r.name("guess: ", index) }
+            SourcedValue {
+                value: r.positive().clamp(least, most),
+                source: r.name("guess: ", index),
+            }
         });
     }
     model

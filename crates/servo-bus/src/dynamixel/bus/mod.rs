@@ -177,7 +177,7 @@ impl<const SERVOS: usize> Bus<SERVOS> {
         self.write_goals(out, end, address::TORQUE_ENABLE, |servo| torque(&servo.goals, true))
     }
 
-    /// Notes that a servo that was asked alone has not answered.
+    /// Notes that a servo that was asked alone for its motion has not answered.
     fn note_silence(&mut self) {
         let Awaits::One { servo, address: address::PRESENT_CURRENT, .. } = self.awaits else {
             return;

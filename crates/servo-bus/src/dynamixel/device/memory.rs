@@ -3,7 +3,7 @@
 use crate::dynamixel::instruction::ResetScope;
 use crate::dynamixel::status::ErrorCode;
 use crate::dynamixel::table::{Table, address, drive_mode};
-use crate::table::{Access, Area, ByteOrder, Item, Range};
+use crate::table::{Access, Area, ByteOrder, Item, Range, Restriction};
 
 /// Maximum goal position in the modes of several turns, counts: 256 turns either way. Source: e-manual, Goal Position.
 const TURNS: i32 = 1_048_575;
@@ -19,20 +19,17 @@ const POSITION_MODE: i32 = 3;
 pub struct Memory<'m> {
     table: Table,
     bytes: &'m mut [u8],
-    refuses: Refuses,
+    restrictions: &'static [Restriction],
 }
-
-/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
-pub type Refuses = fn(address: u16, value: i32) -> bool;
 
 impl<'m> Memory<'m> {
     pub(super) fn new(table: Table, bytes: &'m mut [u8]) -> Self {
-        Self { table, bytes, refuses: |_, _| false }
+        Self { table, bytes, restrictions: &[] }
     }
 
     /// Sets which values a controller cannot write: the servo answers with an error.
-    pub fn refuse(&mut self, refuses: Refuses) {
-        self.refuses = refuses;
+    pub fn restrict(&mut self, restrictions: &'static [Restriction]) {
+        self.restrictions = restrictions;
     }
 
     /// Returns the layout of the control table.
@@ -74,7 +71,8 @@ impl<'m> Memory<'m> {
         }
     }
 
-    /// Writes bytes with the rules for a controller: all of them, or none and an error.
+    /// Writes bytes with the rules for a controller: all of them, or none and an error. A write to Operating Mode
+    /// resets gains and goals.
     pub(super) fn write(&mut self, address: u16, data: &[u8]) -> Result<(), ErrorCode> {
         self.check(address, data)?;
         for (byte, to) in data.iter().zip(address..) {
@@ -116,7 +114,7 @@ impl<'m> Memory<'m> {
             return Err(ErrorCode::Access);
         }
         let value = item.value(value, ByteOrder::Little);
-        if (self.refuses)(item.address, value) {
+        if Restriction::refuse(self.restrictions, item.address, value) {
             return Err(ErrorCode::DataRange);
         }
         let is_goal = (address::GOAL_PWM..=address::GOAL_POSITION).contains(&item.address);

@@ -17,7 +17,7 @@ use super::status::ErrorCode;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
 pub use event::Event;
-pub use memory::{Memory, Refuses};
+pub use memory::Memory;
 use servo::{Answers, Servo};
 
 /// A simulated servo on a bus line. `N` is the length of the longest packet that it can receive or send.
@@ -61,13 +61,13 @@ impl<'m, const N: usize> Device<'m, N> {
         &mut self.servo.memory
     }
 
-    /// Returns the current baud rate, bits per second.
+    /// Returns the current baud rate, bits per second; 57,600 if its register has an unknown code.
     pub fn baud(&self) -> u32 {
         let code = self.servo.memory.get(address::BAUD);
         usize::try_from(code).ok().and_then(|code| BAUDS.get(code)).copied().unwrap_or(57_600)
     }
 
-    /// Returns the oldest event that was not yet returned.
+    /// Returns the oldest event that was not yet returned, or `None` if there is none.
     pub fn next_event(&mut self) -> Option<Event> {
         self.servo.events.pop_front()
     }

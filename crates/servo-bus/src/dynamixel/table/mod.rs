@@ -96,7 +96,7 @@ impl Table {
         ITEMS.iter().filter_map(|(only, item)| self.own(*only, item))
     }
 
-    /// Returns the register that contains this address.
+    /// Returns the register that contains this address, if there is one.
     pub fn at(&self, address: u16) -> Option<Item> {
         // A simulated servo calls this very often, for its own registers. The search is therefore limited to registers
         // that can contain the address.
@@ -109,12 +109,12 @@ impl Table {
             .or_else(|| self.indirect_item(address))
     }
 
-    /// Returns the register with this name, as the maker writes it. Ignores case and separators between words.
+    /// Returns the register with this name of the maker, if there is one. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         self.items().find(|item| item.is_named(name))
     }
 
-    /// Returns the runs of indirect addresses of this model.
+    /// Returns the runs of indirect addresses of this model: none, one or two.
     pub fn indirect(&self) -> [Option<Indirect>; 2] {
         match self.model.family {
             Family::X330 => {

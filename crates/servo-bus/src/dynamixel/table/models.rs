@@ -26,7 +26,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// Looks up a model by a servo kind as named in rig files, such as `XL330-M288-T`.
+    /// Looks up a model by a servo kind as named in rig files, such as `XL330-M288-T`. Returns `None` if no model has
+    /// this name.
     pub fn of_kind(kind: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| is_kind_of(model.name, kind))
     }

@@ -5,7 +5,7 @@ use crate::feetech::frame::{BROADCAST, Packet};
 use crate::feetech::instruction::{Instruction, sync_blocks};
 use crate::feetech::status::Status;
 use crate::feetech::table::{Family, address};
-use crate::table::{Access, Item};
+use crate::table::{Access, Item, Restriction};
 
 /// Delay of a simulated answer to a broadcast ping, us per id, so that answers do not overlap. Answers of real servos
 /// may collide.
@@ -97,7 +97,8 @@ impl Device<'_> {
         }
     }
 
-    /// Writes bytes. Ignores read-only bytes without an error.
+    /// Writes bytes. Ignores bytes of read-only registers and refused values, without an error. A goal position
+    /// switches torque on, and 128 in Torque Enable makes the present position the middle.
     fn write(&mut self, first: u8, data: &[u8]) {
         let is_open = self.get(self.table.model.family.lock()) == 0;
         for (to, byte) in (u16::from(first)..).zip(data) {
@@ -132,8 +133,8 @@ impl Device<'_> {
             let kept = self.memory.get(usize::from(at));
             *byte = written.or(kept).copied().unwrap_or(0);
         }
-        let address = u8::try_from(item.address).unwrap_or(u8::MAX);
-        (self.refuses)(address, item.value(&bytes, self.table.model.family.order()))
+        let value = item.value(&bytes, self.table.model.family.order());
+        Restriction::refuse(self.restrictions, item.address, value)
     }
 
     /// Counts the present angle as `position`. An STS keeps the difference in its Homing Offset, also over a reboot.

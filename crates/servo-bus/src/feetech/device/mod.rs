@@ -7,6 +7,7 @@ use heapless::{Deque, Vec};
 use super::parser::Parser;
 use super::table::{BAUDS, Table, address};
 use crate::line::BusDevice;
+use crate::table::Restriction;
 
 /// An event that the simulation of a servo may want to know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,11 +50,8 @@ pub struct Device<'m> {
     answer: Vec<u8, LONGEST>,
     due_us: Option<u32>,
     events: Deque<Event, 8>,
-    refuses: Refuses,
+    restrictions: &'static [Restriction],
 }
-
-/// Whether the simulation refuses a value of the register at an address, because nothing simulates it.
-pub type Refuses = fn(address: u8, value: i32) -> bool;
 
 #[derive(Debug, Clone, Copy)]
 struct Turn {
@@ -76,15 +74,15 @@ impl<'m> Device<'m> {
             answer: Vec::new(),
             due_us: None,
             events: Deque::new(),
-            refuses: |_, _| false,
+            restrictions: &[],
         };
         device.reset_all(id);
         device
     }
 
     /// Sets which values a controller cannot write: a register then keeps its value, and no answer says so.
-    pub fn refuse(&mut self, refuses: Refuses) {
-        self.refuses = refuses;
+    pub fn restrict(&mut self, restrictions: &'static [Restriction]) {
+        self.restrictions = restrictions;
     }
 
     /// Returns the value of a register, or 0 if the servo has no register at `address`.
@@ -104,13 +102,13 @@ impl<'m> Device<'m> {
         }
     }
 
-    /// Returns the current baud rate, bits per second.
+    /// Returns the current baud rate, bits per second; 1,000,000 if its register has an unknown code.
     pub fn baud(&self) -> u32 {
         let code = usize::try_from(self.get(address::BAUD)).ok();
         code.and_then(|code| BAUDS.get(code)).copied().unwrap_or(1_000_000)
     }
 
-    /// Returns the oldest event that was not yet returned.
+    /// Returns the oldest event that was not yet returned, or `None` if there is none.
     pub fn next_event(&mut self) -> Option<Event> {
         self.events.pop_front()
     }

@@ -10,9 +10,10 @@ pub(super) const STS_POSITION: Unit =
 /// and not checked: measure it.
 pub(super) const SCS_POSITION: Unit =
     Unit { symbol: "rad", scale: core::f32::consts::PI * (300.0 / 180.0) / 1024.0 };
-/// Speed of one STS count as shipped: one count of position per second. [`super::Table::speed_counts`] has the other.
+/// Speed of one STS count as shipped: one count of position per second. With another setting of Phase it is 50 counts
+/// per second: see [`super::Table::speed_counts`].
 const STS_SPEED: Unit = Unit { symbol: "rad/s", scale: STS_POSITION.scale };
-/// Speed of one count of the highest speed, whatever Phase says: 0.732 rev/min.
+/// Speed of one count of Maximum Velocity Limit, for every setting of Phase: 0.732 rev/min.
 const STS_MOST_SPEED: Unit = Unit { symbol: "rad/s", scale: 0.732 * RAD_S_PER_RPM };
 const ACCELERATION: Unit = Unit { symbol: "rad/s2", scale: core::f32::consts::PI * (8.7 / 180.0) };
 pub(in crate::feetech) const CURRENT: Unit = Unit { symbol: "A", scale: 0.0065 };

@@ -96,7 +96,8 @@ pub struct Model {
 }
 
 impl Model {
-    /// Looks up a model by a servo kind as named in rig files, such as `STS3215-12V`.
+    /// Looks up a model by a servo kind as named in rig files, such as `STS3215-12V`. Returns `None` if no model has
+    /// this name.
     pub fn of_kind(kind: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| is_kind_of(model.name, kind))
     }
@@ -138,7 +139,7 @@ impl Table {
         Self { speed_counts: if is_fine { 1 } else { 50 }, ..self }
     }
 
-    /// Looks up a model's register table by name, ignoring case.
+    /// Looks up the register table of a model by its name, ignoring case. Returns `None` if no model has this name.
     pub fn of(name: &str) -> Option<Self> {
         MODELS.iter().find(|model| model.name.eq_ignore_ascii_case(name)).map(Self::new)
     }
@@ -152,14 +153,14 @@ impl Table {
         self.model.family.items().iter().map(move |item| table.adapted(*item))
     }
 
-    /// Returns the register that contains this address.
+    /// Returns the register that contains this address, if there is one.
     pub fn at(&self, address: u8) -> Option<Item> {
         let items = self.model.family.items().iter();
         let found = items.copied().find(|item| item.contains(address.into()));
         found.map(|item| self.adapted(item))
     }
 
-    /// Returns the register with this name. Ignores case and separators between words.
+    /// Returns the register with this name, if there is one. Ignores case and separators between words.
     pub fn named(&self, name: &str) -> Option<Item> {
         self.items().find(|item| item.is_named(name))
     }

@@ -18,7 +18,7 @@ impl Random {
         usize::try_from(self.next() % count as u64).unwrap()
     }
 
-    /// Returns a number of at most `most` either way.
+    /// Returns a random number from `-most` to `most`.
     pub(crate) fn within(&mut self, most: i32) -> i32 {
         i32::try_from(self.below(usize::try_from(2 * most + 1).unwrap())).unwrap() - most
     }

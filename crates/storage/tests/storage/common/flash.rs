@@ -21,7 +21,8 @@ pub(crate) struct MockFlash {
     pub(crate) power: Option<u32>,
     /// Steps so far.
     pub(crate) steps: u32,
-    /// Number of words that were written twice. Our store never does that: it panics, unless it is allowed.
+    /// Number of words that were written twice. The store must never do that: this flash then panics, unless
+    /// `may_write_twice` is set.
     pub(crate) twice: u32,
     pub(crate) may_write_twice: bool,
     random: u64,

@@ -73,7 +73,7 @@ pub struct Condition {
 }
 
 impl Condition {
-    /// Whether the condition is shown in the picture: poses of anybody, of one recording, of one person.
+    /// Returns whether the picture shows the condition: poses of anybody, of one recording, of one person.
     pub(crate) fn is_shown(&self) -> bool {
         let of_one = self.pairing == Pairing::OneRecording || self.subject.is_some();
         of_one || self.is_first

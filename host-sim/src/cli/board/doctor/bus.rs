@@ -11,11 +11,12 @@ use super::findings::Findings;
 use super::findings::Verdict::{Doubtful, Ok as Well, Wrong};
 use crate::cli::board::PortBoard;
 
-/// Number of questions to each servo at its own rate.
+/// Number of test questions to each servo at its own rate.
 const QUESTIONS: u32 = 20;
-/// Settings for a single question, with an answer within this time.
+/// Settings for a single question whose answer must arrive within this time.
 const ONCE: Settings = Settings { patience: Duration::from_millis(3), tries: 1 };
-/// Longest answer time that is good. A later answer makes ticks long. A Dynamixel's factory delay is 0.5 ms.
+/// Longest answer time that is ok. A later answer makes ticks long. A Dynamixel's factory setting delays answers by 0.5
+/// ms.
 const LATE: Duration = Duration::from_micros(1500);
 
 /// Checks all servos on all bus lines.

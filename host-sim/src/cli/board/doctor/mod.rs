@@ -19,9 +19,9 @@ use crate::cli::rig::read;
 
 /// Check a board while its rig is limp, and write a report that you can send.
 ///
-/// It checks versions, faults, the time of ticks, host link and supply; with --rig also the answers of each servo, at
-/// each baud rate. Nothing moves. Each line of the report says ok, doubtful or wrong, and what to do. The exit code is
-/// 1 if anything is wrong.
+/// It checks versions, faults, the duration of ticks, host link and supply; with --rig also the answers of each servo,
+/// at each baud rate. Nothing moves. Each line of the report says ok, doubtful or wrong, and gives the remedy. The exit
+/// code is 1 if anything is wrong.
 #[derive(Debug, clap::Args)]
 pub(super) struct DoctorArgs {
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub(super) struct DoctorArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// File of the report.
+    /// File to write the report to.
     #[arg(short, long, value_name = "FILE", default_value = "sinew-doctor.txt")]
     output: OutputPath,
 }

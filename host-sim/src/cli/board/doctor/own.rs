@@ -15,11 +15,11 @@ use crate::cli::board::{PortBoard, cycles, named, remedy};
 
 /// Time for which telemetry is collected.
 const LISTEN: Duration = Duration::from_secs(2);
-/// Largest jitter that is good, as a share of the period.
+/// Largest jitter of the tick that is ok, as a share of the period.
 const JITTER: f64 = 0.05;
-/// Smallest free stack that is good, bytes.
+/// Smallest free stack that is ok, bytes.
 const STACK: u32 = 1024;
-/// Largest good difference of the supply from the rig's voltage, as a share of that voltage.
+/// Largest difference between the supply and the rig's voltage that is ok, as a share of that voltage.
 const SUPPLY: f32 = 0.1;
 
 /// Checks the board. Returns whether packets may be passed on to its servos.
@@ -81,7 +81,7 @@ pub(super) fn look(
     Ok(is_limp && board.needs(1).is_ok())
 }
 
-/// Returns the CRC by which a board identifies a rig. Returns `None` if the rig has no compact form.
+/// Returns the CRC by which a board identifies a rig; `None` if the rig has no compact form.
 fn crc(parts: &RigParts) -> Option<u32> {
     let bytes = parts.compact_rig().ok()?;
     bytes.last_chunk().map(|crc| u32::from_le_bytes(*crc))

@@ -7,17 +7,20 @@ use sinew_evaluation::Setup;
 use sinew_evaluation::sweep::{Journal, Plan, Shard, SweepFile};
 use sinew_figure::measured::{Measured, UnitOverrides};
 use sinew_figure::{Mapping, Subject};
+use sinew_life::face::{FaceTrack, Weights};
 use sinew_mocap::{Recording, asf_amc, bvh, deepmimic};
 use sinew_pose_metrics::character::{self, Options};
 use sinew_pose_metrics::weights::radii;
+use sinew_retarget::exchange::{HeaderUnits, keys};
 use sinew_rig::import::{self, Options as ImportOptions};
 use sinew_rig::toml_file;
+use sinew_show::sound;
 use sinew_verification::verify_folder;
 
 /// A target: its name, which is also the name of its folder in the corpus, and its function.
 pub(crate) type Target = (&'static str, fn(&[u8]));
 
-pub(crate) const TARGETS: [Target; 19] = [
+pub(crate) const TARGETS: [Target; 23] = [
     ("bvh", |bytes| motion(bvh::parse(bytes, Path::new("a.bvh")).ok())),
     ("asf", |bytes| {
         motion(asf_amc::parse((bytes, Path::new("a.asf")), (AMC, Path::new("a.amc"))).ok());
@@ -55,14 +58,83 @@ pub(crate) const TARGETS: [Target; 19] = [
         in_file("a.json", bytes, |file| drop(verify_folder(file.parent().unwrap(), &[])));
     }),
     ("journal", journal),
+    ("keys", keys),
+    ("face", face),
+    ("shape_keys", |bytes| {
+        in_file("a.gltf", bytes, |file| {
+            let Ok(keys) = character::shape_keys(file) else { return };
+            let rows = Weights { names: keys.names, times_s: keys.times_s, rows: keys.rows };
+            perform(&rows.checked().unwrap());
+        });
+    }),
+    ("show_sound", |bytes| {
+        let Ok((show, Some(sound))) = sound::split(bytes) else { return };
+        let mut again = show.to_vec();
+        sound.append_to(&mut again);
+        assert_eq!(sound::split(&again), Ok((show, Some(sound))));
+    }),
 ];
 
 /// A skeleton of two bones, for motions from fuzzing.
 const ASF: &[u8] = include_bytes!("../../../corpus/readers/asf/two_bones.asf");
 const AMC: &[u8] = include_bytes!("../../../corpus/readers/amc/two_bones.amc");
 
+/// Reads keys of the starting face, and checks that the motion is one of this rig.
+fn keys(bytes: &[u8]) {
+    let Some(text) = text(bytes) else { return };
+    let mechanism = sinew_rig::new::face().mechanism().unwrap();
+    for units in [None, Some(HeaderUnits::Degrees), Some(HeaderUnits::Si)] {
+        if let Ok(read) = keys::read(&mechanism, text, units) {
+            read.motion.check(&mechanism).unwrap();
+            assert!(read.start_s.is_finite() && read.motion.duration_s().is_finite());
+        }
+    }
+}
+
 fn text(bytes: &[u8]) -> Option<&str> {
     core::str::from_utf8(bytes).ok()
+}
+
+/// Reads a face, and moves the joints of the starting face by it.
+fn face(bytes: &[u8]) {
+    let rig = sinew_rig::new::face();
+    let weights = match sinew_life::face::read(bytes, None) {
+        Ok(FaceTrack::Weights(weights)) => weights,
+        Ok(FaceTrack::Cues(cues, end_s)) => {
+            let names: Vec<&str> =
+                rig.face_shapes.iter().map(|shape| shape.name.as_str()).collect();
+            let Ok(weights) = Weights::of_cues(&cues, end_s.min(60.0), &names) else { return };
+            weights
+        }
+        Err(_) => return,
+    };
+    perform(&weights);
+}
+
+/// Checks that joints stay within their ranges.
+fn perform(weights: &Weights) {
+    let rig = sinew_rig::new::face();
+    let mechanism = rig.mechanism().unwrap();
+    let begin = weights.times_s[0];
+    // A minute is enough.
+    let rows = weights.times_s.partition_point(|time_s| *time_s < begin + 60.0);
+    if rows < 2 {
+        return;
+    }
+    let weights = Weights {
+        names: weights.names.clone(),
+        times_s: weights.times_s[..rows].to_vec(),
+        rows: weights.rows[..rows].to_vec(),
+    };
+    let Ok(motion) = sinew_life::face::perform(&mechanism, &rig.face_shapes, &weights) else {
+        return;
+    };
+    for (column, joint) in motion.joints.iter().enumerate() {
+        let link = mechanism.bodies.iter().find(|link| link.joint_name == joint.name).unwrap();
+        let [least, most] = link.ranges[0];
+        assert!(motion.rows.iter().all(|row| (least..=most).contains(&row[column])), "{joint:?}");
+        assert!(joint.correlation.is_finite() && joint.jerk.is_finite(), "{joint:?}");
+    }
 }
 
 /// Checks a motion: it has a sample or a gap for each joint, all its numbers are finite, and it can be measured.

@@ -1,0 +1,55 @@
+//! Stops from other terminals for a program without a board: its rig is simulated.
+
+use std::io;
+use std::sync::mpsc::{Receiver, sync_channel};
+
+use super::{Door, Reply, Request};
+use crate::server::ToHub;
+
+/// Number of requests that wait.
+const WAITING: usize = 8;
+
+/// A socket for stops.
+#[derive(Debug)]
+pub struct Bell {
+    _door: Door,
+    inbox: Receiver<ToHub>,
+    is_stopped: bool,
+}
+
+impl Bell {
+    /// Opens the socket.
+    ///
+    /// # Errors
+    /// An I/O error if the socket's folder is not this user's, or another program has the name.
+    pub fn open(name: &str) -> io::Result<Self> {
+        let (requests, inbox) = sync_channel(WAITING);
+        Ok(Self { _door: Door::open(name, requests)?, inbox, is_stopped: false })
+    }
+
+    /// Returns whether a stop was asked for since the beginning, and whether an e-stop was asked for since the last
+    /// call.
+    pub fn asked(&mut self) -> (bool, bool) {
+        let mut is_cut = false;
+        for message in self.inbox.try_iter() {
+            let ToHub::Asked { request, answer, .. } = message else { continue };
+            let (ok, text) = match request {
+                Request::Stop => {
+                    self.is_stopped = true;
+                    (true, super::STOPS)
+                }
+                Request::EStop => {
+                    is_cut = true;
+                    (true, super::CUTS)
+                }
+                _ => (
+                    false,
+                    "refused: the rig is simulated by `sinew play`, and can only be stopped",
+                ),
+            };
+            // Nobody waits if the command has ended.
+            let _ = answer.try_send(Reply { ok, text: text.to_owned() });
+        }
+        (self.is_stopped, is_cut)
+    }
+}

@@ -1,0 +1,191 @@
+// The sound of a show, steered by the board's place in the show: the board's clock leads.
+
+import { byId, setDisabled, setHidden, write } from "./dom.js";
+
+// The sound starts this much ahead of its time, so that its first sample is not late, s.
+const AHEAD_S = 0.03;
+// Changes of speed are at most this; a sound that is farther away jumps.
+const RATE_MOST = 0.02;
+const JUMP_S = 0.15;
+// Drift is corrected by this share in a second, at this interval, s.
+const GAIN = 0.4;
+const STEER_EVERY_S = 0.25;
+// A place of the board arrives late, never early: the newest of this time that came soonest is the clock, s.
+const WINDOW_S = 2;
+const FADE_S = 0.005;
+const GRAIN_S = 0.08;
+const GRAIN_EVERY_MS = 60;
+// Without a picture for this time the sound stops: nobody knows what the rig does, ms.
+const SILENT_MS = 500;
+// Time after the start at which the start's error is measured, s.
+const START_AFTER_S = 0.5;
+
+const now = () => performance.now() / 1000;
+
+// Estimates the board's place in the show from the places of pictures.
+export const placeClock = () => {
+  let seen = [];
+  return {
+    reset: () => { seen = []; },
+    take: (place, at) => {
+      // A loop has begun again, or the show was started anew.
+      if (seen.length > 0 && Math.abs(place - at - seen.at(-1).lead) > 0.5) seen = [];
+      seen.push({ lead: place - at, at });
+      while (seen[0].at < at - WINDOW_S) seen.shift();
+    },
+    place: (at) => seen.length > 0 ? at + Math.max(...seen.map(({ lead }) => lead)) : NaN,
+  };
+};
+
+export const sound = () => {
+  const [box, toggle, text] = ["sound", "sound-on", "sound-text"].map(byId);
+  const clock = placeClock();
+  const buffers = new Map();
+  let context = null, gain = null, source = null, base = null, chosen = null, isOn = true, steeredAt = 0, grainAt = 0, tookAt = 0;
+  let drifts = { begun: 0, start: NaN, now: NaN, most: 0 };
+
+  // A browser lets sound begin only after a gesture on the page.
+  const wake = () => {
+    if (!chosen) return;
+    if (!context) {
+      context = new AudioContext({ latencyHint: "interactive" });
+      gain = new GainNode(context);
+      gain.connect(context.destination);
+    }
+    if (context.state === "suspended") context.resume().catch(() => {});
+  };
+  addEventListener("pointerdown", wake);
+  addEventListener("keydown", wake);
+
+  const load = async ({ hash }) => {
+    if (buffers.has(hash)) return;
+    buffers.set(hash, null);
+    try {
+      const answer = await fetch(`/sound/${hash}`);
+      if (!answer.ok) throw new Error(`the console has no such sound (${answer.status})`);
+      // Decoding needs no gesture, and keeps the rate of the file.
+      const bytes = await answer.arrayBuffer();
+      buffers.set(hash, await new OfflineAudioContext(1, 1, 48000).decodeAudioData(bytes));
+      show();
+    } catch (error) {
+      buffers.delete(hash);
+      write(text, `no sound: ${error.message}`);
+    }
+  };
+  const buffer = () => chosen ? buffers.get(chosen.hash) ?? null : null;
+
+  // The time of the context that is heard at a time of the page.
+  const heardAt = (at) => {
+    const { contextTime, performanceTime } = context.getOutputTimestamp();
+    if (performanceTime > 0) return contextTime + at - performanceTime / 1000;
+    return context.currentTime - (context.outputLatency || 0) + at - now();
+  };
+  const placeOfSound = (at) => base.place + (heardAt(at) - base.at) * base.rate;
+
+  const quiet = () => {
+    if (!source) return;
+    const { node, level } = source;
+    level.gain.setTargetAtTime(0, context.currentTime, FADE_S / 3);
+    node.stop(context.currentTime + FADE_S);
+    source = base = null;
+  };
+  const play = (place, at, length) => {
+    const level = new GainNode(context, { gain: 0 });
+    const node = new AudioBufferSourceNode(context, { buffer: buffer() });
+    node.connect(level).connect(gain);
+    level.gain.setTargetAtTime(1, at, FADE_S / 3);
+    if (length) {
+      level.gain.setTargetAtTime(0, at + length - FADE_S, FADE_S / 3);
+      node.start(at, place, length);
+    } else {
+      node.start(at, place);
+    }
+    return { node, level };
+  };
+  // Starts the sound where the show will be when the first sample is heard.
+  const start = () => {
+    const ahead = now() + AHEAD_S;
+    let at = Math.max(heardAt(ahead), context.currentTime + 0.003);
+    const later = at - heardAt(ahead);
+    let place = clock.place(ahead) + later + chosen.offset_s;
+    if (place < 0) { at -= place; place = 0; }
+    if (place >= buffer().duration) return;
+    source = play(place, at);
+    base = { at, place, rate: 1 };
+    steeredAt = now();
+  };
+  const steer = () => {
+    const at = now();
+    if (heardAt(at) < base.at) return;
+    const drift = placeOfSound(at) - (clock.place(at) + chosen.offset_s);
+    drifts.now = drift;
+    if (at - drifts.begun > START_AFTER_S) {
+      if (Number.isNaN(drifts.start)) drifts.start = drift;
+      drifts.most = Math.max(drifts.most, Math.abs(drift));
+    }
+    if (Math.abs(drift) > JUMP_S) { quiet(); start(); return; }
+    if (at - steeredAt < STEER_EVERY_S) return;
+    steeredAt = at;
+    const change = context.currentTime;
+    base = { at: change, place: base.place + (change - base.at) * base.rate,
+      rate: 1 - Math.min(Math.max(GAIN * drift, -RATE_MOST), RATE_MOST) };
+    source.node.playbackRate.setValueAtTime(base.rate, change);
+  };
+
+  const milliseconds = (s) => `${(1000 * s).toFixed(0)} ms`;
+  const show = () => {
+    setHidden(box, !chosen);
+    if (!chosen) return;
+    toggle.textContent = isOn ? "Sound off" : "Sound on";
+    setDisabled(toggle, !buffer());
+    const measured = Number.isNaN(drifts.start) ? ""
+      : `, began ${milliseconds(drifts.start)} from the show, drift ${milliseconds(drifts.now)}, at most ${milliseconds(drifts.most)}`;
+    write(text, `${chosen.name}${buffer() ? measured : " is loading"}`);
+    Object.assign(box.dataset, { start: drifts.start, drift: drifts.now, most: drifts.most, plays: source !== null });
+  };
+  setInterval(() => {
+    if (!source || performance.now() - tookAt < SILENT_MS) return;
+    quiet();
+    clock.reset();
+    show();
+  }, SILENT_MS / 2);
+  toggle.addEventListener("click", () => { isOn = !isOn; wake(); if (!isOn) quiet(); show(); });
+
+  return {
+    // The sound of the show that is chosen, or null.
+    choose: (of) => {
+      if (chosen?.hash !== of?.hash || chosen?.offset_s !== of?.offset_s) quiet();
+      chosen = of ?? null;
+      if (chosen) load(chosen);
+      show();
+    },
+    // A picture has come: the show plays at a place, or does not.
+    take: (isShow, place) => {
+      tookAt = performance.now();
+      const runs = isShow && Number.isFinite(place) && place > 0;
+      if (!runs) {
+        quiet();
+        clock.reset();
+        drifts = { begun: now(), start: NaN, now: NaN, most: 0 };
+        if (chosen) box.dataset.plays = "false";
+        return;
+      }
+      clock.take(place, now());
+      if (!chosen || !isOn || !buffer() || context?.state !== "running") return;
+      if (source) {
+        steer();
+      } else {
+        start();
+      }
+      show();
+    },
+    // A moment of the show is looked at: it is heard for a moment.
+    scrub: (place) => {
+      if (!chosen || !isOn || !buffer() || source || context?.state !== "running") return;
+      const at = place + chosen.offset_s;
+      if (performance.now() - grainAt < GRAIN_EVERY_MS || at < 0 || at >= buffer().duration) return;
+      grainAt = performance.now();
+      play(at, context.currentTime + 0.003, GRAIN_S);
+    },
+  };
+};
