@@ -22,10 +22,10 @@ const REQUEST_MAX: u64 = 4096;
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Number of views that wait for a slow command. Newer views are dropped.
+/// Maximum number of views that wait for a slow command. If they are exceeded, newer views are dropped.
 const VIEWS: usize = 4;
 
-/// Number of the next command. 0 is the hub's own.
+/// Number of the next command. Number 0 belongs to the hub's own request.
 static COMMANDS: AtomicU64 = AtomicU64::new(1);
 
 /// A socket for other commands. It is removed on drop.
@@ -44,7 +44,8 @@ impl Door {
             let text = format!("{}: another console uses it", path.display());
             return Err(io::Error::new(io::ErrorKind::AddrInUse, text));
         }
-        // The socket gets its name when it is complete: until then, no command finds it, or takes it for a dead one.
+        // The socket gets its final name only when it accepts connections. Otherwise another command could take it for
+        // the socket of an ended program, and remove it.
         let unnamed = folder.join(format!(".{name}.{}", std::process::id()));
         let _ = fs::remove_file(&unnamed);
         let listener = UnixListener::bind(&unnamed)?;
@@ -81,7 +82,7 @@ impl Drop for Door {
     }
 }
 
-/// Passes a request to the hub and the answer back. Reports to the hub if the command ends earlier.
+/// Passes a request to the hub, and the answer back to the command. Tells the hub if the command ends earlier.
 fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
@@ -109,7 +110,7 @@ fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     write(stream, &reply)
 }
 
-/// Passes views of the rig to a command until it leaves.
+/// Passes views of the rig to a command until the command ends.
 fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     let (views, waiting) = sync_channel::<View>(VIEWS);
     hub.send(ToHub::Watches { views }).map_err(|_| gone())?;
@@ -123,7 +124,7 @@ fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     }
 }
 
-/// Returns whether the command waits. It says nothing more, but it may have ended.
+/// Returns whether the command still waits. It sends nothing more, so a read fails only while the socket is open.
 fn is_there(mut stream: &UnixStream) -> bool {
     stream.read(&mut [0]).is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
 }
