@@ -109,7 +109,6 @@ fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
         JointType::Revolute => {
             Some(joint.range_rad.first().map_or(30_f64.to_radians(), |range| range[end]))
         }
-        JointType::Prismatic => Some(joint.range_m.map_or(0.02, |range| range[end])),
         _ => None,
     };
     let mut pose = Vec::new();
