@@ -67,6 +67,11 @@ impl SingleRows {
     }
 }
 
+/// Returns whether the core can accept a number: it is from -1e6 to 1e6, and not NaN.
+pub(crate) fn is_usable(number: f64) -> bool {
+    number.abs() <= 1e6
+}
+
 /// Converts a number to f32, the core's precision. NaN stays NaN, and a number that is too large becomes infinite; the
 /// core refuses both.
 #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
@@ -75,11 +80,11 @@ pub(crate) fn single(number: f64) -> f32 {
 }
 
 /// Creates an array of NumPy from numbers in row-major order.
-pub(crate) fn array<'py, D: Dimension>(
-    py: Python<'py>,
+pub(crate) fn array<D: Dimension>(
+    py: Python<'_>,
     shape: impl IntoDimension<Dim = D>,
     numbers: Vec<f64>,
-) -> PyResult<Bound<'py, PyArray<f64, D>>> {
+) -> PyResult<Bound<'_, PyArray<f64, D>>> {
     let shape = shape.into_dimension();
     Ok(Array::from_shape_vec(shape, numbers).map_err(value)?.into_pyarray(py))
 }

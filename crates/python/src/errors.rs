@@ -16,7 +16,7 @@ use sinew_core::{
 };
 use sinew_rig::mechanism::BODY_COUNT_MAX;
 
-use crate::arrays::{Rows, array};
+use crate::arrays::{Rows, array, is_usable, single};
 use crate::error::value;
 use crate::heading::Anchor;
 use crate::rig::NativeRig;
@@ -82,8 +82,7 @@ impl States {
     fn pose(&self, frame: usize, body: usize) -> PyResult<(DQuat, DVec3)> {
         let numbers = &self.poses.row(frame)[7 * body..][..7];
         let place = || format!("{}[{frame}, {body}]", self.name);
-        // The negation also refuses NaN.
-        if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 1e6)) {
+        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
             return Err(value(format!(
                 "{}: expected numbers from -1e6 to 1e6, found {bad}",
                 place()
@@ -104,7 +103,7 @@ impl States {
     fn velocity(&self, frame: usize, body: usize) -> PyResult<[DVec3; 2]> {
         let Some(rows) = &self.velocities else { return Ok([DVec3::ZERO; 2]) };
         let numbers = &rows.row(frame)[6 * body..][..6];
-        if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 1e6)) {
+        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
             let name = self.name;
             return Err(value(format!(
                 "{name}_velocity[{frame}, {body}]: expected numbers from -1e6 to 1e6, found {bad}"
@@ -127,7 +126,7 @@ impl States {
                 pose = anchor.pose(pose);
                 velocity = velocity.map(|part| anchor.velocity(part));
             }
-            let [linear, angular] = velocity.map(|part| part.as_vec3());
+            let [linear, angular] = velocity.map(DVec3::as_vec3);
             out.push(BodyState {
                 pose: Transform::new(pose.0.as_quat().normalize(), pose.1.as_vec3()),
                 velocity: Twist::new(angular, linear),
@@ -193,8 +192,7 @@ pub(crate) fn errors<'py>(
     if !(0.0..=2.0).contains(&beta) {
         return Err(value(format!("beta: expected a weight from 0 to 2, found {beta}")));
     }
-    let compensation =
-        Compensation { beta: crate::arrays::single(beta), rate_term: RateTerm::default() };
+    let compensation = Compensation { beta: single(beta), rate_term: RateTerm::default() };
     let mut measure = Measure {
         method,
         references: References::egocentric(&tree),

@@ -158,13 +158,9 @@ pub(crate) fn sweep(
         }
         let plan = Plan::new(read, &motions, seconds, Shard::WHOLE);
         // If the user has given no folder, the tables are read from a temporary folder.
-        let (folder, _own) = match output {
-            Some(folder) => (folder, None),
-            None => {
-                let own = tempfile::tempdir()?;
-                (own.path().to_path_buf(), Some(own))
-            }
-        };
+        let own = if output.is_none() { Some(tempfile::tempdir()?) } else { None };
+        let folder = output.or_else(|| Some(own.as_ref()?.path().to_path_buf()));
+        let folder = folder.context("no folder for the tables")?;
         let (journal, _) = Journal::open(&folder, &plan)?;
         progress.expect(count_missing_steps(&plan, &journal, &motions));
         run_cells(&plan, journal, &motions, |steps| progress.add(steps))?;

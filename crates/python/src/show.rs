@@ -14,7 +14,7 @@ use sinew_retarget::mapping::Mapping;
 use sinew_show::write::Settings;
 use sinew_show::{Player, Show};
 
-use crate::arrays::{Rows, array};
+use crate::arrays::{Rows, array, is_usable};
 use crate::clip::NativeClip;
 use crate::error::value;
 use crate::rig::NativeRig;
@@ -121,7 +121,7 @@ pub(crate) fn bake(
             let rate_hz = rate_hz.filter(|hz| (1.0..=10_000.0).contains(hz)).ok_or_else(|| {
                 value("rate_hz: expected the rate of the rows of q, in Hz from 1 to 10000")
             })?;
-            if let Some(bad) = rows.numbers.iter().position(|x| !(x.abs() <= 1e6)) {
+            if let Some(bad) = rows.numbers.iter().position(|x| !is_usable(*x)) {
                 let (row, column) = (bad / rows.width, bad % rows.width);
                 return Err(value(format!(
                     "q[{row}, {column}]: expected a number from -1e6 to 1e6, found {}",

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -21,6 +21,8 @@ const REQUEST_MAX: u64 = 4096;
 /// Longest time for a request, and the interval of checks whether a waiting command still runs.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
+/// Time for the last answers when the hub ends.
+const ANSWERS: Duration = Duration::from_millis(300);
 
 /// Maximum number of views that wait for a slow command. If they are exceeded, newer views are dropped.
 const VIEWS: usize = 4;
@@ -33,6 +35,8 @@ static COMMANDS: AtomicU64 = AtomicU64::new(1);
 pub(crate) struct Door {
     path: PathBuf,
     is_over: Arc<AtomicBool>,
+    /// One copy for the door, one for its thread, and one for each request that is not answered yet.
+    asked: Arc<()>,
 }
 
 impl Door {
@@ -51,21 +55,21 @@ impl Door {
         let listener = UnixListener::bind(&unnamed)?;
         fs::set_permissions(&unnamed, Permissions::from_mode(0o600))?;
         fs::rename(&unnamed, &path)?;
-        let door = Self { path, is_over: Arc::default() };
+        let door = Self { path, is_over: Arc::default(), asked: Arc::default() };
         if fs::metadata(&door.path)?.uid() != fs::metadata(&folder)?.uid() {
             let text = format!("{}: belongs to another user", folder.display());
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, text));
         }
-        let is_over = Arc::clone(&door.is_over);
+        let (is_over, asked) = (Arc::clone(&door.is_over), Arc::clone(&door.asked));
         let accept = move || {
             for stream in listener.incoming() {
                 if is_over.load(Ordering::Relaxed) {
                     break;
                 }
                 let Ok(stream) = stream else { continue };
-                let hub = hub.clone();
+                let (hub, asked) = (hub.clone(), Arc::clone(&asked));
                 // If a connection fails, nobody waits for the reason.
-                let _ = thread::Builder::new().spawn(move || serve(&stream, &hub));
+                let _ = thread::Builder::new().spawn(move || serve(&stream, &hub, asked));
             }
         };
         thread::Builder::new().name("commands".to_owned()).spawn(accept)?;
@@ -79,17 +83,23 @@ impl Drop for Door {
         // The connection wakes the thread.
         let _ = UnixStream::connect(&self.path);
         let _ = fs::remove_file(&self.path);
+        // A program that ends by a request still answers it.
+        let end = Instant::now() + ANSWERS;
+        while Arc::strong_count(&self.asked) > 2 && Instant::now() < end {
+            thread::sleep(Duration::from_millis(2));
+        }
     }
 }
 
 /// Passes a request to the hub, and the answer back to the command. Tells the hub if the command ends earlier.
-fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
+fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>, asked: Arc<()>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut line = String::new();
     BufReader::new(stream.take(REQUEST_MAX)).read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line).map_err(io::Error::other)?;
     if request == Request::Watch {
+        drop(asked);
         return show(stream, hub);
     }
     let command = COMMANDS.fetch_add(1, Ordering::Relaxed);

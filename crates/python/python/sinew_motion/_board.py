@@ -196,24 +196,39 @@ class Board:
         """
         self._native.live(row("q", q))
 
+    def load(self, show: Show) -> None:
+        """Stores a show on the board, unless the board has it. Torque must be off: call it before ``arm``.
+
+        Raises
+        ------
+        BoardError
+            If the show is of another rig, the board has no room, or torque is on.
+
+        >>> arm = Rig.arm(2)
+        >>> with Board.open("sim", arm) as board:
+        ...     board.load(bake([arm.home, arm.home], arm, rate_hz=2))
+        """
+        self._native.load(show._native)
+
     def play(self, show: Show, *, rounds: int = 1) -> None:
-        """Uploads a show if the board does not have it, plays it, and waits for its end; then the rig holds.
+        """Plays a show that the board has, and waits for its end; then the rig holds.
 
         Parameters
         ----------
-        show : a show of this rig
+        show : a show of this rig, after ``load``
         rounds : number of rounds of a loop
 
         Raises
         ------
         BoardError
-            If the show was baked for another rig, or a fault ends the show.
+            If the show was baked for another rig, the board does not have it and torque is on, or a fault ends it.
 
         >>> arm = Rig.arm(2)
+        >>> show = bake([arm.home, arm.home], arm, rate_hz=2)
         >>> with Board.open("sim", arm) as board:
+        ...     board.load(show)
         ...     board.arm()
-        ...     q = board.state().q
-        ...     board.play(bake([q, q], arm, rate_hz=2))
+        ...     board.play(show)
         ...     board.state().state
         'holding'
         """

@@ -19,7 +19,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use sinew_performance::play::ServoChoice;
 
-use crate::arrays::single;
+use crate::arrays::{is_usable, single};
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
@@ -135,8 +135,7 @@ impl NativeBoard {
         if q.len() != self.nq {
             return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
         }
-        // The negation also refuses NaN.
-        match q.iter().position(|x| !(x.abs() <= 1e6)) {
+        match q.iter().position(|x| !is_usable(f64::from(*x))) {
             None => Ok(q),
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))
@@ -174,6 +173,10 @@ impl NativeBoard {
 
     fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         self.done(py, Order::Live { q: self.pose(&q)? })
+    }
+
+    fn load(&self, py: Python<'_>, show: PyRef<'_, NativeShow>) -> PyResult<()> {
+        self.done(py, Order::Load { bytes: show.bytes.clone() })
     }
 
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {

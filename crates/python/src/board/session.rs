@@ -84,6 +84,7 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => self.goto(&q, least)?,
             Order::Live { q } => self.follow(&q)?,
+            Order::Load { bytes } => self.load(&bytes)?,
             Order::Play { bytes, rounds } => self.play(&bytes, rounds)?,
             Order::Hold => self.ask(Command::Hold)?,
             Order::Stop | Order::Close => self.stop()?,
@@ -265,18 +266,29 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
+    /// Stores a show on the board unless it has the show, and selects it.
+    fn load(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
         let show = Show::open(bytes)?;
         show.check_rig(self.board.about().rig)?;
         let item = item(Kind::Show, SHOW_SCHEMA, bytes, self.board.about().rig, "sinew_motion")?;
-        let slot = match self.board.slot_of(&item)? {
-            Some(slot) => slot,
-            None => {
-                self.board.upload(&item, bytes, &mut |_| ())?;
-                self.board.slot_of(&item)?.context("the board does not have the show")?
+        let slot = if let Some(slot) = self.board.slot_of(&item)? {
+            slot
+        } else {
+            match self.board.upload(&item, bytes, &mut |_| ()) {
+                Err(ClientError::Refused(Refusal::State(state))) => bail!(
+                    "the board takes a new show only while torque is off, and the rig is {state}: `load` it \
+                         before `arm`"
+                ),
+                uploaded => uploaded?,
             }
+            self.board.slot_of(&item)?.context("the board does not have the show")?
         };
-        self.ask(Command::LoadShow { slot })?;
+        self.ask(Command::LoadShow { slot })
+    }
+
+    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
+        self.load(bytes)?;
+        let show = Show::open(bytes)?;
         self.ask(Command::Play(Feed::Show))?;
         let (before, begun) = (self.board.log.summaries, self.board.now());
         let most = Duration::from_secs_f32(show.duration_s() * rounds as f32);
