@@ -105,12 +105,9 @@ pub(super) fn rig(seed: u64) -> Description {
 
 /// Returns a shape in which some of the joints are at an end of their range.
 fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
-    let position = |joint: &Joint, end: usize| match joint.kind {
-        JointType::Revolute => {
-            Some(joint.range_rad.first().map_or(30_f64.to_radians(), |range| range[end]))
-        }
-        JointType::Prismatic => Some(joint.range_m.map_or(0.02, |range| range[end])),
-        _ => None,
+    let position = |joint: &Joint, end: usize| {
+        (joint.kind == JointType::Revolute)
+            .then(|| joint.range_rad.first().map_or(30_f64.to_radians(), |range| range[end]))
     };
     let mut pose = Vec::new();
     for joint in joints {
