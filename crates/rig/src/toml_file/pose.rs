@@ -1,6 +1,5 @@
 //! The pose of a shape: `{ jaw = 25, lid = -5 }`, in degrees; in mm for joints that slide.
 
-use toml::Value as TomlValue;
 use toml::de::DeValue;
 
 use super::error::UnlocatedError;
@@ -65,7 +64,7 @@ impl Value for Pose {
             let key = if !name.is_empty() && name.chars().all(is_bare) {
                 name.clone()
             } else {
-                TomlValue::String(name.clone()).to_string()
+                quoted(name)
             };
             format!("{key} = {}", position.text(false))
         };
@@ -74,4 +73,17 @@ impl Value for Pose {
             all => format!("{{ {} }}", all.iter().map(entry).collect::<Vec<_>>().join(", ")),
         }
     }
+}
+
+/// Returns a name as a quoted key. Keys have no strings of several lines, which a value may have.
+fn quoted(name: &str) -> String {
+    let mut key = "\"".to_owned();
+    for letter in name.chars() {
+        match letter {
+            '"' | '\\' => key.extend(['\\', letter]),
+            _ if letter.is_control() => key.extend(format!("\\u{:04X}", u32::from(letter)).chars()),
+            _ => key.push(letter),
+        }
+    }
+    key + "\""
 }
