@@ -88,3 +88,16 @@ impl Value for Pose {
         }
     }
 }
+
+/// Returns a name as a quoted key. Keys have no strings of several lines, which a value may have.
+fn quoted(name: &str) -> String {
+    let mut key = "\"".to_owned();
+    for letter in name.chars() {
+        match letter {
+            '"' | '\\' => key.extend(['\\', letter]),
+            _ if letter.is_control() => key.extend(format!("\\u{:04X}", u32::from(letter)).chars()),
+            _ => key.push(letter),
+        }
+    }
+    key + "\""
+}
