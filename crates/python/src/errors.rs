@@ -1,4 +1,4 @@
-//! State errors of poses of bodies in the world, by the methods of the core.
+//! State errors between desired and measured poses of bodies in the world, by the methods of the core.
 
 use std::str::FromStr;
 
@@ -22,7 +22,7 @@ use crate::heading::Anchor;
 use crate::rig::NativeRig;
 use crate::work::in_pieces;
 
-/// A way to measure errors.
+/// A method to compute state errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Method {
     Local,
@@ -54,7 +54,7 @@ impl FromStr for Method {
     }
 }
 
-/// Poses of bodies in the world, and their velocities, frame by frame.
+/// Poses of bodies in the world, and perhaps their velocities, for each frame.
 struct States {
     name: &'static str,
     bodies: usize,
@@ -78,7 +78,7 @@ impl States {
         Ok(Self { name, bodies, poses, velocities })
     }
 
-    /// Returns the pose of a body in a frame: rotation and place.
+    /// Returns the pose of a body in a frame: rotation and position.
     fn pose(&self, frame: usize, body: usize) -> PyResult<(DQuat, DVec3)> {
         let numbers = &self.poses.row(frame)[7 * body..][..7];
         let place = || format!("{}[{frame}, {body}]", self.name);
@@ -99,7 +99,7 @@ impl States {
         Ok((rotation.normalize(), DVec3::from_slice(numbers)))
     }
 
-    /// Returns the linear and angular velocity of a body in a frame; zero without velocities.
+    /// Returns the linear and angular velocity of a body in a frame; zero if there are no velocities.
     fn velocity(&self, frame: usize, body: usize) -> PyResult<[DVec3; 2]> {
         let Some(rows) = &self.velocities else { return Ok([DVec3::ZERO; 2]) };
         let numbers = &rows.row(frame)[6 * body..][..6];
@@ -112,7 +112,7 @@ impl States {
         Ok([DVec3::from_slice(numbers), DVec3::from_slice(&numbers[3..])])
     }
 
-    /// Returns the states of all bodies in a frame, moved by an anchor if there is one.
+    /// Returns the states of all bodies in a frame. `anchor`: rigid motion that is applied to them.
     fn frame(
         &self,
         frame: usize,
@@ -136,7 +136,7 @@ impl States {
     }
 }
 
-/// Returns a tree with these parents, whose bodies weigh the same.
+/// Returns a tree with these parents, in which all bodies have the same inertia.
 fn tree_of(parents: &[Option<usize>]) -> PyResult<Tree<BODY_COUNT_MAX>> {
     let mut tree = Tree::new();
     for parent in parents {
@@ -152,7 +152,7 @@ fn tree_of(parents: &[Option<usize>]) -> PyResult<Tree<BODY_COUNT_MAX>> {
     Ok(tree)
 }
 
-/// Returns the errors of each body in each frame: rotation vector, place, and their rates, twelve numbers.
+/// Returns the errors of each body in each frame: rotation vector, position, and their rates; twelve numbers.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
 pub(crate) fn errors<'py>(
@@ -280,7 +280,7 @@ impl Measure {
     }
 }
 
-/// The projection of the recommended tracker, with the solution of the frame before.
+/// Projection of the recommended tracker, which starts from the solution of the previous frame.
 struct Projector {
     projection: sinew_core::projection::ManifoldProjection<BODY_COUNT_MAX>,
     workspace: Box<ProjectionWorkspace<BODY_COUNT_MAX>>,
@@ -298,7 +298,7 @@ impl Projector {
         Ok(projection.map(|projection| Self { projection, workspace }))
     }
 
-    /// Replaces the desired poses by the nearest ones of the rig. Velocities stay those of the desired figure.
+    /// Replaces the desired poses by the nearest poses that the rig can have. The velocities do not change.
     fn project(
         &mut self,
         tree: &Tree<BODY_COUNT_MAX>,

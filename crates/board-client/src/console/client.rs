@@ -1,4 +1,4 @@
-//! The other command's end of the socket.
+//! The asking command's end of the socket.
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};
@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use super::{Reply, Request, View, folder};
 
-/// Returns the names of the hubs that run for this user. Removes the sockets that killed programs have left.
+/// Returns the names of all running hubs of this user, sorted. Removes sockets that killed programs have left.
 pub fn consoles() -> Vec<String> {
     let files = fs::read_dir(folder()).into_iter().flatten().flatten();
     let mut names: Vec<String> = files
@@ -22,14 +22,15 @@ pub fn consoles() -> Vec<String> {
     names
 }
 
-/// Returns whether a program serves a socket. A socket is visible only while its program listens, or after its end.
+/// Returns whether a program serves a socket. A refused connection means that the program has ended: then removes the
+/// socket.
 fn is_alive(path: &Path) -> bool {
     let number = || fs::symlink_metadata(path).map(|found| found.ino()).ok();
     let before = number();
     match UnixStream::connect(path) {
         Ok(_) => true,
         Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
-            // A new program may have taken the name meanwhile.
+            // A new program may have created a socket of this name since.
             if number() == before {
                 let _ = fs::remove_file(path);
             }
@@ -39,7 +40,7 @@ fn is_alive(path: &Path) -> bool {
     }
 }
 
-/// Asks a hub, and waits until the command is executed.
+/// Sends a request to a hub, and waits for the answer, which arrives after the command is executed.
 ///
 /// # Errors
 /// An I/O error if no hub has this name, or it has ended.
@@ -57,14 +58,14 @@ fn send(name: &str, request: &Request) -> io::Result<UnixStream> {
     Ok(stream)
 }
 
-/// Views of the rig of a hub.
+/// Connection to a hub that sends views of its rig.
 #[derive(Debug)]
 pub struct Watching {
     stream: BufReader<UnixStream>,
     line: Vec<u8>,
 }
 
-/// Watches the rig of a hub.
+/// Connects to a hub to receive views of its rig.
 ///
 /// # Errors
 /// An I/O error if no hub has this name.
@@ -73,7 +74,7 @@ pub fn watch(name: &str) -> io::Result<Watching> {
 }
 
 impl Watching {
-    /// Returns the next view, or `None` if none comes within `wait`.
+    /// Returns the next view, or `None` if no view arrives within `wait`.
     ///
     /// # Errors
     /// An I/O error if the hub has ended.
@@ -86,7 +87,7 @@ impl Watching {
                 view.map(Some)
             }
             Ok(_) => Err(ErrorKind::UnexpectedEof.into()),
-            // The part of the line that has arrived is kept.
+            // The part of the line that has arrived stays in the buffer.
             Err(error)
                 if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) =>
             {

@@ -1,4 +1,4 @@
-//! A recording of a console's session, made of the telemetry that arrives.
+//! Recording of a console's session: its rows are computed from the board's telemetry.
 
 use std::time::Duration;
 
@@ -10,13 +10,13 @@ use sinew_performance::play::{Recorder, Tick, TickOfJoint};
 use crate::scene::Scene;
 use sinew_board_client::pose;
 
-/// Rate of the rows, Hz: that of the pictures. If the line carries fewer, rows are repeated.
+/// Number of rows per second, as many as pages get pictures. If less telemetry arrives, rows are repeated.
 pub const RECORD_HZ: f64 = 30.0;
 
-/// A recording that is written while the hub runs.
+/// A recording in progress.
 pub(super) struct SessionRecord {
     recorder: Recorder,
-    /// Time of the first row, and number of rows.
+    /// Time of the first row, and number of rows so far.
     begun: Option<Duration>,
     rows: u32,
     faults: Vec<String>,
@@ -41,7 +41,7 @@ impl SessionRecord {
         self.faults.extend(faults.iter().map(name));
     }
 
-    /// Adds the rows that are due. `runs`: whether a show runs.
+    /// Adds all rows that are due. `runs`: whether the clock of a show runs.
     pub(super) fn go_on(
         &mut self,
         scene: &Scene,
@@ -76,7 +76,7 @@ impl SessionRecord {
     }
 }
 
-/// Returns all dofs. The command is known while torque is on.
+/// Returns the state of all dofs. Commands and errors are unknown while torque is off.
 fn joints(scene: &Scene, log: &TelemetryLog) -> Vec<TickOfJoint> {
     if log.q.len() != scene.home.len() {
         return Vec::new();

@@ -1,4 +1,4 @@
-"""The native part: no stable interface. The modules beside it check shapes and have the documentation."""
+"""The native part, which has no stable interface. The other modules check shapes and document the functions."""
 
 import builtins
 from collections.abc import Callable

@@ -92,7 +92,7 @@ impl PlaceArgs {
             let own = name_of_port(port);
             names.retain(|name| *name == own);
         }
-        // A command that only watches closes its port for this one.
+        // A command that only watches closes its port, so that this command can open it.
         names.retain(|name| !ask(name, &Request::Yield).is_ok_and(|reply| reply.ok));
         if names.len() > 1 {
             bail!("several consoles run ({}): `--port PORT` names the board", names.join(", "));

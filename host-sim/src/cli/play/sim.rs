@@ -20,14 +20,14 @@ use crate::cli::output::OutputPath;
 use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
-/// Opens the socket by which other terminals stop the rig.
+/// Opens the socket through which other terminals stop the rig. If this fails, prints the reason.
 fn open_bell() -> Option<Bell> {
     let name = format!("simulated-{}", std::process::id());
     let tell = |error| note(format_args!("`sinew stop` cannot stop this play: {error}"));
     Bell::open(&name).map_err(tell).ok()
 }
 
-/// The live display of a simulated rig.
+/// Live display of a simulated rig.
 struct SimulatedLive {
     live: Live,
     has_waited: bool,
@@ -79,10 +79,10 @@ impl SimulatedLive {
     }
 }
 
-/// Returns the joints with servos.
+/// Returns the rows of the table: the joints with servos.
 fn rows(sim: &SimulatedRig<'_, RigPlant>) -> Vec<Row> {
     let (report, parts) = (sim.report(), sim.parts);
-    // For servos that report nothing, the error of the simulated rig is used.
+    // If a joint's servos report no position, the error of the simulated rig is used.
     let simulated = sim.simulated_errors();
     let has_effort = !matches!(report.state, State::Off | State::Limp | State::Lowering);
     let row = |joint: usize| {

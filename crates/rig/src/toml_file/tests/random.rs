@@ -103,7 +103,7 @@ pub(super) fn rig(seed: u64) -> Description {
     }
 }
 
-/// Returns a shape with some of the joints at an end of their range.
+/// Returns a shape in which some of the joints are at an end of their range.
 fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
     let position = |joint: &Joint, end: usize| match joint.kind {
         JointType::Revolute => {
