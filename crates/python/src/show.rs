@@ -134,7 +134,7 @@ pub(crate) fn bake(
         }
     };
     let rig = Arc::clone(&rig.loaded);
-    let choices = MotionChoices { fit, loop_blend_s };
+    let choices = MotionChoices { fit, loop_blend_s, ..MotionChoices::default() };
     let settings = Settings { angle_rad: tolerance_rad, ..Settings::default() };
     in_background(py, None, move |_| {
         let mapping = mapping_of(mapping.as_deref())?;
@@ -171,7 +171,7 @@ pub(crate) fn bake(
             (joint, excess.kind.name(), from, to, excess.worst_s, excess.value, excess.limit)
         });
         let excesses = excesses.collect();
-        let fitted = performance.fit_summary();
+        let fitted = performance.fit_summary(&rig.mechanism);
         Ok(NativeShow { bytes: baked.written.bytes, excesses, fitted })
     })
 }
