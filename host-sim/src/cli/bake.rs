@@ -190,7 +190,7 @@ impl Args {
         let Some(path) = &self.sound else { return Ok(None) };
         let given_s = performance.clip.motion.duration_s();
         ensure!(
-            !self.keeps_time() || baked.duration_s <= given_s + 0.01,
+            baked.duration_s <= given_s + 0.01,
             "--sound: the fit makes {given_s:.2} s of motion last {:.2} s, and the sound would come apart from it: \
              leave --fit out, or make the motion slower or smaller where the rig is too slow",
             baked.duration_s

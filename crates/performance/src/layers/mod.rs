@@ -15,6 +15,9 @@ pub use choice::{LayerChoice, LayerMode};
 
 /// Time over which a layer gains its effect, if it begins after the motion, or loses it, if it ends before, s.
 const FADE_S: f64 = 0.3;
+/// Longest motion, s, as for keys; and the most rows, which are two hours at 500 Hz.
+const DURATION_MAX_S: f64 = 7200.0;
+const ROWS_MAX: f64 = 3.6e6;
 
 /// A motion to which layers are applied.
 #[derive(Debug, Clone)]
@@ -74,6 +77,12 @@ impl LayeredMotion {
         };
         let duration_s = end_s - self.start_s;
         ensure!(duration_s > dt_s, "--layer: the layers end before the motion begins");
+        ensure!(
+            duration_s <= DURATION_MAX_S && duration_s / dt_s <= ROWS_MAX,
+            "--layer: the layers would make {:.0} rows in {duration_s:.0} s; at most {ROWS_MAX} rows in \
+             {DURATION_MAX_S} s are possible: give layers that are near the motion in time, or of a lower rate",
+            duration_s / dt_s
+        );
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (duration_s / dt_s - 1e-6).ceil().max(1.0) as usize;
         let (home, ranges, ties) =

@@ -12,7 +12,7 @@ pub struct Pulses {
     pub us: [f64; 3],
     /// Angle from the least to the greatest position, rad.
     pub travel_rad: f64,
-    /// Whether the rig's file gives pulses or travel of this servo.
+    /// Whether the rig's file gives the pulses of this servo: its author has tried them.
     pub is_measured: bool,
 }
 
@@ -33,8 +33,7 @@ impl Pulses {
     pub fn with(self, servo: &Servo) -> Self {
         let us = servo.pulse_us.unwrap_or(self.us);
         let travel_rad = servo.travel_rad.unwrap_or((us[2] - us[0]) / self.us_per_rad());
-        let is_measured = servo.pulse_us.is_some() || servo.travel_rad.is_some();
-        Self { us, travel_rad, is_measured }
+        Self { us, travel_rad, is_measured: servo.pulse_us.is_some() }
     }
 
     /// Returns the change of the pulse per angle, us/rad.

@@ -35,20 +35,6 @@ impl Pose {
     }
 }
 
-/// Returns a name as a key in quotes, on one line.
-fn quoted(name: &str) -> String {
-    let mut key = String::from("\"");
-    for letter in name.chars() {
-        match letter {
-            '"' | '\\' => key.extend(['\\', letter]),
-            _ if letter.is_control() => key.extend(format!("\\u{:04X}", u32::from(letter)).chars()),
-            _ => key.push(letter),
-        }
-    }
-    key.push('"');
-    key
-}
-
 fn slides(name: &str, joints: &[Joint]) -> bool {
     let joint = joints.iter().find(|joint| joint.name == name);
     joint.is_some_and(|joint| joint.kind == JointType::Prismatic)

@@ -110,7 +110,8 @@ fn track(channel: &Channel<'_>, buffers: &Buffers) -> Result<Track, Refusal> {
     let one = output.one();
     let values: Vec<f64> = (0..output.count())
         .flat_map(|index| output.numbers(index))
-        .map(|number| (number / one).max(-1.0))
+        // A signed integer may be one step below -1. A float is taken as it is, so that NaN is found below.
+        .map(|number| if one > 1.0 { (number / one).max(-1.0) } else { number })
         .collect();
     if let Some(index) = values.iter().position(|value| value.is_nan() || value.abs() > 1e3) {
         return Err(refuse("its output", "weights from 0 to 1", values[index]));
