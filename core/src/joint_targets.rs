@@ -139,7 +139,8 @@ impl<const N: usize> JointTargets<N> {
     }
 
     /// Returns all targets as slices, for code that sets every item: states, accelerations, and world states of the
-    /// bodies. The world states then count as valid. All values must be finite, and rotations unit quaternions.
+    /// bodies. If `tree` has as many bodies as there are targets, the world states then count as valid. All values must
+    /// be finite, and rotations unit quaternions.
     pub(crate) fn whole(
         &mut self,
         tree: &Tree<N>,

@@ -66,11 +66,11 @@ impl<L: Line> Board<L> {
         }
     }
 
-    /// Sends greetings like [`Self::connect`]. Returns the board, and whether another program has its rig: then there
-    /// is no session, and the board executes only [`Command::Stop`] and [`Command::EStop`].
+    /// Sends greetings like [`Self::connect`]. Returns the board, and whether its rig belongs to another program. In
+    /// this case there is no session, and the board executes only [`Command::Stop`] and [`Command::EStop`].
     ///
     /// # Errors
-    /// As in [`Self::connect`], but for a rig that is not free.
+    /// As in [`Self::connect`], except that a rig of another program is not an error.
     pub fn connect_any(
         line: L,
         nonce: u32,

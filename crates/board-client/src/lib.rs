@@ -12,8 +12,9 @@
 //! - [`TelemetryLog`] assembles telemetry from its frames.
 //! - [`Board::upload`] uploads rigs, settings and shows, block by block, and continues after an interruption.
 //! - [`BoardServos`]: packets for servos, which the controller passes on while torque is off.
-//! - [`Journey`]: a motion of all joints to a pose; [`pose`]: poses, among them the pose that the board commands.
-//! - [`console`]: asks a hub that uses a board.
+//! - [`Journey`]: a motion of all joints to a pose; [`pose`]: conversions of poses, and the pose that the board
+//!   commands.
+//! - [`console`]: requests to a hub that uses a board.
 //! - [`port`]: finds the port of a controller, and recognizes a port that has servos instead.
 //!
 //! ```no_run
@@ -29,8 +30,8 @@
 //! # Files
 //! - `board`: a session. `upload`: items that a board stores.
 //! - `line`: bytes to and from a board. `port`: serial ports with a board.
-//! - `journey`: motions to a pose. `pose`: poses as coordinates and as dofs.
-//! - `console/`: the socket of a hub, for other commands.
+//! - `journey`: motions to a pose. `pose`: poses as coordinates and as positions of dofs.
+//! - `console/`: the socket through which other commands reach a hub.
 //! - `servos`: a board as a line of servos.
 //! - `telemetry_log`: received telemetry and faults.
 //! - `error`: errors of a session.

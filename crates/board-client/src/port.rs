@@ -10,18 +10,19 @@ use crate::{Board, ClientError, SerialBoard, nonce};
 /// Baud rates of boards, bit/s, in the order in which they are tried. USB ports and pseudo-terminals ignore the rate.
 pub const BAUDS: [u32; 2] = [1_000_000, 115_200];
 
-/// Time for a controller to answer, at each rate.
+/// Longest wait for the answer of a controller, at each rate.
 const PATIENCE: Duration = Duration::from_millis(1500);
-/// Time in which a controller lowers the rig of a program that has ended: 2 s until the link is lost, and 18 s of
-/// lowering, both by default. The port is locked, so no other program of this machine drives the rig.
+/// Longest wait until a controller has lowered the rig of an ended program. By default, it takes 20 s: 2 s until the
+/// link counts as lost, and 18 s of lowering. This program has locked the port, so no other program of this machine
+/// drives the rig.
 pub const TAKE_OVER: Duration = Duration::from_secs(30);
 /// Time for a controller to answer on a port that probably has servos.
 const GLANCE: Duration = Duration::from_millis(400);
 /// Time for a servo to answer at each rate.
 const SERVO_PATIENCE: Duration = Duration::from_millis(40);
 
-/// Opens a port, and a session with its controller. If the rig is not limp yet after the end of the program that drove
-/// it, calls `waits`, and waits until the controller has lowered the rig.
+/// Opens a port, and a session with its controller. If the program that drove the rig has ended before the rig is limp,
+/// calls `waits`, and waits until the controller has lowered the rig.
 ///
 /// # Errors
 /// [`ClientError::Port`] if the port cannot be opened, or another program has it; [`ClientError::Servos`] if servos
@@ -31,8 +32,8 @@ pub fn open(path: &Path, waits: &dyn Fn()) -> Result<Board<SerialBoard>, ClientE
     take_over(board, is_busy, waits)
 }
 
-/// Opens a port like [`open`], without waiting. Returns the board, and whether its rig still belongs to another
-/// program: see [`Board::connect_any`].
+/// Opens a port like [`open`], but does not wait. Returns the board, and whether its rig belongs to another program, as
+/// [`Board::connect_any`] does.
 ///
 /// # Errors
 /// As in [`open`].
@@ -49,11 +50,12 @@ pub fn open_any(path: &Path) -> Result<(Board<SerialBoard>, bool), ClientError> 
 }
 
 /// Opens the only candidate that has a controller, and returns its port and the session. `None` stands for all USB
-/// ports.
+/// ports. Waits as [`open`] does if the rig is not limp yet.
 ///
 /// # Errors
 /// [`ClientError::NoneFound`] with the ports that were tried; [`ClientError::Several`] with the ports that have a
-/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program has its rig.
+/// controller; [`ClientError::Misfit`] if the version of a controller does not fit, or another program still uses its
+/// rig after 30 s.
 pub fn find(
     candidates: Option<&[PathBuf]>,
     waits: &dyn Fn(),

@@ -1,10 +1,10 @@
-//! Poses of a rig as coordinates and as dofs, and the pose that the board commands: the measured pose plus the offsets
-//! that the board sends.
+//! Poses of a rig as coordinates and as positions of dofs. The board's commanded pose is computed from the measured
+//! pose and the offsets in the telemetry.
 
 use crate::TelemetryLog;
 
-/// Returns the commanded pose of a rig with this number of dofs; `None` while torque is off, or if the board does not
-/// send offsets of all dofs. `blocks`: first coordinate and number of coordinates of each joint.
+/// Returns the commanded pose of a rig with `dofs` dofs. Returns `None` while torque is off, or if the telemetry lacks
+/// offsets of some dofs. `blocks`: first coordinate and number of coordinates of each joint.
 pub fn commanded(blocks: &[(usize, usize)], dofs: usize, log: &TelemetryLog) -> Option<Vec<f32>> {
     log.summary?.errors?;
     let coordinates = blocks.last().map_or(0, |(first, count)| first + count);
@@ -12,8 +12,8 @@ pub fn commanded(blocks: &[(usize, usize)], dofs: usize, log: &TelemetryLog) -> 
     is_whole.then(|| with_offsets(blocks, &log.q, &log.targets))
 }
 
-/// Returns a pose to which offsets by dof are added. A ball joint has four coordinates, and its offset is a rotation vector in its body's
-/// axes.
+/// Returns a pose plus one offset for each dof. A ball joint has four coordinates; its three offsets are a rotation
+/// vector in its body's axes.
 pub fn with_offsets(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) -> Vec<f32> {
     let mut q = pose.to_vec();
     let mut offsets = offsets.iter().copied();
@@ -29,7 +29,7 @@ pub fn with_offsets(blocks: &[(usize, usize)], pose: &[f32], offsets: &[f32]) ->
     q
 }
 
-/// Returns the positions of the dofs of a pose; for a ball joint the rotation vector.
+/// Returns the positions of a pose's dofs. The positions of a ball joint are its rotation vector.
 pub fn of_dofs(blocks: &[(usize, usize)], pose: &[f32]) -> Vec<f32> {
     let mut dofs = Vec::new();
     for (first, count) in blocks {

@@ -31,8 +31,8 @@ pub struct Options {
     pub unattended: bool,
 }
 
-/// Executes a single command on a board that has no hub: a motion arms the rig, and stops it afterwards. Other
-/// terminals, which know the board by `name`, may stop the rig meanwhile.
+/// Executes a single request on a board that has no hub. A motion arms the rig, and stops it afterwards. Meanwhile,
+/// other terminals reach the board by `name`, and may stop the rig.
 ///
 /// # Errors
 /// [`ClientError`] if the board does not answer.
@@ -86,7 +86,7 @@ impl Console {
         self.addresses.iter().map(of).collect()
     }
 
-    /// Shows a recording to pages until `stops` counts a signal to end. `name`: name of the recording.
+    /// Shows a recording to pages until `stops` counts a signal to end. `name`: name that pages show.
     ///
     /// # Errors
     /// [`ClientError::Line`] if the system has no threads.
@@ -102,9 +102,10 @@ impl Console {
         Ok(())
     }
 
-    /// Serves pages, and other commands, which know the console by `name`, as the hub of a board until `stops` counts a
-    /// signal to end. At the first signal the rig is stopped, and the hub ends when torque is off; at the second signal
-    /// the hub ends at once. `record`: a recording of the session, with [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
+    /// Runs the hub of a board for pages and other commands, until `stops` counts a signal to end. At the first signal
+    /// the rig is stopped, and the hub ends when torque is off; at the second signal the hub ends at once. `name`: name
+    /// by which other commands reach the console; `record`: recording of the session, with
+    /// [`RECORD_HZ`](crate::RECORD_HZ) rows a second.
     ///
     /// # Errors
     /// [`ClientError`] if the board's line has failed.
@@ -129,7 +130,7 @@ impl Console {
         ended
     }
 
-    /// Lets pages in until the first value is dropped.
+    /// Starts to accept pages, until the returned [`Served`] is dropped.
     fn serve(self) -> Result<(Served, Receiver<ToHub>, Options), ClientError> {
         let Self { shared, inbox, options, addresses, listeners } = self;
         let served = Served { shared, addresses };
@@ -142,7 +143,7 @@ impl Console {
     }
 }
 
-/// A server that lets pages in until it is dropped.
+/// A server that accepts pages until it is dropped.
 struct Served {
     shared: Arc<Shared>,
     addresses: Vec<SocketAddr>,

@@ -11,14 +11,14 @@
 //! - [`Scene`] describes the rig for the page.
 //! - [`Hosted`] is the hub of a command without pages, such as `sinew play`: other terminals watch and stop its rig.
 //!
-//! The rules of safety are in `server` (who is let in), `hub/wheel` (who drives) and `hub/jog` (motions that end
-//! with their page).
+//! The rules of safety are in `server` (which pages are accepted), `hub/wheel` (which page drives) and `hub/act`
+//! (motions that end if their page is closed).
 //!
 //! # Files
 //! - `server/`: listeners, request heads, sockets, and the limits of all of them. `page/`: the files it serves.
 //! - `message`: text messages between page and hub; `frame`: the state of the rig as numbers.
-//! - `hub/`: the loop, commands, sliders, shows, uploads, hubs of other commands.
-//! - `replay/`: a recording in place of a board. `sounds`: sounds of shows, which pages play.
+//! - `hub/`: the loop, commands, sliders, shows, uploads, and hubs without pages.
+//! - `replay/`: a recording instead of a board. `sounds`: sounds of shows, which pages play.
 //! - `scene`: the rig as the page draws it. [`local`]: the Unix socket for commands in other terminals.
 
 #![forbid(unsafe_code)]

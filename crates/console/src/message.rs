@@ -79,7 +79,7 @@ pub(crate) enum ToPage<'a> {
         slots: &'a [Slot],
         loaded: Option<u8>,
     },
-    /// `asked`: another page asks this page for the wheel.
+    /// `driver`: whether this page drives; `asked`: another page has asked this page for the wheel.
     Role {
         driver: bool,
         other: Option<&'static str>,
@@ -125,18 +125,18 @@ pub(crate) struct Slot {
     /// Duration, s; `None` if this program does not know the show's bytes.
     pub(crate) duration_s: Option<f32>,
     pub(crate) cues: Vec<CueMark>,
-    /// Sound of the show; `None` without one.
+    /// Sound of the show, if it has a sound.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) sound: Option<SlotSound>,
 }
 
-/// The sound of a show.
+/// Sound of a show in a slot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct SlotSound {
-    /// Name under which the server has the file.
+    /// SHA-256 of the file, by which pages request it.
     pub(crate) hash: String,
     pub(crate) name: String,
-    /// Place in the sound at the start of the show, s.
+    /// Time of the sound at the start of the show, s.
     pub(crate) offset_s: f64,
 }
 

@@ -12,7 +12,7 @@ use sinew_rig::servo::Address;
 
 /// Range of a slider to both sides for a joint without a range: rad, and m.
 const FREE: [f32; 2] = [std::f32::consts::PI, 0.1];
-/// All limits, by number.
+/// All limits, in the order of their numbers.
 pub(crate) const LIMITS: [Limit; 14] = [
     Limit::Range,
     Limit::Speed,
@@ -38,7 +38,7 @@ pub enum Source {
     Simulated,
     /// A board at a port.
     Board,
-    /// A recording: it has no commands.
+    /// A recording: it accepts no commands.
     Recording,
 }
 
@@ -55,7 +55,7 @@ pub struct Scene {
     pub(crate) home: Vec<f32>,
     /// Index of the first coordinate and number of coordinates of each joint.
     pub(crate) blocks: Vec<(usize, usize)>,
-    /// Joints that follow others.
+    /// Ties, by which joints follow other joints.
     ties: Ties,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct SceneDof {
     pub(crate) effort: Option<f32>,
     /// Index of the coordinate in a pose; `None` for a ball joint.
     pub(crate) coordinate: Option<usize>,
-    /// Index of the dof that it follows; `None` if it follows no other.
+    /// Index of the dof that this dof follows; `None` if it follows no dof.
     pub(crate) leader: Option<usize>,
 }
 
@@ -166,7 +166,7 @@ impl Scene {
         }
     }
 
-    /// Moves the followers of a pose to where their leaders put them.
+    /// Moves all followers in a pose to the positions that their leaders require.
     pub(crate) fn follow(&self, q: &mut [f32]) {
         for tie in self.ties.each() {
             let [own, leader] = tie.places();
@@ -174,19 +174,19 @@ impl Scene {
         }
     }
 
-    /// Returns the factor of the fastest dof that follows a dof, without its sign; `None` if no other follows it.
+    /// Returns the largest absolute factor among the followers of a dof; `None` if no dof follows it.
     pub(crate) fn leads(&self, dof: usize) -> Option<f32> {
         let followers = self.ties.each().filter(|tie| tie.dofs()[1] == dof);
         followers.map(|tie| single(tie.factor.abs())).reduce(f32::max)
     }
 
-    /// Returns why a dof does not move by itself: it follows another one.
+    /// Returns the reason why a dof cannot be moved by itself: it follows another dof. Otherwise returns `None`.
     pub(crate) fn follows(&self, dof: &SceneDof) -> Option<String> {
         let leader = self.dofs.get(dof.leader?)?;
         Some(format!("`{}` follows `{}`: move `{}`", dof.name, leader.name, leader.name))
     }
 
-    /// Describes no rig: for a hub without pages that moves nothing.
+    /// Creates a scene without a rig, for a hub that has no pages and moves nothing.
     pub fn empty() -> Self {
         Self {
             head: String::new(),

@@ -1,26 +1,28 @@
-//! Keeps a motion within a joint's speed and acceleration, in its own time.
+//! Reduces a motion until it keeps a joint's limits of speed and acceleration, without changing its time.
 
-/// Shares of the limits of speed and acceleration that a motion uses. A show's splines need the rest.
+/// Shares of the limits of speed and acceleration that a motion may use. The rest is for the errors of a show's
+/// splines.
 const SPEED_SHARE: f64 = 0.9;
 const ACCELERATION_SHARE: f64 = 0.75;
-/// The widest smoothing, s. Two means one after the other smooth over twice their width.
+/// Maximum width of the smoothing, s. Two moving means in succession have twice the width of one.
 const SMOOTH_MAX_S: f64 = 0.12;
 
-/// A motion within limits.
+/// A motion within its limits.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Limited {
-    /// Values at the given rate, already made smaller.
+    /// Values at the given rate, after smoothing and reducing.
     pub(crate) values: Vec<f64>,
-    /// Width of the smoothing, s; 0: none.
+    /// Width of the smoothing, s; 0 without smoothing.
     pub(crate) smoothed_s: f64,
-    /// Largest speed, per s.
+    /// Largest speed, in units of the values per s.
     pub(crate) fastest: f64,
-    /// Share of the values that is left; 1: all.
+    /// Factor by which the values were reduced; 1 if they were not.
     pub(crate) share: f64,
 }
 
-/// Smooths values until they keep the limits of speed and acceleration, over 120 ms at most, and then makes them
-/// smaller. The smoothing is symmetric: nothing comes later. Limits hold for every `step`-th value.
+/// Reduces a motion until it keeps the limits of speed and acceleration: first smooths it, over 120 ms at most, then
+/// multiplies it by a factor. The smoothing is symmetric and causes no delay. Only every `step`-th value must keep the
+/// limits.
 pub(crate) fn within(
     values: &[f64],
     rate_hz: f64,
@@ -49,8 +51,8 @@ pub(crate) fn within(
     }
 }
 
-/// Returns the mean of each value and of `half` values on both sides. Before the beginning and after the end the value
-/// is that of the nearer end. O(n).
+/// Returns the mean of each value and its `half` neighbours on each side. Beyond the ends, the first or the last value
+/// is repeated. O(n).
 fn mean_around(values: &[f64], half: usize) -> Vec<f64> {
     let Some(last) = values.len().checked_sub(1).filter(|_| half > 0) else {
         return values.to_vec();
@@ -66,7 +68,8 @@ fn mean_around(values: &[f64], half: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Returns the largest first and second derivative of every `step`-th value, as they are written.
+/// Returns the largest absolute first and second derivative of every `step`-th value; `rate_hz` is the rate of these
+/// values.
 fn peaks(values: &[f64], rate_hz: f64, step: usize) -> [f64; 2] {
     let rows: Vec<f64> = values.iter().step_by(step).copied().collect();
     let speed = rows.windows(2).map(|w| (w[1] - w[0]).abs() * rate_hz);

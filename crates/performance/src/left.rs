@@ -1,4 +1,5 @@
-//! How much of each joint's motion a fit left: the share of its way, and the correlation with what was meant.
+//! Share of each joint's motion that a fit has left: the share of the joint's way, and the correlation with the given
+//! motion.
 
 use std::fmt::Write as _;
 
@@ -6,29 +7,29 @@ use sinew_retarget::feasibility::RigMotion;
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 
-/// Way of a joint below which it counts as still, rad or m.
+/// Way of a joint, rad or m, below which the joint counts as still.
 const STILL: f64 = 5e-3;
-/// Share of the way and correlation below which a joint is named in the headline.
+/// Share of the way and correlation below which the headline names a joint.
 const LEAST_WAY: f64 = 0.5;
 const LEAST_ALIKE: f64 = 0.9;
-/// Share of the way and correlation from which a change is not worth a line.
+/// Share of the way and correlation above which a joint gets no line.
 const WHOLE_WAY: f64 = 0.98;
 const WHOLE_ALIKE: f64 = 0.995;
 
-/// A joint, or one axis of a universal joint, after a fit.
+/// Motion of a joint, or of one axis of a universal joint, after a fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointLeft {
     /// Name of the joint or axis.
     pub name: String,
-    /// Share of its way that is left.
+    /// Way of the joint as a share of its way in the given motion.
     pub way: f64,
-    /// Correlation with the given motion at equal times; 0 if the joint does not move any more.
+    /// Correlation with the given motion at equal times; 0 if the joint no longer moves.
     pub alike: f64,
 }
 
 impl JointLeft {
-    /// Compares the joints of a motion with those of the given motion, at equal times. Joints that stand still in the
-    /// given motion, followers and a base are left out.
+    /// Compares the joints of a motion with those of the given motion, at equal times. Omits a free base, joints that
+    /// follow others, and joints that are still in the given motion.
     pub fn each(mechanism: &Mechanism, motion: &RigMotion, given: &RigMotion) -> Vec<Self> {
         let ties = mechanism.ties();
         let mut names = mechanism.dof_names().into_iter();
@@ -69,7 +70,7 @@ impl JointLeft {
         Some(Self { name, way, alike: correlation(&done, &meant) })
     }
 
-    /// Returns whether so little of the joint's motion is left that a headline names it.
+    /// Returns whether the headline names the joint, because little of its motion is left.
     pub fn is_far(&self) -> bool {
         self.way < LEAST_WAY || self.alike < LEAST_ALIKE
     }
@@ -79,7 +80,7 @@ impl JointLeft {
     }
 }
 
-/// Returns a line for each joint of which less than all is left.
+/// Returns a line for each joint whose motion has visibly changed.
 pub(super) fn lines(all: &[JointLeft]) -> String {
     let mut out = String::new();
     for JointLeft { name, way, alike } in all.iter().filter(|joint| !joint.is_whole()) {
@@ -92,9 +93,9 @@ pub(super) fn lines(all: &[JointLeft]) -> String {
     out
 }
 
-/// Returns the headline of a fit: by how much it slowed the motion down, how much of the way is left, and, if it kept
-/// the time, the joints of which little is left. `way`: share of the way of all joints. `None` if the fit changed
-/// nothing that is worth a word.
+/// Returns the headline of a fit, or `None` if the change is not worth a headline. If the motion became slower, the
+/// headline has both durations and the share of the way that is left. Otherwise it has this share, and, for a fit that
+/// keeps the time, the joints with little motion left. `way`: share of the way of all joints.
 pub(super) fn headline(
     [given_s, fitted_s]: [f64; 2],
     way: f64,
@@ -122,7 +123,7 @@ pub(super) fn headline(
     (!is_whole).then(|| format!("{what}: {fitted_s:.1} s, {percent:.0} % of the way is left{far}"))
 }
 
-/// Returns some numbers of a row. A quaternion gets the sign that makes its last number positive.
+/// Returns the selected numbers of a row. A quaternion is returned with a positive last number.
 fn at(row: &[f64], numbers: &[usize]) -> Vec<f64> {
     let mut at: Vec<f64> = numbers.iter().map(|k| row[*k]).collect();
     if let [.., w] = at[..]
@@ -136,7 +137,7 @@ fn at(row: &[f64], numbers: &[usize]) -> Vec<f64> {
     at
 }
 
-/// Returns the length of the way in some numbers of the rows.
+/// Returns the length of the path of the selected numbers over all rows.
 fn way(motion: &RigMotion, numbers: &[usize]) -> f64 {
     let step = |pair: &[Vec<f64>]| {
         let [from, to] = [0, 1].map(|row| at(&pair[row], numbers));
@@ -145,7 +146,7 @@ fn way(motion: &RigMotion, numbers: &[usize]) -> f64 {
     motion.rows.windows(2).map(step).sum()
 }
 
-/// Returns the correlation of two sequences of vectors of equal length; 0 if a sequence is constant.
+/// Returns the correlation of two sequences of vectors; 0 if a sequence is constant.
 fn correlation(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
     let [mut cross, mut of_a, mut of_b] = [0.0_f64; 3];
     for k in 0..a.first().map_or(0, Vec::len) {
@@ -194,7 +195,7 @@ mod tests {
         assert_eq!(all.len(), 1);
         assert!(all[0].name == "jaw" && (all[0].way - 0.4).abs() < 1e-3 && all[0].alike > 0.9999);
         assert!(all[0].is_far() && lines(&all).contains("left of jaw: 40 % of its way"));
-        // A motion that comes a quarter of a period late has nothing in common.
+        // A motion that is late by a quarter of a period has no correlation.
         let late = motion(0.02, |t| (t - 1.57).sin());
         let [late] = &JointLeft::each(&rig(), &late, &given)[..] else { panic!() };
         assert!(late.way > 0.9 && late.alike < 0.3, "{late:?}");

@@ -19,7 +19,7 @@ pub enum OwnMotion {
     ServoPositions,
     /// Joint coordinates: keys, or the recordings of `sinew record` and `sinew clip export`.
     Coordinates,
-    /// A show of this rig.
+    /// A show of the rig.
     Show,
 }
 
@@ -75,7 +75,7 @@ impl OwnMotion {
     }
 }
 
-/// Reads a show of a rig as the motion that it plays, a row for each of its samples.
+/// Reads a show of a rig as its motion, with a row for each sample of the show.
 fn of_show(rig: &LoadedRig, bytes: &[u8]) -> anyhow::Result<KeyedMotion> {
     let show = Show::open(bytes)?;
     let (here, _) = rig_hash(&rig.description, &rig.mechanism);
@@ -88,7 +88,7 @@ fn of_show(rig: &LoadedRig, bytes: &[u8]) -> anyhow::Result<KeyedMotion> {
     Ok(whole(motion, show.is_loop()))
 }
 
-/// Returns a motion with all of the rig's coordinates.
+/// Returns a motion that moves all of the rig's coordinates.
 fn whole(motion: RigMotion, is_loop: bool) -> KeyedMotion {
     KeyedMotion { motion, start_s: 0.0, keys: None, jumps: Vec::new(), given: None, is_loop }
 }

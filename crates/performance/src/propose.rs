@@ -1,4 +1,4 @@
-//! Proposes a mapping of a clip's joints to a rig's.
+//! Proposes a mapping of a clip's joints to a rig's joints.
 
 use anyhow::Context as _;
 use sinew_retarget::Landmark;
@@ -10,8 +10,8 @@ use sinew_retarget::solve::{Settings, best_tilt};
 use super::clip::PreparedClip;
 use super::rig::LoadedRig;
 
-/// Proposes a mapping, with the confidence and the reason of each pair. Also returns the limbs of the rig, and the
-/// joints that belong to none of them.
+/// Proposes a mapping of a clip to a rig, with the confidence and the reason of each pair. Also returns the rig's
+/// limbs, and the joints that belong to no limb.
 ///
 /// # Errors
 /// No arm, leg or head was found in the rig.

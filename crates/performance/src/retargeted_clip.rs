@@ -223,8 +223,8 @@ impl RetargetedClip {
         })
     }
 
-    /// Returns the joint whose maximum speed the path of a hand exceeds most: its body, the speed, and the maximum,
-    /// rad/s or m/s. `None` if no path is followed, or no joint is too fast.
+    /// Returns the joint that exceeds its maximum speed most: its body, its largest speed, and its maximum speed, rad/s
+    /// or m/s. Returns `None` if the motion follows no path of a hand, or no joint exceeds its maximum speed.
     pub fn too_fast(&self, mechanism: &Mechanism) -> Option<(usize, f64, f64)> {
         if self.hands.is_empty() {
             return None;
@@ -259,7 +259,7 @@ impl RetargetedClip {
         (!errors.is_empty()).then(|| [errors.iter().sum::<f64>() / errors.len() as f64, most])
     }
 
-    /// Returns the frames before and after a time of the clip, and the share of the second.
+    /// Returns the frames before and after a time of the clip, and the weight of the second frame.
     fn frames_at(&self, clip_time_s: f64) -> ([usize; 2], f64) {
         let last = self.hand_targets_m.len() - 1;
         let place = (clip_time_s / self.motion.dt_s).max(0.0).min(last as f64);
@@ -300,7 +300,7 @@ mod tests {
     use super::*;
     use crate::ClipSettings;
 
-    /// Returns punches on an arm of six joints, each with a maximum speed, rad/s.
+    /// Returns an arm of six joints with this maximum speed, rad/s, and a clip of punches retargeted to the arm.
     fn punches(speed_rad_s: f64) -> (Mechanism, RetargetedClip) {
         let mut arm = sinew_rig::new::arm(6).unwrap();
         arm.joints.iter_mut().for_each(|joint| joint.speed_rad_s = Some(speed_rad_s));
@@ -317,10 +317,10 @@ mod tests {
         let (mechanism, taken) = punches(10.0);
         let [mean, most] = taken.hand_error.unwrap();
         println!("mean {:.1} % of the arm, largest {:.1} %", 100.0 * mean, 100.0 * most);
-        // Guards against regressions, a little above what was measured (0.4 % and 11.2 %). The largest distance is in a
-        // moment in which the arm turns round at its maximum speed, past its own upright axis.
+        // Limits against regressions, a little above the measured values (0.4 % and 11.2 %). The distance is largest
+        // when the arm reverses at its maximum speed, past its own upright axis.
         assert!(mean < 0.01 && most < 0.15, "{mean} {most}");
-        // A slow arm goes along the same path, and says that it is too slow.
+        // A slow arm moves along the same path, and reports that it is too slow.
         let (of_slow, slow) = punches(1.0);
         assert_eq!((&slow.motion, slow.hand_error), (&taken.motion, taken.hand_error));
         let (_, asked, limit) = slow.too_fast(&of_slow).unwrap();

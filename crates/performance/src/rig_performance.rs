@@ -30,7 +30,7 @@ const HELP_HZ: f64 = 100.0;
 pub struct MotionChoices {
     /// Whether the motion is fitted within all limits of the rig.
     pub fit: bool,
-    /// Whether a fit keeps the time: nothing becomes slower, but smaller or rounder where a limit is met.
+    /// Whether a fit keeps the time: where the motion exceeds a limit, it becomes smaller or smoother, but not slower.
     pub keep_time: bool,
     /// Length of the blend of a loop's end into its start, s; `None`: no loop.
     pub loop_blend_s: Option<f64>,
@@ -183,7 +183,7 @@ impl RigPerformance {
         self.fit.as_ref().map(|fit| fitted(&self.limits, fit, given_s, &self.left(mechanism)))
     }
 
-    /// Returns the headline of a fit: slower, or smaller, and by how much; `None` if that is not worth a word.
+    /// Returns the headline of a fit; `None` without a fit, or if the change is not worth a headline.
     pub fn headline(&self, mechanism: &Mechanism) -> Option<String> {
         let fit = self.fit.as_ref()?;
         let given = &self.clip.motion;
@@ -192,7 +192,7 @@ impl RigPerformance {
         headline(times_s, way_share(&fit.motion, given), fit.settings.keep_time.then_some(&left))
     }
 
-    /// Compares each joint that moves with the motion before a fit.
+    /// Compares each joint's motion with its motion before the fit.
     pub fn left(&self, mechanism: &Mechanism) -> Vec<JointLeft> {
         JointLeft::each(mechanism, self.motion(), &self.clip.motion)
     }

@@ -104,7 +104,7 @@ pub fn feasibility(
     out
 }
 
-/// Describes the changes by a fit. `left`: how much of each joint's motion is left.
+/// Describes the changes by a fit. `left`: remaining share of each joint's motion.
 pub(super) fn fitted(limits: &Limits, fit: &Fit, given_s: f64, left: &[JointLeft]) -> String {
     let mut out = String::new();
     let mut line =

@@ -1,9 +1,9 @@
-"""Measures inverse dynamics from Python: calls a second of sinew_motion, Pinocchio (pin) and MuJoCo, in one run.
+"""Measures inverse dynamics from Python: rows per second of sinew_motion, Pinocchio (pin) and MuJoCo, in one run.
 
     pip install pin mujoco
     python bench/dynamics.py
 
-The model is a humanoid of 18 bodies: a base that is held, and 17 hinges in the tree of the paper's figure. The torques
+The model is a humanoid of 18 bodies: a fixed base, and 17 hinges in the tree of the paper's figure. The torques
 are compared before anything is measured. Each number is the best of five rounds.
 """
 
@@ -25,7 +25,7 @@ ROWS = 20_000
 
 
 def urdf() -> str:
-    """A URDF of the humanoid, whose axes alternate."""
+    """Returns a URDF of the humanoid, whose hinges have alternating axes."""
     axes = ["1 0 0", "0 1 0", "0 0 1"]
     links, joints = [], []
     for body, parent in enumerate(PARENTS):
@@ -46,7 +46,7 @@ def urdf() -> str:
 
 
 def best(call: Callable[[], Any], count: int) -> float:
-    """Returns rows a second of the best of five rounds."""
+    """Returns the rows per second of the best of five rounds."""
     times = []
     for _ in range(5):
         start = time.perf_counter()

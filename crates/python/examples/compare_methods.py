@@ -1,4 +1,4 @@
-"""Prints the mean errors of control methods on the built-in clips: the paper's figure with dimensions of 1.1."""
+"""Prints the mean errors of control methods on the built-in clips, for the paper's figure at scale 1.1."""
 
 import sinew_motion as sm
 

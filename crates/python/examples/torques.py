@@ -1,4 +1,4 @@
-"""Prints the largest torques of a motion: a sine of all joints of a rig (the desk arm, or the file in the argument)."""
+"""Prints the largest torques if all joints of a rig (the desk arm, or the file in the argument) swing as a sine."""
 
 import sys
 

@@ -1,4 +1,4 @@
-//! Arrays of NumPy as rows of numbers, and back.
+//! Conversion between arrays of NumPy and rows of numbers.
 
 use numpy::ndarray::{Array, Dimension, IntoDimension};
 use numpy::{IntoPyArray as _, PyArray, PyReadonlyArray2, PyUntypedArrayMethods as _};
@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::error::value;
 
-/// Rows of numbers, copied from an array, so that no other thread of Python can change them.
+/// Rows of numbers. They are copied from an array, so that other threads of Python cannot change them.
 #[derive(Debug, Clone)]
 pub(crate) struct Rows {
     pub(crate) count: usize,
@@ -28,7 +28,7 @@ impl Rows {
         Ok(Self { count, width, numbers: array.as_array().iter().copied().collect() })
     }
 
-    /// Returns an error unless there are `count` rows.
+    /// Returns an error unless the number of rows is `count`.
     pub(crate) fn expect(&self, name: &str, count: usize) -> PyResult<()> {
         if self.count == count {
             return Ok(());
@@ -44,7 +44,7 @@ impl Rows {
         &self.numbers[index * self.width..][..self.width]
     }
 
-    /// Returns all rows in the core's precision.
+    /// Returns all rows in f32, the core's precision.
     pub(crate) fn single(&self) -> SingleRows {
         SingleRows {
             width: self.width,
@@ -53,7 +53,7 @@ impl Rows {
     }
 }
 
-/// Rows of numbers in the core's precision.
+/// Rows of numbers in f32, the core's precision.
 #[derive(Debug, Clone)]
 pub(crate) struct SingleRows {
     width: usize,
@@ -67,19 +67,24 @@ impl SingleRows {
     }
 }
 
-/// Narrows a number to the core's precision. NaN stays NaN, and a number that is too large becomes infinite: the core
-/// refuses both.
+/// Returns whether the core can accept a number: it is from -1e6 to 1e6, and not NaN.
+pub(crate) fn is_usable(number: f64) -> bool {
+    number.abs() <= 1e6
+}
+
+/// Converts a number to f32, the core's precision. NaN stays NaN, and a number that is too large becomes infinite; the
+/// core refuses both.
 #[expect(clippy::cast_possible_truncation, reason = "the core computes in f32")]
 pub(crate) fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// Makes an array of NumPy from numbers in the order of its memory.
-pub(crate) fn array<'py, D: Dimension>(
-    py: Python<'py>,
+/// Creates an array of NumPy from numbers in row-major order.
+pub(crate) fn array<D: Dimension>(
+    py: Python<'_>,
     shape: impl IntoDimension<Dim = D>,
     numbers: Vec<f64>,
-) -> PyResult<Bound<'py, PyArray<f64, D>>> {
+) -> PyResult<Bound<'_, PyArray<f64, D>>> {
     let shape = shape.into_dimension();
     Ok(Array::from_shape_vec(shape, numbers).map_err(value)?.into_pyarray(py))
 }

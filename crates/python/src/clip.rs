@@ -1,4 +1,4 @@
-//! Recorded clips: read, in metres and upright.
+//! Recorded clips, in metres and with y up.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use sinew_performance::{ClipSettings, PreparedClip};
 use crate::arrays::array;
 use crate::error::value;
 
-/// A clip, shared by the objects that are made of it.
+/// A clip, which is shared by all objects that are made from it.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeClip {
     pub(crate) prepared: Arc<PreparedClip>,
@@ -27,7 +27,7 @@ impl NativeClip {
     }
 }
 
-/// Reads a clip of a file, or a built-in one.
+/// Reads a clip from a file, or a built-in clip.
 #[pyfunction]
 pub(crate) fn read_clip(
     py: Python<'_>,
@@ -60,7 +60,7 @@ pub(crate) fn read_clip(
     })
 }
 
-/// Refuses a unit of length that no file has.
+/// Refuses units of length that no file can have.
 pub(crate) fn check_unit(metres_per_unit: Option<f64>) -> PyResult<()> {
     match metres_per_unit.filter(|metres| !(1e-6..=1e3).contains(metres)) {
         None => Ok(()),

@@ -1,4 +1,4 @@
-//! Dynamics of a mechanism for rows of coordinates, in the core's precision.
+//! Dynamics of a mechanism for rows of coordinates, in f32, the core's precision.
 
 use sinew_core::coordinates::CoordinatesError;
 use sinew_core::{JointStates, Tree, TreeError};
@@ -7,7 +7,7 @@ use sinew_rig::mechanism::{BODY_COUNT_MAX, InverseDynamics, LANES};
 
 use crate::arrays::SingleRows;
 
-/// Dynamics of a rig, with buffers.
+/// Dynamics of a rig, and the buffers that they need.
 #[derive(Debug)]
 pub(crate) struct Dynamics {
     inverse: InverseDynamics,
@@ -17,7 +17,8 @@ pub(crate) struct Dynamics {
     lanes: [Vec<[f32; LANES]>; 3],
 }
 
-/// The core's tree, with a capacity near the number of bodies: the core's stack grows with the capacity.
+/// Tree of the core. Its capacity is near the number of bodies, because the core's use of the stack grows with the
+/// capacity.
 #[derive(Debug)]
 enum SizedTree {
     Small(Box<Tree<16>>),
@@ -25,7 +26,7 @@ enum SizedTree {
     Large(Box<Tree<BODY_COUNT_MAX>>),
 }
 
-/// Evaluates an expression with the tree of any size.
+/// Evaluates an expression with a tree of any capacity.
 macro_rules! sized {
     ($tree:expr, $name:ident => $body:expr) => {
         match $tree {
@@ -36,7 +37,7 @@ macro_rules! sized {
     };
 }
 
-/// An error in a row of a batch.
+/// Error in a row of a batch.
 #[derive(Debug)]
 pub(crate) struct RowError {
     row: usize,
@@ -57,7 +58,7 @@ impl Dynamics {
     pub(crate) fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
         let tree = match mechanism.bodies.len() {
             ..=16 => SizedTree::Small(Box::new(mechanism.tree()?)),
-            ..=40 => SizedTree::Medium(Box::new(mechanism.tree()?)),
+            17..=40 => SizedTree::Medium(Box::new(mechanism.tree()?)),
             _ => SizedTree::Large(Box::new(mechanism.tree()?)),
         };
         let nv = sized!(&tree, tree => tree.dof_count());
@@ -66,7 +67,7 @@ impl Dynamics {
         Ok(Self { inverse: InverseDynamics::of(mechanism)?, tree, nq, nv, lanes })
     }
 
-    /// Refuses positions that the core refuses. `count` is the number of rows of the batch.
+    /// Refuses positions that are invalid for the core. `count`: number of rows in the batch.
     pub(crate) fn check(&self, q: &[f32], (row, count): (usize, usize)) -> Result<(), RowError> {
         let checked = sized!(&self.tree, tree => {
             JointStates::rest(tree).set_coordinates_at_rest(tree, q)
@@ -74,8 +75,8 @@ impl Dynamics {
         checked.map_err(|source| RowError { row, is_single: count == 1, source })
     }
 
-    /// Appends the efforts of rows to `out`. Groups of [`LANES`] rows are computed side by side, with the bits of
-    /// single rows.
+    /// Appends the efforts of rows to `out`. Groups of [`LANES`] rows are computed side by side; their results are
+    /// identical to those of single rows.
     pub(crate) fn efforts(
         &mut self,
         [q, qd, qdd]: [&SingleRows; 3],
@@ -97,7 +98,7 @@ impl Dynamics {
                     out.extend(efforts.iter().map(|lanes| f64::from(lanes[lane])));
                 }
             } else {
-                // The single rows name the row with the error.
+                // Computing single rows finds the row with the error.
                 self.one_by_one([q, qd, qdd], (row..row + LANES, count), out)?;
             }
             row += LANES;
@@ -120,7 +121,7 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Appends the accelerations that the efforts of a row make.
+    /// Appends the accelerations that the efforts of a row cause.
     pub(crate) fn accelerations(
         &self,
         [q, qd, tau]: [&SingleRows; 3],
@@ -136,7 +137,7 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Appends the mass matrix of a row.
+    /// Appends the mass matrix at the coordinates of a row.
     pub(crate) fn mass_matrix(
         &self,
         q: &SingleRows,

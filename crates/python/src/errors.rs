@@ -1,4 +1,4 @@
-//! State errors of poses of bodies in the world, by the methods of the core.
+//! State errors between desired and measured poses of bodies in the world, by the methods of the core.
 
 use std::str::FromStr;
 
@@ -16,13 +16,13 @@ use sinew_core::{
 };
 use sinew_rig::mechanism::BODY_COUNT_MAX;
 
-use crate::arrays::{Rows, array};
+use crate::arrays::{Rows, array, is_usable, single};
 use crate::error::value;
 use crate::heading::Anchor;
 use crate::rig::NativeRig;
 use crate::work::in_pieces;
 
-/// A way to measure errors.
+/// A method to compute state errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Method {
     Local,
@@ -54,7 +54,7 @@ impl FromStr for Method {
     }
 }
 
-/// Poses of bodies in the world, and their velocities, frame by frame.
+/// Poses of bodies in the world, and perhaps their velocities, for each frame.
 struct States {
     name: &'static str,
     bodies: usize,
@@ -78,12 +78,11 @@ impl States {
         Ok(Self { name, bodies, poses, velocities })
     }
 
-    /// Returns the pose of a body in a frame: rotation and place.
+    /// Returns the pose of a body in a frame: rotation and position.
     fn pose(&self, frame: usize, body: usize) -> PyResult<(DQuat, DVec3)> {
         let numbers = &self.poses.row(frame)[7 * body..][..7];
         let place = || format!("{}[{frame}, {body}]", self.name);
-        // Written so that NaN fails.
-        if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 1e6)) {
+        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
             return Err(value(format!(
                 "{}: expected numbers from -1e6 to 1e6, found {bad}",
                 place()
@@ -100,11 +99,11 @@ impl States {
         Ok((rotation.normalize(), DVec3::from_slice(numbers)))
     }
 
-    /// Returns the linear and angular velocity of a body in a frame; zero without velocities.
+    /// Returns the linear and angular velocity of a body in a frame; zero if there are no velocities.
     fn velocity(&self, frame: usize, body: usize) -> PyResult<[DVec3; 2]> {
         let Some(rows) = &self.velocities else { return Ok([DVec3::ZERO; 2]) };
         let numbers = &rows.row(frame)[6 * body..][..6];
-        if let Some(bad) = numbers.iter().find(|x| !(x.abs() <= 1e6)) {
+        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
             let name = self.name;
             return Err(value(format!(
                 "{name}_velocity[{frame}, {body}]: expected numbers from -1e6 to 1e6, found {bad}"
@@ -113,7 +112,7 @@ impl States {
         Ok([DVec3::from_slice(numbers), DVec3::from_slice(&numbers[3..])])
     }
 
-    /// Returns the states of all bodies in a frame, moved by an anchor if there is one.
+    /// Returns the states of all bodies in a frame. `anchor`: rigid motion that is applied to them.
     fn frame(
         &self,
         frame: usize,
@@ -127,7 +126,7 @@ impl States {
                 pose = anchor.pose(pose);
                 velocity = velocity.map(|part| anchor.velocity(part));
             }
-            let [linear, angular] = velocity.map(|part| part.as_vec3());
+            let [linear, angular] = velocity.map(DVec3::as_vec3);
             out.push(BodyState {
                 pose: Transform::new(pose.0.as_quat().normalize(), pose.1.as_vec3()),
                 velocity: Twist::new(angular, linear),
@@ -137,7 +136,7 @@ impl States {
     }
 }
 
-/// Returns a tree with these parents, whose bodies weigh the same.
+/// Returns a tree with these parents, in which all bodies have the same inertia.
 fn tree_of(parents: &[Option<usize>]) -> PyResult<Tree<BODY_COUNT_MAX>> {
     let mut tree = Tree::new();
     for parent in parents {
@@ -153,7 +152,7 @@ fn tree_of(parents: &[Option<usize>]) -> PyResult<Tree<BODY_COUNT_MAX>> {
     Ok(tree)
 }
 
-/// Returns the errors of each body in each frame: rotation vector, place, and their rates, twelve numbers.
+/// Returns the errors of each body in each frame: rotation vector, position, and their rates; twelve numbers.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
 pub(crate) fn errors<'py>(
@@ -193,8 +192,7 @@ pub(crate) fn errors<'py>(
     if !(0.0..=2.0).contains(&beta) {
         return Err(value(format!("beta: expected a weight from 0 to 2, found {beta}")));
     }
-    let compensation =
-        Compensation { beta: crate::arrays::single(beta), rate_term: RateTerm::default() };
+    let compensation = Compensation { beta: single(beta), rate_term: RateTerm::default() };
     let mut measure = Measure {
         method,
         references: References::egocentric(&tree),
@@ -282,7 +280,7 @@ impl Measure {
     }
 }
 
-/// The projection of the recommended tracker, with the solution of the frame before.
+/// Projection of the recommended tracker, which starts from the solution of the previous frame.
 struct Projector {
     projection: sinew_core::projection::ManifoldProjection<BODY_COUNT_MAX>,
     workspace: Box<ProjectionWorkspace<BODY_COUNT_MAX>>,
@@ -300,7 +298,7 @@ impl Projector {
         Ok(projection.map(|projection| Self { projection, workspace }))
     }
 
-    /// Replaces the desired poses by the nearest ones of the rig. Velocities stay those of the desired figure.
+    /// Replaces the desired poses by the nearest poses that the rig can have. The velocities do not change.
     fn project(
         &mut self,
         tree: &Tree<BODY_COUNT_MAX>,

@@ -1,4 +1,4 @@
-//! The evaluation and its sweeps, as text of CSV: the very tables that the command writes.
+//! Evaluations and sweeps. Their results are the CSV tables that `sinew` writes.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub(crate) fn methods() -> Vec<(&'static str, &'static str)> {
     MethodName::EVERY.iter().map(|method| (method.as_str(), method.summary())).collect()
 }
 
-/// Tables of an evaluation, as CSV: of all clips, by clip, and over time.
+/// CSV tables of an evaluation: over all clips, by clip, and over time.
 type Tables = (String, String, String);
 
 /// Evaluates methods on motions.
@@ -76,7 +76,7 @@ pub(crate) fn evaluate(
     })
 }
 
-/// Returns the table of a setup in JSON.
+/// Parses a setup in JSON as a table.
 fn table(setup: &str) -> anyhow::Result<toml::Table> {
     let setup: serde_json::Value = serde_json::from_str(setup).context("setup")?;
     match toml::Value::try_from(setup).context("setup")? {
@@ -85,7 +85,7 @@ fn table(setup: &str) -> anyhow::Result<toml::Table> {
     }
 }
 
-/// Returns the setup of a table, for a rig or for the figure.
+/// Returns the setup in a table, for a rig or for the figure.
 fn setup_of(mut table: toml::Table, rig: Option<&Mechanism>) -> anyhow::Result<Setup> {
     if rig.is_some() {
         Setup::prefer_exact_plant(&mut table);
@@ -107,7 +107,7 @@ fn check_numbers(seconds: Option<f64>, rate_hz: Option<f64>) -> PyResult<()> {
     Ok(())
 }
 
-/// Returns the mean errors over time, a row for each stretch of a clip.
+/// Returns the mean errors over time as CSV, with a row for each stretch of a clip.
 fn trace_csv(done: &Evaluation, motions: &[Watched]) -> anyhow::Result<String> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let head = ["clip", "scale", "method", "time_s", "angular_mean_deg", "linear_mean_cm"];
@@ -132,7 +132,7 @@ fn trace_csv(done: &Evaluation, motions: &[Watched]) -> anyhow::Result<String> {
     Ok(String::from_utf8(writer.into_inner()?)?)
 }
 
-/// Runs a sweep, and returns its table by cell and its table by clip.
+/// Runs a sweep. Returns its table by cell, and its table by clip.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
 pub(crate) fn sweep(
@@ -157,14 +157,10 @@ pub(crate) fn sweep(
             ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name());
         }
         let plan = Plan::new(read, &motions, seconds, Shard::WHOLE);
-        // Without a folder of the user, the tables are read back and removed.
-        let (folder, _own) = match output {
-            Some(folder) => (folder, None),
-            None => {
-                let own = tempfile::tempdir()?;
-                (own.path().to_path_buf(), Some(own))
-            }
-        };
+        // If the user has given no folder, the tables are read from a temporary folder.
+        let own = if output.is_none() { Some(tempfile::tempdir()?) } else { None };
+        let folder = output.or_else(|| Some(own.as_ref()?.path().to_path_buf()));
+        let folder = folder.context("no folder for the tables")?;
         let (journal, _) = Journal::open(&folder, &plan)?;
         progress.expect(count_missing_steps(&plan, &journal, &motions));
         run_cells(&plan, journal, &motions, |steps| progress.add(steps))?;

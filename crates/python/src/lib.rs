@@ -1,13 +1,12 @@
-//! The native part of the Python package `sinew_motion`: arrays in and out around the crates that the command `sinew`
-//! uses.
+//! Native part of the Python package `sinew_motion`. It converts arrays for the crates that the command `sinew` uses.
 //!
-//! `python/sinew_motion` checks shapes and has the documentation of each function. This crate converts numbers and
-//! errors, and calls.
+//! The Python code in `python/sinew_motion` checks shapes, and documents each function. This crate converts numbers and
+//! errors, and calls the other crates.
 //!
 //! - `arrays`, `error`, `work`: arrays of NumPy, exceptions, and long work without Python's global lock.
 //! - `rig`, `dynamics`, `tracker`: rigs, their dynamics in f32, and the tick of the controller.
-//! - `clip`, `show`: recorded clips, their way to a rig, and shows.
-//! - `errors`, `heading`, `metrics`: state errors, distances of poses, importance of joints.
+//! - `clip`, `show`: recorded clips, their retargeting to a rig, and shows.
+//! - `errors`, `heading`, `metrics`: state errors, distances between poses, importance of joints.
 //! - `board/`: boards at ports, simulated boards, consoles.
 //! - `evaluate`, `motions`: the evaluation and its sweeps, and the motions that they track.
 

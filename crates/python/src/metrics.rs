@@ -1,4 +1,4 @@
-//! Distances of poses, geodesics, and the importance of joints.
+//! Distances between poses, geodesics, and the importance of joints.
 
 use std::path::PathBuf;
 
@@ -23,13 +23,13 @@ use crate::error::value;
 use crate::rig::NativeRig;
 use crate::work::in_pieces;
 
-/// Returns the local rotations of a row; an error names the place of a bad one.
+/// Returns the local rotations of a row. The error names the row and the joint of an invalid rotation.
 fn rotations(name: &str, rows: &Rows, row: usize) -> PyResult<Vec<DQuat>> {
     let one = |(joint, numbers): (usize, &[f64])| {
         let rotation = DQuat::from_slice(numbers);
         let length = rotation.length();
-        // Written so that NaN fails.
-        if !((length - 1.0).abs() <= 1e-3) {
+        let is_unit = (length - 1.0).abs() <= 1e-3;
+        if !is_unit {
             return Err(value(format!(
                 "{name}[{row}, {joint}]: expected a unit quaternion x y z w, found one of length {length:.4}"
             )));
@@ -39,7 +39,7 @@ fn rotations(name: &str, rows: &Rows, row: usize) -> PyResult<Vec<DQuat>> {
     rows.row(row).chunks(4).enumerate().map(one).collect()
 }
 
-/// A pair of lists of poses; a list of one pose is compared with all of the other.
+/// Pairs of poses from two lists. If a list has only one pose, this pose is paired with all poses of the other list.
 struct Pairs {
     a: Rows,
     b: Rows,
@@ -82,7 +82,7 @@ fn measure_of(metric: &str, weighted: bool, steps: u16) -> PyResult<Measure> {
     Ok(if weighted { measure.weighted() } else { measure })
 }
 
-/// Returns the distances of pairs of poses.
+/// Returns the distance of each pair of poses.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
 pub(crate) fn pose_distance<'py>(
@@ -98,7 +98,7 @@ pub(crate) fn pose_distance<'py>(
     let measure = measure_of(metric, weighted, steps)?;
     let skeleton = &clip.clip().skeleton;
     let pairs = Pairs::of(skeleton.joints.len(), &a, &b)?;
-    // A root that is not the skeleton's takes one more body.
+    // A root that is not the skeleton's root needs one more body.
     let out = if skeleton.joints.len() < BODY_COUNT {
         distances::<BODY_COUNT>(py, skeleton, &pairs, measure, root)?
     } else {
@@ -131,8 +131,8 @@ fn distances<const N: usize>(
     Ok(out)
 }
 
-/// A geodesic in numbers: length, length of the line, whether the solver converged, and the local rotations of the
-/// joints on the way.
+/// Result of a geodesic: its length, length of the straight line, whether the solver converged, and the local rotations
+/// of the joints along the geodesic.
 type GeodesicNumbers<'py> = (f64, f64, bool, Bound<'py, PyArray2<f64>>);
 
 /// Finds the shortest path between two poses.
@@ -175,7 +175,7 @@ pub(crate) fn geodesic<'py>(
         for (state, place) in pose.iter().zip(&places) {
             let rotation = match state {
                 JointPosition::Turn(rotation) => *rotation,
-                // The root's own rotation does not count.
+                // The root's own rotation does not affect the distance.
                 _ => a[*place],
             };
             of_pose[4 * place..][..4].copy_from_slice(&rotation.to_array());
@@ -185,7 +185,7 @@ pub(crate) fn geodesic<'py>(
     Ok((found.length_m, found.line_length_m, found.converged, rotations))
 }
 
-/// Returns the joints in the order of a spatial rig's bodies: depth first, children in the skeleton's order.
+/// Returns the joints in the order of a spatial rig's bodies: depth first, with children in the skeleton's order.
 fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
     let mut order = Vec::with_capacity(skeleton.joints.len());
     let mut open = vec![0];
@@ -197,7 +197,7 @@ fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
     order
 }
 
-/// A source of joints at rest.
+/// Source of the joints of a character at rest.
 #[derive(FromPyObject)]
 pub(crate) enum CharacterSource<'py> {
     Rig(PyRef<'py, NativeRig>),
@@ -205,7 +205,7 @@ pub(crate) enum CharacterSource<'py> {
     File(PathBuf),
 }
 
-/// Returns the names of a character's joints, and their weights.
+/// Returns the names of a character's joints, and the weight of each joint.
 #[pyfunction]
 pub(crate) fn importance(
     source: CharacterSource<'_>,

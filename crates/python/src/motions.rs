@@ -1,4 +1,4 @@
-//! Motions that an evaluation tracks: clips on the figure or on a rig, or a rig's own motions.
+//! Motions that an evaluation tracks: clips on the figure or on a rig, or built-in motions of a rig's joints.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,13 +20,13 @@ use sinew_rig::Mechanism;
 /// Motions of any kind.
 pub(crate) type Motions = Vec<Box<dyn EvaluatedMotion>>;
 
-/// A motion that ends its evaluation if Python has left the call.
+/// A motion that ends its evaluation after Python has cancelled the call.
 pub(crate) struct Watched {
     motion: Box<dyn EvaluatedMotion>,
     progress: Progress,
 }
 
-/// Lets a worker's progress watch its motions.
+/// Makes motions end their evaluation if `progress` is cancelled.
 pub(crate) fn watched(motions: Motions, progress: &Progress) -> Vec<Watched> {
     let one = |motion| Watched { motion, progress: progress.clone() };
     motions.into_iter().map(one).collect()
@@ -71,26 +71,26 @@ impl EvaluatedMotion for Watched {
     }
 }
 
-/// Choices of motions.
+/// Choice of the motions for an evaluation.
 #[derive(Debug, Clone)]
 pub(crate) struct MotionArgs {
-    /// Files and folders of clips; without a rig, none stands for the built-in clips.
+    /// Files and folders of clips. If empty: the built-in clips for the figure, the built-in motions for a rig.
     pub(crate) clips: Vec<PathBuf>,
-    /// The user's rig; `None` for the figure.
+    /// Rig of the user; `None` for the figure.
     pub(crate) rig: Option<Arc<LoadedRig>>,
-    /// Name or file of a mapping.
+    /// Name or file of the mapping.
     pub(crate) mapping: Option<String>,
     /// Rate of control and plant, Hz; `None` for the default of `sinew evaluate`.
     pub(crate) rate_hz: Option<f64>,
-    /// Whether a rig's own motions include one in which the joints move in turn.
+    /// Whether the built-in motions of a rig include a motion that moves the joints one after the other.
     pub(crate) in_turn: bool,
 }
 
-/// Default rates of `sinew evaluate`, Hz: of the figure, and of a rig.
+/// Default rates of `sinew evaluate`, Hz: for the figure, and for a rig.
 const RATES_HZ: [f64; 2] = [100.0, 500.0];
 
 impl MotionArgs {
-    /// Reads or makes the motions.
+    /// Reads the clips, or creates the built-in motions.
     pub(crate) fn read(&self) -> anyhow::Result<Motions> {
         match &self.rig {
             None => self.of_figure(),

@@ -1,4 +1,4 @@
-//! Rigs of files, their names and limits, kinematics and dynamics.
+//! Rigs: reading, names and limits, kinematics and dynamics.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -19,14 +19,14 @@ use crate::dynamics::Dynamics;
 use crate::error::value;
 use crate::work::in_pieces;
 
-/// A rig, shared by the objects that are made of it.
+/// A rig, which is shared by all objects that are made from it.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeRig {
     pub(crate) loaded: Arc<LoadedRig>,
     dynamics: Mutex<Dynamics>,
 }
 
-/// Reads a rig of a file.
+/// Reads a rig from a file.
 #[pyfunction]
 pub(crate) fn load_rig(
     py: Python<'_>,
@@ -64,13 +64,13 @@ pub(crate) fn load_rig(
     })
 }
 
-/// Makes an arm to begin with.
+/// Creates an arm with this number of joints.
 #[pyfunction]
 pub(crate) fn new_arm(joints: usize) -> PyResult<NativeRig> {
     NativeRig::new(sinew_rig::new::arm(joints).map_err(value)?)
 }
 
-/// Makes a face to begin with.
+/// Creates a face.
 #[pyfunction]
 pub(crate) fn new_face() -> PyResult<NativeRig> {
     NativeRig::new(sinew_rig::new::face())
@@ -93,7 +93,7 @@ impl NativeRig {
         &self.loaded.mechanism.bodies
     }
 
-    /// Copies positions that the core accepts.
+    /// Copies coordinates, and refuses coordinates that are invalid for the core.
     fn positions(&self, py: Python<'_>, q: &PyReadonlyArray2<'_, f64>) -> PyResult<Rows> {
         let q = Rows::of("q", q, self.loaded.mechanism.coordinate_count())?;
         let single = q.single();
@@ -107,13 +107,13 @@ impl NativeRig {
         Ok(q)
     }
 
-    /// Returns a number of each dof.
+    /// Returns a number for each dof. All dofs of a joint have the same number.
     fn by_dof(&self, of_link: impl Fn(&Link) -> f64) -> Vec<f64> {
         let each = |link: &Link| std::iter::repeat_n(of_link(link), link.joint.kind().dof_count());
         self.links().iter().flat_map(each).collect()
     }
 
-    /// Returns an end of the range of each dof; `missing` for dofs without a range of their own.
+    /// Returns the lower (`end` 0) or upper (1) end of each dof's range; `missing` for dofs without a range.
     fn range_ends(&self, end: usize, missing: f64) -> Vec<f64> {
         let of_link = |link: &Link| -> Vec<f64> {
             let has_axes = matches!(
@@ -354,7 +354,7 @@ impl NativeRig {
         (dynamics.nq(), dynamics.nv())
     }
 
-    /// Returns the linear and angular velocity of a point of a body, in world axes, for unit speed of each dof.
+    /// Returns, for each dof at unit speed, the linear and angular velocity of a point of a body, in world axes.
     fn jacobian_columns(&self, q: &[f64], body: usize, point_m: DVec3) -> Vec<[DVec3; 2]> {
         let mechanism = &self.loaded.mechanism;
         let poses = mechanism.poses(q);

@@ -1,4 +1,4 @@
-//! A clip on a rig: its mapping, its motion, and its show.
+//! Clips on a rig: mapping, motion, and show.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -14,16 +14,16 @@ use sinew_retarget::mapping::Mapping;
 use sinew_show::write::Settings;
 use sinew_show::{Player, Show};
 
-use crate::arrays::{Rows, array};
+use crate::arrays::{Rows, array, is_usable};
 use crate::clip::NativeClip;
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::work::{in_background, in_pieces};
 
-/// Channels of the largest rig.
+/// Number of channels of the largest rig.
 const CHANNELS: usize = 256;
 
-/// Returns a proposed mapping of a clip's joints to a rig's, as TOML.
+/// Returns a proposed mapping of a clip's joints to a rig's joints, as TOML.
 #[pyfunction]
 pub(crate) fn map(
     py: Python<'_>,
@@ -37,7 +37,7 @@ pub(crate) fn map(
     })
 }
 
-/// Reads a mapping: text of TOML, or a file.
+/// Reads a mapping from TOML text, or from a file. Text with more than one line is TOML.
 fn mapping_of(mapping: Option<&str>) -> anyhow::Result<Option<Mapping>> {
     let read = |text: &str| {
         if text.contains('\n') { Ok(Mapping::read(text)?) } else { read_mapping(Path::new(text)) }
@@ -45,8 +45,8 @@ fn mapping_of(mapping: Option<&str>) -> anyhow::Result<Option<Mapping>> {
     mapping.map(read).transpose()
 }
 
-/// Returns a motion of a rig that follows a clip, row by row, and the mean and largest angle between limbs in rad;
-/// `NaN` if no limb is compared.
+/// Returns the motion of a rig that follows a clip, row by row, and the mean and largest angle between corresponding
+/// limbs, rad; NaN if no limbs are compared.
 #[pyfunction]
 pub(crate) fn retarget<'py>(
     py: Python<'py>,
@@ -68,7 +68,7 @@ pub(crate) fn retarget<'py>(
     Ok((array(py, [rows, width], numbers)?, mean, most))
 }
 
-/// The motion of which a show is made.
+/// Source of a show's motion.
 #[derive(FromPyObject)]
 pub(crate) enum MotionSource<'py> {
     Clip(PyRef<'py, NativeClip>),
@@ -76,17 +76,17 @@ pub(crate) enum MotionSource<'py> {
     File(PathBuf),
 }
 
-/// A motion, ready for another thread.
+/// A motion that can be sent to another thread.
 enum Motion {
     Clip(Arc<PreparedClip>),
     Own { name: String, motion: RigMotion },
     File(PathBuf),
 }
 
-/// A place where a show exceeds a limit of its rig: joint, quantity, from, to and worst time, value, limit.
+/// A violation of a rig's limit by a show: joint, quantity, first, last and worst time, value, limit.
 type ExcessRow = (String, &'static str, f64, f64, f64, f64, f64);
 
-/// Makes a show of a motion, for a rig.
+/// Bakes a motion into a show for a rig.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "the function of Python has names for them")]
 pub(crate) fn bake(
@@ -121,7 +121,7 @@ pub(crate) fn bake(
             let rate_hz = rate_hz.filter(|hz| (1.0..=10_000.0).contains(hz)).ok_or_else(|| {
                 value("rate_hz: expected the rate of the rows of q, in Hz from 1 to 10000")
             })?;
-            if let Some(bad) = rows.numbers.iter().position(|x| !(x.abs() <= 1e6)) {
+            if let Some(bad) = rows.numbers.iter().position(|x| !is_usable(*x)) {
                 let (row, column) = (bad / rows.width, bad % rows.width);
                 return Err(value(format!(
                     "q[{row}, {column}]: expected a number from -1e6 to 1e6, found {}",
@@ -134,7 +134,7 @@ pub(crate) fn bake(
         }
     };
     let rig = Arc::clone(&rig.loaded);
-    let choices = MotionChoices { fit, loop_blend_s };
+    let choices = MotionChoices { fit, loop_blend_s, ..MotionChoices::default() };
     let settings = Settings { angle_rad: tolerance_rad, ..Settings::default() };
     in_background(py, None, move |_| {
         let mapping = mapping_of(mapping.as_deref())?;
@@ -171,12 +171,12 @@ pub(crate) fn bake(
             (joint, excess.kind.name(), from, to, excess.worst_s, excess.value, excess.limit)
         });
         let excesses = excesses.collect();
-        let fitted = performance.fit_summary();
+        let fitted = performance.fit_summary(&rig.mechanism);
         Ok(NativeShow { bytes: baked.written.bytes, excesses, fitted })
     })
 }
 
-/// A show: its bytes, which are valid, and what baking found.
+/// A valid show, and the findings of its baking.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeShow {
     pub(crate) bytes: Vec<u8>,
@@ -184,7 +184,7 @@ pub(crate) struct NativeShow {
     fitted: Option<String>,
 }
 
-/// Opens the bytes of a show.
+/// Checks the bytes of a show, and returns the show.
 #[pyfunction]
 pub(crate) fn open_show(bytes: &[u8]) -> PyResult<NativeShow> {
     let show = Show::open(bytes).map_err(value)?;
@@ -199,7 +199,7 @@ impl NativeShow {
     }
 }
 
-/// Positions, speeds and accelerations of rows.
+/// Rows of positions, speeds and accelerations.
 type SampledRows<'py> =
     (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 

@@ -1,4 +1,4 @@
-//! The tick of the controller: targets and readings in, limited efforts out.
+//! The tick of the controller: computes limited efforts from targets and measurements.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +17,7 @@ use crate::arrays::single;
 use crate::error::value;
 use crate::rig::NativeRig;
 
-/// A tracker of a rig, with the number of its next tick.
+/// A tracker of a rig, and the number of its next tick.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeTracker {
     state: Mutex<(Box<ResolvedTracker<CAPACITY>>, i32)>,
@@ -25,7 +25,7 @@ pub(crate) struct NativeTracker {
     nv: usize,
 }
 
-/// The targets of a tick, for the instant at which its efforts act.
+/// Targets of a tick, at the time when its efforts act.
 struct Given {
     q: Vec<f32>,
     qd: Vec<f32>,
@@ -42,7 +42,7 @@ impl FrameSource for Given {
     }
 }
 
-/// Returns the limit of a joint's drive, as the rig's file has it.
+/// Returns the limit of a joint's drive according to the rig's file.
 fn limit(link: &Link) -> TorqueLimit {
     let effort = single(link.effort);
     let limit = match link.joint {
@@ -50,7 +50,7 @@ fn limit(link: &Link) -> TorqueLimit {
         JointModel::Fixed | JointModel::Free => Ok(TorqueLimit::NONE),
         _ => TorqueLimit::new(effort, f32::INFINITY),
     };
-    // An effort of a rig is above zero; a drive without one has no limit.
+    // Efforts in a rig are above zero. A joint without an effort has no limit.
     limit.unwrap_or(TorqueLimit::NONE)
 }
 
@@ -65,7 +65,7 @@ fn reason(reason: LimitReason) -> &'static str {
     }
 }
 
-/// The commands of a tick by dof: efforts, of these the feed-forward, and what limited them.
+/// Commands of a tick for each dof: efforts, their feed-forward parts, and the limits that acted on them.
 type Applied = (Vec<f64>, Vec<f64>, Vec<Option<&'static str>>);
 
 #[pymethods]
@@ -77,7 +77,7 @@ impl NativeTracker {
         rate_hz: f64,
         latency_ticks: usize,
     ) -> PyResult<Self> {
-        // Written so that NaN fails.
+        // The negation also refuses NaN.
         if !(1.0..=100_000.0).contains(&rate_hz) {
             return Err(value(format!("rate_hz: expected 1 to 100000 Hz, found {rate_hz}")));
         }

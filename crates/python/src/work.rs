@@ -1,4 +1,4 @@
-//! Long work without Python's global lock. Signals such as Ctrl-C are handled while it runs.
+//! Long work without Python's global lock. Signals such as Ctrl-C are handled during the work.
 
 use std::any::Any;
 use std::ops::Range;
@@ -14,16 +14,16 @@ use pyo3::prelude::*;
 
 use crate::error::value;
 
-/// Number of rows between two looks at signals: a few milliseconds of work.
+/// Number of rows between two checks for signals; they take a few milliseconds.
 const PIECE: usize = 4096;
 
-/// Interval of looks at signals, and of calls of a progress function.
+/// Interval between two checks for signals, and between two calls of a progress function.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Stack of a thread that works, bytes: an evaluation builds a tracker of some 0.5 MB on it.
+/// Stack of each working thread, bytes: an evaluation builds a tracker of about 0.5 MB on it.
 const STACK_BYTES: usize = 16 << 20;
 
-/// Calls `work` with ranges of rows until all `count` rows are done, without the global lock.
+/// Calls `work` with ranges of rows until all `count` rows are done. Releases the global lock meanwhile.
 pub(crate) fn in_pieces(
     py: Python<'_>,
     count: usize,
@@ -41,7 +41,7 @@ pub(crate) fn in_pieces(
     Ok(())
 }
 
-/// The count of finished steps, which a worker adds to.
+/// Number of finished and of all steps, which a working thread updates.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Progress {
     done: Arc<AtomicUsize>,
@@ -49,7 +49,7 @@ pub(crate) struct Progress {
     is_cancelled: Arc<AtomicBool>,
 }
 
-/// The payload that ends a cancelled worker.
+/// Payload of the unwinding that ends a cancelled thread.
 struct Cancelled;
 
 impl Progress {
@@ -63,7 +63,7 @@ impl Progress {
         self.done.fetch_add(steps, Ordering::Relaxed);
     }
 
-    /// Ends the work by unwinding if Python has left the call.
+    /// Ends the work by unwinding if Python has cancelled the call.
     pub(crate) fn look(&self) {
         if self.is_cancelled.load(Ordering::Relaxed) {
             resume_unwind(Box::new(Cancelled));
@@ -71,9 +71,9 @@ impl Progress {
     }
 }
 
-/// Runs `work` in a thread of its own, and returns its result. Meanwhile `told`, if given, is called with the finished
-/// and with all steps. After Ctrl-C the call ends at once, and the work at its next [`Progress::look`];
-/// work that never looks runs to its end, and its result is dropped.
+/// Runs `work` in its own thread, and returns its result. Meanwhile calls `told`, if given, with the numbers of
+/// finished and of all steps. Ctrl-C ends the call at once, and the work at its next [`Progress::look`]; if the work
+/// does not look, it runs to its end, and its result is dropped.
 pub(crate) fn in_background<T: Send + 'static>(
     py: Python<'_>,
     told: Option<&Bound<'_, PyAny>>,
@@ -89,7 +89,7 @@ pub(crate) fn in_background<T: Send + 'static>(
                 Err(anyhow::Error::new(error).context("the threads could not be started"))
             }
         }));
-        // Nobody waits for a cancelled result.
+        // After a cancelled call, nobody receives the result.
         let _ = send.send(result);
     };
     thread::Builder::new().name("sinew".to_owned()).spawn(body)?;
@@ -127,7 +127,7 @@ pub(crate) fn in_background<T: Send + 'static>(
     }
 }
 
-/// Returns a `RuntimeError` for a panic, which is a fault of this package.
+/// Returns a `RuntimeError` for a panic, which is a bug of this package.
 fn panicked(payload: &(dyn Any + Send)) -> PyErr {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();

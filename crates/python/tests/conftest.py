@@ -1,4 +1,4 @@
-"""Folders and files that the tests need."""
+"""Fixtures: folders and files that the tests need."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def golden(path: str) -> Any:
 
 @pytest.fixture(scope="session")
 def data() -> pathlib.Path:
-    """The folder of mocap and robots; without it, tests are skipped."""
+    """Returns the folder of motion capture and robots. Without it, tests are skipped."""
     folder = os.environ.get("SINEW_DATA")
     if not folder:
         pytest.skip("SINEW_DATA is not set")
@@ -30,7 +30,7 @@ def data() -> pathlib.Path:
 
 @pytest.fixture(scope="session")
 def program() -> str:
-    """The command ``sinew``; without it, tests that compare with it are skipped."""
+    """Returns the command ``sinew``. Without it, tests that compare results with it are skipped."""
     path = os.environ.get("SINEW_PROGRAM")
     if not path:
         pytest.skip("SINEW_PROGRAM is not set")

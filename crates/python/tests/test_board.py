@@ -22,6 +22,8 @@ def test_a_rig_is_armed_moved_and_stopped(tmp_path: pathlib.Path) -> None:
         assert board.state().state in ("off", "limp")
         with pytest.raises(sm.BoardError, match="arm"):
             board.goto(board.rig.home)
+        show = sm.bake([board.rig.home] * 6, board.rig, rate_hz=10)
+        board.load(show)
         board.arm()
         at = board.state()
         assert at.state == "holding" and at.q.shape == at.effort.shape == (3,)
@@ -34,9 +36,10 @@ def test_a_rig_is_armed_moved_and_stopped(tmp_path: pathlib.Path) -> None:
             time.sleep(0.01)
         assert board.state().state == "playing"
         board.hold()
-        show = sm.bake(np.tile(goal, (11, 1)), board.rig, rate_hz=10)
         board.play(show)
         assert board.state().state == "holding"
+        with pytest.raises(sm.BoardError, match="before `arm`"):
+            board.play(sm.bake([goal] * 6, board.rig, rate_hz=10))
         board.stop()
         assert board.state().state == "limp"
         assert all(fault.is_warning for fault in board.faults())

@@ -17,7 +17,7 @@ def test_a_clip_has_poses(clip: sm.Clip) -> None:
     assert clip.rotations.shape == (frames, joints, 4) and clip.offsets.shape == (joints, 3)
     assert np.allclose(np.linalg.norm(clip.rotations, axis=-1), 1)
     assert clip.parents[0] == -1 and clip.times[-1] == pytest.approx((frames - 1) / clip.rate_hz)
-    # A child is where its parent puts it.
+    # The world pose of a child follows from its parent's pose and its local pose.
     child = next(joint for joint, parent in enumerate(clip.parents) if parent == 0)
     x, y, z, w = clip.world[5, 0, 3:]
     v = clip.local[5, child, :3]
@@ -54,11 +54,11 @@ def test_derivatives_of_a_show_are_those_of_its_positions(arm: sm.Rig, clip: sm.
     after, before = show.sample(t + step)[0], show.sample(t - step)[0]
     assert np.abs((after - before) / (2 * step) - qd).max() < 0.05 * max(1.0, np.abs(qd).max())
     assert qdd.shape == (20, 6)
-    # Nearer to the motion than the bound.
+    # The show is nearer to the motion than the permitted error.
     given = sm.retarget(clip, arm).q
     ours = show.sample(clip.times)[0]
     assert np.abs(ours - given).max() <= np.deg2rad(0.26)
-    # After the end it stays.
+    # After the end, the show stays at its last pose.
     assert np.array_equal(show.sample(100.0)[0], show.sample(show.duration)[0])
     for bad in (-1.0, np.nan, 1e12):
         with pytest.raises(ValueError, match="t: expected times"):
@@ -131,7 +131,7 @@ def test_distances_of_poses(clip: sm.Clip) -> None:
         for metric in ("angles", "rotations", "positions", "line", "geodesic")
     }
     assert all(distance.shape == (5,) and np.all(distance > 0) for distance in by_metric.values())
-    # A straight line in space is the shortest, a geodesic is shorter than a line of angles.
+    # A straight line in space is shortest; a geodesic is shorter than a line of angles.
     assert np.all(by_metric["positions"] <= by_metric["geodesic"] * (1 + 1e-5))
     assert np.all(by_metric["geodesic"] <= by_metric["line"] * (1 + 1e-5))
     path = sm.geodesic(clip, first, rest[0])
@@ -139,7 +139,7 @@ def test_distances_of_poses(clip: sm.Clip) -> None:
     assert path.rotations.shape == (11, *first.shape)
     for end, pose in ((0, first), (-1, rest[0])):
         assert np.allclose(np.abs(np.sum(path.rotations[end][1:] * pose[1:], axis=-1)), 1, atol=1e-6)
-    # Positions relative to the root, by hand.
+    # The test computes positions relative to the root by itself.
     place = []
     for frame in (0, 10):
         world = clip.world[frame]

@@ -1,4 +1,4 @@
-"""The tracker, the evaluation, and the ways to end long work."""
+"""Tests of the tracker, of the evaluation, and of the ways to end long work."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every public function has a docstring with an example, and every example is true."""
+"""Every public function has a docstring with an example, and every example has the result that it shows."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def measured(case: dict[str, Any], method: str, beta: float = 1.0) -> sm.StateEr
 def compare(ours: sm.StateErrors, expected: list[dict[str, Any]], bodies: list[int]) -> None:
     for part, key in zip(ours, ("e_rot", "e_lin", "ed_rot", "ed_lin")):
         golden = np.array([body[key] for body in expected])[bodies]
-        # A half turn has no sign in float32.
+        # In float32, both signs of a half turn are possible.
         if key == "e_rot":
             golden = np.where(np.linalg.norm(golden, axis=1, keepdims=True) > 3.14, np.abs(golden), golden)
             part = np.where(np.linalg.norm(part, axis=1, keepdims=True) > 3.14, np.abs(part), part)
@@ -69,7 +69,7 @@ def test_time_is_the_first_axis() -> None:
 
 
 def turned(poses: np.ndarray, angle: float, move: np.ndarray) -> np.ndarray:
-    """Turns poses about the vertical, and moves them."""
+    """Turns poses about the vertical axis, and moves them."""
     sine, cosine = np.sin(angle), np.cos(angle)
     out = poses.copy()
     out[..., 0] = cosine * poses[..., 0] + sine * poses[..., 2] + move[0]
@@ -88,7 +88,7 @@ def test_heading_ignores_place_and_heading_alone() -> None:
     zero = sm.errors(desired, drifted, "heading")
     assert np.abs(zero.angular).max() < 2e-6 and np.abs(zero.linear).max() < 2e-6
     assert np.abs(sm.errors(desired, drifted, "world").linear).max() > 1
-    # The height counts.
+    # The height is part of the error.
     lifted = turned(desired, 0.7, np.array([2.0, 0.25, -1.0]))
     assert np.allclose(sm.errors(desired, lifted, "heading").linear, [0, -0.25, 0], atol=2e-6)
 

@@ -1,4 +1,4 @@
-"""The notebook runs, and its examples do."""
+"""The notebook and the examples run without an error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rigs: shapes, refusals, kinematics and dynamics."""
+"""Tests of rigs: shapes, refusals, kinematics and dynamics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RANDOM = np.random.default_rng(20261128)
 
 
 def states(rig: sm.Rig, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Random states of a rig without ball joints."""
+    """Returns random states of a rig without ball joints."""
     assert rig.nq == rig.nv
     return RANDOM.uniform(-1.5, 1.5, (count, rig.nq)), *RANDOM.normal(size=(2, count, rig.nv))
 
@@ -47,7 +47,7 @@ def test_one_row_or_many(arm: sm.Rig) -> None:
         assert many.dtype == np.float64 and len(many) == 11
         for row in range(11):
             one = call(q[row], qd[row], qdd[row])
-            # To the last bit, also where rows are computed side by side.
+            # Results must be identical, also if rows are computed side by side.
             assert np.array_equal(one, many[row])
 
 
@@ -143,7 +143,7 @@ def test_a_travelling_base_has_a_free_joint(tmp_path: pathlib.Path) -> None:
     q = rig.home.copy()
     with pytest.raises(ValueError, match="unit quaternion"):
         rig.fk(np.r_[0.5, q[1:]])
-    # It weighs what its bodies weigh.
+    # The total force is the weight of all bodies.
     weight = rig.gravity(q)[:6]
     turned = rig.fk(q)[0, 3:]
     assert np.isclose(np.linalg.norm(weight[3:]), 9.81 * rig.mass.sum(), rtol=1e-5), turned
@@ -155,7 +155,7 @@ ROBOTS = ["poppy", "op3", "open_duck_urdf", "open_duck_mjcf", "panda", "so100", 
 
 
 def of_golden(name: str, folder: pathlib.Path) -> tuple[dict, sm.Rig, np.ndarray]:
-    """Returns a golden file, its rig, and the place of each dof in the file."""
+    """Returns a golden file, its rig, and the index of each dof in the file."""
     file = golden(f"golden/rigs/{name}.json")
     rig = sm.Rig.load(folder / file["file"], rotors=False, repair_inertia=file["repair_inertia"])
     return file, rig, np.array([file["joints"].index(dof) for dof in rig.dof_names])

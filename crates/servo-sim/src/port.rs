@@ -32,7 +32,7 @@ pub enum PortError {
     /// A file with the link's name exists and is not a link.
     #[error("{}: exists already and is not a link; choose another name", .0.display())]
     Occupied(PathBuf),
-    /// Another program that runs serves servos at this link.
+    /// Another running program serves servos at this link.
     #[error("{}: another simulation serves it; end that one, or choose another name", .0.display())]
     Taken(PathBuf),
     /// The link could not be created.
@@ -59,7 +59,8 @@ pub struct Port {
     lock: Lock,
 }
 
-/// File beside a link that is locked while a program serves the link. The system releases the lock of a killed program.
+/// Lock file beside a link. It is locked while a program serves the link; if the program is killed, the system releases
+/// the lock.
 #[derive(Debug)]
 struct Lock {
     path: PathBuf,
@@ -78,7 +79,7 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => return Err(PortError::Taken(link.to_owned())),
                 Err(TryLockError::Error(error)) => return Err(failed(error)),
             }
-            // The program before may have removed the file after it was opened.
+            // The previous program may have removed the file after this program opened it.
             let own = file.metadata().map_err(failed)?;
             if path.metadata().is_ok_and(|named| named.ino() == own.ino()) {
                 return Ok(Self { path, _file: file });
@@ -88,7 +89,7 @@ impl Lock {
 }
 
 impl Port {
-    /// Opens a terminal, and creates `link` to it. Replaces a link that a killed program has left.
+    /// Opens a pseudo-terminal, and creates `link` to it. Replaces a link that a killed program has left.
     /// `baud` is the port's rate until a program sets another rate.
     ///
     /// # Errors

@@ -108,8 +108,8 @@ pub fn servos(
     Ok(servos)
 }
 
-/// Returns the parameters of a servo of a rig. A hobby servo has the pulses of the rig's file, and counts positions from
-/// half of a range that contains all of them.
+/// Returns the parameters of a rig's servo. A hobby servo gets the pulses of the rig's file. Its range is centred on
+/// position zero, and is large enough for all its pulses.
 pub(crate) fn kind(
     description: &Description,
     servo: &DescribedServo,

@@ -46,7 +46,7 @@
 //! - `span`, `chart`: a span as a cubic; channels to joint coordinates (a ball joint is p / |p|).
 //! - `player`, `frames`, `blend`: all channels at a position; frames for the tracker; blends.
 //! - `cue`, `time_code`, `time_warp`: cues; the clock of a production; a slowed show's time in its performance.
-//! - `sound`: the section for a sound after a show in its file, for hosts.
+//! - `sound`: the section for a sound, which follows a show in its file and is read by hosts.
 //! - `write/`: a `motion` and `settings` to `channels`, knots (`refine`, `curve`), least squares (`fit`), bits
 //!   (`pack`), and the error of the decoder's result (`measure`).
 

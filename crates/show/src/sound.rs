@@ -1,9 +1,10 @@
-//! The sound of a show: a section after the show's bytes in its file. It is for programs on a host; boards never get it.
+//! The sound of a show: a section after the show's bytes in its file. Only programs on a host read it; boards do not
+//! get it.
 
 use crate::layout::{CRC_LEN, MAGIC as SHOW_MAGIC};
 use crate::show::CHECKSUM;
 
-/// First bytes of the section, and its version.
+/// First bytes of the section, and version of the section.
 const MAGIC: [u8; 4] = *b"SNWA";
 const VERSION: u16 = 1;
 /// Length of the section without name and CRC.
@@ -11,7 +12,7 @@ const FIXED_LEN: usize = 68;
 /// Longest name, bytes.
 const NAME_MAX: usize = 255;
 
-/// The sound that belongs to a show.
+/// Description of the sound that belongs to a show.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sound {
     /// Name of the sound's file, without folders.
@@ -22,14 +23,14 @@ pub struct Sound {
     pub file_len: u64,
     /// Duration of the sound, us.
     pub duration_us: u64,
-    /// Place in the sound at the start of the show, us; negative if the sound begins later.
+    /// Time of the sound at the start of the show, us. It is negative if the sound begins after the show.
     pub offset_us: i64,
 }
 
-/// The reason why a file is not a show with a sound.
+/// Reason why a file is not a show with a sound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SoundError {
-    /// The section is cut off, or something else follows the show.
+    /// The section is cut off, or other bytes follow the show.
     #[error("the {0} bytes after the show are not a section for a sound")]
     Section(usize),
     /// The section is damaged.
@@ -44,16 +45,16 @@ pub enum SoundError {
     },
 }
 
-/// Splits a file into the show and its sound. A file without a section, or one that is not a show, is returned as it
-/// is; so is the show of a file whose section has a later version.
+/// Splits a file into the show and the description of its sound. Returns a file without a section, and a file that is
+/// not a show, unchanged. If the section has another version, returns the show without a sound.
 ///
 /// # Errors
-/// [`SoundError`] if the section is damaged.
+/// [`SoundError`] if other bytes than a section follow the show, or the section is damaged.
 pub fn split(file: &[u8]) -> Result<(&[u8], Option<Sound>), SoundError> {
     let total = file.get(8..12).and_then(<[u8]>::first_chunk::<4>);
     let total = total.map_or(0, |total| u32::from_le_bytes(*total) as usize);
     let Some((show, section)) = file.split_at_checked(total) else { return Ok((file, None)) };
-    // A file without its length is cut off: it is no show.
+    // A file that is shorter than its length field is not a show.
     if !file.starts_with(&SHOW_MAGIC) || total == 0 || section.is_empty() {
         return Ok((file, None));
     }
@@ -75,7 +76,7 @@ pub fn split(file: &[u8]) -> Result<(&[u8], Option<Sound>), SoundError> {
 }
 
 impl Sound {
-    /// Appends the section to the bytes of a show. A name of more than 255 bytes is cut.
+    /// Appends the section to the bytes of a show. A name of more than 255 bytes is cut off.
     pub fn append_to(&self, show: &mut Vec<u8>) {
         let start = show.len();
         let mut end = self.name.len().min(NAME_MAX);
@@ -90,7 +91,7 @@ impl Sound {
         show.extend(self.file_len.to_le_bytes());
         show.extend(self.duration_us.to_le_bytes());
         show.extend(self.offset_us.to_le_bytes());
-        // Room for later fields, before the name.
+        // Reserved for later fields.
         show.extend([0; 4]);
         show.extend(name.bytes());
         let content = show.get(start..).unwrap_or_default();

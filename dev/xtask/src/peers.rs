@@ -19,8 +19,8 @@ const DEFINITIONS: [&str; 4] = [
     "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
 ];
 
-/// The version of MuJoCo that made the golden file of actuators. MuJoCo 4.0.0 reads few models otherwise: `position` in
-/// a class drops the first number of an inherited `biasprm`.
+/// Version of MuJoCo that computed the golden file of actuators. MuJoCo 4.0.0 reads few models differently: `position`
+/// in a class drops the first number of an inherited `biasprm`.
 const OF_ACTUATORS: [&str; 1] = ["mujoco==3.3.7"];
 
 /// Random models of actuators whose forces are compared with MuJoCo's.

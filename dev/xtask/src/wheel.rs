@@ -1,4 +1,4 @@
-//! The package for Python: a wheel, and its tests in fresh environments of every Python that is installed.
+//! The package for Python: builds the wheel, and tests it in a fresh environment of each installed Python.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,19 +12,19 @@ use crate::{deny, lints, nextest};
 
 /// The package's folder, a separate workspace.
 pub(crate) const FOLDER: &str = "crates/python";
-/// The builder of wheels, as a program.
+/// Name and version of the program that builds wheels.
 const MATURIN: &str = "maturin==1.16.0";
-/// Versions of Python that the wheel must run on. The last one that is found also checks types and the notebook.
+/// Versions of Python on which the wheel must run. The newest installed version also checks types and the notebook.
 const VERSIONS: [&str; 4] = ["3.10", "3.11", "3.12", "3.13"];
-/// Packages of every environment.
+/// Packages that every environment needs.
 const TESTED_WITH: [&str; 2] = ["numpy", "pytest==9.2.0"];
-/// More packages for the last version: types, notebook, and the dynamics of another library.
+/// Additional packages for the newest version: for types, for the notebook, and another library for dynamics.
 const MORE: [&str; 6] =
     ["mypy==2.4.1", "pin==4.1.0", "matplotlib", "nbclient", "ipykernel", "pandas"];
 /// Maximum size of the wheel, bytes.
 const WHEEL_MAX: u64 = 8_000_000;
 
-/// Builds the wheel, and tests it.
+/// Builds the wheel, and tests it with all installed versions of Python.
 pub(crate) fn run() -> Result<()> {
     let found = interpreters();
     let wheel = build()?;
@@ -44,7 +44,7 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// Checks the format of the package's Rust, which `cargo fmt --all` leaves out.
+/// Checks the format of the package's Rust code, which `cargo fmt --all` does not reach.
 pub(crate) fn format() -> Result<()> {
     let manifest = format!("{FOLDER}/Cargo.toml");
     let mut fmt = step::cargo();
@@ -71,7 +71,7 @@ fn build() -> Result<PathBuf> {
     Ok(wheel)
 }
 
-/// Tests the wheel in a fresh environment of an interpreter.
+/// Tests the wheel in a fresh environment of an interpreter. `is_last`: whether this is the newest version.
 fn test(version: &str, python: &Path, wheel: &Path, is_last: bool) -> Result<()> {
     let venv = Venv { folder: step::root().join("target").join(format!("wheel-{version}")) };
     let _ = fs::remove_dir_all(&venv.folder);
@@ -84,7 +84,7 @@ fn test(version: &str, python: &Path, wheel: &Path, is_last: bool) -> Result<()>
     let run = |title: &str, arguments: &[&str]| {
         let mut command = Command::new(venv.folder.join("bin/python"));
         command.current_dir(&package).arg("-m").args(arguments);
-        // The command is compared with the package if it is built.
+        // If `sinew` is built, the tests compare the package with it.
         if let Some(program) = nextest::program("sinew").ok().filter(|program| program.exists()) {
             command.env("SINEW_PROGRAM", program);
         }
@@ -97,7 +97,7 @@ fn test(version: &str, python: &Path, wheel: &Path, is_last: bool) -> Result<()>
     Ok(())
 }
 
-/// Returns the interpreters that are installed, by version: of the path, or of pyenv.
+/// Returns the installed interpreters with their versions, from the path or from pyenv.
 fn interpreters() -> Vec<(&'static str, PathBuf)> {
     let works = |python: &Path| {
         step::output(Command::new(python).args(["-c", "import ensurepip, venv"])).is_some()
@@ -110,7 +110,7 @@ fn interpreters() -> Vec<(&'static str, PathBuf)> {
     VERSIONS.into_iter().filter_map(find).collect()
 }
 
-/// Returns pyenv's interpreters of a version.
+/// Returns all interpreters of a version that pyenv has installed.
 fn of_pyenv(version: &str) -> Vec<PathBuf> {
     let own = std::env::var_os("PYENV_ROOT").map(PathBuf::from);
     let root = own.or_else(|| Some(PathBuf::from(std::env::var_os("HOME")?).join(".pyenv")));

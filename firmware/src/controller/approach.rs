@@ -1,4 +1,4 @@
-//! The way to the beginning of a show, computed ahead: for programs on a host that tell how long it takes.
+//! Computes the way to the beginning of a show, so that programs on a host can report its duration in advance.
 
 use sinew_core::tracker::FrameSource as _;
 use sinew_rig::board::BoardRig;
@@ -8,20 +8,20 @@ use super::path::Path;
 use super::pose::Pose;
 use crate::supervisor::{Settings, smooth};
 
-/// Longest way that is computed, s.
+/// Maximum duration of a way, s.
 const MOST_S: f32 = 300.0;
 
-/// The beginning of a show, from a pose at rest.
+/// Way of a rig from a pose at rest to the beginning of a show.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Approach {
-    /// Time from the command to play until the rig is at the show's first pose and the show's clock starts, s.
+    /// Time from the command to play until the rig reaches the show's first pose and the show's clock starts, s.
     pub way_s: f32,
-    /// Time by which the show is late from then on, because it begins at speed and reaches its pace from rest, s.
+    /// Constant delay of the show, s. It is above zero if the show begins at speed, because the rig must accelerate.
     pub late_s: f32,
 }
 
-/// Computes the beginning of a show from a pose, as the controller will move. O(ticks · dofs). Returns `None` if the
-/// rig has more coordinates than there is room for, or the way takes longer than 5 minutes.
+/// Computes the way to the beginning of a show as the controller will move it. O(ticks · dofs). Returns `None` if the
+/// rig has more coordinates than `COORDS`, or the way takes longer than 5 minutes.
 pub fn approach<
     const BODIES: usize,
     const DOFS: usize,

@@ -36,16 +36,15 @@ use super::unit_args::UnitArgs;
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
     /// Motion to bake. A clip: the name of a built-in clip, or a BVH, AMC or humanoid3d text file. Or a motion of the
-    /// rig itself: a CSV of keys, a CSV recording (from `sinew record` or `sinew clip export`), or a JSON of servo
-    /// positions.
-    /// Also a show of the rig. Default: the first layer; without layers, `punches_01`.
+    /// rig itself: a show of the rig, a CSV of keys, a CSV recording (from `sinew record` or `sinew clip export`), or a
+    /// JSON of servo positions. Default: the file of the first --layer; without layers, `punches_01`.
     #[arg(value_name = "CLIP")]
     clip: Option<String>,
 
-    /// A motion of the rig's own to put on the motion: a show, a CSV of keys, or a JSON of servo positions. By default
-    /// it replaces the motion of the joints that its file has (`over`). `FILE:add` adds their distance from home. Then
-    /// perhaps a weight and names of joints: `talk.csv:over:0.5:jaw,lid_*`. Times count from those of the first motion;
-    /// a loop is repeated. Layers apply in their order; may be repeated.
+    /// Motion of the rig that changes the motion to bake: a show, a CSV or a JSON of servo positions. `over`, the
+    /// default, replaces the motion of the joints in the file; `add` adds their distance from home. A weight and the
+    /// names of some joints can follow: `talk.csv:over:0.5:jaw,lid_*`. Both motions use the same times, and a loop is
+    /// repeated. May be repeated; layers apply in their order.
     #[arg(long, value_name = "FILE[:over|add[:WEIGHT][:JOINT,..]]", requires = "rig")]
     layer: Vec<LayerChoice>,
 
@@ -76,12 +75,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "H:M:S:F@FPS", value_parser = time_code)]
     time_code: Option<TimeCode>,
 
-    /// Sound of the show: a WAV file. The show's file gets its name, hash, length and place; the console and `sinew play
-    /// --sound-with` play it with the show. Boards never get it.
+    /// Sound of the show: a WAV file. The show's file stores its name, hash, length and start; the console and `sinew
+    /// play --sound-with` play the sound with the show. Boards do not get it.
     #[arg(long, value_name = "FILE.wav")]
     sound: Option<PathBuf>,
 
-    /// Time of the clip at which the sound begins, in s; negative if the clip begins within the sound.
+    /// Time of the clip at which the sound begins, in s. It is negative if the sound begins before the clip.
     #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = place, allow_negative_numbers = true, requires = "sound")]
     sound_at_s: f64,
 
@@ -180,17 +179,18 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
 }
 
 impl Args {
-    /// Whether the show must keep the time of its performance: a sound or a time code runs beside it.
+    /// Returns whether the show must keep the time of its performance, because a sound or a time code runs beside it.
     fn keeps_time(&self) -> bool {
         self.sound.is_some() || self.time_code.is_some()
     }
 
-    /// Describes the sound. A show that a fit has slowed down cannot have one: both would come apart.
+    /// Returns the description of the show's sound. Fails if a fit has slowed the show down, because sound and motion
+    /// would no longer match.
     fn sound(&self, performance: &RigPerformance, baked: &Baked) -> anyhow::Result<Option<Sound>> {
         let Some(path) = &self.sound else { return Ok(None) };
         let given_s = performance.clip.motion.duration_s();
         ensure!(
-            !self.keeps_time() || baked.duration_s <= given_s + 0.01,
+            baked.duration_s <= given_s + 0.01,
             "--sound: the fit makes {given_s:.2} s of motion last {:.2} s, and the sound would come apart from it: \
              leave --fit out, or make the motion slower or smaller where the rig is too slow",
             baked.duration_s

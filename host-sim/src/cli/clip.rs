@@ -7,8 +7,8 @@ use clap::{Args, Subcommand};
 
 use super::{blend, export, face, find, idle, inspect, jaw, map, weights};
 
-/// Inspect, map, search, blend and export clips of motion capture; make the motion of a jaw from a sound, of a face from
-/// mouth cues or blend shapes, or a loop of idle life.
+/// Inspect, map, search, blend and export clips of motion capture; make motions of a jaw from a sound, of a face from
+/// mouth cues or blend shapes, and of idle life.
 ///
 /// A clip is a BVH, an AMC with its ASF beside it, or a humanoid3d text file.
 #[derive(Debug, Args)]

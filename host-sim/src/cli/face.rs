@@ -14,14 +14,14 @@ use super::performance::{ON_STAND, PerformanceArgs};
 
 /// Make keys of a face from mouth cues or blend shapes, by the rig's `[[shape]]` tables.
 ///
-/// Mouth cues: Rhubarb (JSON, TSV, .dat) and Papagayo (.dat, a Moho switch). Blend shapes: the CSV of Live Link Face, or
-/// a glTF (.glb, .gltf) with animated shape keys. Mouths become visemes that run into each other; blend shapes are
-/// found in the rig by name. The motion keeps the file's time: where a joint is too slow, its motion is smoothed over
-/// 120 ms at most, and then made smaller. For each joint the command prints the correlation with the file's motion, and
-/// the mean absolute jerk. `sinew bake face.csv --rig RIG` makes a show of the keys.
+/// Mouth cues: Rhubarb (JSON, TSV, .dat) and Papagayo (.dat, a Moho switch). Blend shapes: the CSV of Live Link Face,
+/// or a glTF (.glb, .gltf) with animated shape keys. Cues become visemes with smooth transitions; blend shapes are
+/// found in the rig by name. The motion keeps the file's time: if a joint is too slow, its motion is smoothed over 120
+/// ms at most, and then made smaller. For each joint the command prints the correlation with the file's motion, and the
+/// mean absolute jerk. `sinew bake face.csv --rig RIG` makes a show of the keys.
 #[derive(Debug, clap::Args)]
 pub(super) struct Args {
-    /// The face: *.json, *.tsv, *.dat, *.csv, *.glb or *.gltf.
+    /// File of the face: *.json, *.tsv, *.dat, *.csv, *.glb or *.gltf.
     #[arg(value_name = "FACE")]
     face: PathBuf,
 
@@ -29,12 +29,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Frames per second of a file that counts frames. Default: 24 of .dat; of Live Link Face the rate that the numbers
-    /// of its frames show.
+    /// Frames per second of a file that counts frames. Default: 24 for .dat; for Live Link Face, the rate that its
+    /// frame numbers show.
     #[arg(long, value_name = "FPS", value_parser = fps, allow_negative_numbers = true)]
     fps: Option<f64>,
 
-    /// Time by which the motion is moved ahead, in ms, from 0 to 500, to make up for the delay of the servos.
+    /// Time by which the motion is moved earlier, in ms, from 0 to 500. It compensates the delay of the servos.
     #[arg(long, value_name = "MS", default_value_t = 0.0, value_parser = super::jaw::lead, allow_negative_numbers = true)]
     lead_ms: f64,
 
@@ -59,7 +59,7 @@ pub(super) fn run(args: &Args) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Reads the weights of a face.
+/// Reads the weights of a face's shapes.
 fn read(path: &Path, fps: Option<f64>, shapes: &[FaceShape]) -> anyhow::Result<Weights> {
     let of_file = || path.display().to_string();
     let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
@@ -86,7 +86,7 @@ fn read(path: &Path, fps: Option<f64>, shapes: &[FaceShape]) -> anyhow::Result<W
     }
 }
 
-/// Prints the shapes, and the measures of each joint.
+/// Prints which shapes are used and not shown, and the measures of each joint.
 fn tell(file: &str, motion: &FaceMotion) {
     let duration_s = (motion.rows.len() - 1) as f64 / face::RATE_HZ;
     note(format_args!("{file}: {duration_s:.2} s; shapes: {}", list(&motion.used)));

@@ -12,19 +12,19 @@ use sinew_link::message::Command;
 use super::board::{await_limp, open_to_end};
 use super::stop::Stop;
 
-/// Stop the rigs that consoles and other commands of this user drive: each goes to its rest pose and is lowered, then torque is off.
+/// Stop the rigs that commands of this user drive: each goes to its rest pose and is lowered, then torque is off.
 ///
-/// It works from any terminal, whoever drives: a page, `sinew play`, `sinew record`.
+/// It works from any terminal, whether a page, `sinew play` or `sinew record` drives the rig.
 #[derive(Debug, clap::Args)]
 pub(super) struct StopArgs {
     #[command(flatten)]
     halt: HaltArgs,
 }
 
-/// Switch torque off at once at the rigs that consoles and other commands of this user drive: the rigs drop.
+/// Switch torque off at once at the rigs that commands of this user drive: the rigs drop.
 ///
-/// It works from any terminal, whoever drives. Torque stays off until faults are cleared. It does not replace a
-/// switch that cuts the servos' power.
+/// It works from any terminal. Torque stays off until faults are cleared. It does not replace a switch that cuts the
+/// servos' power.
 #[derive(Debug, clap::Args)]
 pub(super) struct EStopArgs {
     #[command(flatten)]
@@ -33,7 +33,8 @@ pub(super) struct EStopArgs {
 
 #[derive(Debug, clap::Args)]
 struct HaltArgs {
-    /// Serial port of a single board. If no other command has this port, this command opens it. Default: all rigs.
+    /// Serial port of the only board to stop. If no other command uses this port, this command opens it. Default: all
+    /// rigs that commands of this user drive.
     #[arg(long, value_name = "PORT")]
     target: Option<PathBuf>,
 }
@@ -82,7 +83,7 @@ impl HaltArgs {
         } else {
             board.ask(Command::Stop)?;
             if is_foreign {
-                // The next greeting is answered when torque is off.
+                // The board answers the next greeting when torque is off.
                 board.reconnect(TAKE_OVER)?;
             }
             await_limp(&mut board, &Stop::new()?)?;

@@ -59,9 +59,9 @@ pub(super) struct PerformanceArgs {
     #[arg(long, requires = "rig")]
     pub(super) fit: bool,
 
-    /// Fit, and keep the time: nothing becomes slower; where a limit is met, the motion becomes smaller or rounder at
-    /// that time. Default: true for a show with a time code, otherwise false. `--keep-time=false` lets `--fit` slow
-    /// such a show down.
+    /// Fit the motion without slowing it down: where it exceeds a limit, it becomes smaller or smoother. Default: true
+    /// for `bake` with --time-code or --sound, otherwise false. `--keep-time=false` then lets `--fit` slow the motion
+    /// down.
     #[arg(
         long,
         value_name = "BOOL",
@@ -72,7 +72,7 @@ pub(super) struct PerformanceArgs {
     )]
     keep_time: Option<bool>,
 
-    /// Whether the show runs beside something that has a clock. Then a fit keeps the time by default.
+    /// Whether the show runs beside a clock or a sound. A fit then keeps the time by default.
     #[arg(skip)]
     pub(super) has_clock: bool,
 
@@ -81,7 +81,7 @@ pub(super) struct PerformanceArgs {
     #[arg(long, value_enum, requires = "rig")]
     unit: Option<UnitArg>,
 
-    /// Layers to put on the motion.
+    /// Motions of the rig that change the motion, in their order.
     #[arg(skip)]
     pub(super) layers: Vec<LayerChoice>,
 
@@ -123,7 +123,7 @@ impl PerformanceArgs {
         self.fit || self.keep_time == Some(true)
     }
 
-    /// Returns the changes of a motion that the options ask for.
+    /// Returns the changes to a motion that the options request.
     pub(super) fn choices(&self) -> MotionChoices {
         MotionChoices {
             fit: self.fits(),
@@ -221,7 +221,7 @@ impl PerformanceArgs {
         RigPerformance::new(rig, &name, start_s, retargeted, choices)
     }
 
-    /// Returns the unit of columns without a unit.
+    /// Returns the unit, given by `--unit`, of columns whose header has none.
     fn header_units(&self) -> Option<HeaderUnits> {
         self.unit.map(|unit| match unit {
             UnitArg::Deg => HeaderUnits::Degrees,
@@ -229,7 +229,7 @@ impl PerformanceArgs {
         })
     }
 
-    /// Puts the layers on a motion. Returns it with the time of its first row, s.
+    /// Applies the layers to a motion. Returns the motion and the time of its first row, s.
     fn layered(
         &self,
         rig: &LoadedRig,
@@ -311,8 +311,7 @@ fn tell(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     }
 }
 
-/// Prints the joint of an arm that would have to be faster than it can, most of all: the path of a hand has priority
-/// over its time.
+/// Prints which joint exceeds its maximum speed most, if the path of a hand has priority over joint speeds.
 fn tell_speed(name: &str, rig: &LoadedRig, taken: &RetargetedClip) {
     let Some((joint, asked, limit)) = taken.too_fast(&rig.mechanism) else { return };
     let slides = matches!(rig.mechanism.bodies[joint].joint, JointModel::Prismatic(_));

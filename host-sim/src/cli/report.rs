@@ -14,7 +14,7 @@ use sinew_rig::{Description, Mechanism};
 use super::output::OutputPath;
 use super::rig::read;
 
-/// Make a page of a recording of `sinew play --record` or `sinew console --record`: the rig in motion, and plots of each joint.
+/// Make a page of a recording of `sinew play` or `sinew console`: the rig in motion, and plots of each joint.
 ///
 /// The page is one HTML file that any browser opens from disk, without a network. It plots over time each joint's
 /// target and measured position, error, torque and the limit that acted on it, and the current of its servo; it lists
@@ -56,8 +56,8 @@ pub(super) fn run(args: &Args) -> anyhow::Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Returns the rig of a recording: its bodies are those of `rig` if it is given, its servos those of the rig that is
-/// stored in the recording.
+/// Returns the description and the mechanism of a recording's rig. The mechanism is that of `rig` if it is given; the
+/// description is the one in the recording if there is one.
 pub(super) fn rig_of(
     recording: &Recording,
     path: &Path,

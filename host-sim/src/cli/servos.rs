@@ -20,9 +20,10 @@ use super::stop::flag;
 
 /// Simulate servos on a serial port of this machine, for any program that talks to servos.
 ///
-/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM, SIGHUP); then it removes LINK.
-/// Programs open LINK as a serial port, at the rate of --baud: the servos answer at no other rate. Programs may close
-/// LINK and open it again. Except for that rate, the servos have factory settings. Torque is off at the start.
+/// It creates LINK, prints `ready`, and serves in real time until it is ended (Ctrl-C, SIGTERM, SIGHUP); then it
+/// removes LINK. Programs open LINK as a serial port, at the rate of --baud: the servos answer at no other rate.
+/// Programs may close LINK and open it again. Except for that rate, the servos have factory settings. Torque is off at
+/// the start.
 ///
 /// With --rig the servos move the rig: the motion of one joint loads the servos of others, and gravity depends on the
 /// pose. Hobby servos, which are driven by pulses, are left out, and their joints stay at home. If the rig has several

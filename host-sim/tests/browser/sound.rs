@@ -4,12 +4,12 @@ use crate::common::sinew_in;
 use crate::console::{Served, arm, wait_for_state, wait_until};
 use crate::page::with_url;
 
-/// Duration of the show, s. `SINEW_SOUND_S` has another one, such as 600.
+/// Returns the duration of the show, s: that of the variable `SINEW_SOUND_S`, otherwise 20.
 fn duration_s() -> u32 {
     std::env::var("SINEW_SOUND_S").ok().and_then(|text| text.parse().ok()).unwrap_or(20)
 }
 
-/// Writes a WAV file of 8 bits at 8 kHz: a tone.
+/// Returns a WAV file with a tone, 8 bits at 8 kHz.
 fn wav(seconds: u32) -> Vec<u8> {
     let length = 8000 * seconds;
     let mut bytes = Vec::new();
@@ -26,8 +26,8 @@ fn wav(seconds: u32) -> Vec<u8> {
     bytes
 }
 
-/// The sound follows the board's place in the show: it starts within 40 ms of it, drifts by less than 20 ms, and stops
-/// with it.
+/// The sound follows the board's time in the show: it starts within 40 ms of the show's start, drifts by less than 20
+/// ms, and stops together with the show.
 #[test]
 #[ignore = "needs SINEW_CHROMIUM"]
 fn the_sound_keeps_the_time_of_the_board() {

@@ -1,4 +1,4 @@
-//! Rigs with ties, whose every leader has a servo, as a user would drive them: played, exported and baked.
+//! Rigs with tied joints and a servo on each leader. The tests play, export and bake a motion, as a user would.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -17,10 +17,11 @@ use crate::ties::urdf;
 const DRIVE_MOST: usize = 6;
 /// Torque of an XM430 at standstill, N m.
 const XM430_NM: f64 = 4.1;
-/// Way of a slide for a turn of its servo, m/rad.
+/// Distance that a slide moves per radian of its servo, m/rad.
 const RACK_M_RAD: f64 = 0.02;
 
-/// A kind of servo that is `motor` times as strong as an XM430, with `gear` times its ratio.
+/// Returns a kind of servo like an XM430, whose motor is `motor` times as strong, and whose ratio is `gear` times as
+/// large.
 fn model(name: &str, motor: f64, gear: f64) -> ServoModel {
     let xm430 = ServoModel::built_in("XM430-W350-T").expect("it is built in");
     let mut model = ServoModel { name: name.to_owned(), ..xm430 };
@@ -45,11 +46,12 @@ fn model(name: &str, motor: f64, gear: f64) -> ServoModel {
     model
 }
 
-/// Puts a servo on each joint that follows none. The servo's drive moves the followers too, unless there are too many.
-/// The kinds of servos are as strong as the joints' efforts ask; the strongest has a gear of `gear`.
+/// Adds a servo to each joint that follows no other joint. The servo's drive also moves the followers, unless there are
+/// too many. The kind of servo depends on the joint's effort; the strongest kind has a ratio of `gear` times the
+/// XM430's.
 fn put_servos(rig: &mut Description, mechanism: &Mechanism, gear: f64) {
     let ties = mechanism.ties();
-    // XL330 and XM430 as built in, and two that a maker could build.
+    // Two kinds are built in, and two are kinds that a maker could build.
     rig.servo_models = vec![model("XM540-W270-T", 3.0, 1.0), model("XH540-W270-T", 3.0, gear)];
     let kinds =
         [("XL330-M288-T", 0.6), ("XM430-W350-T", XM430_NM), ("XM540-W270-T", 3.0 * XM430_NM)];
@@ -67,7 +69,7 @@ fn put_servos(rig: &mut Description, mechanism: &Mechanism, gear: f64) {
             moved.truncate(1);
         }
         let joint = rig.joints.iter().find(|joint| joint.name == link.joint_name).expect("a joint");
-        // A joint is driven with a margin.
+        // The servo has a margin above the joint's effort.
         let effort = 2.5 * joint.effort.unwrap_or(1.0);
         let kind = kinds
             .iter()
@@ -88,18 +90,18 @@ fn put_servos(rig: &mut Description, mechanism: &Mechanism, gear: f64) {
         rig.servos.push(Servo {
             name: link.joint_name.clone(),
             model: kind.to_owned(),
-            // Servos of one bus have one supply.
+            // All servos of one bus must have the same supply voltage.
             bus: kind[..5].to_owned(),
             address: Address::Id(id),
             ..Servo::default()
         });
     }
-    // The limits of the robot's own motors are not those of the servos.
+    // The limits in the file apply to the robot's own motors, not to these servos.
     rig.joints.iter_mut().for_each(|joint| joint.effort = None);
 }
 
-/// Returns a table in which all joints that follow none swing about home for 2 s, by a share of their way to the
-/// farther end.
+/// Returns a table in which all leaders swing about home for 2 s. `share`: amplitude as a share of the distance to the
+/// farther end of the range.
 fn swung(mechanism: &Mechanism, ties: &Ties, share: f64) -> String {
     let leads = |(body, link): &(usize, &sinew_rig::mechanism::Link)| {
         matches!(link.joint, JointModel::Revolute(_) | JointModel::Prismatic(_))
@@ -128,7 +130,7 @@ fn swung(mechanism: &Mechanism, ties: &Ties, share: f64) -> String {
     csv + "\n"
 }
 
-/// Drives a rig of the folder, plays, exports and bakes a swing, and compares followers with leaders.
+/// Adds servos to a rig; plays, exports and bakes a swing; and checks that followers agree with their leaders.
 #[track_caller]
 fn assert_plays(folder: &Path, rig: &str, share: f64, gear: f64) {
     let mut description =
@@ -167,7 +169,7 @@ fn assert_plays(folder: &Path, rig: &str, share: f64, gear: f64) {
 
 #[test]
 fn a_servo_on_each_leader_plays_ten_rigs() {
-    // Each line: kind of the joints; for each follower: joint before it, factor, offset, half of its range.
+    // Each line contains the kind of the joints, and for each follower: its leader, factor, offset, half of its range.
     let rigs = [
         ("revolute", vec![(1, 1.0, 0.1, 2.0)]),
         ("revolute", vec![(1, 0.8, 0.0, 2.0)]),
@@ -200,8 +202,8 @@ fn a_servo_on_each_leader_plays_humanoids_and_grippers() {
     let files = PathBuf::from(data).join("field/files");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
-    // Pepper carries its trunk by geared servos. The G1's trunk would fall without torque, before it is armed: its waist
-    // is locked.
+    // Pepper's geared servos carry its trunk. The G1's waist is locked, because without torque its trunk would fall
+    // before the rig is armed.
     for (name, share, gear) in [
         ("pepper", 0.1, 5.0),
         ("g1_29dof_rev_1_0_with_inspire_hand_FTP", 0.1, 2.4),

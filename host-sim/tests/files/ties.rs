@@ -253,10 +253,10 @@ fn slides_follow_hinges_and_hinges_follow_slides() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let folder = folder.path();
     for (index, equality) in [
-        // A gripper: a pinion between two racks.
+        // The gripper has a pinion between two racks.
         r#"<joint joint1="left" joint2="turn" polycoef="0 0.02 0 0 0"/>
            <joint joint1="right" joint2="turn" polycoef="0.002 -0.02 0 0 0"/>"#,
-        // A slide that turns a lever and, through it, moves another slide.
+        // A slide turns a lever, which moves another slide.
         r#"<joint joint1="turn" joint2="left" polycoef="0.1 30 0 0 0"/>
            <joint joint1="right" joint2="turn" polycoef="0 0.01 0 0 0"/>"#,
     ]

@@ -1,4 +1,4 @@
-//! The console without a page: recordings of its session, and recordings in place of a board.
+//! The console without a page: recordings of its session, and recordings instead of a board.
 
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Commands that drive a board, and commands in other terminals that stop, watch or replace them. The tests look at
-//! the servos.
+//! Tests of commands that drive a board, while commands in other terminals stop, watch or replace them. The results are
+//! checked at the simulated servos.
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
@@ -19,7 +19,7 @@ use crate::common::{command, end_by, path, text};
 const PATIENCE: Duration = Duration::from_mins(1);
 const BAUD: u32 = 1_000_000;
 
-/// A board with its files, and a folder of sockets of its own.
+/// A simulated board with its files, and its own folder of sockets.
 struct Desk {
     folder: tempfile::TempDir,
     rig: String,
@@ -38,7 +38,7 @@ impl Desk {
         let desk = Self { folder, rig, show, link, board };
         let bake = ["bake", "punches_01", "--rig", &desk.rig, "--mapping", &map, "--fit", "--loop"];
         desk.says(&[&bake[..], &["--seconds", "1", "-o", &desk.show]].concat(), 0);
-        // On a busy machine the host may send nothing for 0.2 s.
+        // On a busy machine, the host may be silent for 0.2 s, so the board must wait longer.
         desk.says(&["board", "settings", "--port", &desk.link, "set", "link_hold_s", "1.9"], 0);
         desk
     }
@@ -54,7 +54,7 @@ impl Desk {
         said
     }
 
-    /// Starts a play of a loop.
+    /// Starts `sinew play` with a loop.
     fn play(&self, rounds: &str) -> Child {
         let play = ["play", &self.show, "--rig", &self.rig, "--target", &self.link];
         self.command(&[&play[..], &["--rounds", rounds]].concat())
@@ -64,7 +64,7 @@ impl Desk {
             .unwrap()
     }
 
-    /// Starts a play, and waits until its rig is in a state.
+    /// Starts `sinew play`, and waits until its rig is in a state.
     fn play_until(&self, state: State) -> Child {
         let play = self.play("1000");
         assert!(self.board.until(|now| now == state, PATIENCE), "{state} does not come");
@@ -95,7 +95,7 @@ fn ends(program: Child, code: i32) -> String {
     said
 }
 
-/// Returns the paths of the sockets.
+/// Returns the paths of all sockets.
 fn sockets(folder: &Path) -> Vec<std::path::PathBuf> {
     let files = fs::read_dir(folder.join("sinew")).into_iter().flatten().flatten();
     files.map(|file| file.path()).collect()
@@ -141,7 +141,7 @@ fn a_killed_play_leaves_its_port_to_the_next_one() {
     let desk = Desk::new();
     let mut killed = desk.play_until(State::Playing);
     end_by(&mut killed, "-KILL");
-    // The socket of the dead program stays until the next command looks for it.
+    // The socket of the ended program is removed when the next command looks for it.
     assert_eq!(sockets(desk.folder.path()).len(), 1);
     let said = ends(desk.play("2"), 0);
     assert!(
@@ -151,7 +151,7 @@ fn a_killed_play_leaves_its_port_to_the_next_one() {
     assert!(said.contains("playing") && !said.contains("another program"), "{said}");
     let none = desk.says(&["stop"], 2);
     assert!(none.contains("no command of this user drives a rig"), "{none}");
-    // Where torque is off, nothing is waited for.
+    // If torque is off, the next command does not wait.
     let mut killed = desk.command(&["record", "--limp", "--rig", &desk.rig, "-o"]);
     let mut killed = killed.arg(path(desk.folder.path(), "led.csv"));
     killed = killed.args(["--target", &desk.link]).stdout(Stdio::null()).stderr(Stdio::null());
@@ -171,7 +171,7 @@ fn the_rig_of_a_killed_play_is_stopped_at_once() {
     assert_eq!(desk.board.seen().state(), State::Faulted);
     let seen = desk.board.begin();
     let off_s = seen.states.last().unwrap().0 - seen.states[0].0;
-    // Without the command, the board lowers the rig after 2 s, and its torque is off later.
+    // Without the e-stop, the board would lower the rig after 2 s, and torque would be off later.
     assert!(off_s < 3.0, "torque was off {off_s:.2} s after the play was watched");
 }
 
@@ -185,7 +185,7 @@ fn a_program_that_stood_still_for_3_s_moves_nothing_afterwards() {
     };
     signal("-STOP");
     sleep(Duration::from_secs(3));
-    // Its link is lost: the rig is lowered.
+    // The board has lost its link, and lowers the rig.
     assert!(desk.board.until(|state| state != State::Playing && state != State::Holding, PATIENCE));
     desk.board.begin();
     signal("-CONT");
@@ -223,7 +223,7 @@ fn a_monitor_leaves_the_port_to_a_play_and_watches_it() {
     let lines = reader.join().unwrap();
     let place = |state: &str| lines.iter().position(|line| line.starts_with(state));
     let playing = place("playing").unwrap();
-    // It has opened the port again, and therefore prints the times at the end.
+    // The command has opened the port again, and therefore prints the durations at its end.
     let limp = lines.iter().skip(playing).filter(|line| line.starts_with("limp")).count();
     assert!(limp > 2 && lines.iter().any(|line| line.contains("period")), "{lines:#?}");
 }
@@ -252,7 +252,7 @@ fn two_simulated_boards_do_not_share_a_link() {
     end_by(&mut first, "-KILL");
     let mut third = start();
     end_by(&mut third, "-HUP");
-    // Nothing is left of it.
+    // The ended simulation leaves no file.
     let left: Vec<_> =
         fs::read_dir(folder.path()).unwrap().flatten().map(|f| f.file_name()).collect();
     assert_eq!(left, ["arm.toml"]);
@@ -280,7 +280,7 @@ fn a_simulated_play_is_stopped_from_another_terminal() {
         }
         let said = ends(play, code);
         assert!(said.contains(word), "{said}");
-        // Nothing was measured, so nothing is printed.
+        // If nothing was measured, no error is printed.
         assert!(!said.contains("error mean"), "{said}");
     }
 }

@@ -1,4 +1,4 @@
-//! The other command's end of the socket.
+//! The asking command's end of the socket.
 
 use std::fs;
 use std::io::{self, BufRead as _, BufReader, ErrorKind, Write as _};
@@ -16,7 +16,7 @@ use super::{Reply, Request, Role, View};
 const ANSWERS: Duration = Duration::from_secs(2);
 const CONNECTS: Duration = Duration::from_millis(500);
 
-/// Returns the names of the hubs that run for this user. Removes the sockets that killed programs have left.
+/// Returns the names of all running hubs of this user, sorted. Removes sockets that killed programs have left.
 pub fn consoles() -> Vec<String> {
     let files = folders().into_iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten();
     let sockets: Vec<(String, PathBuf)> = files
@@ -63,14 +63,15 @@ where
     begun.into_iter().map(|told| told?.recv_timeout(left()).ok()).collect()
 }
 
-/// Returns whether a program serves a socket. A socket is visible only while its program listens, or after its end.
+/// Returns whether a program serves a socket. A refused connection means that the program has ended: then removes the
+/// socket.
 fn is_alive(path: &Path) -> bool {
     let number = || fs::symlink_metadata(path).map(|found| found.ino()).ok();
     let before = number();
     match UnixStream::connect(path) {
         Ok(_) => true,
         Err(error) if error.kind() == ErrorKind::ConnectionRefused => {
-            // A new program may have taken the name meanwhile.
+            // A new program may have created a socket of this name since.
             if number() == before {
                 let _ = fs::remove_file(path);
             }
@@ -80,7 +81,8 @@ fn is_alive(path: &Path) -> bool {
     }
 }
 
-/// Asks a hub, and waits until the command is executed. For a request that moves nothing, waits for at most 2 s.
+/// Sends a request to a hub, and waits for the answer, which arrives after the command is executed. A request that
+/// begins no motion is answered within 2 s.
 ///
 /// # Errors
 /// An I/O error if no hub has this name, it has ended, or it does not answer in time.
@@ -91,8 +93,8 @@ pub fn ask(name: &str, request: &Request) -> io::Result<Reply> {
     ask_all(&[name.to_owned()], request).pop().unwrap_or_else(|| Err(ErrorKind::NotFound.into()))
 }
 
-/// Asks hubs at the same time something that moves nothing, and returns their answers after at most 2 s: a hub that
-/// does not answer delays no other.
+/// Sends a request that begins no motion to several hubs at once, and returns their answers after at most 2 s. A hub
+/// that does not answer delays no other hub.
 pub fn ask_all(names: &[String], request: &Request) -> Vec<io::Result<Reply>> {
     let own = request.clone();
     let replies = each(names, ANSWERS, move |name: String| exchange(&name, &own, Some(ANSWERS)));
@@ -137,14 +139,14 @@ fn send(name: &str, request: &Request) -> io::Result<UnixStream> {
     Ok(stream)
 }
 
-/// Views of the rig of a hub.
+/// Connection to a hub that sends views of its rig.
 #[derive(Debug)]
 pub struct Watching {
     stream: BufReader<UnixStream>,
     line: Vec<u8>,
 }
 
-/// Watches the rig of a hub.
+/// Connects to a hub to receive views of its rig.
 ///
 /// # Errors
 /// An I/O error if no hub has this name.
@@ -153,7 +155,7 @@ pub fn watch(name: &str) -> io::Result<Watching> {
 }
 
 impl Watching {
-    /// Returns the next view, or `None` if none comes within `wait`.
+    /// Returns the next view, or `None` if no view arrives within `wait`.
     ///
     /// # Errors
     /// An I/O error if the hub has ended.
@@ -166,7 +168,7 @@ impl Watching {
                 view.map(Some)
             }
             Ok(_) => Err(ErrorKind::UnexpectedEof.into()),
-            // The part of the line that has arrived is kept.
+            // The part of the line that has arrived stays in the buffer.
             Err(error)
                 if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) =>
             {

@@ -1,8 +1,8 @@
-//! A Unix socket, which only this user can open, by which commands of this user reach a running hub: a console, or
-//! another command that uses the board.
+//! Unix socket through which commands reach a running hub of the same user. A hub is a console, or another command that
+//! uses a board. Only this user can open the socket.
 //!
-//! A request and its answer are each one line of JSON. A motion is answered at its end. If the command ends earlier,
-//! the rig holds. A command that watches gets a line for each view of the rig until it ends.
+//! A request is one line of JSON, and so is its answer. A motion is answered at its end; if the asking command ends
+//! earlier, the rig holds. A command that watches receives a line for each view of the rig, until it ends.
 
 mod client;
 mod folder;
@@ -20,22 +20,22 @@ pub use folder::folder;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "command", rename_all = "lowercase")]
 pub enum Request {
-    /// The rig goes to its rest pose and is lowered; then torque is off.
+    /// The hub moves the rig to its rest pose, lowers it, and switches torque off.
     Stop,
-    /// Torque goes off at once.
+    /// The hub switches torque off at once.
     EStop,
-    /// The armed rig goes to its home pose.
+    /// The hub moves the armed rig to its home pose.
     Home,
-    /// A joint of the armed rig moves by an angle or a distance.
+    /// The hub moves a joint of the armed rig by an angle or a distance.
     Jog {
         /// Name of the joint.
         joint: String,
         /// Angle in deg, or distance in mm.
         by: f64,
     },
-    /// Views of the rig, until the command leaves.
+    /// The hub sends views of the rig until the asking command ends.
     Watch,
-    /// A hub that only watches closes its port, so that this command can open it.
+    /// A hub that only watches closes its port, so that the asking command can open it.
     Yield,
     /// The hub tells its [`Role`].
     Who,
@@ -63,18 +63,18 @@ impl Role {
     }
 }
 
-/// View of a rig, for a command that watches.
+/// State of a rig for a command that watches.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct View {
-    /// The newest summary.
+    /// Newest summary of the board.
     pub summary: Summary,
-    /// The newest data of servos.
+    /// Newest data of all servos.
     pub servos: Vec<Servo>,
-    /// Faults since the last view.
+    /// Faults that are new since the previous view.
     pub faults: Vec<FaultRecord>,
 }
 
-/// An answer of a hub.
+/// Answer of a hub to a request.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Reply {
     /// Whether the command was executed.
@@ -83,7 +83,7 @@ pub struct Reply {
     pub text: String,
 }
 
-/// Returns the name of the hub that uses a port.
+/// Returns the name of the hub that uses a port. The name depends only on the port's path.
 pub fn name_of_port(port: &Path) -> String {
     let port = fs::canonicalize(port).unwrap_or_else(|_| port.to_owned());
     let name = port.to_string_lossy();

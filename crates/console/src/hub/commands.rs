@@ -119,7 +119,7 @@ impl<L: Line> Hub<'_, L> {
                 if is_new {
                     self.end_arming("another page drives");
                 }
-                // The page before may have been silent while it moved a joint.
+                // The previous driver may have become silent while it moved a joint.
                 let is_moved = self.act.as_ref().is_some_and(Act::dies_with_its_page);
                 let held = if is_new && is_moved { self.hold() } else { Ok(String::new()) };
                 held.map(|_| "this page drives".to_owned())
@@ -200,7 +200,8 @@ impl<L: Line> Hub<'_, L> {
         Ok("the rig moves".to_owned())
     }
 
-    /// Returns the pose from which a motion of all joints begins: that which the board commands, or has measured.
+    /// Returns the pose at which a motion of all joints begins: the pose that the board commands, otherwise the
+    /// measured pose.
     fn pose_now(&self, count: usize) -> Result<Vec<f32>, Refused> {
         let own = |k: usize| self.wanted(k).or_else(|| self.board.log.q.get(k).copied());
         let pose: Vec<f32> = (0..count).filter_map(own).collect();

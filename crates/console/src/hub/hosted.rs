@@ -1,4 +1,4 @@
-//! A board whose hub is a command without pages: other terminals may watch and stop the rig meanwhile.
+//! A command without pages that is the hub of its board: other terminals may watch and stop the rig.
 
 use std::io;
 use std::sync::mpsc::sync_channel;
@@ -10,21 +10,23 @@ use super::{Hub, Owner};
 use crate::local::Door;
 use crate::scene::Scene;
 
-/// Number of requests that wait for the command.
+/// Maximum number of requests that wait for the hub.
 const WAITING: usize = 32;
 
-/// A board that a command owns. The command drives it by [`Self::board_mut`], and calls [`Self::step`] all the time.
+/// A board that belongs to a command. The command controls the board with [`Self::board_mut`], and must call
+/// [`Self::step`] regularly.
 #[derive(Debug)]
 pub struct Hosted<'a, L> {
-    // The socket is removed before the port is closed.
+    // Drop order: the socket is removed before the port is closed.
     door: Option<Door>,
     hub: Hub<'a, L>,
-    /// Number of faults of the board's log that watching commands know.
+    /// Number of faults in the board's log that were already sent to watching commands.
     faults: usize,
 }
 
 impl<'a, L: Line> Hosted<'a, L> {
-    /// Begins to serve requests of other terminals, which know the board by `name`. Without a name, nobody reaches it.
+    /// Starts to serve requests of other terminals, which reach the board by `name`. Without a name, no terminal can
+    /// reach it.
     ///
     /// # Errors
     /// An I/O error of the socket.
@@ -45,12 +47,12 @@ impl<'a, L: Line> Hosted<'a, L> {
         self.hub.board
     }
 
-    /// Returns the board, to command it.
+    /// Returns the board, for commands to it.
     pub fn board_mut(&mut self) -> &mut Board<L> {
         self.hub.board
     }
 
-    /// Executes requests of other terminals, and receives messages of the board, waiting up to `wait`.
+    /// Executes requests of other terminals. Then receives messages of the board, and waits up to `wait` for them.
     ///
     /// # Errors
     /// As in [`Board::step`].
@@ -66,12 +68,12 @@ impl<'a, L: Line> Hosted<'a, L> {
         Ok(())
     }
 
-    /// Returns whether another terminal has stopped the rig, by a stop or an e-stop.
+    /// Returns whether another terminal has stopped the rig with a stop or an e-stop.
     pub fn is_stopped(&self) -> bool {
         self.hub.asked.stopped
     }
 
-    /// Returns whether another command wants the port. Only a hub that watches is asked.
+    /// Returns whether another command has asked for the port. Only an [`Owner::Watches`] gives its port up.
     pub fn yields(&self) -> bool {
         self.hub.asked.yields
     }

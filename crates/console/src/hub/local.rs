@@ -11,19 +11,19 @@ use super::act::{AGAIN, Act, READY, passes};
 use super::{Hub, Refused};
 use crate::local::{CUTS, Reply, Request, Role, STOPS};
 
-/// Number of the command of a hub that executes a single one.
+/// Command number of the request that the program itself executes, without a socket.
 const OWN: u64 = 0;
-/// A deg in rad, and a mm in m.
+/// Units of a jog in SI units: 1 deg in rad, and 1 mm in m.
 const UNITS: [f64; 2] = [std::f64::consts::PI / 180.0, 1e-3];
 
-/// Program that owns a hub, and what other commands may ask of it.
+/// Kind of program that owns a hub. It decides which requests of other commands the hub accepts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
-    /// A console: its pages drive, and commands move the rig while nothing else moves.
+    /// A console. Its pages drive; other commands may move the rig while nothing else moves it.
     Console,
-    /// A command of this name drives: others stop the rig, and watch.
+    /// A command of this name, which drives the rig. Other commands may stop the rig and watch it.
     Drives(&'static str),
-    /// A command that watches: it gives up the port for every other command.
+    /// A command that only watches. It closes its port if another command asks for it.
     Watches,
 }
 
@@ -37,12 +37,12 @@ impl fmt::Display for Owner {
     }
 }
 
-/// Requests of other commands that the owner of a hub heeds.
+/// Requests of other commands to which the owner of a hub must react.
 #[derive(Debug, Default)]
 pub(super) struct Asked {
-    /// Whether a command has stopped the rig.
+    /// Whether another command has stopped the rig.
     pub(super) stopped: bool,
-    /// Whether a command wants the port.
+    /// Whether another command needs the port.
     pub(super) yields: bool,
 }
 
@@ -72,7 +72,7 @@ impl<L: Line> Hub<'_, L> {
                 self.asked.stopped = true;
                 self.ask(Command::EStop).map(|_| CUTS.to_owned())
             }
-            // The socket's thread answers it.
+            // The thread of the socket answers `Watch`.
             Request::Watch => Err(Refused::because("it is no command")),
             Request::Yield => self.give_up_port(),
             Request::Who => {

@@ -1,10 +1,10 @@
 //! The hub: one thread that alone owns the session with the board, and answers all pages.
 //!
-//! - `wheel`: who drives. `commands`: what pages ask. `act`: what goes on until it is over: arming, a slider, a
+//! - `wheel`: the page that drives. `commands`: requests of pages. `act`: activities that last: arming, a slider, a
 //!   journey, a show.
-//! - `slider`: motions, which get the time from their caller. `shows`: slots and ghosts. `upload`: a show that is sent to
+//! - `slider`: motions, to which the caller gives the time. `shows`: slots and ghosts. `upload`: a show on its way to
 //!   the board.
-//! - `tell`: messages to pages. `local`: commands of this user in other terminals. `watchers`: those that watch.
+//! - `tell`: messages to pages. `local`: requests of other terminals of this user. `watchers`: terminals that watch.
 //! - `hosted`: a command without pages that is the hub of its board. `session_record`: a recording of the session.
 
 mod act;
@@ -181,7 +181,7 @@ impl<'a, L: Line> Hub<'a, L> {
         self.read_slots()
     }
 
-    /// Adds the rows that are due to the recording of the session.
+    /// Adds all rows that are due to the recording of the session. Ends the recording after an error.
     fn go_on_record(&mut self) {
         let shows = matches!(self.act, Some(Act::Show(_)));
         let (now, log) = (self.board.now(), &self.board.log);
@@ -196,7 +196,8 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Writes the end of the recording, if there is one. `error`: the error that ends it.
+    /// Finishes the recording, if there is one. `error`: reason why the recording ends early. Reports each error to the
+    /// pages.
     fn end_record(&mut self, error: Option<String>) {
         let Some(record) = self.record.take() else { return };
         if let Some(error) = error.or(record.end().err()) {
@@ -204,7 +205,7 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Handles messages of pages and commands.
+    /// Handles the waiting messages of pages and other commands.
     fn take_messages(&mut self) {
         for _ in 0..MESSAGES {
             let Ok(message) = self.inbox.try_recv() else { break };
@@ -212,10 +213,10 @@ impl<'a, L: Line> Hub<'a, L> {
         }
     }
 
-    /// Handles messages, receives from the board, and goes on with what goes on.
+    /// Handles waiting messages, receives from the board, and continues the present activity.
     ///
     /// # Errors
-    /// The port is of no use any more.
+    /// The port has failed for good.
     fn turn(&mut self) -> Result<(), ClientError> {
         self.take_messages();
         if let Some(due) = self.lost {

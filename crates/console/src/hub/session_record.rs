@@ -1,4 +1,4 @@
-//! A recording of a console's session, made of the telemetry that arrives.
+//! Recording of a console's session: its rows are computed from the board's telemetry.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use sinew_performance::play::{Recorder, Tick, TickOfJoint};
 use crate::scene::Scene;
 use sinew_board_client::pose;
 
-/// Rate of the rows, Hz: that of the pictures. If the line carries fewer, rows are repeated.
+/// Number of rows per second, as many as pages get pictures. If less telemetry arrives, rows are repeated.
 pub const RECORD_HZ: f64 = 30.0;
 
 /// Longest time between a row and the newest summary of the board. Otherwise the state at the time of the row is
@@ -19,7 +19,7 @@ const FRESH: Duration = Duration::from_millis(500);
 /// Maximum number of rows in a turn of the hub. After a pause of the program many rows are due.
 const ROWS: usize = 32;
 
-/// A recording that is written while the hub runs.
+/// A recording in progress.
 pub(super) struct SessionRecord {
     recorder: Recorder,
     rows: Rows,
@@ -29,7 +29,7 @@ pub(super) struct SessionRecord {
 /// Times of the rows of a recording.
 #[derive(Debug, Default)]
 struct Rows {
-    /// Time of the first row, and number of rows.
+    /// Time of the first row, and number of rows so far.
     begun: Option<Duration>,
     count: u32,
     /// Number of summaries, and the time when it has changed.
@@ -75,7 +75,7 @@ impl SessionRecord {
         self.faults.extend(faults.iter().map(name));
     }
 
-    /// Adds the rows that are due. `runs`: whether a show runs; `is_lost`: whether the board does not answer. Values of
+    /// Adds the rows that are due. `runs`: whether the clock of a show runs; `is_lost`: whether the board does not answer. Values of
     /// a time without messages of the board are unknown.
     pub(super) fn go_on(
         &mut self,
@@ -114,7 +114,7 @@ impl SessionRecord {
     }
 }
 
-/// Returns all dofs. The command is known while torque is on.
+/// Returns the state of all dofs. Commands and errors are unknown while torque is off.
 fn joints(scene: &Scene, log: &TelemetryLog) -> Vec<TickOfJoint> {
     if log.q.len() != scene.home.len() {
         return Vec::new();

@@ -23,7 +23,7 @@ pub struct OwnShow {
     pub name: String,
     /// The show's bytes.
     pub bytes: Arc<[u8]>,
-    /// The show's sound.
+    /// Sound of the show, if it has a sound.
     pub sound: Option<OwnSound>,
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Slider {
     fed: Duration,
     /// Time at which the joint reached its goal.
     still: Duration,
-    /// Pose of the rig, if other joints follow this one; otherwise empty.
+    /// Pose of the rig, if other joints follow this joint; otherwise empty.
     pose: Vec<f32>,
 }
 
@@ -49,13 +49,14 @@ impl Slider {
         Self { dof, coordinate, goal, range, most, at, velocity, told, fed, still, pose }
     }
 
-    /// Makes the slider lead other joints: it gives poses instead of speeds. `pose`: that of the rig now.
+    /// Makes the slider send poses instead of speeds, because other joints follow its joint. `pose`: present pose of
+    /// the rig.
     pub(super) fn lead(&mut self, pose: Vec<f32>) {
         self.pose = pose;
     }
 
-    /// Returns the pose of the rig with the joint where it is now, or `None` if no other joint follows it. The caller
-    /// moves the followers.
+    /// Returns the rig's pose with the present position of the slider's joint; `None` if no other joint follows this
+    /// joint. The caller must move the followers in this pose.
     pub(super) fn pose(&self) -> Option<Vec<f32>> {
         let mut pose = self.pose.clone();
         *pose.get_mut(self.coordinate)? = self.at;

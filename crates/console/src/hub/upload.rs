@@ -69,7 +69,7 @@ impl<L: Line> Hub<'_, L> {
     pub(super) fn take_content(&mut self, page: PageId, bytes: Arc<[u8]>) {
         let is_announced = |upload: &mut Upload| upload.page == page && upload.sending.is_none();
         let Some(mut upload) = self.upload.take_if(is_announced) else { return };
-        // The section for a sound stays here; only a show of the command line has its sound's file.
+        // The section for a sound is not uploaded. Only shows of the command line can have a sound.
         let bytes = match split(&bytes) {
             Ok((show, Some(_))) => show.into(),
             _ => bytes,

@@ -8,12 +8,12 @@ use sinew_link::message::FaultRecord;
 
 use crate::local::View;
 
-/// Interval of views.
+/// Interval between two views.
 const EVERY: Duration = Duration::from_millis(100);
-/// Maximum number of faults that wait for a command which does not read.
+/// Maximum number of faults that are kept for a command that reads too slowly.
 const FAULTS_MAX: usize = 64;
 
-/// A command that watches, with the faults that it does not know yet.
+/// A command that watches. `faults` contains the faults that it has not received yet.
 #[derive(Debug)]
 struct Watcher {
     views: SyncSender<View>,
@@ -34,7 +34,7 @@ impl Watchers {
         self.last = None;
     }
 
-    /// Passes the newest state, at most every 100 ms. `faults`: those since the last call.
+    /// Sends the newest state to all watching commands, at most every 100 ms. `faults`: faults since the last call.
     pub(super) fn tell<L: Line>(&mut self, board: &Board<L>, faults: &[FaultRecord]) {
         for watcher in &mut self.all {
             let room = FAULTS_MAX.saturating_sub(watcher.faults.len());

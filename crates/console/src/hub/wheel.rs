@@ -8,7 +8,7 @@ use crate::server::PageId;
 /// it is lowered.
 const SILENT: Duration = Duration::from_secs(2);
 pub(super) const LOWER_AFTER: Duration = Duration::from_secs(3);
-/// Time for which a page that asks for the wheel is remembered.
+/// Time after which a request for the wheel is forgotten.
 const ASKS: Duration = Duration::from_secs(30);
 
 /// The page that has the wheel, and the time of its last message.
@@ -16,13 +16,13 @@ const ASKS: Duration = Duration::from_secs(30);
 pub(super) struct Wheel {
     holder: Option<PageId>,
     heard: Duration,
-    /// Page that has asked for the wheel last, and when.
+    /// The page that asked for the wheel last, and the time.
     asks: Option<(PageId, Duration)>,
 }
 
 impl Wheel {
-    /// Gives the wheel to a page, if it is free or its holder is silent. Returns whether the page holds it. If it does
-    /// not, the holder is asked for it.
+    /// Gives the wheel to a page, if the wheel is free or its holder is silent. Returns whether the page now holds the
+    /// wheel. Otherwise the request of the page is stored.
     pub(super) fn take(&mut self, page: PageId, now: Duration) -> bool {
         if self.is_at(page) {
             return true;
@@ -36,18 +36,18 @@ impl Wheel {
         is_given
     }
 
-    /// Takes the wheel from its holder, and gives it to the page that asks for it.
+    /// Takes the wheel from its holder, and gives it to the page that has asked for it; otherwise the wheel is free.
     pub(super) fn pass(&mut self, now: Duration) {
         let next = self.asks.take().filter(|(_, at)| now.saturating_sub(*at) < ASKS);
         (self.holder, self.heard) = (next.map(|(page, _)| page), now);
     }
 
-    /// Forgets that a page has asked, because it is gone.
+    /// Deletes the request of a page that is closed.
     pub(super) fn forget(&mut self, page: PageId) {
         self.asks.take_if(|(asks, _)| *asks == page);
     }
 
-    /// Returns whether a page asks for the wheel.
+    /// Returns whether a page has asked for the wheel within the last 30 s.
     pub(super) fn is_asked(&self, now: Duration) -> bool {
         self.asks.is_some_and(|(_, at)| now.saturating_sub(at) < ASKS)
     }
@@ -85,10 +85,10 @@ mod tests {
         assert!(wheel.is_silent(s(2)));
         wheel.hear(1, s(5));
         assert!(!wheel.is_silent(s(6)));
-        // The page that has asked gets it.
+        // The page that has asked for the wheel gets it.
         wheel.pass(s(6));
         assert!(!wheel.is_silent(s(7)) && wheel.is_at(2) && !wheel.is_asked(s(7)));
-        // Nobody has asked since.
+        // No page has asked for the wheel since.
         wheel.pass(s(8));
         assert!(wheel.is_free() && wheel.take(1, s(8)) && !wheel.take(3, s(9)));
         wheel.forget(3);
@@ -101,7 +101,7 @@ mod tests {
         let (mut wheel, s) = (Wheel::default(), Duration::from_secs);
         assert!(wheel.take(1, s(0)) && !wheel.take(2, s(1)) && wheel.is_asked(s(1)));
         assert!(wheel.take(2, s(2)) && wheel.is_at(2));
-        // The page before is heard again, and views.
+        // A message of the previous page arrives; it only watches now.
         wheel.hear(1, s(3));
         assert!(!wheel.take(1, s(3)));
     }

@@ -1,4 +1,4 @@
-//! Stops from other terminals for a program without a board: its rig is simulated.
+//! Socket of a program that has no board but a simulated rig: other terminals can only stop the rig.
 
 use std::io;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -6,10 +6,10 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use super::{Door, Reply, Request, Role};
 use crate::server::ToHub;
 
-/// Number of requests that wait.
+/// Maximum number of requests that wait.
 const WAITING: usize = 8;
 
-/// A socket for stops.
+/// A socket that accepts stops and e-stops.
 #[derive(Debug)]
 pub struct Bell {
     _door: Door,
@@ -21,14 +21,14 @@ impl Bell {
     /// Opens the socket.
     ///
     /// # Errors
-    /// An I/O error if the socket's folder is not this user's, or another program has the name.
+    /// An I/O error if the socket's folder does not belong to this user, or another program uses the name.
     pub fn open(name: &str) -> io::Result<Self> {
         let (requests, inbox) = sync_channel(WAITING);
         Ok(Self { _door: Door::open(name, requests)?, inbox, is_stopped: false })
     }
 
-    /// Returns whether a stop was asked for since the beginning, and whether an e-stop was asked for since the last
-    /// call.
+    /// Answers all waiting requests. Returns whether a stop has arrived since the socket was opened, and whether an
+    /// e-stop has arrived since the last call.
     pub fn asked(&mut self) -> (bool, bool) {
         let mut is_cut = false;
         for message in self.inbox.try_iter() {
@@ -48,7 +48,7 @@ impl Bell {
                     "refused: the rig is simulated by `sinew play`, and can only be stopped",
                 ),
             };
-            // Nobody waits if the command has ended.
+            // If the asking command has ended, nobody receives the reply.
             let _ = answer.try_send(Reply { ok, text: text.to_owned() });
         }
         (self.is_stopped, is_cut)

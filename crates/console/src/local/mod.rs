@@ -1,4 +1,4 @@
-//! The hub's end of the socket by which other commands of this user reach it. Their end is
+//! Socket through which other commands of this user reach the hub: the hub's end. The commands' end is
 //! [`sinew_board_client::console`].
 
 mod bell;
@@ -17,14 +17,14 @@ pub use sinew_board_client::console::{
 pub use bell::Bell;
 pub(crate) use server::Door;
 
-/// Answers to a stop and an e-stop.
+/// Answers to a stop and to an e-stop.
 pub(crate) const STOPS: &str = "the rig goes to its rest pose, then torque is off";
 pub(crate) const CUTS: &str = "torque is off";
 
-/// Returns the folder of this user's sockets, which it creates.
+/// Returns the folder of this user's sockets. Creates it if necessary.
 ///
 /// # Errors
-/// An I/O error, also if other users may enter the folder.
+/// An I/O error, also if the folder exists and other users may open it.
 pub fn private_folder() -> io::Result<PathBuf> {
     let folder = folder()?;
     create_folder(&folder)?;

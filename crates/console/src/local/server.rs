@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
@@ -21,11 +21,13 @@ const REQUEST_MAX: u64 = 4096;
 /// Longest time for a request, and the interval of checks whether a waiting command still runs.
 const PATIENCE: Duration = Duration::from_secs(2);
 const LOOK: Duration = Duration::from_millis(20);
+/// Time for the last answers when the hub ends.
+const ANSWERS: Duration = Duration::from_millis(300);
 
-/// Number of views that wait for a slow command. Newer views are dropped.
+/// Maximum number of views that wait for a slow command. If they are exceeded, newer views are dropped.
 const VIEWS: usize = 4;
 
-/// Number of the next command. 0 is the hub's own.
+/// Number of the next command. Number 0 belongs to the hub's own request.
 static COMMANDS: AtomicU64 = AtomicU64::new(1);
 
 /// A socket for other commands. It is removed on drop.
@@ -33,6 +35,8 @@ static COMMANDS: AtomicU64 = AtomicU64::new(1);
 pub(crate) struct Door {
     path: PathBuf,
     is_over: Arc<AtomicBool>,
+    /// One copy for the door, one for its thread, and one for each request that is not answered yet.
+    asked: Arc<()>,
 }
 
 impl Door {
@@ -44,27 +48,28 @@ impl Door {
             let text = format!("{}: another console uses it", path.display());
             return Err(io::Error::new(io::ErrorKind::AddrInUse, text));
         }
-        // The socket gets its name when it is complete: until then, no command finds it, or takes it for a dead one.
+        // The socket gets its final name only when it accepts connections. Otherwise another command could take it for
+        // the socket of an ended program, and remove it.
         let unnamed = folder.join(format!(".{name}.{}", std::process::id()));
         let _ = fs::remove_file(&unnamed);
         let listener = UnixListener::bind(&unnamed)?;
         fs::set_permissions(&unnamed, Permissions::from_mode(0o600))?;
         fs::rename(&unnamed, &path)?;
-        let door = Self { path, is_over: Arc::default() };
+        let door = Self { path, is_over: Arc::default(), asked: Arc::default() };
         if fs::metadata(&door.path)?.uid() != fs::metadata(&folder)?.uid() {
             let text = format!("{}: belongs to another user", folder.display());
             return Err(io::Error::new(io::ErrorKind::PermissionDenied, text));
         }
-        let is_over = Arc::clone(&door.is_over);
+        let (is_over, asked) = (Arc::clone(&door.is_over), Arc::clone(&door.asked));
         let accept = move || {
             for stream in listener.incoming() {
                 if is_over.load(Ordering::Relaxed) {
                     break;
                 }
                 let Ok(stream) = stream else { continue };
-                let hub = hub.clone();
+                let (hub, asked) = (hub.clone(), Arc::clone(&asked));
                 // If a connection fails, nobody waits for the reason.
-                let _ = thread::Builder::new().spawn(move || serve(&stream, &hub));
+                let _ = thread::Builder::new().spawn(move || serve(&stream, &hub, asked));
             }
         };
         thread::Builder::new().name("commands".to_owned()).spawn(accept)?;
@@ -78,17 +83,23 @@ impl Drop for Door {
         // The connection wakes the thread.
         let _ = UnixStream::connect(&self.path);
         let _ = fs::remove_file(&self.path);
+        // A program that ends by a request still answers it.
+        let end = Instant::now() + ANSWERS;
+        while Arc::strong_count(&self.asked) > 2 && Instant::now() < end {
+            thread::sleep(Duration::from_millis(2));
+        }
     }
 }
 
-/// Passes a request to the hub and the answer back. Reports to the hub if the command ends earlier.
-fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
+/// Passes a request to the hub, and the answer back to the command. Tells the hub if the command ends earlier.
+fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>, asked: Arc<()>) -> io::Result<()> {
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut line = String::new();
     BufReader::new(stream.take(REQUEST_MAX)).read_line(&mut line)?;
     let request: Request = serde_json::from_str(&line).map_err(io::Error::other)?;
     if request == Request::Watch {
+        drop(asked);
         return show(stream, hub);
     }
     let command = COMMANDS.fetch_add(1, Ordering::Relaxed);
@@ -109,7 +120,7 @@ fn serve(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     write(stream, &reply)
 }
 
-/// Passes views of the rig to a command until it leaves.
+/// Passes views of the rig to a command until the command ends.
 fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     let (views, waiting) = sync_channel::<View>(VIEWS);
     hub.send(ToHub::Watches { views }).map_err(|_| gone())?;
@@ -123,7 +134,7 @@ fn show(stream: &UnixStream, hub: &SyncSender<ToHub>) -> io::Result<()> {
     }
 }
 
-/// Returns whether the command waits. It says nothing more, but it may have ended.
+/// Returns whether the command still waits. It sends nothing more, so a read fails only while the socket is open.
 fn is_there(mut stream: &UnixStream) -> bool {
     stream.read(&mut [0]).is_err_and(|error| error.kind() == io::ErrorKind::WouldBlock)
 }

@@ -145,7 +145,7 @@ const refresh = (swings = new Set()) => {
   setDisabled(byId("wheel"), !isConnected);
   setHidden(byId("wheel"), false);
   const isOther = role.other && role.other !== "null";
-  write(byId("wheel"), role.driver ? (role.asked ? "Give it" : "Give it back") : isOther ? "Ask for the wheel" : "Take the wheel");
+  write(byId("wheel"), role.driver ? (role.asked ? "Give the wheel" : "Give it back") : isOther ? "Ask for the wheel" : "Take the wheel");
   byId("wheel").classList.toggle("go", !role.driver || role.asked === true);
   write(byId("role"), role.driver ? (role.asked ? "Another page asks for the wheel" : "This page drives")
     : isOther ? `Viewing: a ${role.other} drives` : "Viewing: nobody drives");

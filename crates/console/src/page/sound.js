@@ -1,34 +1,35 @@
-// The sound of a show, steered by the board's place in the show: the board's clock leads.
+// Plays the sound of a show, and corrects its speed so that it follows the board's time in the show.
 
 import { byId, setDisabled, setHidden, write } from "./dom.js";
 
-// The sound starts this much ahead of its time, so that its first sample is not late, s.
+// Time by which the start is planned ahead, so that the first sample is not late, s.
 const AHEAD_S = 0.03;
-// Changes of speed are at most this; a sound that is farther away jumps.
+// Largest change of the speed; and drift from which the sound jumps instead, s.
 const RATE_MOST = 0.02;
 const JUMP_S = 0.15;
-// Drift is corrected by this share in a second, at this interval, s.
+// Share of the drift that is corrected in a second; and interval of corrections, s.
 const GAIN = 0.4;
 const STEER_EVERY_S = 0.25;
-// A place of the board arrives late, never early: the newest of this time that came soonest is the clock, s.
+// The board's times arrive late, never early. Of those in this window, the one that arrived with the least delay sets
+// the clock, s.
 const WINDOW_S = 2;
 const FADE_S = 0.005;
 const GRAIN_S = 0.08;
 const GRAIN_EVERY_MS = 60;
-// Without a picture for this time the sound stops: nobody knows what the rig does, ms.
+// If no frame arrives for this time, the state of the rig is unknown, and the sound stops, ms.
 const SILENT_MS = 500;
-// Time after the start at which the start's error is measured, s.
+// Time from the start of the show to the measurement of the sound's first drift, s.
 const START_AFTER_S = 0.5;
 
 const now = () => performance.now() / 1000;
 
-// Estimates the board's place in the show from the places of pictures.
+// Estimates the board's time in the show from the times in the frames.
 export const placeClock = () => {
   let seen = [];
   return {
     reset: () => { seen = []; },
     take: (place, at) => {
-      // A loop has begun again, or the show was started anew.
+      // A loop or the show has started again.
       if (seen.length > 0 && Math.abs(place - at - seen.at(-1).lead) > 0.5) seen = [];
       seen.push({ lead: place - at, at });
       while (seen[0].at < at - WINDOW_S) seen.shift();
@@ -44,7 +45,7 @@ export const sound = () => {
   let context = null, gain = null, source = null, base = null, chosen = null, isOn = true, steeredAt = 0, grainAt = 0, tookAt = 0;
   let drifts = { begun: 0, start: NaN, now: NaN, most: 0 };
 
-  // A browser lets sound begin only after a gesture on the page.
+  // Browsers permit sound only after a gesture on the page.
   const wake = () => {
     if (!chosen) return;
     if (!context) {
@@ -63,7 +64,7 @@ export const sound = () => {
     try {
       const answer = await fetch(`/sound/${hash}`);
       if (!answer.ok) throw new Error(`the console has no such sound (${answer.status})`);
-      // Decoding needs no gesture, and keeps the rate of the file.
+      // Decoding needs no gesture.
       const bytes = await answer.arrayBuffer();
       buffers.set(hash, await new OfflineAudioContext(1, 1, 48000).decodeAudioData(bytes));
       show();
@@ -74,7 +75,7 @@ export const sound = () => {
   };
   const buffer = () => chosen ? buffers.get(chosen.hash) ?? null : null;
 
-  // The time of the context that is heard at a time of the page.
+  // Returns the time of the audio context that is heard at a time of the page.
   const heardAt = (at) => {
     const { contextTime, performanceTime } = context.getOutputTimestamp();
     if (performanceTime > 0) return contextTime + at - performanceTime / 1000;
@@ -102,7 +103,7 @@ export const sound = () => {
     }
     return { node, level };
   };
-  // Starts the sound where the show will be when the first sample is heard.
+  // Starts the sound at the time that the show will have when the first sample is heard.
   const start = () => {
     const ahead = now() + AHEAD_S;
     let at = Math.max(heardAt(ahead), context.currentTime + 0.003);
@@ -139,7 +140,7 @@ export const sound = () => {
     toggle.textContent = isOn ? "Sound off" : "Sound on";
     setDisabled(toggle, !buffer());
     const measured = Number.isNaN(drifts.start) ? ""
-      : `, began ${milliseconds(drifts.start)} from the show, drift ${milliseconds(drifts.now)}, at most ${milliseconds(drifts.most)}`;
+      : `, start off by ${milliseconds(drifts.start)}, drift ${milliseconds(drifts.now)}, at most ${milliseconds(drifts.most)}`;
     write(text, `${chosen.name}${buffer() ? measured : " is loading"}`);
     Object.assign(box.dataset, { start: drifts.start, drift: drifts.now, most: drifts.most, plays: source !== null });
   };
@@ -152,14 +153,14 @@ export const sound = () => {
   toggle.addEventListener("click", () => { isOn = !isOn; wake(); if (!isOn) quiet(); show(); });
 
   return {
-    // The sound of the show that is chosen, or null.
+    // Selects the sound of the chosen show; null for none.
     choose: (of) => {
       if (chosen?.hash !== of?.hash || chosen?.offset_s !== of?.offset_s) quiet();
       chosen = of ?? null;
       if (chosen) load(chosen);
       show();
     },
-    // A picture has come: the show plays at a place, or does not.
+    // Receives a frame: whether a show plays, and its time in the show.
     take: (isShow, place) => {
       tookAt = performance.now();
       const runs = isShow && Number.isFinite(place) && place > 0;
@@ -179,7 +180,7 @@ export const sound = () => {
       }
       show();
     },
-    // A moment of the show is looked at: it is heard for a moment.
+    // Plays a short piece of the sound at a time of the show, while the user moves the time line.
     scrub: (place) => {
       if (!chosen || !isOn || !buffer() || source || context?.state !== "running") return;
       const at = place + chosen.offset_s;

@@ -1,4 +1,4 @@
-//! The rows of a recording, as frames for pages.
+//! Rows of a recording as the binary frames that pages show.
 
 use sinew_link::message::{Dof, Servo, State};
 use sinew_performance::play::{Part, Recording, RecordingError, RigParts};
@@ -9,7 +9,7 @@ use crate::hub::RATE_HZ;
 use crate::scene::{LIMITS, Scene};
 use sinew_board_client::pose;
 
-/// The reason why a recording cannot be shown.
+/// Reason why a recording cannot be shown.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReplayError {
@@ -24,17 +24,17 @@ pub enum ReplayError {
     NotRecorded(String),
 }
 
-/// A recording that pages show, at most 30 rows a second of it.
+/// A recording that pages can show; it keeps at most 30 rows a second.
 #[derive(Debug)]
 pub struct Replay {
     pub(super) rate_hz: f32,
     pub(super) duration_s: f64,
     rows: Vec<Row>,
-    /// Faults and new states, with their times, s.
+    /// Faults and changes of the state, with their times, s.
     pub(super) events: Vec<(f64, String)>,
 }
 
-/// The rig at a moment.
+/// State of the rig at a moment.
 #[derive(Debug)]
 struct Row {
     state: u8,
@@ -45,7 +45,7 @@ struct Row {
     supply_v: f32,
 }
 
-/// Columns of the recording by dof and by servo of the rig.
+/// Index of the recording's column for each dof and for each servo of the rig.
 struct Columns {
     dofs: Vec<usize>,
     servos: Vec<Option<usize>>,
@@ -92,7 +92,7 @@ impl Replay {
         Ok(replay)
     }
 
-    /// Returns the message of a moment. `t_s`: time of the hub; `place_s`: place in the recording.
+    /// Returns the binary frame of a moment. `t_s`: time on the hub's clock; `place_s`: time in the recording.
     pub(super) fn frame(&self, scene: &Scene, t_s: f32, place_s: f64, is_running: bool) -> Vec<u8> {
         let none = Row {
             state: 0,
@@ -134,7 +134,7 @@ impl Columns {
             column.ok_or_else(|| ReplayError::NotRecorded(dof.name.clone()))
         });
         let servos = parts.servos.iter().map(|part| {
-            // A servo with the name of a joint has its own columns.
+            // A servo that has the name of a joint is recorded as `NAME.servo`.
             let own = format!("{}.servo", part.own.name);
             find(recording.servos(), &own).or_else(|| find(recording.servos(), &part.own.name))
         });
@@ -146,7 +146,7 @@ impl Columns {
         let state = State::ALL.into_iter().find(|own| Some(own.to_string().as_str()) == state);
         let joints = || self.dofs.iter().map(|column| &part.joints[*column]);
         let commanded: Vec<f32> = joints().map(|rows| rows.commanded[at]).collect();
-        // Hobby servos report nothing: they are drawn where they are sent.
+        // Hobby servos report no position: the page shows their commanded position.
         let measured = joints().zip(&commanded).map(|(rows, commanded)| {
             let measured = rows.measured[at];
             if measured.is_nan() { *commanded } else { measured }
@@ -176,7 +176,8 @@ impl Columns {
     }
 }
 
-/// Returns the coordinates of a pose from the positions of its dofs; a ball joint has a rotation vector.
+/// Returns the coordinates of a pose from the positions of its dofs. The positions of a ball joint are a rotation
+/// vector.
 fn positions(scene: &Scene, dofs: &[f32]) -> Vec<f32> {
     let mut rest = vec![0.0; scene.home.len()];
     for (first, _) in scene.blocks.iter().filter(|(_, count)| *count == 4) {

@@ -1,4 +1,4 @@
-//! A recording in place of a board: pages show it, seek in it, and play it. It has no commands.
+//! A recording instead of a board: pages show it, seek in it, and play it. They cannot command anything.
 
 mod frames;
 
@@ -12,12 +12,12 @@ use crate::message::{Level, PageCommand, Slot, ToPage};
 use crate::scene::Scene;
 use crate::server::{Outbox, PageId, ToHub, binary, text};
 
-/// Interval of pictures.
+/// Interval between two frames.
 const EVERY: Duration = Duration::from_millis(33);
-/// Maximum number of events that a page gets when it comes.
+/// Maximum number of events that a page receives when it connects.
 const EVENTS_MAX: usize = 200;
 
-/// The pages of a recording, which all are at the same place in it.
+/// Player of a recording. All pages show the same moment.
 pub(crate) struct Player<'a> {
     replay: &'a Replay,
     scene: &'a Scene,
@@ -25,7 +25,7 @@ pub(crate) struct Player<'a> {
     pages: BTreeMap<PageId, Outbox>,
     begun: Instant,
     place_s: f64,
-    /// Time and place from which the recording runs; `None` while it stands.
+    /// Start of playing: time, and place in the recording, s. `None` while the recording is paused.
     runs: Option<(Instant, f64)>,
     repeats: bool,
 }
@@ -36,7 +36,7 @@ impl<'a> Player<'a> {
         Self { replay, scene, name, pages, begun, place_s: 0.0, runs: None, repeats: false }
     }
 
-    /// Serves pages until a signal comes.
+    /// Serves pages until `stops` counts a signal.
     pub(crate) fn run(mut self, inbox: &Receiver<ToHub>, stops: &dyn Fn() -> u32) {
         let mut due = Instant::now();
         while stops() == 0 {
@@ -122,7 +122,7 @@ impl<'a> Player<'a> {
         Ok("")
     }
 
-    /// Moves the place of a recording that runs.
+    /// Moves the place in a recording that plays.
     fn go_on(&mut self) {
         let Some((since, from_s)) = self.runs else { return };
         self.place_s = from_s + since.elapsed().as_secs_f64();
@@ -149,7 +149,7 @@ impl<'a> Player<'a> {
     }
 }
 
-/// Returns the message about a state or a fault of a recording.
+/// Returns the message for a fault or for a change of the state in a recording.
 fn event(t: f64, words: &str) -> String {
     let level = match words.split(' ').next() {
         Some("warning") => Level::Warning,

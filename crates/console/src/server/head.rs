@@ -23,7 +23,7 @@ const KEY_SUFFIX: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
 pub(crate) enum Answer {
     /// A file of the page: its index in `FILES`.
     File(usize),
-    /// The sound of a show.
+    /// Bytes of a show's sound.
     Sound(Arc<[u8]>),
     /// The request is refused, with a status and the reason.
     Refused(&'static str, &'static str),

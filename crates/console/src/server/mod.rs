@@ -46,7 +46,7 @@ pub(crate) enum ToHub {
     Left { page: PageId },
     /// A command of this user sends a request, and waits for the answer.
     Asked { command: u64, request: Request, answer: SyncSender<Reply> },
-    /// Another command of this user watches the rig.
+    /// Another command of this user starts to watch the rig.
     Watches { views: SyncSender<View> },
     /// A command has ended before it got its answer.
     Gone { command: u64 },

@@ -156,7 +156,7 @@ impl Page {
     }
 }
 
-/// Reads the first coordinate of a frame.
+/// Reads the state, flags, and first measured and wanted coordinates of a frame.
 fn picture(bytes: &[u8]) -> Picture {
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let count = usize::from(u16::from_le_bytes([bytes[18], bytes[19]]));

@@ -71,7 +71,7 @@ fn a_page_arms_moves_a_joint_plays_and_stops() {
 
 #[test]
 fn a_tied_joint_moves_with_its_leader() {
-    // bend2 = 0.5 turn1 + 20 deg.
+    // The tie means: bend2 = 0.5 turn1 + 20 deg.
     let offset = 20_f64.to_radians();
     let mut arm = new::arm(2).unwrap();
     arm.limits.push(LinkedLimit {
@@ -111,7 +111,7 @@ fn a_tied_joint_moves_with_its_leader() {
     assert!(told.jogs.is_empty() && told.poses.len() > 10);
     for (index, pose) in told.poses.iter().enumerate() {
         let off = f64::from(pose[1]) - 0.5 * f64::from(pose[0]) - offset;
-        // A command's motion begins where the rig stands, which gravity moves by a little.
+        // The motion begins at the measured pose, which gravity has moved a little.
         assert!(off.abs() < 0.02, "pose {index}: off by {off}");
     }
 }
@@ -206,7 +206,7 @@ fn one_page_drives_and_all_may_stop() {
     sleep(ms(450));
     driver.slide(1.0, ms(300));
     driver.until_state(PLAYING);
-    // The viewer has asked for the wheel above, and gets it.
+    // The viewer has asked for the wheel above; now it gets the wheel.
     assert!(driver.texts.iter().any(|text| text["type"] == "role" && text["asked"] == true));
     assert!(driver.ask(json!({ "type": "wheel", "take": false })).0);
     let is_at_the_wheel = |page: &Page| {

@@ -22,7 +22,7 @@ use sinew_show::{Joint, Rate};
 
 const STACK_BYTES: usize = 64 << 20;
 
-/// All that a board got: commands, speeds of jogs, and poses.
+/// Messages that a board has received: commands, speeds of jogs, and poses.
 #[derive(Debug, Default)]
 pub(crate) struct Told {
     pub(crate) commands: Vec<Command>,
@@ -82,21 +82,21 @@ impl Line for Tapped {
     }
 }
 
-/// Register of an XL330's goal position, and the counts of a turn.
+/// Register of an XL330's goal position, and number of counts per turn.
 const GOAL_POSITION: u16 = 116;
 const TURN_COUNTS: f64 = 4096.0;
-/// Register of an XL330's torque.
+/// Register of an XL330 that switches torque.
 const TORQUE_ENABLE: u16 = 64;
 
-/// Everything that the first servo got, by the time of the board.
+/// Goals and speeds of the first servo.
 #[derive(Debug, Default)]
 pub(crate) struct AtServo {
-    /// Goal in the last tick, deg; `None` without torque.
+    /// Goal in the last tick, deg; `None` if torque was off.
     pub(crate) goal_deg: Option<f64>,
-    /// Largest step of the goal between two ticks with torque, deg, and largest speed of the shaft, deg/s.
+    /// Largest step of the goal between two ticks with torque, deg; and largest speed of the shaft, deg/s.
     pub(crate) step_deg: f64,
     pub(crate) speed_deg_s: f64,
-    /// Sum of all changes of the goal, deg.
+    /// Sum of all absolute changes of the goal, deg.
     pub(crate) way_deg: f64,
 }
 
@@ -137,12 +137,13 @@ impl OtherSide {
         Self::start_on(new::arm(1).unwrap(), None, with_show)
     }
 
-    /// Starts the arm on servos in position mode: their goals are positions.
+    /// Starts an arm of one joint with its servo in position mode, in which goals are positions.
     pub(crate) fn start_on_positions() -> Self {
         Self::start_on(new::arm(1).unwrap(), Some(Drive::Position), false)
     }
 
-    /// Starts a rig.
+    /// Starts a simulated board with this rig, and a console on it. `drive`: drive of all servos, instead of the
+    /// default.
     pub(crate) fn start_on(arm: Description, drive: Option<Drive>, with_show: bool) -> Self {
         let Prepared { rig, scene, line, told, is_busy, servo, board } = Prepared::new(arm, drive);
         let shows = if with_show { vec![nod(rig)] } else { Vec::new() };

@@ -1,4 +1,4 @@
-//! A recording in place of a board: pages seek in it and play it, and can command nothing.
+//! A recording instead of a board: pages seek in it and play it, and cannot command anything.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,7 +16,7 @@ use crate::client::{HOLDING, LIMP, Page};
 
 const RATE_HZ: f64 = 60.0;
 
-/// Returns the tick of a joint that turns by 0.1 rad a second, and holds from 2 s on.
+/// Returns the tick of a joint that turns by 0.1 rad a second. The rig is limp, and holds from 2 s on.
 fn tick(row: u32) -> Tick {
     let time_s = f64::from(row) / RATE_HZ;
     #[expect(clippy::cast_possible_truncation, reason = "a recording has f32")]

@@ -1,23 +1,25 @@
-//! Weights of visemes over time: each mouth is coloured by its neighbours.
+//! Weights of visemes over time: each mouth shape is influenced by its neighbours.
 //!
-//! The rule follows Cohen and Massaro (1993): every mouth has a dominance that falls with the distance from it, and
-//! weights are shares of the dominances. Lips that close dominate their neighbours, or they would stay open.
+//! The rule follows Cohen and Massaro (1993). Each mouth shape has a dominance that falls with the distance in time,
+//! and each weight is a share of the sum of dominances. Lips that close have a high dominance; otherwise they would
+//! stay open.
 
 use super::RATE_HZ;
 use super::error::FaceError;
 use super::names::{MouthSet, VISEMES, is_same};
 use super::track::{Cue, Weights};
 
-/// Time within which a neighbour's dominance falls to 1/e, s, and the largest share of a mouth's length.
+/// Distance in time at which a dominance has fallen to 1/e, s; and the maximum of this distance as a share of the mouth
+/// shape's duration.
 const REACH_S: f64 = 0.06;
 const REACH_SHARE: f64 = 0.35;
-/// Dominance of lips that close or touch the teeth, of silence, and of other mouths.
+/// Dominance of lips that close or touch the teeth, and of silence. All other mouth shapes have dominance 1.
 const CLOSED: f64 = 4.0;
 const SILENCE: f64 = 0.7;
 
 impl Weights {
-    /// Returns weights of visemes for mouth cues. `shapes` are the names of the rig's shapes: a shape with the name of a
-    /// mouth has priority over the mouth's viseme.
+    /// Returns weights of visemes for mouth cues. `shapes`: names of the rig's shapes. A shape with the name of the cue
+    /// has priority over the shape of the cue's viseme. `end_s`: end of the last cue.
     ///
     /// # Errors
     /// [`FaceError`] if a mouth is unknown, or the rig has no shape for it.
@@ -34,7 +36,7 @@ impl Weights {
             let end = cues.get(index + 1).map_or(end_s, |next| next.start_s);
             segments.push(Segment { span_s: [cue.start_s, end], shape, dominance });
         }
-        // A cue without a length is never seen.
+        // A cue without a duration is not visible.
         segments.retain(|segment| segment.span_s[1] > segment.span_s[0]);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 7200 s")]
         let last = (end_s * RATE_HZ).ceil() as usize;
@@ -44,14 +46,14 @@ impl Weights {
     }
 }
 
-/// A mouth that is seen for some time.
+/// A mouth shape that is visible for some time.
 struct Segment {
     span_s: [f64; 2],
     shape: usize,
     dominance: f64,
 }
 
-/// Returns the shape of a cue, and its dominance.
+/// Returns the name of the rig's shape for a cue, and its dominance.
 fn shape(cue: &Cue, set: MouthSet, shapes: &[&str]) -> Result<(String, f64), FaceError> {
     let viseme = set.viseme(&cue.mouth);
     let dominance = match viseme {
@@ -59,7 +61,7 @@ fn shape(cue: &Cue, set: MouthSet, shapes: &[&str]) -> Result<(String, f64), Fac
         Some("sil") => SILENCE,
         _ => 1.0,
     };
-    // One letter could be a viseme's name by chance: `E` of Rhubarb is not the viseme `E`.
+    // A letter may be the name of another viseme: `E` of Rhubarb is not the viseme `E`.
     let is_other = |name: &str| VISEMES.contains(&name) && viseme != Some(name);
     let own = shapes.iter().find(|name| **name == cue.mouth && !is_other(name));
     let of_viseme = || viseme.and_then(|viseme| shapes.iter().find(|name| is_same(name, viseme)));
@@ -78,7 +80,7 @@ fn shape(cue: &Cue, set: MouthSet, shapes: &[&str]) -> Result<(String, f64), Fac
     }
 }
 
-/// Returns the weights at a time: shares of the dominances of the mouth and of its two neighbours.
+/// Returns the weights at a time: the shares of the present mouth shape and of its two neighbours.
 fn weights(segments: &[Segment], time_s: f64, shapes: usize) -> Vec<f64> {
     let mut weights = vec![0.0; shapes];
     let next = segments.partition_point(|segment| segment.span_s[0] <= time_s);

@@ -1,19 +1,19 @@
-//! Reasons why a file is not a face that a rig can show.
+//! Reasons why a rig cannot show the face in a file.
 
 use thiserror::Error;
 
-/// The reason why a file is not a face that a rig can show.
+/// Reason why a rig cannot show the face in a file.
 #[derive(Debug, Error)]
 pub enum FaceError {
-    /// The file is of another kind.
+    /// The file contains something else.
     #[error(
         "expected mouth cues of Rhubarb (JSON, TSV, .dat) or Papagayo (.dat), a CSV of Live Link Face, or a glTF with \
          shape keys; found {found}: {repair}"
     )]
     Kind {
-        /// Kind of the file.
+        /// Kind of content that was found.
         found: String,
-        /// Way to a file that can be read.
+        /// Way to get a file that can be read.
         repair: &'static str,
     },
     /// A value is invalid.
@@ -21,7 +21,7 @@ pub enum FaceError {
     Value {
         /// Line of the file, or index of an entry.
         place: String,
-        /// The item of this line.
+        /// Name of the item in this line.
         item: String,
         /// Description of a valid value.
         expected: String,
@@ -61,20 +61,20 @@ pub enum FaceError {
          `name = \"{example}\"` and `pose = {{ jaw = -20 }}` (deg); `sinew rig new --face` writes all names"
     )]
     NoShapes {
-        /// A name that the file needs.
+        /// Name of a shape in the file.
         example: String,
     },
-    /// No shape of the file moves a joint.
+    /// No shape of the file moves a joint of the rig.
     #[error(
         "no shape of the file moves a joint of the rig. The file has {file}; shapes of the rig with a pose are {rig}"
     )]
     NothingMoves {
-        /// Names in the file.
+        /// Names of the shapes in the file.
         file: String,
-        /// Names in the rig.
+        /// Names of the rig's shapes with a pose.
         rig: String,
     },
-    /// The rig lacks the viseme of a cue.
+    /// The rig lacks the viseme that a cue needs.
     #[error(
         "{place}: the rig has no shape `{viseme}` for the mouth `{cue}`: expected `[[shape]]` with `name = \
          \"{viseme}\"` (or `name = \"{cue}\"`) and a pose, or `pose = {{}}`"
@@ -84,17 +84,17 @@ pub enum FaceError {
         place: String,
         /// Name of the viseme.
         viseme: &'static str,
-        /// Name in the file.
+        /// Name of the mouth shape in the file.
         cue: String,
     },
-    /// A joint is far too slow.
+    /// A joint is too slow to keep a visible motion.
     #[error(
         "joint `{joint}` is too slow for this face: its speed and acceleration leave {percent:.1} % of the way"
     )]
     TooSlow {
         /// Name of the joint.
         joint: String,
-        /// Share of the way, in percent.
+        /// Share of the motion that its limits permit, in percent.
         percent: f64,
     },
 }

@@ -6,7 +6,7 @@ use serde_json::error::Category;
 use super::error::FaceError;
 use super::track::{Cue, FaceTrack};
 
-/// The part of the file that is read. Other keys are left alone.
+/// Content of the file. Other keys are ignored.
 #[derive(Debug, Deserialize)]
 struct File {
     #[serde(rename = "mouthCues")]

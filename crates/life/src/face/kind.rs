@@ -4,7 +4,7 @@ use super::error::FaceError;
 use super::track::FaceTrack;
 use super::{json, live_link, moho, tsv};
 
-/// Content that shows another kind of file, its name, and a way to a file that can be read.
+/// First characters of files of other kinds, the name of the kind, and the way to a file that can be read.
 const OTHERS: [(&str, &str, &str); 9] = [
     (
         "RIFF",
@@ -21,11 +21,11 @@ const OTHERS: [(&str, &str, &str); 9] = [
     ("<", "XML", "`rhubarb -f json` or `-f tsv` writes mouth cues that can be read"),
 ];
 
-/// Reads a face. `fps` are the frames per second of files that count frames; Default: 24 of `.dat`, and what the
-/// numbers of the frames show in Live Link Face.
+/// Reads a face. `fps`: frames per second of a file that counts frames. Default: 24 for `.dat`; for Live Link Face, the
+/// lowest usual rate that its frame numbers permit.
 ///
 /// # Errors
-/// [`FaceError`] names line, item and the right form.
+/// [`FaceError`] contains the line, the item, and the valid form.
 pub fn read(bytes: &[u8], fps: Option<f64>) -> Result<FaceTrack, FaceError> {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');

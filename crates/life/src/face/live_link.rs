@@ -1,8 +1,8 @@
 //! Blend shapes of `ARKit` in the CSV of Live Link Face.
 //!
-//! The header is `Timecode,BlendShapeCount`, then the 52 names, and in most files nine rotations of head and eyes, which
-//! are not shapes. A time code has one of three forms: `HH:MM:SS:FF.fff` with a part of a frame, `HH:MM:SS:FF`, and
-//! `HH:MM:SS.mmm`.
+//! The header is `Timecode,BlendShapeCount`, and then the 52 names. Most files also have nine rotations of head and
+//! eyes; they are ignored. A time code has one of three forms: `HH:MM:SS:FF.fff` with a fraction of a frame,
+//! `HH:MM:SS:FF`, or `HH:MM:SS.mmm`.
 
 use super::error::FaceError;
 use super::track::{FaceTrack, Weights};
@@ -19,17 +19,17 @@ const ROTATIONS: [&str; 9] = [
     "righteyepitch",
     "righteyeroll",
 ];
-/// Frames per second that cameras have, for files whose frames show only that there are more of them.
+/// Usual rates of cameras, frames per second. The lowest rate above the largest frame number of a file is used.
 const RATES: [f64; 5] = [24.0, 25.0, 30.0, 50.0, 60.0];
 const DAY_S: f64 = 86_400.0;
 const FORMS: &str = "HH:MM:SS:FF.fff, HH:MM:SS:FF or HH:MM:SS.mmm";
 
-/// A time code in parts.
+/// Parts of a time code.
 #[derive(Debug, Clone, Copy)]
 struct Code {
-    /// Whole seconds, or all of them in the third form.
+    /// Whole seconds; in the third form, seconds with their fraction.
     seconds: f64,
-    /// Frames, with a part of a frame; `None` in the third form.
+    /// Frames and the fraction of a frame; `None` in the third form.
     frames: Option<f64>,
 }
 
@@ -94,7 +94,7 @@ pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError>
     Weights { names, times_s, rows }.checked().map(FaceTrack::Weights)
 }
 
-/// Parses a time code.
+/// Parses a time code; returns `None` if it is invalid.
 fn parse(text: &str) -> Option<Code> {
     let parts: Vec<&str> = text.split(':').collect();
     let whole = |text: &str, most: u32| -> Option<f64> {
@@ -121,14 +121,14 @@ fn parse(text: &str) -> Option<Code> {
     }
 }
 
-/// Returns the times of rows from the first one on, s. Rows with one time code are spread evenly until the next one, and
-/// midnight is passed.
+/// Returns the times of all rows from the first row, s. Rows with equal time codes are spread evenly until the next
+/// time code. At midnight the time continues.
 fn times(codes: &[(u64, Code)], fps: Option<f64>) -> Result<Vec<f64>, FaceError> {
     let frames = codes.iter().filter_map(|(_, code)| code.frames);
     let most = frames.fold(0.0, |most: f64, frames| most.max(frames.floor()));
     let fps = match fps {
         Some(fps) => fps,
-        // A file of at least a second shows all numbers of frames.
+        // A file of at least one second contains all frame numbers.
         None => RATES.into_iter().find(|rate| most < *rate).unwrap_or(most + 1.0),
     };
     let mut times: Vec<f64> = Vec::new();

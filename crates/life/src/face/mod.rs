@@ -1,8 +1,8 @@
-//! Faces of other programs as motions of a rig's joints, by the `[[shape]]` tables of rig.toml.
+//! Faces that other programs make, as motions of a rig's joints. The rig's `[[shape]]` tables connect both.
 //!
-//! - [`read`]: mouth cues of Rhubarb and Papagayo, and blend shapes of Live Link Face.
-//! - [`Weights::of_cues`]: weights of visemes over time, with coarticulation.
-//! - [`perform`]: weights to joints, within ranges and limits, with measures.
+//! - [`read`]: reads mouth cues of Rhubarb and Papagayo, and blend shapes of Live Link Face.
+//! - [`Weights::of_cues`]: computes weights of visemes over time, with coarticulation.
+//! - [`perform`]: computes joint positions from weights, within ranges and limits, and measures of each joint.
 
 mod coarticulation;
 mod error;
@@ -26,5 +26,5 @@ pub use track::{Cue, FaceTrack, Weights};
 
 /// Rate of the motion, Hz.
 pub const RATE_HZ: f64 = 100.0;
-/// The longest face, s.
+/// Maximum duration of a face, s.
 const DURATION_MAX_S: f64 = 7200.0;

@@ -1,15 +1,15 @@
-//! Mouth cues as a Moho switch, which Papagayo and Rhubarb write: `MohoSwitch1`, then a frame from 1 and a mouth shape in
-//! each line.
+//! Mouth cues as a Moho switch, which Papagayo and Rhubarb write. The first line is `MohoSwitch1`; each other line
+//! contains a frame number, from 1, and a mouth shape.
 
 use super::error::FaceError;
 use super::track::{Cue, FaceTrack};
 
 /// First line of the file.
 pub(super) const HEAD: &str = "MohoSwitch1";
-/// Frames per second, if nobody says otherwise: the default of Papagayo and of Rhubarb.
+/// Default frames per second, as in Papagayo and Rhubarb.
 const FPS: f64 = 24.0;
 
-/// Reads cues until the end of the file.
+/// Reads all cues of the file.
 pub(super) fn read(text: &str, fps: Option<f64>) -> Result<FaceTrack, FaceError> {
     let fps = fps.unwrap_or(FPS);
     let mut cues = Vec::new();

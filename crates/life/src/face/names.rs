@@ -1,11 +1,11 @@
-//! Names of shapes, and the visemes of mouths.
+//! Names of shapes, and the viseme of each mouth shape.
 
-/// The 15 visemes.
+/// Names of the 15 visemes.
 pub(super) const VISEMES: [&str; 15] =
     ["sil", "PP", "FF", "TH", "DD", "kk", "CH", "SS", "nn", "RR", "aa", "E", "ih", "oh", "ou"];
 
-/// Visemes of mouths: letters of Rhubarb, and the set of Preston Blair, which Papagayo and Rhubarb's .dat have. `E` is
-/// a mouth of both: of Rhubarb it is rounded.
+/// Visemes of the mouth shapes in Rhubarb's letters, and in the set of Preston Blair, which Papagayo and Rhubarb's .dat
+/// use. Both have a shape `E`; Rhubarb's `E` is rounded.
 const MOUTHS: [(&str, &str); 9] = [
     ("A", "PP"),
     ("B", "SS"),
@@ -30,17 +30,17 @@ const PRESTON_BLAIR: [(&str, &str); 10] = [
     ("rest", "sil"),
 ];
 
-/// A set of mouths.
+/// A set of names for mouth shapes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum MouthSet {
-    /// The letters of Rhubarb.
+    /// Rhubarb's letters.
     Letters,
     /// The set of Preston Blair.
     PrestonBlair,
 }
 
 impl MouthSet {
-    /// Returns the set of a file's mouths: that of Preston Blair if one of its own names occurs.
+    /// Returns the set that a file uses: Preston Blair's if the file contains a name that only this set has.
     pub(super) fn of<'a>(mut mouths: impl Iterator<Item = &'a str>) -> Self {
         let is_own = |mouth: &str| {
             mouth != "E" && PRESTON_BLAIR.iter().any(|(name, _)| name.eq_ignore_ascii_case(mouth))
@@ -55,19 +55,20 @@ impl MouthSet {
         }
     }
 
-    /// Returns the viseme of a mouth.
+    /// Returns the viseme of a mouth shape, if the set contains the shape.
     pub(super) fn viseme(self, mouth: &str) -> Option<&'static str> {
         let table = self.table().iter();
         table.clone().find(|(name, _)| name.eq_ignore_ascii_case(mouth)).map(|(_, viseme)| *viseme)
     }
 
-    /// Returns the names of all mouths, for messages.
+    /// Returns the names of all mouth shapes, for messages.
     pub(super) fn names(self) -> String {
         self.table().iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
     }
 }
 
-/// Returns whether two names mean the same shape: letters and digits are equal, `viseme_` is left out, and `_L` is `Left`.
+/// Returns whether two names mean the same shape. Only letters and digits count, without case and without the prefix
+/// `viseme`; the endings `_L` and `.L` mean `Left`, and `_R` and `.R` mean `Right`.
 pub(super) fn is_same(one: &str, other: &str) -> bool {
     one == other || plain(one) == plain(other)
 }

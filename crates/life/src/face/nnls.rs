@@ -1,15 +1,16 @@
-//! Non-negative least squares of a few unknowns.
+//! Non-negative least squares with few unknowns.
 
-/// Largest number of rounds over all unknowns, and the change that ends them.
+/// Maximum number of rounds over all unknowns, and the largest change in a round that ends the search.
 const ROUNDS: usize = 400;
 const SMALL: f64 = 1e-7;
-/// Weight of the distance from the wanted weights, relative to a shape's own way. It selects one of many solutions.
+/// Weight of the distance from the wanted weights, relative to a shape's own offsets. If several solutions are equally
+/// good, this term selects one.
 const HOLD: f64 = 1e-3;
 
-/// Returns the weights, none below zero, whose sum of `columns` is nearest to `target`; among nearly equal ones those
-/// that are nearest to `wanted`. Coordinate descent: O(rounds · columns · rows).
+/// Returns the non-negative weights for which the weighted sum of `columns` is nearest to `target`. Among nearly equal
+/// solutions, the nearest to `wanted` is preferred. Coordinate descent: O(rounds · columns · rows).
 pub(super) fn nnls(columns: &[Vec<f64>], target: &[f64], wanted: &[f64]) -> Vec<f64> {
-    // All weights first become smaller or larger together: coordinates alone are slow to share what is in reach.
+    // First scales all weights together: coordinate descent alone is slow to reduce overlapping shapes equally.
     let sum = |weights: &[f64], row: usize| -> f64 {
         columns.iter().zip(weights).map(|(column, weight)| weight * column[row]).sum()
     };
@@ -57,18 +58,18 @@ mod tests {
 
     #[test]
     fn weights_are_the_nearest_that_are_not_negative() {
-        // Shapes of separate joints keep their weights.
+        // Shapes that move different joints keep their weights.
         let apart = [vec![2.0, 0.0], vec![0.0, 1.0]];
         let found = nnls(&apart, &[1.0, 0.5], &[0.5, 0.5]);
         assert!((found[0] - 0.5).abs() < 1e-6 && (found[1] - 0.5).abs() < 1e-6, "{found:?}");
-        // Two shapes that overlap share what is reachable: 1.5 of 2.
+        // Two shapes that move the same joint share the reachable 1.5 of 2.
         let both = [vec![1.0], vec![1.0]];
         let found = nnls(&both, &[1.5], &[1.0, 1.0]);
         assert!((found[0] - 0.75).abs() < 1e-3 && (found[1] - 0.75).abs() < 1e-3, "{found:?}");
-        // A target on the other side of zero is out of reach.
+        // A target of the opposite sign cannot be reached.
         let found = nnls(&[vec![1.0]], &[-1.0], &[0.0]);
         assert!(found[0].abs() < 1e-12, "{found:?}");
-        // An exact solution of a problem with an active bound: min (x + y - 1)² + (x - y - 2)².
+        // The exact solution of a problem with an active bound: min (x + y - 1)² + (x - y - 2)².
         let found = nnls(&[vec![1.0, 1.0], vec![1.0, -1.0]], &[1.0, 2.0], &[0.0, 0.0]);
         assert!((found[0] - 1.5).abs() < 5e-3 && found[1].abs() < 1e-9, "{found:?}");
     }

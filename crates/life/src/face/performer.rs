@@ -1,4 +1,4 @@
-//! Weights of shapes to joints.
+//! Joint positions from weights of shapes.
 
 use std::fmt::Write as _;
 
@@ -13,33 +13,33 @@ use super::poses::{MovedJoint, Poses};
 use super::track::Weights;
 use crate::limit::within;
 
-/// The smallest share of the way that is still a motion.
+/// Smallest remaining share of a motion; with less, the joint counts as too slow.
 const LEAST: f64 = 0.05;
-/// Weights below this are none.
+/// Weights below this count as zero.
 const NONE: f64 = 1e-6;
 
-/// The motion of one joint, measured.
+/// Measures of the motion of one joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMeasure {
     /// Name of the joint.
     pub name: String,
-    /// Whether numbers are in m.
+    /// Whether the joint slides; its numbers are then in m.
     pub slides: bool,
-    /// Distance between the ends of the motion, rad or m.
+    /// Difference between the largest and the smallest position, rad or m.
     pub way: f64,
     /// Largest speed as a share of the limit; 0 without a limit.
     pub speed_share: f64,
     /// Width of the smoothing, s.
     pub smoothed_s: f64,
-    /// Share of the way that is left.
+    /// Share of the motion that is left after limiting.
     pub share: f64,
-    /// Correlation with the motion that the file means; 1 for a joint that never moves.
+    /// Correlation of this motion with the motion in the file; 1 if one of both is constant.
     pub correlation: f64,
     /// Mean absolute jerk, rad/s³ or m/s³.
     pub jerk: f64,
 }
 
-/// The motion of a face.
+/// Motion of the joints of a face.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FaceMotion {
     /// Time of the first row, s.
@@ -50,20 +50,20 @@ pub struct FaceMotion {
     pub joints: Vec<JointMeasure>,
     /// Shapes of the file that move joints.
     pub used: Vec<String>,
-    /// Shapes of the file that the rig cannot show, but which are not zero.
+    /// Shapes of the file that occur, but have no pose in the rig.
     pub not_shown: Vec<String>,
-    /// Share of the rows in which shapes together would leave a range, and were fitted.
+    /// Share of the rows in which the shapes together would exceed a range, so that their weights were fitted.
     pub fitted: f64,
 }
 
-/// Moves the joints of a rig by weights of shapes.
+/// Computes the motion of a rig's joints from weights of shapes.
 ///
-/// A joint's offset from home is the sum of the shapes' offsets, each by its weight. Visemes are shares of one mouth: if
-/// their sum is above 1, they are divided by it. Where the sum leaves a range, the weights are those of the nearest pose
-/// that the shapes can make within the ranges, by non-negative least squares, so that a shape keeps its form.
+/// A joint's offset from home is the weighted sum of the shapes' offsets. All visemes are shares of one mouth: if the
+/// sum of their weights exceeds 1, they are divided by it. If a joint would exceed its range, the weights are fitted by
+/// non-negative least squares: the shapes then make the nearest pose within the ranges, and each shape keeps its form.
 ///
 /// # Errors
-/// [`FaceError`] if no shape moves a joint, or a joint is far too slow.
+/// [`FaceError`] if no shape moves a joint, or a joint is too slow to keep a visible motion.
 pub fn perform(
     mechanism: &Mechanism,
     shapes: &[FaceShape],
@@ -133,7 +133,7 @@ pub fn perform(
             correlation: correlation(&meant, &kept.values),
             jerk: jerk(&kept.values),
         };
-        // A joint of other shapes alone is free for another motion, such as idle life.
+        // Joints that only other shapes move are left out, so that another motion, such as idle life, can move them.
         let moves = |shape: &usize| poses.shapes[*shape].1[index].abs() > 0.0;
         if found.iter().flatten().any(moves) {
             measures.push(measure);
@@ -166,7 +166,7 @@ fn share_mouth(weights: &mut [f64], is_viseme: &[bool]) {
     }
 }
 
-/// Returns the offsets of all joints, and whether the weights had to be fitted.
+/// Returns the offsets of all joints from home, and whether the weights were fitted.
 fn offsets(poses: &Poses, found: &[Option<usize>], weights: &[f64]) -> (Vec<f64>, bool) {
     let active: Vec<(usize, f64)> = found
         .iter()
@@ -188,7 +188,7 @@ fn offsets(poses: &Poses, found: &[Option<usize>], weights: &[f64]) -> (Vec<f64>
     if !poses.hold(&mut target) {
         return (target, false);
     }
-    // Joints are comparable in shares of their largest offset.
+    // Offsets are compared as shares of each joint's largest offset.
     let scaled = |offsets: &[f64]| -> Vec<f64> {
         let scale = |joint: &MovedJoint| if joint.scale > 0.0 { joint.scale } else { 1.0 };
         offsets.iter().zip(&poses.joints).map(|(offset, joint)| offset / scale(joint)).collect()
@@ -205,7 +205,7 @@ fn way(values: &[f64]) -> f64 {
     most - values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
-/// Returns the correlation of two series (Pearson); 1 if one of them is constant.
+/// Returns the Pearson correlation of two series; 1 if a series is constant.
 fn correlation(one: &[f64], other: &[f64]) -> f64 {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (mean_one, mean_other) = (mean(one), mean(other));
@@ -227,7 +227,7 @@ fn jerk(values: &[f64]) -> f64 {
 }
 
 impl FaceMotion {
-    /// Returns the motion as keys for `sinew bake`: a row every 10 ms, with a column for each moved joint.
+    /// Returns the motion as keys for `sinew bake`: a row every 10 ms, and a column for each joint.
     pub fn csv(&self) -> String {
         let mut text = String::from("time");
         for joint in &self.joints {

@@ -1,4 +1,4 @@
-//! Shapes of a rig as offsets of its joints, and the limits of these joints.
+//! Shapes of a rig as offsets of joints from home, and the limits of these joints.
 
 use sinew_rig::Mechanism;
 use sinew_rig::description::FaceShape;
@@ -6,11 +6,12 @@ use sinew_rig::mechanism::JointModel;
 
 use super::names::is_same;
 
-/// Distance from the ends of a range, rad: 0.3 deg, more than a show's error; and of a slide, m.
+/// Distance that motions keep from the ends of a range: 0.3 deg in rad, which is more than a show's error; for slides,
+/// m.
 const MARGIN_RAD: f64 = 0.3 * std::f64::consts::PI / 180.0;
 const MARGIN_M: f64 = 1e-4;
 
-/// A joint that shapes move.
+/// A joint that at least one shape moves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct MovedJoint {
     pub(super) name: String,
@@ -18,15 +19,15 @@ pub(super) struct MovedJoint {
     /// Whether positions are in m.
     pub(super) slides: bool,
     pub(super) home: f64,
-    /// Range that the motion uses.
+    /// Range of positions that the motion may use, with a margin.
     pub(super) range: [f64; 2],
-    /// Largest offset of all shapes, which makes joints comparable.
+    /// Largest offset from home in all shapes. Offsets are divided by it to compare joints.
     pub(super) scale: f64,
     pub(super) speed: f64,
     pub(super) acceleration: f64,
 }
 
-/// A limit that joins two moved joints: `factor · joint + other_factor · other` is within `range`.
+/// A limit on two moved joints: `factors[0] · q[joints[0]] + factors[1] · q[joints[1]]` must be within `range`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Linked {
     joints: [usize; 2],
@@ -34,17 +35,17 @@ struct Linked {
     range: [f64; 2],
 }
 
-/// Shapes of a rig.
+/// Shapes of a rig, and the joints that they move.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Poses {
     pub(super) joints: Vec<MovedJoint>,
-    /// Names of the shapes that move a joint, and offsets of all joints from home.
+    /// Name of each shape with a pose, and its offsets of all joints from home.
     pub(super) shapes: Vec<(String, Vec<f64>)>,
     linked: Vec<Linked>,
 }
 
 impl Poses {
-    /// Collects the shapes that move a joint.
+    /// Collects all shapes with a pose, and the joints in these poses.
     pub(super) fn of(mechanism: &Mechanism, shapes: &[FaceShape]) -> Self {
         let starts = mechanism.coordinate_ranges();
         let home = mechanism.home();
@@ -97,14 +98,14 @@ impl Poses {
         Self { joints, shapes: poses, linked }
     }
 
-    /// Returns the index of a shape with a pose, by the name of a file.
+    /// Returns the index of the shape with a pose that a name in a file means.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         let exact = self.shapes.iter().position(|(own, _)| own == name);
         exact.or_else(|| self.shapes.iter().position(|(own, _)| is_same(own, name)))
     }
 
-    /// Moves offsets into the ranges of the joints, and then into the limits that join two of them. Returns whether
-    /// an offset changed by more than rounding.
+    /// Moves offsets into the ranges of the joints, and then into the limits on two joints. Returns whether an offset
+    /// changed by more than twice the margin of a range.
     pub(super) fn hold(&self, offsets: &mut [f64]) -> bool {
         let given = offsets.to_vec();
         self.hold_ranges(offsets);

@@ -6,7 +6,7 @@ use sinew_rig::new;
 
 use super::*;
 
-/// From the README of Rhubarb 1.13, with other times.
+/// Mouth cues in the form of the README of Rhubarb 1.13, with other times.
 const JSON: &str = r#"{
   "metadata": { "soundFile": "talk.wav", "duration": 1.20 },
   "mouthCues": [
@@ -18,7 +18,7 @@ const JSON: &str = r#"{
   ]
 }"#;
 const TSV: &str = "0.00\tX\n0.20\tD\n0.45\tA\n0.60\tE\n1.00\tX\n";
-/// Frames at 20 Hz.
+/// Cues in frames at 20 Hz.
 const LETTERS: &str = "MohoSwitch1\n1 X\n5 D\n10 A\n13 E\n21 X\n";
 const PAPAGAYO: &str = "MohoSwitch1\n1 rest\n5 AI\n10 MBP\n13 O\n21 rest\n";
 
@@ -58,13 +58,13 @@ fn all_files_of_mouth_cues_move_the_jaw_alike() {
         for (row, deg) in motion.iter().enumerate().take(95) {
             assert!((deg - motions[0][row]).abs() < 1.5, "row {row}: {deg} {}", motions[0][row]);
         }
-        // Silence is closed, the vowel in the middle of 0.2 to 0.45 s is open, lips meet in between.
+        // Silence is closed; the vowel is open in the middle of 0.2 to 0.45 s; the lips close between the vowels.
         assert!(motion[5] > -1.0 && motion[32] < -10.0, "{} {}", motion[5], motion[32]);
         assert!(motion[52] > -7.0 && motion[80] < -8.0, "{} {}", motion[52], motion[80]);
     }
 }
 
-/// Lips that close are closed even in 60 ms, and no weight jumps.
+/// Lips close even within 60 ms, and no weight jumps.
 #[test]
 fn neighbours_colour_a_mouth_and_lips_still_close() {
     let (rig, _) = face();
@@ -113,7 +113,7 @@ fn the_three_forms_of_time_codes_are_times() {
         &[0.0, 1.0 / 30.0, 16.0 / 30.0],
     );
     near(times(&["01:02:03.250", "01:02:03.283", "01:02:04.000"], None), &[0.0, 0.033, 0.75]);
-    // Two rows in a frame are spread, and `--fps` has priority.
+    // Two rows with the same frame are spread over the frame; `--fps` has priority over the frame numbers.
     near(times(&["10:00:00:00", "10:00:00:00", "10:00:00:01"], Some(50.0)), &[0.0, 0.01, 0.02]);
 }
 
@@ -127,7 +127,7 @@ fn blend_shapes_move_lids_and_jaw() {
     assert_eq!(motion.used, ["EyeBlinkRight", "JawOpen"]);
     let column = |name: &str| motion.joints.iter().position(|joint| joint.name == name).unwrap();
     let last = &motion.rows[motion.rows.len() - 1];
-    // 0.9 of 22 deg, and half of the way from 30 to -8 deg.
+    // The jaw has 0.9 of 22 deg, and the lid half of the way from 30 to -8 deg.
     assert!((last[column("jaw")].to_degrees() + 19.8).abs() < 0.3, "{last:?}");
     assert!((last[column("lid_upper_right")].to_degrees() - 11.0).abs() < 0.3, "{last:?}");
     assert!((last[column("lid_upper_left")].to_degrees() - 30.0).abs() < 0.01, "{last:?}");
@@ -139,7 +139,7 @@ fn blend_shapes_move_lids_and_jaw() {
     }
 }
 
-/// Shapes that together leave a range keep their form: other joints of the shapes get smaller, too.
+/// If shapes together exceed a range, they keep their form: their other joints move less, too.
 #[test]
 fn shapes_that_overlap_are_fitted() {
     let (mut rig, mechanism) = face();
@@ -159,7 +159,8 @@ fn shapes_that_overlap_are_fitted() {
     let motion = perform(&mechanism, &rig.face_shapes, &weights).unwrap();
     assert!(motion.fitted > 0.4, "{}", motion.fitted);
     let last = &motion.rows[motion.rows.len() - 1];
-    // The jaw could go on to 40 deg, and has 24.7: the brow is near the nearest pose on the line of both shapes.
+    // The two shapes ask for 40 deg of the jaw, and 24.7 are in its range. The brow must be near the nearest pose that
+    // both shapes can make.
     let [jaw, brow] = [0, 1].map(|joint| last[joint].to_degrees());
     assert!((-24.8..-24.0).contains(&jaw) && (12.0..17.0).contains(&brow), "{jaw} {brow}");
     for row in &motion.rows {
@@ -167,7 +168,7 @@ fn shapes_that_overlap_are_fitted() {
     }
 }
 
-/// Lids never cross, whatever the weights are.
+/// Lids never cross, for all combinations of the weights.
 #[test]
 fn lids_keep_the_limit_that_joins_them() {
     let (rig, mechanism) = face();
@@ -271,7 +272,7 @@ fn a_rig_without_the_shapes_is_told_what_it_needs() {
         message.starts_with("line 2: the rig has no shape `aa` for the mouth `D`"),
         "{message}"
     );
-    // A shape with the name of the mouth itself serves as well.
+    // A shape with the name of the mouth shape is used, too.
     rig.face_shapes.push(FaceShape { name: "D".to_owned(), pose: vec![("jaw".to_owned(), -0.3)] });
     assert!(weights(TSV, None, &rig).unwrap().names.contains(&"D".to_owned()));
     let poor = [FaceShape { name: "smile".to_owned(), pose: Vec::new() }];

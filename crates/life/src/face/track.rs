@@ -1,12 +1,12 @@
-//! Faces as files have them: mouth cues, or weights of shapes.
+//! Content of a face file: mouth cues, or weights of shapes.
 
 use super::DURATION_MAX_S;
 use super::error::FaceError;
 
-/// A mouth shape that begins at a time, and lasts until the next one.
+/// A mouth shape that begins at a time and lasts until the next cue.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cue {
-    /// Beginning, s.
+    /// Start, s.
     pub start_s: f64,
     /// Name of the mouth shape.
     pub mouth: String,
@@ -19,23 +19,23 @@ pub struct Cue {
 pub struct Weights {
     /// Names of the shapes.
     pub names: Vec<String>,
-    /// Times of the rows, s, which increase.
+    /// Times of the rows, s, in increasing order.
     pub times_s: Vec<f64>,
-    /// A weight of each shape, from 0 to 1, in each row.
+    /// Rows with a weight, from 0 to 1, for each shape.
     pub rows: Vec<Vec<f64>>,
 }
 
-/// A face as a file has it.
+/// Content of a face file.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FaceTrack {
-    /// Mouth cues in the order of time, and the end of the last one, s.
+    /// Mouth cues in the order of time, and the end of the last cue, s.
     Cues(Vec<Cue>, f64),
     /// Weights of shapes.
     Weights(Weights),
 }
 
 impl FaceTrack {
-    /// Returns mouth cues, if they are in order and not too long.
+    /// Returns mouth cues. Fails if their times decrease or are too late.
     pub(super) fn of_cues(cues: Vec<Cue>, end_s: f64) -> Result<Self, FaceError> {
         for pair in cues.windows(2) {
             if pair[1].start_s < pair[0].start_s {
@@ -62,10 +62,10 @@ impl FaceTrack {
 }
 
 impl Weights {
-    /// Checks a table of weights: at least two rows, times that increase, finite weights.
+    /// Checks a table of weights: it needs at least two rows, increasing times, and finite weights.
     ///
     /// # Errors
-    /// [`FaceError`] names the first fault.
+    /// [`FaceError`] describes the first invalid value.
     pub fn checked(self) -> Result<Self, FaceError> {
         let found = self.times_s.len().min(self.rows.len());
         if found < 2 {
@@ -99,8 +99,8 @@ impl Weights {
         Ok(self)
     }
 
-    /// Returns the weights at a time, by lines between rows. Before the first row and after the last the weights are
-    /// those of that row.
+    /// Returns the weights at a time, interpolated linearly between rows. Outside of the rows, returns the first or the
+    /// last row.
     pub(super) fn at(&self, time_s: f64) -> Vec<f64> {
         let next = self.times_s.partition_point(|time| *time <= time_s);
         let (Some(from), Some(to)) = (next.checked_sub(1), self.rows.get(next)) else {

@@ -1,9 +1,9 @@
-//! Mouth cues in the TSV of Rhubarb: a time in s, a tab, and a mouth shape in each line.
+//! Mouth cues in the TSV of Rhubarb. Each line contains a time in s, a tab, and a mouth shape.
 
 use super::error::FaceError;
 use super::track::{Cue, FaceTrack};
 
-/// Returns whether a line is a time and a mouth shape.
+/// Returns whether a line consists of a time and a mouth shape.
 pub(super) fn is_cue(line: &str) -> bool {
     parse(line).is_some()
 }
@@ -16,7 +16,7 @@ fn parse(line: &str) -> Option<(f64, &str)> {
     (is_word && !mouth.is_empty()).then_some((time_s, mouth))
 }
 
-/// Reads cues until the end of the file.
+/// Reads all cues of the file.
 pub(super) fn read(text: &str) -> Result<FaceTrack, FaceError> {
     let mut cues = Vec::new();
     for (index, line) in text.lines().enumerate() {

@@ -44,7 +44,7 @@ fn a_face_lives_within_its_limits() {
     }
 }
 
-/// An hour without a limit that is broken, without a jump, and without two windows of 10 s that are alike.
+/// In an hour of idle life, no limit is exceeded, and no two windows of 10 s are alike.
 #[test]
 fn an_hour_is_never_the_same() {
     let mechanism = face().mechanism().unwrap();
@@ -59,11 +59,11 @@ fn an_hour_is_never_the_same() {
         assert!(fast.fold(0.0, f64::max) <= link.speed, "{}", link.joint_name);
         let mean = values.iter().sum::<f64>() / values.len() as f64;
         let square = values.iter().map(|q| (q - mean).powi(2)).sum::<f64>() / values.len() as f64;
-        // Four rows a second are enough to compare windows.
+        // Four rows per second suffice to compare windows.
         let scaled = values.iter().step_by(25).map(|q| (q - mean) / square.sqrt());
         columns.extend((square > 1e-9).then(|| scaled.collect()));
     }
-    // Windows of 40 rows, one after the other.
+    // Consecutive windows of 40 rows.
     let windows: Vec<Vec<f64>> = (0..360)
         .map(|window| {
             let mut all = Vec::new();

@@ -137,7 +137,7 @@ impl Jaw {
         }
         let way = self.open_rad - self.closed_rad;
         let ways: Vec<f64> = opening.iter().map(|open| open * way.abs()).collect();
-        // The CSV has every second row.
+        // The CSV contains every second row.
         let limited = within(&ways, RATE_HZ, 2, [self.speed, self.acceleration]);
         if limited.share < LEAST {
             return Err(JawError::TooSlow {

@@ -55,7 +55,7 @@ pub enum SoundError {
 /// Returns the duration of a WAV file, s.
 ///
 /// # Errors
-/// [`SoundError`] if the file is not WAV, or too long.
+/// [`SoundError`] if the file is not a WAV with a supported rate, or the sound is too long.
 pub fn duration_s(file: impl Read) -> Result<f64, SoundError> {
     let reader = WavReader::new(file)?;
     let spec = reader.spec();

@@ -1,35 +1,35 @@
-//! The option that names a layer.
+//! The option `--layer`, which names a layer and its effect.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Largest weight of a layer.
+/// Largest absolute weight of a layer that is added.
 const WEIGHT_MOST: f64 = 10.0;
-/// Form of the option.
+/// Valid forms of the option, for messages.
 const EXPECTED: &str = "expected FILE, or FILE:over or FILE:add, then perhaps a weight and joints: \
                         talk.csv:over:0.5:jaw,lid_*";
 
-/// Effect of a layer on what is below it.
+/// Effect of a layer on the motion below it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LayerMode {
     /// The layer replaces the motion of its joints.
     Over,
-    /// The distance of the layer's joints from home is added.
+    /// The distance of the layer's joints from home is added to the motion below.
     Add,
 }
 
-/// A layer: a file with a motion of the rig, and its effect.
+/// A layer: a file with a motion of the rig, and the effect of the motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerChoice {
-    /// The option as it was given.
+    /// Text of the option, for messages.
     pub text: String,
-    /// The file.
+    /// File with the motion.
     pub path: PathBuf,
-    /// Its effect.
+    /// Effect on the motion below.
     pub mode: LayerMode,
-    /// Weight: 1 for the whole effect.
+    /// Share of the effect: 1 for the whole effect.
     pub weight: f64,
-    /// Names of joints, perhaps with `*`; empty for all joints of the file.
+    /// Names of joints, which may contain `*`; empty for all joints of the file.
     pub joints: Vec<String>,
 }
 

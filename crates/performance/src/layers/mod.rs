@@ -1,4 +1,4 @@
-//! Layers: motions of a rig that are added to another one, or replace the motion of some joints.
+//! Layers: motions of a rig that replace the motion of some joints, or are added to it.
 
 mod choice;
 
@@ -13,25 +13,28 @@ use super::own_motion::OwnMotion;
 use super::rig::LoadedRig;
 pub use choice::{LayerChoice, LayerMode};
 
-/// Time in which a layer that begins late or ends early gains or loses its effect, s.
+/// Time over which a layer gains its effect, if it begins after the motion, or loses it, if it ends before, s.
 const FADE_S: f64 = 0.3;
+/// Longest motion, s, as for keys; and the most rows, which are two hours at 500 Hz.
+const DURATION_MAX_S: f64 = 7200.0;
+const ROWS_MAX: f64 = 3.6e6;
 
-/// A motion to which layers are added.
+/// A motion to which layers are applied.
 #[derive(Debug, Clone)]
 pub struct LayeredMotion {
     /// The motion.
     pub motion: RigMotion,
-    /// Time of its first row, s.
+    /// Time of the first row, s.
     pub start_s: f64,
-    /// Whether it is a loop, which goes on as long as a longer layer.
+    /// Whether the motion is a loop. A loop is repeated until the last layer ends.
     pub is_loop: bool,
 }
 
-/// A layer that was read.
+/// A layer that was read from its file.
 struct Layer {
     mode: LayerMode,
     weight: f64,
-    /// Whether the layer moves each body's joint.
+    /// For each body: whether the layer moves its joint.
     moves: Vec<bool>,
     /// Time of the first row, s.
     start_s: f64,
@@ -40,11 +43,11 @@ struct Layer {
 }
 
 impl LayeredMotion {
-    /// Puts layers on the motion, in their order. The result lasts as long as the longest of them; loops are repeated.
-    /// Also returns lines about what the layers change.
+    /// Applies layers to the motion, in their order. The result ends with the motion or the layer that ends last; a
+    /// loop is repeated until that time, and counts only if all are loops. Also returns a line about each layer.
     ///
     /// # Errors
-    /// The error names the layer, and what is wrong with it.
+    /// The error names the layer and the reason.
     pub fn with(
         self,
         rig: &LoadedRig,
@@ -66,7 +69,7 @@ impl LayeredMotion {
         let ends = layers.iter().filter(|layer| !layer.is_loop).map(Layer::end_s);
         let own_end_s = self.start_s + self.motion.duration_s();
         let all_loop = self.is_loop && layers.iter().all(|layer| layer.is_loop);
-        // A base that is a loop lasts as long as what is put on it.
+        // A motion that is a loop ends with the last layer that is not a loop.
         let end_s = if self.is_loop && !all_loop {
             ends.fold(f64::NEG_INFINITY, f64::max)
         } else {
@@ -74,6 +77,12 @@ impl LayeredMotion {
         };
         let duration_s = end_s - self.start_s;
         ensure!(duration_s > dt_s, "--layer: the layers end before the motion begins");
+        ensure!(
+            duration_s <= DURATION_MAX_S && duration_s / dt_s <= ROWS_MAX,
+            "--layer: the layers would make {:.0} rows in {duration_s:.0} s; at most {ROWS_MAX} rows in \
+             {DURATION_MAX_S} s are possible: give layers that are near the motion in time, or of a lower rate",
+            duration_s / dt_s
+        );
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive")]
         let last = (duration_s / dt_s - 1e-6).ceil().max(1.0) as usize;
         let (home, ranges, ties) =
@@ -155,14 +164,14 @@ impl Layer {
         self.start_s + self.curve.duration_s()
     }
 
-    /// Returns the share of the layer's effect at a time after its beginning: it comes and goes smoothly, except at the
-    /// beginning and at the end of the whole motion.
+    /// Returns the share of the layer's effect at a time after the layer's start. The share rises and falls smoothly,
+    /// except where the layer begins or ends with the whole motion.
     fn presence(&self, since_s: f64, [begin_s, end_s]: [f64; 2]) -> f64 {
         let smooth = |share: f64| {
             let x = share.clamp(0.0, 1.0);
             x * x * x * (10.0 + x * (6.0 * x - 15.0))
         };
-        // Times differ by rounding.
+        // Times may differ by rounding.
         let slack = 1e-6;
         let comes = if self.start_s <= begin_s + slack { 1.0 } else { smooth(since_s / FADE_S) };
         let left_s = self.curve.duration_s() - since_s;
@@ -195,12 +204,13 @@ impl Layer {
     }
 }
 
-/// Returns a time within a motion: beyond the ends the nearest end, or the same time of a loop.
+/// Returns a time within a motion. For a loop, returns the time in the present round; otherwise the nearest time within
+/// the motion.
 fn within(time_s: f64, duration_s: f64, is_loop: bool) -> f64 {
     if is_loop { time_s.rem_euclid(duration_s) } else { time_s.clamp(0.0, duration_s) }
 }
 
-/// Puts a layer on one joint. Arguments: coordinates below, of the layer, and at home.
+/// Applies a layer to one joint. `[below, layer, home]`: coordinates in the motion below, in the layer, and at home.
 fn blended(
     mode: LayerMode,
     weight: f64,
@@ -229,7 +239,7 @@ fn blended(
     out
 }
 
-/// Returns whether a name is the pattern, in which `*` stands for any text.
+/// Returns whether a name matches a pattern, in which `*` stands for any text.
 fn is_named(name: &str, pattern: &str) -> bool {
     match pattern.split_once('*') {
         None => name == pattern,

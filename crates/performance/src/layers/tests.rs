@@ -18,7 +18,7 @@ fn put(folder: &Path, name: &str, text: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// Returns the motion of a file, in degrees, of one joint.
+/// Returns the positions of one joint in a motion, deg.
 fn joint(rig: &LoadedRig, motion: &RigMotion, name: &str) -> Vec<f64> {
     let body = rig.mechanism.bodies.iter().position(|link| link.joint_name == name).unwrap();
     let at = rig.mechanism.coordinate_ranges()[body].start;

@@ -19,7 +19,7 @@ pub enum Ended {
     Faults(FaultSet),
     /// The controller refused a command.
     Refused(Refused),
-    /// The way to the first pose needs this time, ms, which is longer than the preroll; the rig is limp.
+    /// The preroll is shorter than the way to the first pose, which takes this time, ms; the rig is limp.
     Preroll(u32),
 }
 
@@ -38,15 +38,16 @@ pub struct Director {
     raised: FaultSet,
     refused: Option<Refused>,
     is_stopped: bool,
-    /// Whether the next tick has an emergency stop.
+    /// Whether the next tick gets an emergency stop.
     is_cut: bool,
     /// The joint that must come to rest before the rig is armed, or `None`.
     waits_for: Option<Moving>,
-    /// Time from the armed rig to the start of the show's clock, s; `None`: as soon as the rig is at the first pose.
+    /// Time from arming to the start of the show's clock, s. `None`: the clock starts when the rig reaches the first
+    /// pose.
     preroll_s: Option<f64>,
-    /// Time of the command to play, s.
+    /// Planned time of the command to play, s; `None` before the rig is armed.
     play_at_s: Option<f64>,
-    /// Time that the way to the first pose needs, ms, if the preroll is too short.
+    /// Duration of the way to the first pose, ms, if it is longer than the preroll.
     needed_ms: Option<u32>,
 }
 
@@ -70,8 +71,8 @@ impl Default for Director {
 }
 
 impl Director {
-    /// Creates a director whose show starts its clock this time after the rig is armed, s. With `None` it starts as soon
-    /// as the rig is at the first pose.
+    /// Creates a director with a preroll: time from arming to the start of the show's clock, s. With `None`, the clock
+    /// starts when the rig reaches the first pose.
     pub fn with_preroll(preroll_s: Option<f64>) -> Self {
         Self { preroll_s, ..Self::default() }
     }
@@ -157,8 +158,8 @@ impl Director {
         }
     }
 
-    /// Plays when the time has come: the way to the first pose then ends with the preroll. Stops if the preroll is too
-    /// short.
+    /// Returns the command to play when its time has come, so that the way to the first pose ends together with the
+    /// preroll. Returns a stop if the preroll is too short.
     fn play<P: Plant>(&mut self, sim: &SimulatedRig<'_, P>) -> Option<Command> {
         let at_s = match (self.play_at_s, self.preroll_s) {
             (Some(at_s), _) => at_s,

@@ -4,19 +4,19 @@ use super::pulses::pulse_us;
 use super::rig_parts::RigParts;
 use super::servo_part::Drive;
 
-/// Pulses of a servo within the ranges of its joints.
+/// Pulses of a servo while its joints move within their ranges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PulseRange<'a> {
     /// Name of the servo.
     pub servo: &'a str,
     /// Shortest and longest pulse, us.
     pub us: [f32; 2],
-    /// Whether the rig's file has the servo's pulses.
+    /// Whether the rig's file gives the pulses of this servo.
     pub is_measured: bool,
 }
 
 impl RigParts {
-    /// Returns the pulses of each servo that is driven by them.
+    /// Returns the pulses of all servos that are driven by pulses.
     pub fn pulses_us(&self) -> Vec<PulseRange<'_>> {
         let mut all = Vec::new();
         for drive in self.board.drives() {

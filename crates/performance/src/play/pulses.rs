@@ -45,13 +45,13 @@ pub(super) fn traffic(servos: &[&ServoPart]) -> Traffic {
     }
 }
 
-/// Returns the setup of a servo's channel: its pulses at the ends of its range.
+/// Returns the setup of a servo's channel: its range, and the pulses at both ends of the range.
 pub(super) fn setup(part: &ServoPart, range_rad: [f32; 2]) -> ChannelSetup {
     let channel = channel(part.own.address).unwrap_or_default();
     ChannelSetup { channel, pulse_us: range_rad.map(|rad| pulse_us(part, rad)), range_rad }
 }
 
-/// Returns the pulse of a servo's own position, us.
+/// Returns the pulse for a servo's own position, us.
 pub(super) fn pulse_us(part: &ServoPart, rad: f32) -> f32 {
     single(part.own.kind.pulses.pulse_us(rad.into()))
 }

@@ -72,31 +72,31 @@ struct Joint {
     swings: Vec<Option<bool>>,
 }
 
-/// A rig at a moment, as a recording keeps it. Unknown values are `None`.
+/// State of a rig in one row of a recording. Unknown values are `None`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tick {
-    /// Time since the start, s. Ticks have the same distance.
+    /// Time since the start, s. All ticks have equal intervals.
     pub time_s: f64,
     /// State of the supervisor.
     pub state: Option<String>,
-    /// Whether a show runs.
+    /// Whether the clock of a show runs.
     pub runs: bool,
-    /// New faults and warnings, separated by commas.
+    /// Names of new faults and warnings, separated by commas.
     pub faults: Option<String>,
     /// All dofs of the rig.
     pub joints: Vec<TickOfJoint>,
-    /// Current (A), temperature (degC) and voltage (V) of all servos.
+    /// Current (A), temperature (degC) and voltage (V) of each servo.
     pub servos: Vec<[Option<f32>; 3]>,
 }
 
-/// A dof in a [`Tick`].
+/// State of a dof in a [`Tick`].
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TickOfJoint {
-    /// Commanded and measured position, following error (rad or m), and effort (N m or N).
+    /// Commanded position, measured position, following error (rad or m), and effort (N m or N).
     pub numbers: [Option<f32>; 4],
-    /// Limit that acts on the effort.
+    /// Limit that acts on the effort at present.
     pub limiter: Option<String>,
-    /// Whether the joint swings.
+    /// Whether the joint oscillates.
     pub swings: Option<bool>,
 }
 
@@ -132,8 +132,8 @@ impl Tick {
 }
 
 impl Recorder {
-    /// Creates the file. `rate_hz`: ticks per second; `rig`: the rig's `rig.toml`, so that a report can draw it;
-    /// `notes`: other metadata.
+    /// Creates the file. `rate_hz`: ticks per second; `rig`: the text of the rig's `rig.toml`, with which a report can
+    /// draw the rig; `notes`: other metadata.
     ///
     /// # Errors
     /// An I/O error.
@@ -191,7 +191,7 @@ impl Recorder {
         })
     }
 
-    /// Adds a tick of a simulated rig.
+    /// Adds the state of a simulated rig as a row.
     ///
     /// # Errors
     /// An I/O error.
@@ -199,7 +199,7 @@ impl Recorder {
         self.put(&Tick::of(sim))
     }
 
-    /// Adds a tick. Dofs and servos that it lacks are unknown.
+    /// Adds a row. Values of dofs and servos that are missing in `tick` are unknown.
     ///
     /// # Errors
     /// An I/O error.

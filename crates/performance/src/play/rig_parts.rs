@@ -161,8 +161,8 @@ impl RigParts {
         self.variation = variation;
     }
 
-    /// Computes the beginning of a show from a pose: the rig's way to the first pose, and whether the show begins at
-    /// speed. `None` if the show is not one of this rig, or the way takes longer than 5 minutes.
+    /// Computes the way from a pose to the beginning of a show. Returns `None` if `show` is not a valid show, has too
+    /// many coordinates, or the way takes longer than 5 minutes. The show's rig is not checked.
     pub fn approach(&self, show: &[u8], from: &[f32]) -> Option<Approach> {
         let dt_s = 1e-6 * self.tick_us() as f32;
         let mut frames = ShowFrames::<COORDINATES>::new(Show::open(show).ok()?, dt_s).ok()?;

@@ -160,7 +160,7 @@ impl<'a, P: Plant> SimulatedRig<'a, P> {
         self.controller.permission()
     }
 
-    /// Computes the beginning of the show from the commanded pose; `None` without a show.
+    /// Computes the way from the commanded pose to the beginning of the show; `None` without a show.
     pub fn approach(&self) -> Option<Approach> {
         self.parts.approach(self.show?, self.controller.commanded().0)
     }

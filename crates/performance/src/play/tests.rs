@@ -272,7 +272,7 @@ fn pulses_are_told_as_far_as_joints_go() {
     let jaw = all.iter().find(|of| of.servo == "jaw").unwrap();
     assert!((jaw.us[1] - jaw.us[0] - 250.0).abs() < 0.1 && !jaw.is_measured, "{jaw:?}");
     assert!(jaw.us.iter().any(|us| (us - 1500.0).abs() < 0.1), "{jaw:?}");
-    // The pulses of the file: 160 deg in 1750 us.
+    // The file's pulses: 160 deg correspond to 1750 us.
     let servo = rig.servos.iter_mut().find(|servo| servo.name == "jaw").unwrap();
     servo.pulse_us = Some([600.0, 1480.0, 2350.0]);
     servo.travel_rad = Some(160_f64.to_radians());

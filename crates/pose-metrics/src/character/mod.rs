@@ -57,7 +57,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Character, Error> {
 /// Reads the animation of shape keys in a glTF file.
 ///
 /// # Errors
-/// [`Error`], with the file and the place in it.
+/// [`Error`] contains the file and the place in the file.
 pub fn shape_keys(path: &Path) -> Result<ShapeKeys, Error> {
     let folder = path.parent().unwrap_or(Path::new(""));
     parsed(path, |bytes, _| gltf::parse_shape_keys(bytes, folder))

@@ -4,14 +4,14 @@ The functions call the same Rust code as the command ``sinew``.
 
 Conventions of all functions:
 
-- SI units (m, kg, s, N, N m) and radians. Quaternions are unit, ``x y z w``. ``y`` points up; a file with another up
-  axis is turned when it is read.
-- Arrays are of float64. Dynamics, errors and trackers compute in float32, as a board does: expect a relative error of
+- Units are SI (m, kg, s, N, N m) and radians. Quaternions are unit quaternions ``x y z w``. ``y`` points up; a file
+  with another up axis is rotated when it is read.
+- Arrays contain float64. Dynamics, errors and trackers compute in float32, as a board does: expect a relative error of
   about 1e-6. Kinematics compute in float64.
-- A leading axis is time: functions take one row or many, and return the same number of rows. Many rows in one call are
-  faster than many calls.
+- Functions accept one row, or many rows with time as the first axis, and return as many rows. One call with many rows
+  is faster than many calls.
 - A pose has seven numbers: position ``x y z``, then the quaternion. A velocity has six: linear, then angular.
-- Wrong input raises ``ValueError`` with the words of the command. NaN and infinity are refused.
+- Wrong input, including NaN and infinity, raises ``ValueError`` with the message of the command ``sinew``.
 - Long work releases Python's global lock. Ctrl-C ends it.
 
 >>> import sinew_motion as sm

@@ -1,4 +1,4 @@
-"""Arrays of one row or of many."""
+"""Conversion of input to arrays of rows."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ Array = npt.NDArray[np.float64]
 def rows(name: str, numbers: npt.ArrayLike, inner: int = 1, last: int | None = None) -> tuple[Array, bool]:
     """Returns numbers as rows, and whether they were a single row.
 
-    ``inner`` is the number of axes of a row; a row of several axes is flattened. ``last`` is the length of the
-    last axis.
+    ``inner`` is the number of axes of a row; a row with several axes is flattened. ``last`` is the required length of
+    the last axis.
     """
     try:
         array = np.asarray(numbers, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""Boards: at a port, simulated, or owned by a console."""
+"""Boards: at a port, simulated, or driven by a console."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class BoardState(NamedTuple):
     """The state of a rig, from the newest telemetry."""
 
     state: str
-    """off, limp, arming, holding, playing, stopping, lowering, faulted, ..."""
+    """The state's name: off, limp, arming, holding, playing, stopping, lowering, faulted, ..."""
     q: Array
     """The measured pose, ``(nq,)``."""
     effort: Array
@@ -32,13 +32,13 @@ class BoardState(NamedTuple):
     supply_v: float
     """The supply of the servos, V; 0 if it is not measured."""
     show_s: float
-    """The position in the show, s."""
+    """The time in the show, s."""
     error: float
     """The largest angle between pose and target, rad; NaN without a target."""
     temperature: Array
     """The temperatures of the servos, degC; NaN for servos that do not report it."""
     heat: Array
-    """The heat of the windings by the model, 1 at its maximum."""
+    """The heat of each servo's windings, as the board's model computes it; 1 is the maximum."""
 
 
 class BoardFault(NamedTuple):
@@ -46,14 +46,14 @@ class BoardFault(NamedTuple):
 
     name: str
     state: str
-    """The state in which it occurred."""
+    """The board's state when the fault occurred."""
     servo: int | None
     time_s: float
-    """The time after the board's start."""
+    """The time from the board's start to the fault, s."""
     times: int
     is_warning: bool
     when: str
-    """The condition."""
+    """The condition that causes the fault."""
     remedy: str
 
 
@@ -61,12 +61,12 @@ _open: weakref.WeakSet[Board] = weakref.WeakSet()
 
 
 class Board:
-    """A board with its rig. Use it in a ``with`` block: at its end, and after an exception or Ctrl-C in it, the rig
-    goes to its rest pose, is lowered, and torque is off. A second Ctrl-C leaves at once; the board then lowers the
-    rig itself.
+    """A board with its rig, for use in a ``with`` block. At its end, also after an exception or Ctrl-C, the rig goes to
+    its rest pose and is lowered, and torque is switched off. A second Ctrl-C ends the block at once; the
+    board then lowers the rig by itself.
 
-    Nothing moves before ``arm``. Errors of the board are ``BoardError``, wrong input is ``ValueError``. After a
-    motion that Ctrl-C ended, the rig holds until the block ends.
+    Nothing moves before ``arm``. Errors of the board raise ``BoardError``, wrong input raises ``ValueError``. If Ctrl-C
+    ends a motion, the rig holds until the block ends.
 
     >>> with Board.open("sim", Rig.arm(2)) as board:
     ...     board.state().state
@@ -86,15 +86,15 @@ class Board:
 
         Parameters
         ----------
-        target : ``"sim"`` for a simulated board of ``rig``, ``"sim:arm.toml"`` for one of a file's rig; or the serial
-            port of a board that has ``rig``
-        rig : the rig; not with ``"sim:FILE"``
-        servos : kinds of servos for joints that have none, as ``sinew play --servo``
+        target : ``"sim"`` for a simulated board with ``rig``, ``"sim:arm.toml"`` for a simulated board with the rig in
+            this file; or the serial port of a board that has ``rig``
+        rig : the rig of the board; omitted for ``"sim:FILE"``
+        servos : kinds of servos for joints without servos, as for ``sinew play --servo``
 
         Raises
         ------
         ValueError
-            Without a rig, or if the file is not one.
+            If there is no rig, or the file is not a rig.
         BoardError
             If nothing answers, or the board has another rig.
 
@@ -137,7 +137,7 @@ class Board:
         Raises
         ------
         BoardError
-            If the controller refuses, with its reason.
+            If the controller refuses; the message contains the reason.
 
         >>> with Board.open("sim", Rig.arm(2)) as board:
         ...     board.arm()
@@ -147,12 +147,12 @@ class Board:
         self._native.arm()
 
     def goto(self, q: npt.ArrayLike, duration: float = 0.0) -> None:
-        """Moves the armed rig to a pose, smoothly, and waits until it is there; then the rig holds.
+        """Moves the armed rig smoothly to a pose, and waits until the rig is there; then the rig holds.
 
         Parameters
         ----------
         q : (nq,), within the ranges
-        duration : shortest time of the motion, s; it takes longer if a joint would exceed 14 degrees a second
+        duration : minimum duration of the motion, s; it takes longer if a joint would exceed 14 degrees a second
 
         Raises
         ------
@@ -173,9 +173,9 @@ class Board:
         self._native.goto(row("q", q), float(duration))
 
     def live(self, q: npt.ArrayLike) -> None:
-        """Sends a pose to follow. Call it at least ten times a second; without poses the rig holds.
+        """Sends a pose that the rig shall follow. Call it at least ten times a second; otherwise the rig holds.
 
-        The controller limits speeds: a far pose is reached later.
+        The controller limits speeds, so the rig reaches a distant pose later.
 
         Raises
         ------
@@ -196,31 +196,46 @@ class Board:
         """
         self._native.live(row("q", q))
 
+    def load(self, show: Show) -> None:
+        """Stores a show on the board, unless the board has it. Torque must be off: call it before ``arm``.
+
+        Raises
+        ------
+        BoardError
+            If the show is of another rig, the board has no room, or torque is on.
+
+        >>> arm = Rig.arm(2)
+        >>> with Board.open("sim", arm) as board:
+        ...     board.load(bake([arm.home, arm.home], arm, rate_hz=2))
+        """
+        self._native.load(show._native)
+
     def play(self, show: Show, *, rounds: int = 1) -> None:
-        """Uploads a show if the board does not have it, plays it, and waits for its end; then the rig holds.
+        """Plays a show that the board has, and waits for its end; then the rig holds.
 
         Parameters
         ----------
-        show : a show of this rig
+        show : a show of this rig, after ``load``
         rounds : number of rounds of a loop
 
         Raises
         ------
         BoardError
-            If the show is of another rig, or a fault ends it.
+            If the show was baked for another rig, the board does not have it and torque is on, or a fault ends it.
 
         >>> arm = Rig.arm(2)
+        >>> show = bake([arm.home, arm.home], arm, rate_hz=2)
         >>> with Board.open("sim", arm) as board:
+        ...     board.load(show)
         ...     board.arm()
-        ...     q = board.state().q
-        ...     board.play(bake([q, q], arm, rate_hz=2))
+        ...     board.play(show)
         ...     board.state().state
         'holding'
         """
         self._native.play(show._native, rounds)
 
     def hold(self) -> None:
-        """Ends a motion: the rig stands where it is.
+        """Ends a motion: the rig stays at its present pose.
 
         >>> with Board.open("sim", Rig.arm(2)) as board:
         ...     board.arm()
@@ -281,9 +296,9 @@ class Board:
 
 
 class Console:
-    """A running ``sinew console``, which owns a board and lets other programs ask for some things.
+    """A running ``sinew console``, which has a board and accepts some commands from other programs.
 
-    ``open`` finds it. The console moves its armed rig; arming takes its page.
+    ``open`` finds the console. The commands move an armed rig; only the console's page can arm the rig.
     """
 
     def __init__(self, native: _native.NativeConsole) -> None:
@@ -291,12 +306,12 @@ class Console:
 
     @classmethod
     def open(cls, name: str | None = None) -> Console:
-        """Finds a console of this user, by name; without a name, the only one that runs.
+        """Finds a running console of this user by its name; without a name, the only running console.
 
         Raises
         ------
         BoardError
-            If there is none, or there are several.
+            If no such console runs, or, without a name, several run.
 
         >>> Console.open("no-port")  # doctest: +ELLIPSIS
         Traceback (most recent call last):
@@ -307,7 +322,7 @@ class Console:
 
     @property
     def name(self) -> str:
-        """The name, made of the board's port."""
+        """The name of the console, which is made from the board's port."""
         return self._native.name
 
     def home(self) -> str:
@@ -328,7 +343,7 @@ class Console:
         """
         if (angle is None) == (distance is None):
             raise ValueError("expected an angle or a distance")
-        # The console counts in degrees and millimetres.
+        # The console expects degrees and millimetres.
         by = np.rad2deg(angle) if angle is not None else 1000.0 * (distance or 0.0)
         return self._native.jog(joint, float(by))
 

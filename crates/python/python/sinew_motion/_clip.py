@@ -14,7 +14,7 @@ from ._arrays import Array
 class Clip:
     """A clip of motion capture in metres, ``y`` up, without gaps: a skeleton of J joints in T frames.
 
-    ``read_clip`` makes it.
+    ``read_clip`` creates it.
     """
 
     def __init__(self, native: _native.NativeClip) -> None:
@@ -33,7 +33,7 @@ class Clip:
 
     @property
     def notes(self) -> list[str]:
-        """What was measured, skipped, filled or changed, as sentences."""
+        """Sentences about everything that was measured, skipped, filled or changed."""
         return self._native.notes
 
     @property
@@ -58,22 +58,22 @@ class Clip:
 
     @property
     def times(self) -> Array:
-        """The times of the frames from the first, ``(T,)``, s."""
+        """The times of the frames since the first frame, ``(T,)``, s."""
         return np.arange(len(self)) / self.rate_hz
 
     @property
     def offsets(self) -> Array:
-        """The positions of the joints at rest in their parents, ``(J, 3)``, m."""
+        """The positions of the joints relative to their parents at rest, ``(J, 3)``, m."""
         return self._native.offsets()
 
     @property
     def local(self) -> Array:
-        """The poses of the joints in their parents, ``(T, J, 7)``; of the root in the world."""
+        """The poses of the joints relative to their parents, ``(T, J, 7)``; the root's pose is in the world."""
         return self._native.local()
 
     @property
     def rotations(self) -> Array:
-        """The rotations of the joints in their parents, ``(T, J, 4)``: ``x y z w``."""
+        """The rotations of the joints relative to their parents, ``(T, J, 4)``: ``x y z w``."""
         return np.ascontiguousarray(self.local[..., 3:])
 
     @property
@@ -92,8 +92,8 @@ def read_clip(
 ) -> Clip:
     """Reads a clip: BVH, AMC with its ASF beside it, humanoid3d text, or a built-in clip by name.
 
-    The clip is turned upright and to metres, gaps of up to 0.5 s are filled, and an inserted T-pose is skipped.
-    ``Clip.notes`` reports these changes.
+    The clip is rotated upright and converted to metres, gaps of up to 0.5 s are filled, and an inserted T-pose is
+    skipped. ``Clip.notes`` reports these changes.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def read_clip(
     Raises
     ------
     ValueError
-        With the file and what was expected.
+        If the file cannot be read; the message contains the file and the expected content.
 
     >>> clip = read_clip("punches_01", seconds=0.5)
     >>> clip.world.shape == (len(clip), len(clip.joint_names), 7)

@@ -1,4 +1,4 @@
-"""State errors of poses."""
+"""State errors between desired and measured poses."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class StateErrors(NamedTuple):
     linear: Array
     """Differences of positions, m."""
     angular_rate: Array
-    """Their rates, rad/s; zero without velocities."""
+    """Rates of ``angular``, rad/s; zero without velocities."""
     linear_rate: Array
-    """Their rates, m/s; zero without velocities."""
+    """Rates of ``linear``, m/s; zero without velocities."""
 
 
 def errors(
@@ -45,25 +45,25 @@ def errors(
     ========================  ==========================================================================================
     ``world``                 in the world
     ``local``                 relative to its parent
-    ``egocentric``            relative to body 0; of body 0 in the world
-    ``heading``               in the world, after the desired figure was moved to the measured body 0: its place on the
-                              ground and its heading about ``y``, but not its height
-    ``linear_compensation``   in the world, with the desired body turned so that its heaviest child reaches its place
-    ``projection``            in the world, against the nearest pose of the rig; the frames are one performance
+    ``egocentric``            relative to body 0; for body 0 in the world
+    ``heading``               in the world, after the desired figure was moved to the horizontal position and the
+                              heading (about ``y``) of the measured body 0; its height does not change
+    ``linear_compensation``   in the world, after the desired body was turned towards its heaviest child's desired place
+    ``projection``            in the world, against the nearest pose of the rig; all frames belong to one motion
     ========================  ==========================================================================================
 
     Parameters
     ----------
     desired, measured : (B, 7) or (T, B, 7)
-    parents : index of each body's parent, -1 for body 0; ``world`` and ``heading`` do without
-    rig : the rig instead of ``parents``; ``projection`` needs it
+    parents : index of each body's parent, -1 for body 0; ``world`` and ``heading`` do not need it
+    rig : a rig, instead of ``parents``; ``projection`` needs a rig
     desired_velocity, measured_velocity : (B, 6) or (T, B, 6), linear then angular, in world axes; default: zeros
     beta : weight of the linear compensation, 0 to 2
 
     Raises
     ------
     ValueError
-        For shapes that do not fit, NaN, quaternions that are not unit, or a method without the tree it needs.
+        For shapes that do not match, NaN, quaternions that are not unit, or if the method needs a tree and has none.
 
     >>> arm = Rig.arm(6)
     >>> desired, measured = arm.fk(arm.home), arm.fk(arm.home + 0.1)

@@ -1,4 +1,4 @@
-"""The evaluation of control methods, and sweeps of it."""
+"""Evaluations of control methods, and sweeps."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Paths = Sequence["str | os.PathLike[str]"]
 
 
 def methods() -> dict[str, str]:
-    """Returns the names of the control methods, with their descriptions.
+    """Returns the names and descriptions of the control methods.
 
     >>> methods()["world"]
     'World Space Error'
@@ -41,32 +41,33 @@ def evaluate(
     rows: Literal["total", "clip", "time"] = "total",
     progress: Callable[[int, int], object] | None = None,
 ) -> Columns:
-    """Evaluates control methods: a simulated figure, or a rig, tracks clips, and its errors are measured.
+    """Evaluates control methods: a simulated figure or rig tracks clips, and its errors are measured.
 
-    The numbers are those of ``sinew evaluate``, which has the same defaults.
+    The results and defaults are those of ``sinew evaluate``.
 
     Parameters
     ----------
-    clips : files and folders; default: the built-in clips; with ``rig``, motions of the rig's own joints
-    rig : the rig instead of the figure of 18 bodies
-    methods : names of ``methods()``; default: the paper's three, with ``rig`` all
+    clips : files and folders; default: the built-in clips, or with ``rig`` its built-in motions
+    rig : a rig, instead of the figure of 18 bodies
+    methods : names of ``methods()``; default: the paper's three methods, or with ``rig`` all methods
     scales : factors on the figure's dimensions, 0.1 to 10
     setup : settings of the runs, nested as in ``sinew evaluate --format json``: ``{"plant": {"kind": "articulated"}}``
     seconds : use only the first seconds of every clip
-    rate_hz : rate of control and plant, Hz; default: 100, with ``rig`` 500
-    mapping : mapping of the clips' skeleton; default: chosen among the known ones
-    rows : a row for each scale, method and group of joints (``total``), also for each clip (``clip``), or the mean
-        errors over ``time``
-    progress : called with the finished and all steps, about 20 times a second
+    rate_hz : rate of control and plant, Hz; default: 100, or with ``rig`` 500
+    mapping : name or file of the mapping of the clips' skeleton; default: chosen among the known mappings
+    rows : ``total``: a row for each scale, method and group of joints; ``clip``: for each clip, too; ``time``: the mean
+        errors over time
+    progress : is called with the numbers of finished and of all steps, about 20 times a second
 
     Returns
     -------
-    Columns for ``pandas.DataFrame`` or ``polars.DataFrame``: lists of text, and float64 with NaN for empty fields.
+    Columns for ``pandas.DataFrame`` or ``polars.DataFrame``: lists of text, or arrays of float64 with NaN for empty
+    fields.
 
     Raises
     ------
     ValueError
-        For wrong settings and files, and if a figure is lost.
+        For wrong settings and files, and if the simulation of a figure becomes unstable.
 
     >>> table = evaluate(methods=["world"], scales=[1.0], seconds=0.3, setup={"plant": {"kind": "articulated"}})
     >>> table["method"], table["joints"]
@@ -105,13 +106,14 @@ def sweep(
     rows: Literal["cell", "clip"] = "cell",
     progress: Callable[[int, int], object] | None = None,
 ) -> Columns:
-    """Runs every combination of many settings, as ``sinew evaluate sweep`` does.
+    """Evaluates all combinations of many settings, as ``sinew evaluate sweep`` does.
 
     Parameters
     ----------
-    file : the sweep, in TOML
+    file : description of the sweep, TOML
     clips, rig, seconds, rate_hz, mapping, progress : as in ``evaluate``
-    output : folder of the journal and the tables; the sweep resumes there. Default: nothing is kept.
+    output : folder for journal and tables; an interrupted sweep continues from this journal. Default: a temporary
+        folder
     rows : a row for each ``cell``, or for each cell and ``clip``
 
     Returns
@@ -121,7 +123,7 @@ def sweep(
     Raises
     ------
     ValueError
-        For wrong files and settings, before anything runs.
+        For wrong files and settings; then no cell is evaluated.
 
     >>> import pathlib, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""Distances of poses, geodesics, importance of joints."""
+"""Distances between poses, geodesics, importance of joints."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ def pose_distance(
     steps: int = 10,
     root: str | None = None,
 ) -> float | Array:
-    """Computes the distances of poses of a clip's skeleton, relative to its root.
+    """Computes distances between poses of a clip's skeleton, relative to its root.
 
     Parameters
     ----------
-    clip : the skeleton
-    a, b : (J, 4) or (T, J, 4), rotations of the joints in their parents, as ``Clip.rotations``. One pose is compared
-        with each of many.
+    clip : a clip with the skeleton
+    a, b : (J, 4) or (T, J, 4), rotations of the joints relative to their parents, as ``Clip.rotations``. If one
+        argument has a single pose, it is compared with each pose of the other.
     metric : ``angles`` in rad; ``rotations`` in m rad; ``positions``, ``line`` and ``geodesic`` in m
-    weighted : whether joints are weighted by importance
-    steps : steps of a line or a geodesic, 1 to 1000
+    weighted : whether joints are weighted by their importance
+    steps : number of steps of a line or a geodesic, 1 to 1000
     root : the joint relative to which poses are compared; default: the skeleton's root
 
     Returns
@@ -63,7 +63,7 @@ class Geodesic(NamedTuple):
     """The shortest path between two poses on which bones keep their lengths."""
 
     length: float
-    """Its length, m."""
+    """The length of the path, m."""
     line_length: float
     """The length of the straight line between the joint coordinates, m."""
     converged: bool
@@ -79,7 +79,7 @@ def geodesic(
 
     Parameters
     ----------
-    a, b : (J, 4), rotations of the joints in their parents
+    a, b : (J, 4), rotations of the joints relative to their parents
     weighted, steps : as in ``pose_distance``
 
     Raises
@@ -110,14 +110,14 @@ def importance(
     base: float | None = None,
     discount: float = 0.9,
 ) -> dict[str, float]:
-    """Computes the importance of joints: how much of a figure each joint moves, and how far.
+    """Computes the importance of joints, which depends on how much of a figure each joint moves, and how far.
 
     Parameters
     ----------
-    source : a rig, a clip's skeleton, or a file of a character (glTF, BVH, URDF) as ``sinew clip weights`` has it
+    source : a rig, a clip, or a file of a character (glTF, BVH, URDF), as for ``sinew clip weights``
     method : by ``lengths`` of bones, by ``cylinders`` around them, or by the ``mesh`` of a file
     base : initial weight of every joint, in m, or m³ for surfaces; default: as ``sinew clip weights``
-    discount : factor on a bone's length for each joint further up, 0 to 1, for ``lengths``
+    discount : factor on a bone's length for each joint between the bone and the joint, 0 to 1; only for ``lengths``
 
     Returns
     -------

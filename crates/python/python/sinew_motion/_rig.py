@@ -15,12 +15,12 @@ from ._arrays import Array, rows, same_rows
 class Rig:
     """A rig: bodies in a tree, joints, limits, drives and servos.
 
-    ``Rig.load`` reads a file, ``Rig.arm`` and ``Rig.face`` make a rig to begin with.
+    ``Rig.load`` reads a file; ``Rig.arm`` and ``Rig.face`` create example rigs.
 
-    Positions ``q`` have ``nq`` numbers in the order of the joints: an angle or a distance for each axis, ``x y z w``
-    for a ball joint, and for a free joint (the base of a rig that travels) the quaternion first, then ``x y z``.
-    Speeds ``qd``, accelerations ``qdd`` and efforts ``tau`` have ``nv`` numbers, one by dof: a ball joint has three,
-    its angular velocity in body axes; a free joint six, angular then linear, in body axes.
+    Positions ``q`` have ``nq`` numbers in the order of the joints: an angle or a distance for each axis, a quaternion
+    ``x y z w`` for a ball joint, and for a free joint (the base of a rig that travels) a quaternion, then ``x y z``.
+    Speeds ``qd``, accelerations ``qdd`` and efforts ``tau`` have ``nv`` numbers, one for each dof. A ball joint has
+    three dofs: its angular velocity in body axes. A free joint has six: angular, then linear velocity, in body axes.
 
     >>> arm = Rig.arm(6)
     >>> arm.dof_names[:2]
@@ -29,6 +29,7 @@ class Rig:
 
     def __init__(self, native: _native.NativeRig) -> None:
         self._native = native
+        self._nv = native.nv
 
     @classmethod
     def load(
@@ -54,7 +55,7 @@ class Rig:
         Raises
         ------
         ValueError
-            With file, line and what was expected.
+            If the file cannot be read; the message contains file, line and the expected content.
 
         >>> import pathlib, tempfile
         >>> folder = tempfile.TemporaryDirectory()
@@ -71,7 +72,7 @@ class Rig:
 
     @classmethod
     def arm(cls, joints: int = 6) -> Rig:
-        """Makes the desk arm of ``sinew rig new --arm``, with 1 to 40 joints.
+        """Creates the desk arm of ``sinew rig new --arm``, with 1 to 40 joints.
 
         >>> Rig.arm(3).joint_names
         ['base', 'turn1', 'bend2', 'bend3']
@@ -80,7 +81,7 @@ class Rig:
 
     @classmethod
     def face(cls) -> Rig:
-        """Makes the face of ``sinew rig new --face``: jaw, eyes, lids, brows and neck, without masses.
+        """Creates the face of ``sinew rig new --face``: jaw, eyes, lids, brows and neck, without masses.
 
         >>> Rig.face().nv
         14
@@ -110,7 +111,7 @@ class Rig:
 
     @property
     def notes(self) -> list[str]:
-        """What an import changed or filled in, and doubtful values, as sentences."""
+        """Sentences about everything that an import changed or filled in, and about doubtful values."""
         return self._native.notes
 
     @property
@@ -120,8 +121,8 @@ class Rig:
 
     @property
     def nv(self) -> int:
-        """The number of dofs: speeds, accelerations, efforts."""
-        return self._native.nv
+        """The number of dofs, which is the number of speeds, accelerations and efforts."""
+        return self._nv
 
     @property
     def body_names(self) -> list[str]:
@@ -160,12 +161,12 @@ class Rig:
 
     @property
     def lower(self) -> Array:
-        """The lower ends of the ranges, ``(nv,)``, rad or m; ``-inf`` without a range of the dof itself."""
+        """The lower ends of the ranges, ``(nv,)``, rad or m; ``-inf`` if the dof has no range of its own."""
         return np.array(self._native.lower())
 
     @property
     def upper(self) -> Array:
-        """The upper ends of the ranges, ``(nv,)``, rad or m; ``inf`` without a range of the dof itself."""
+        """The upper ends of the ranges, ``(nv,)``, rad or m; ``inf`` if the dof has no range of its own."""
         return np.array(self._native.upper())
 
     @property
@@ -185,7 +186,7 @@ class Rig:
 
     @property
     def followers(self) -> list[tuple[int, int, float, float]]:
-        """Joints that follow others: index in ``q``, index of the leader, factor, offset."""
+        """Joints that follow others: index in ``q``, index of the leader in ``q``, factor, offset."""
         return self._native.followers
 
     def fk(self, q: npt.ArrayLike) -> Array:
@@ -247,9 +248,9 @@ class Rig:
         return jacobians[0] if single else jacobians
 
     def inverse_dynamics(self, q: npt.ArrayLike, qd: npt.ArrayLike | None, qdd: npt.ArrayLike | None) -> Array:
-        """Computes the efforts that make accelerations, with gravity of 9.81 m/s² along -y and without friction.
+        """Computes the efforts that cause accelerations, with gravity of 9.81 m/s² along -y and without friction.
 
-        Rows are computed four at a time, with the bits of single rows.
+        Four rows are computed at a time; their results are identical to those of single rows.
 
         Parameters
         ----------
@@ -303,7 +304,7 @@ class Rig:
         return self.inverse_dynamics(q, None, None)
 
     def forward_dynamics(self, q: npt.ArrayLike, qd: npt.ArrayLike | None, tau: npt.ArrayLike | None) -> Array:
-        """Computes the accelerations that efforts make, with gravity and without friction.
+        """Computes the accelerations that efforts cause, with gravity and without friction.
 
         Parameters
         ----------

@@ -43,7 +43,7 @@ class Retargeted(NamedTuple):
     rate_hz: float
     """Frames a second."""
     limbs_mean: float
-    """Mean angle between limbs of performer and rig, rad; NaN if no limb is compared."""
+    """Mean angle between corresponding limbs of performer and rig, rad; NaN if no limbs are compared."""
     limbs_max: float
     """Largest of these angles, rad."""
 
@@ -74,7 +74,7 @@ def retarget(
 class Show:
     """A show: the motion of a rig as splines, the file that a board plays.
 
-    ``bake`` makes it, ``Show.open`` reads a file of ``sinew bake``.
+    ``bake`` creates a show; ``Show.open`` reads a file of ``sinew bake``.
     """
 
     def __init__(self, native: _native.NativeShow) -> None:
@@ -145,7 +145,7 @@ class Show:
 
     @property
     def fitted(self) -> str | None:
-        """What a fit changed, in words; ``None`` without a fit, and for a show from a file."""
+        """The changes by a fit, in words; ``None`` without a fit, and for a show from a file."""
         return self._native.fitted
 
     @property
@@ -153,7 +153,7 @@ class Show:
         """Places where the show exceeds a limit of its rig, as columns for a data frame.
 
         ``joint``, ``kind`` (range, speed, acceleration, effort, heat), ``from_s``, ``to_s``, ``worst_s``, ``value``,
-        ``limit``. Empty columns if the rig can follow, and for a show from a file.
+        ``limit``. The columns are empty if the show exceeds no limit, and for a show from a file.
 
         >>> show = bake([[0.0, 0.0], [3.0, 0.0], [0.0, 0.0]], Rig.arm(2), rate_hz=20)
         >>> "speed" in show.report["kind"]
@@ -167,13 +167,13 @@ class Show:
         }
 
     def sample(self, t: npt.ArrayLike) -> tuple[Array, Array, Array]:
-        """Returns positions, speeds and accelerations at times: the exact derivatives of the splines.
+        """Returns positions, speeds and accelerations at times. They are exact derivatives of the splines.
 
         After the end a loop starts its next round; any other show stays at its last pose.
 
         Parameters
         ----------
-        t : a time or (T,) times in s, from 0 to 1e9
+        t : a time, or (T,) times, s, from 0 to 1e9
 
         Returns
         -------
@@ -210,17 +210,17 @@ def bake(
     tolerance: float = np.deg2rad(0.25),
     cues: Sequence[tuple[str, float]] = (),
 ) -> Show:
-    """Bakes a motion into a show for a rig, as ``sinew bake`` does. ``Show.report`` lists the limits that it exceeds.
+    """Bakes a motion into a show for a rig, as ``sinew bake`` does. ``Show.report`` lists the exceeded limits.
 
     Parameters
     ----------
-    motion : a clip; or rows of positions (T, nq) with ``rate_hz``; or a CSV or JSON file of the rig's own motion
+    motion : a clip; or rows of positions (T, nq) with ``rate_hz``; or a CSV, JSON or show with a motion of the rig
     rate_hz : rate of rows, Hz
     mapping, mirror : as in ``retarget``, for a clip
     fit : whether the motion is brought within all limits of the rig
-    loop_blend_s : length of the blend of the end into the start, s, for a loop; default: no loop
+    loop_blend_s : for a loop, duration of the blend of the end into the start, s; default: no loop
     tolerance : largest error of angles, rad; by default 0.25 degrees
-    cues : names and times in s of the motion
+    cues : names, and times in the motion, s
 
     Raises
     ------

@@ -15,14 +15,14 @@ from ._rig import Rig
 
 
 class Step(NamedTuple):
-    """The result of a tick, by dof."""
+    """The result of a tick, for each dof."""
 
     effort: Array
     """Efforts to apply, after all limits, ``(nv,)``, N m or N."""
     feedforward: Array
-    """The part of them that gravity and the wanted acceleration need, ``(nv,)``."""
+    """The part of the efforts that gravity and the desired acceleration need, ``(nv,)``, N m or N."""
     limited: list[str | None]
-    """What limited each effort: ``torque``, ``force``, ``not_finite``, ``supply``; ``None`` if nothing did."""
+    """Limit that acted on each effort: ``torque``, ``force``, ``not_finite``, ``supply``; ``None`` without one."""
 
 
 class Tracker:
@@ -30,10 +30,10 @@ class Tracker:
 
     Parameters
     ----------
-    rig : a rig of at most 64 bodies; its efforts limit the controller's
+    rig : a rig of at most 64 bodies; its effort limits are those of the controller
     method : ``recommended``, or another name of ``methods()``
     rate_hz : ticks a second
-    latency_ticks : ticks from a measurement to the tick in which its effort acts
+    latency_ticks : number of ticks from a measurement to the tick in which the computed effort acts
     settings : other settings, by the names of ``[controller]`` in ``sinew evaluate --format json``, such as
         ``{"kp": 200}``
 
@@ -79,7 +79,7 @@ class Tracker:
 
         Parameters
         ----------
-        q_desired : (nq,), for the instant at which the efforts act
+        q_desired : (nq,), for the time at which the efforts act
         q : (nq,), as measured
         qd : (nv,), as measured; default: differences of the measured positions
         qd_desired, qdd_desired : (nv,); default: zeros
@@ -87,7 +87,8 @@ class Tracker:
         Raises
         ------
         ValueError
-            For a wrong length, NaN, or a quaternion that is not unit. There is then no effort: keep the servos safe.
+            For a wrong length, NaN, or a quaternion that is not unit. There is no effort then: the caller must keep the
+            servos safe.
 
         >>> import numpy as np
         >>> arm = Rig.arm(2)
@@ -107,7 +108,7 @@ class Tracker:
         return Step(np.array(effort), np.array(feedforward), limited)
 
     def skip(self, ticks: int) -> None:
-        """Tells the tracker that ticks were missed: the next speeds are then differences over the elapsed time.
+        """Tells the tracker that ticks were missed, so that it computes the next speeds over the elapsed time.
 
         >>> arm = Rig.arm(2)
         >>> tracker = Tracker(arm, rate_hz=500)

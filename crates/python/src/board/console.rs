@@ -1,4 +1,4 @@
-//! A running console: the commands that it takes from other programs.
+//! Requests to a running console.
 
 use pyo3::prelude::*;
 use sinew_board_client::console::{Reply, Request, ask, consoles};
@@ -6,13 +6,13 @@ use sinew_board_client::console::{Reply, Request, ask, consoles};
 use super::BoardError;
 use crate::error::value;
 
-/// A console of this user.
+/// A running console of this user.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeConsole {
     name: String,
 }
 
-/// Finds a console by name; without a name, the only one that runs.
+/// Finds a running console by its name; without a name, the only running console.
 #[pyfunction]
 pub(crate) fn open_console(name: Option<String>) -> PyResult<NativeConsole> {
     let mut names = consoles();

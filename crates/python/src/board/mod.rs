@@ -1,4 +1,4 @@
-//! Boards: a thread keeps the session with a board alive, and executes one order after the other.
+//! Boards: a thread keeps the session with a board alive, and executes orders one after the other.
 
 mod console;
 mod open;
@@ -19,7 +19,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use sinew_performance::play::ServoChoice;
 
-use crate::arrays::single;
+use crate::arrays::{is_usable, single};
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
@@ -34,19 +34,19 @@ create_exception!(
     "An error of a board, or a refusal of its controller, in the words of the command."
 );
 
-/// Stack of the thread: a controller with all its capacities is built on the stack.
+/// Stack of the thread, bytes: a controller with all its capacities is built on it.
 const STACK_BYTES: usize = 256 << 20;
 
-/// Interval of looks at signals.
+/// Interval between two checks for signals of the operating system.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Maximum time until an order that was cancelled is answered.
+/// Longest wait for the reply to a cancelled order.
 const CANCEL: Duration = Duration::from_secs(3);
 
-/// An order, and the way of its reply.
+/// An order, and the channel for its reply.
 type Asked = (Order, SyncSender<Result<Reply, String>>);
 
-/// A session with a board, in a thread. After the last use of this value the thread stops the rig.
+/// A session with a board, which runs in a thread. If Python no longer uses this value, the thread stops the rig.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeBoard {
     orders: Mutex<Option<Sender<Asked>>>,
@@ -54,7 +54,7 @@ pub(crate) struct NativeBoard {
     nq: usize,
 }
 
-/// Opens a board: a simulated one, or the one at a port.
+/// Opens the board at a port, or a simulated board.
 #[pyfunction]
 pub(crate) fn open_board(
     py: Python<'_>,
@@ -78,7 +78,7 @@ pub(crate) fn open_board(
             let _ = tell.send(Ok(Reply::Done));
         });
         if let Err(error) = served {
-            // After the opening, the reply to an order has told the error.
+            // The caller waits only for the opening. Later errors are replies to orders.
             let _ = opened.try_send(Err(format!("{error:#}")));
         }
     };
@@ -89,7 +89,8 @@ pub(crate) fn open_board(
 }
 
 impl NativeBoard {
-    /// Executes an order. After a signal the order is cancelled, and the signal's exception is raised.
+    /// Executes an order, and returns its reply. After a signal, cancels the order, and raises the exception of the
+    /// signal.
     fn ask(&self, py: Python<'_>, order: Order) -> PyResult<Reply> {
         let (reply, replies) = sync_channel(1);
         let sent = {
@@ -128,14 +129,13 @@ impl NativeBoard {
         self.ask(py, order).map(|_| ())
     }
 
-    /// Copies a pose.
+    /// Copies a pose, and checks its length and its numbers.
     fn pose(&self, q: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f32>> {
         let q: Vec<f32> = q.as_array().iter().copied().map(single).collect();
         if q.len() != self.nq {
             return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
         }
-        // Written so that NaN fails.
-        match q.iter().position(|x| !(x.abs() <= 1e6)) {
+        match q.iter().position(|x| !is_usable(f64::from(*x))) {
             None => Ok(q),
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))
@@ -144,7 +144,7 @@ impl NativeBoard {
     }
 }
 
-/// Returns a duration of s.
+/// Converts a number of s to a duration.
 fn duration(name: &str, seconds: f64) -> PyResult<Duration> {
     if (0.0..=3600.0).contains(&seconds) {
         return Ok(Duration::from_secs_f64(seconds));
@@ -152,10 +152,12 @@ fn duration(name: &str, seconds: f64) -> PyResult<Duration> {
     Err(value(format!("{name}: expected a number of s from 0 to 3600, found {seconds}")))
 }
 
-/// The state of a rig in numbers.
+/// State of a rig: name of the state, coordinates, efforts, supply in V, time in the show in s, largest error in rad,
+/// and temperature and heat of each servo.
 type StateRow = (String, Vec<f64>, Vec<f64>, f64, f64, f64, Vec<(Option<i8>, u8)>);
 
-/// A fault: name, state, servo, time after the board's start, occurrences, whether it is a warning, condition, remedy.
+/// A fault: name, state, servo, time after the board's start, number of occurrences, whether it is a warning,
+/// condition, remedy.
 type FaultRow = (String, String, Option<u16>, f64, u16, bool, &'static str, &'static str);
 
 #[pymethods]
@@ -171,6 +173,10 @@ impl NativeBoard {
 
     fn live(&self, py: Python<'_>, q: PyReadonlyArray1<'_, f64>) -> PyResult<()> {
         self.done(py, Order::Live { q: self.pose(&q)? })
+    }
+
+    fn load(&self, py: Python<'_>, show: PyRef<'_, NativeShow>) -> PyResult<()> {
+        self.done(py, Order::Load { bytes: show.bytes.clone() })
     }
 
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
@@ -219,7 +225,7 @@ impl NativeBoard {
         Ok(faults)
     }
 
-    /// Stops the rig, and ends the session. Nothing happens if the session is over.
+    /// Stops the rig, and ends the session. Does nothing if the session is closed.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let is_open = self.orders.lock().unwrap_or_else(PoisonError::into_inner).is_some();
         if !is_open {

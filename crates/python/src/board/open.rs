@@ -1,4 +1,4 @@
-//! The thread of a session: opens the board, or simulates one, and executes orders.
+//! Thread of a session: opens or simulates a board, and executes orders.
 
 use std::io;
 use std::path::PathBuf;
@@ -20,14 +20,14 @@ use super::Asked;
 use super::order::{Order, Reply};
 use super::session::Session;
 
-/// Stack of the simulated board.
+/// Stack of the simulated board, bytes.
 const STACK_BYTES: usize = 256 << 20;
-/// Maximum time until a simulated board has started.
+/// Longest wait until a simulated board answers.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Longest wait for the board between two looks at orders.
+/// Longest wait for the board between two checks for orders.
 const TURN: Duration = Duration::from_millis(4);
 
-/// Opens the board at a port, or simulates one, and executes orders until the session is closed. `opened` is called
+/// Opens the board at a port, or simulates a board, and executes orders until the session is closed. `opened` is called
 /// when the board answers.
 pub(super) fn serve(
     mut rig: LoadedRig,
@@ -55,12 +55,12 @@ pub(super) fn serve(
                 opened();
                 obey(&mut board, &rig, is_cancelled, orders)
             });
-            // The line is gone, so the board ends. Its error is the reason if it has never begun.
+            // The line is closed, so the simulated board ends. If the board failed to start, its error is returned.
             simulated.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
             served
         });
     };
-    let mut board = port::open(&path)?;
+    let mut board = port::open(&path, &|| ())?;
     let (here, own) = (board.about().rig, parts.rig_crc());
     ensure!(
         here == own,
@@ -82,7 +82,7 @@ fn simulate(rig: &LoadedRig, parts: &RigParts, end: BoardEnd) -> anyhow::Result<
     }
 }
 
-/// Executes orders until the session is closed, or Python has dropped the board: then the rig is stopped.
+/// Executes orders until the session is closed, or until Python has dropped the board; then stops the rig.
 fn obey<L: Line>(
     board: &mut Board<L>,
     rig: &LoadedRig,

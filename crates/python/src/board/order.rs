@@ -1,10 +1,10 @@
-//! Orders for a board, and replies.
+//! Orders to a board, and their replies.
 
 use std::time::Duration;
 
 use super::FaultRow;
 
-/// An order of Python.
+/// An order that Python gives to a board.
 #[derive(Debug)]
 pub(super) enum Order {
     Arm,
@@ -14,6 +14,10 @@ pub(super) enum Order {
     },
     Live {
         q: Vec<f32>,
+    },
+    /// Stores a show on the board, and selects it.
+    Load {
+        bytes: Vec<u8>,
     },
     Play {
         bytes: Vec<u8>,
@@ -29,7 +33,7 @@ pub(super) enum Order {
     Close,
 }
 
-/// The result of an order.
+/// Reply to an order.
 #[derive(Debug)]
 pub(super) enum Reply {
     Done,
@@ -37,7 +41,7 @@ pub(super) enum Reply {
     Faults(Vec<FaultRow>),
 }
 
-/// The state of a rig, from the newest telemetry.
+/// State of a rig according to the newest telemetry.
 #[derive(Debug)]
 pub(super) struct RigState {
     pub(super) name: String,
@@ -45,8 +49,8 @@ pub(super) struct RigState {
     pub(super) effort: Vec<f32>,
     pub(super) supply_v: f32,
     pub(super) show_ms: u32,
-    /// Largest angle between pose and target; NaN without a target.
+    /// Largest angle between pose and target, rad; NaN without a target.
     pub(super) error_rad: f32,
-    /// Temperature in degC, and heat in percent of its maximum, of each servo.
+    /// Temperature in degC, and heat in percent of its maximum, for each servo.
     pub(super) servos: Vec<(Option<i8>, u8)>,
 }

@@ -1,4 +1,4 @@
-//! Orders on a session: what a person does with the console's page.
+//! Execution of orders in a session. They are the actions that the console's page offers.
 
 use std::f32::consts::PI;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,34 +18,34 @@ use sinew_show::Show;
 use super::FaultRow;
 use super::order::{Order, Reply, RigState};
 
-/// Telemetry that is asked of the board, Hz.
+/// Requested telemetry rate, Hz.
 const RATE_HZ: f32 = 30.0;
-/// Interval of poses of a motion.
+/// Interval between two poses of a motion.
 const EVERY: Duration = Duration::from_millis(20);
-/// Longest time of a feed's start.
+/// Longest wait until the board accepts the first live poses.
 const START: Duration = Duration::from_secs(1);
-/// Longest wait for a rig to become ready to be armed, and the time between two attempts.
+/// Longest wait for a rig to become ready to be armed, and interval between two attempts.
 const READY: Duration = Duration::from_secs(10);
 const AGAIN: Duration = Duration::from_millis(100);
-/// Maximum time from a stop until torque is off.
+/// Longest wait from a stop until torque is off.
 const STOP_MOST: Duration = Duration::from_mins(1);
-/// Share of the maximum speed that a motion to a pose uses: the board's own limit is not to be felt.
+/// Share of the maximum speed that a motion to a pose uses, so that the board's own limit does not act.
 const SHARE: f32 = 0.7;
-/// Distance beyond a range that rounding may cause, rad or m.
+/// Permitted distance beyond a range, rad or m, which rounding may cause.
 const ROUNDING: f64 = 1e-5;
 
-/// A session with its rig.
+/// A session with a board, and its rig.
 pub(super) struct Session<'a, L> {
     board: &'a mut Board<L>,
     mechanism: &'a Mechanism,
     /// First coordinate and number of coordinates of each joint.
     blocks: Vec<(usize, usize)>,
     is_cancelled: &'a AtomicBool,
-    /// Number of summaries at the end of the last order that may have changed the state.
+    /// Number of summaries that were received at the end of the last order that may have changed the state.
     changed: u32,
-    /// Number of summaries before the board followed live poses; `None` while it does not.
+    /// Number of summaries that were received when the board began to follow live poses; `None` while it follows none.
     live: Option<u32>,
-    /// Time of the first live pose that the board does not follow yet.
+    /// Time of the first live pose, until the board follows live poses; otherwise `None`.
     live_begun: Option<Duration>,
 }
 
@@ -62,7 +62,7 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(Self { board, mechanism, blocks, is_cancelled, changed, live, live_begun })
     }
 
-    /// Receives from the board, and sends it heartbeats.
+    /// Receives messages of the board, and sends heartbeats to it.
     pub(super) fn turn(&mut self, wait: Duration) -> anyhow::Result<()> {
         Ok(self.board.step(wait)?)
     }
@@ -84,6 +84,7 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Arm => self.arm()?,
             Order::Goto { q, least } => self.goto(&q, least)?,
             Order::Live { q } => self.follow(&q)?,
+            Order::Load { bytes } => self.load(&bytes)?,
             Order::Play { bytes, rounds } => self.play(&bytes, rounds)?,
             Order::Hold => self.ask(Command::Hold)?,
             Order::Stop | Order::Close => self.stop()?,
@@ -98,7 +99,7 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(Reply::Done)
     }
 
-    /// Returns the pose that the board commands, or `None` while torque is off.
+    /// Returns the pose that the board commands; `None` while torque is off.
     fn commanded(&self) -> Option<Vec<f32>> {
         let dofs = self.mechanism.dof_names().len();
         pose::commanded(&self.blocks, dofs, &self.board.log)
@@ -109,13 +110,13 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    /// Lets time pass; an error if Python was interrupted.
+    /// Continues the session for this time. Fails if Python has cancelled the order.
     fn wait(&mut self, time: Duration) -> anyhow::Result<()> {
         ensure!(!self.is_cancelled.load(Ordering::Relaxed), "interrupted");
         self.turn(time)
     }
 
-    /// Waits until the newest summary is newer than the last command, and returns its state.
+    /// Returns the state of a summary that is newer than the last command; waits for it.
     fn fresh_state(&mut self) -> anyhow::Result<State> {
         let (before, end) = (self.board.log.summaries, self.board.now() + READY);
         while self.board.log.summaries < before + 2 {
@@ -159,7 +160,7 @@ impl<'a, L: Line> Session<'a, L> {
         }
     }
 
-    /// Refuses a pose outside the ranges of the joints.
+    /// Refuses a pose that is outside the ranges of the joints.
     fn check(&self, q: &[f32]) -> anyhow::Result<()> {
         let ranges = self.mechanism.coordinate_ranges();
         for (link, range) in self.mechanism.bodies.iter().zip(ranges) {
@@ -223,14 +224,14 @@ impl<'a, L: Line> Session<'a, L> {
                 _ => {}
             }
             if let Err(error) = self.wait(Duration::from_millis(4)) {
-                // The rig stands where it is.
+                // The rig stays at its present pose.
                 self.ask(Command::Hold)?;
                 return Err(error);
             }
         }
     }
 
-    /// Asks the board to follow live poses; `false` while the first ones have not arrived.
+    /// Asks the board to follow live poses. Returns `false` as long as the first poses may still be on their way.
     fn is_followed(&mut self, begun: Duration) -> anyhow::Result<bool> {
         match self.board.ask(Command::Play(Feed::Live)) {
             Ok(_) => Ok(true),
@@ -243,7 +244,7 @@ impl<'a, L: Line> Session<'a, L> {
         }
     }
 
-    /// Sends a live pose.
+    /// Sends a live pose. Fails if the board no longer follows live poses.
     fn follow(&mut self, q: &[f32]) -> anyhow::Result<()> {
         self.check(q)?;
         self.send(q)?;
@@ -265,18 +266,29 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
+    /// Stores a show on the board unless it has the show, and selects it.
+    fn load(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
         let show = Show::open(bytes)?;
         show.check_rig(self.board.about().rig)?;
         let item = item(Kind::Show, SHOW_SCHEMA, bytes, self.board.about().rig, "sinew_motion")?;
-        let slot = match self.board.slot_of(&item)? {
-            Some(slot) => slot,
-            None => {
-                self.board.upload(&item, bytes, &mut |_| ())?;
-                self.board.slot_of(&item)?.context("the board does not have the show")?
+        let slot = if let Some(slot) = self.board.slot_of(&item)? {
+            slot
+        } else {
+            match self.board.upload(&item, bytes, &mut |_| ()) {
+                Err(ClientError::Refused(Refusal::State(state))) => bail!(
+                    "the board takes a new show only while torque is off, and the rig is {state}: `load` it \
+                         before `arm`"
+                ),
+                uploaded => uploaded?,
             }
+            self.board.slot_of(&item)?.context("the board does not have the show")?
         };
-        self.ask(Command::LoadShow { slot })?;
+        self.ask(Command::LoadShow { slot })
+    }
+
+    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
+        self.load(bytes)?;
+        let show = Show::open(bytes)?;
         self.ask(Command::Play(Feed::Show))?;
         let (before, begun) = (self.board.log.summaries, self.board.now());
         let most = Duration::from_secs_f32(show.duration_s() * rounds as f32);
@@ -339,7 +351,7 @@ impl<'a, L: Line> Session<'a, L> {
     }
 }
 
-/// Returns whether a refusal to arm may pass by itself.
+/// Returns whether the reason for a refusal to arm may disappear by itself.
 fn passes(refusal: Refusal) -> bool {
     matches!(
         refusal,

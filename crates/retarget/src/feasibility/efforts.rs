@@ -72,7 +72,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// Computes the efforts without friction for positions, speeds and accelerations.
+    /// Computes the efforts without friction. `motion`: positions, speeds and accelerations.
     pub(super) fn without_friction(
         &mut self,
         motion: [&[f64]; 3],

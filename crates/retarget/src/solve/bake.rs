@@ -15,8 +15,8 @@ use crate::performer::Performer;
 use crate::rig::RigMatch;
 use crate::{Landmark, Side};
 
-/// Sweeps per frame: for posture alone, with root and feet, and with the path of a hand, which may turn joints far in a
-/// frame.
+/// Sweeps per frame: for posture alone; with root and feet; and with the path of a hand, for which joints may turn far
+/// between two frames.
 const POSTURE_SWEEPS: usize = 1;
 const SWEEPS: usize = 2;
 const HAND_SWEEPS: usize = 6;
@@ -92,8 +92,8 @@ pub fn bake(
 }
 
 impl Solver {
-    /// Lets joints that move a hand along a path go at a speed of at least `speed`, rad/s, in this clip's time. A joint
-    /// that is too slow would cut the path short, which nothing can restore; a fit slows the motion down instead.
+    /// Permits joints that move a hand along a path a speed of at least `speed`, rad/s, in this clip's time. With a
+    /// lower speed, the hand would leave its path; a fit can slow the motion down later.
     fn free_hands(&mut self, speed: f64) {
         let paths = self.terms.iter().filter(|term| matches!(term.kind, Kind::Way { .. }));
         for dof in paths.flat_map(Term::dofs) {

@@ -50,7 +50,7 @@ pub struct Description {
     pub joints: Vec<Joint>,
     /// Limits that join two joints, such as those of an upper and a lower lid.
     pub limits: Vec<LinkedLimit>,
-    /// Shapes of a face, by which the files of other programs move the joints.
+    /// Shapes of a face. Files of other programs move the joints by these shapes.
     pub face_shapes: Vec<FaceShape>,
     /// Drives, by which servos move the joints.
     pub drives: Vec<Drive>,

@@ -1,23 +1,23 @@
-//! Pulses of a hobby servo, and the positions that they mean.
+//! Pulses of a hobby servo, and their positions.
 
 use super::{Address, Description, Servo, ServoModel};
 
-/// Pulses of usual hobby servos at the least, middle and greatest position, us.
+/// Usual pulses of hobby servos at the least position, in the middle, and at the greatest position, us.
 const USUAL_US: [f64; 3] = [500.0, 1500.0, 2500.0];
 
-/// The pulses of a hobby servo: its position is linear in the length of the pulse.
+/// Pulses of a hobby servo. The position is a linear function of the pulse's length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pulses {
     /// Pulses at the least position, at position zero and at the greatest position, us.
     pub us: [f64; 3],
     /// Angle from the least to the greatest position, rad.
     pub travel_rad: f64,
-    /// Whether the rig's file has the pulses or the travel of this servo.
+    /// Whether the rig's file gives the pulses of this servo: its author has tried them.
     pub is_measured: bool,
 }
 
 impl Pulses {
-    /// Returns the pulses of a kind of servo. A kind without values has the usual ones.
+    /// Returns the pulses of a kind of servo. Missing values are the usual ones.
     pub fn of_model(model: &ServoModel) -> Self {
         let given = [&model.pulse_least_us, &model.pulse_middle_us, &model.pulse_most_us];
         let mut us = USUAL_US;
@@ -27,14 +27,13 @@ impl Pulses {
         Self { us, travel_rad: model.range_rad.value, is_measured: false }
     }
 
-    /// Returns these pulses with those of a servo, as it was measured. Other pulses without another travel keep the
-    /// angle per us.
+    /// Returns these pulses with the measured values of a servo. If the servo has measured pulses but no travel, the
+    /// angle per us stays.
     #[must_use]
     pub fn with(self, servo: &Servo) -> Self {
         let us = servo.pulse_us.unwrap_or(self.us);
         let travel_rad = servo.travel_rad.unwrap_or((us[2] - us[0]) / self.us_per_rad());
-        let is_measured = servo.pulse_us.is_some() || servo.travel_rad.is_some();
-        Self { us, travel_rad, is_measured }
+        Self { us, travel_rad, is_measured: servo.pulse_us.is_some() }
     }
 
     /// Returns the change of the pulse per angle, us/rad.
@@ -59,7 +58,7 @@ impl Pulses {
 }
 
 impl Description {
-    /// Returns the pulses of a servo of a known kind; `None` for a servo on a bus.
+    /// Returns the pulses of a hobby servo; `None` for a servo with an id, or of an unknown kind.
     pub fn pulses(&self, servo: &Servo) -> Option<Pulses> {
         match servo.address {
             Address::Channel(_) => {

@@ -23,10 +23,11 @@ pub struct Servo {
     pub homing_offset_rad: Option<f64>,
     /// Turns of the servo for one turn of the output that the drive uses. Default: 1.
     pub gear: f64,
-    /// Measured pulses at the least position, at position zero and at the greatest position of a hobby servo, us.
-    /// Default: those of its kind.
+    /// Measured pulses of a hobby servo at its least position, at position zero, and at its greatest position, us.
+    /// Default: the pulses of its kind.
     pub pulse_us: Option<[f64; 3]>,
-    /// Measured angle between the first and the last of these pulses. Default: by the angle per us of its kind.
+    /// Measured angle between the first and the last of these pulses, rad. Default: the pulses' difference times the
+    /// angle per us of the kind.
     pub travel_rad: Option<f64>,
     /// Permitted range of the servo's own position: one pair. If it is empty, the range is that of the servo's
     /// kind.
@@ -111,7 +112,7 @@ pub struct ServoModel {
     pub gear_damping_nm_s: Option<SourcedValue>,
     /// Share of the Coulomb friction that acts at the output, 0 to 1; see [`Self::output_friction_share`].
     pub output_friction_share: Option<SourcedValue>,
-    /// Pulse of a hobby servo at its least position, us; see [`Pulses`](super::Pulses).
+    /// Pulse of a hobby servo at its least position, us. [`Pulses`](super::Pulses) has the default.
     pub pulse_least_us: Option<SourcedValue>,
     /// Pulse of a hobby servo at position zero, us.
     pub pulse_middle_us: Option<SourcedValue>,

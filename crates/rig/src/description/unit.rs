@@ -4,7 +4,7 @@ use super::error::Step;
 
 /// Endings of keys, the longer first, and how the unit is displayed.
 const UNITS: [(&str, &str); 21] = [
-    // Pairs of both units.
+    // Keys whose unit has both an angle and a length are not displayed with a unit.
     ("_deg_m", ""),
     ("_kg_m2", "kg m²"),
     ("_deg_s2", "deg/s²"),

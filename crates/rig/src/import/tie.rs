@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::note::{NoteKind, Notes};
 use crate::description::{Description, Joint, JointType, LinkedLimit};
 
-/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m. If one joint turns and the other slides, the
+/// A relation `q[joint] = multiplier · q[of] + offset`, rad or m. If one of the joints turns and the other slides, the
 /// multiplier is in rad/m or m/rad.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tie {

@@ -6,8 +6,8 @@ use super::{JointModel, LinkedRange, Mechanism};
 /// Difference of the ends of a range, rad or m, below which the range ties its joints.
 const TIED: f64 = 1e-9;
 
-/// A joint that follows another joint, its leader, which follows none. If one turns and the other slides, the factor is
-/// in rad/m or m/rad.
+/// A joint that follows its leader; the leader follows no other joint. If one of the joints turns and the other
+/// slides, the factor is in rad/m or m/rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tie {
     /// Index of the body that the follower moves.
@@ -196,8 +196,8 @@ impl Ties {
         }
     }
 
-    /// Adds a limit of two joints, in terms of their leaders. The sum is in the unit of its first joint; `slides` tells
-    /// the unit of a body's joint.
+    /// Adds a limit on two joints, rewritten as a limit on their leaders. The sum is in the unit of its first joint.
+    /// `slides`: whether the joint of a body slides.
     fn add(&mut self, limit: LinkedRange, slides: impl Fn(usize) -> bool) {
         let of = |body: usize| {
             self.of(body).map_or((body, 1.0, 0.0), |t| (t.leader, t.factor, t.offset))
@@ -290,7 +290,7 @@ mod tests {
         let ties = mechanism.ties();
         let [found] = ties.limits() else { panic!("one limit") };
         assert_eq!((found.body, found.other), (1, 3));
-        // 0.02 q1 + 0.01 - q3 from 0 to 0.03 m, in rad of q1.
+        // The sum 0.02 q1 + 0.01 - q3 from 0 to 0.03 m, converted to rad of q1.
         let numbers = [found.factor, found.other_factor, found.range[0], found.range[1]];
         for (found, expected) in numbers.into_iter().zip([1.0, -50.0, -0.5, 1.0]) {
             assert!((found - expected).abs() < 1e-9, "{numbers:?}");

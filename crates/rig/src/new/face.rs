@@ -14,15 +14,15 @@ const TILT: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// Maximum speed and acceleration of each kind of joint, deg/s and deg/s².
 const NECK: [f64; 2] = [120.0, 500.0];
-/// A jaw that follows speech opens by 15 deg in 0.1 s.
+/// Speed and acceleration of the jaw: to follow speech, it opens by 15 deg in 0.1 s.
 const JAW: [f64; 2] = [400.0, 9000.0];
 const EYE: [f64; 2] = [400.0, 6000.0];
 /// A blink closes a lid by 45 deg in 0.1 s.
 const LID: [f64; 2] = [500.0, 12000.0];
 const BROW: [f64; 2] = [200.0, 2000.0];
 
-/// Creates a face on hobby servos: a neck of three joints, a jaw, two eyes of two joints, four lids and two brows,
-/// on one PWM driver; and shapes of a face.
+/// Creates a face on hobby servos: a neck of three joints, a jaw, two eyes of two joints, four lids and two brows, all
+/// on one PWM driver. The face has the shapes of 15 visemes and of `ARKit`.
 ///
 /// The face is kinematic: its bodies have no mass, therefore range, speed and acceleration are limited, and no
 /// torques are computed.

@@ -1,8 +1,8 @@
-//! Shapes of the starting face: 15 visemes and the 52 names of `ARKit`, with poses of its jaw, eyes, lids and brows.
+//! Shapes of the face of `sinew rig new --face`: 15 visemes and the 52 names of `ARKit`, as poses of its joints.
 
 use crate::description::FaceShape;
 
-/// Angle of the jaw of each viseme, deg. Lips, tongue and teeth are not there.
+/// Angle of the jaw in each viseme, deg. The face has no lips, tongue and teeth.
 const VISEMES: [(&str, f64); 15] = [
     ("sil", 0.0),
     ("PP", 0.0),
@@ -21,11 +21,11 @@ const VISEMES: [(&str, f64); 15] = [
     ("ou", -8.0),
 ];
 
-/// A pose: names of joints without their side, and angles, deg.
+/// A pose: names of joints without the side, and angles, deg.
 type Pose = &'static [(&'static str, f64)];
 
-/// Shapes of both sides, without `Left` and `Right`. Angles are those of the left side; turns and tilts are opposite on
-/// the right side.
+/// Shapes that exist for both sides, without `Left` and `Right`. Angles are those of the left side; `eye_turn` and
+/// `brow` have the opposite sign on the right side.
 const SIDES: [(&str, Pose); 18] = [
     ("eyeBlink", &[("lid_upper", -8.0), ("lid_lower", -10.0)]),
     ("eyeLookDown", &[("eye_nod", -20.0), ("lid_upper", 14.0)]),
@@ -41,14 +41,14 @@ const SIDES: [(&str, Pose); 18] = [
     ("mouthPress", &[]),
     ("mouthLowerDown", &[("jaw", -3.0)]),
     ("mouthUpperUp", &[]),
-    // The inner end of the brow goes down with a negative angle on the left.
+    // On the left side, a negative angle moves the inner end of the brow down.
     ("browDown", &[("brow", -15.0)]),
     ("browOuterUp", &[("brow", -10.0)]),
     ("cheekSquint", &[("lid_lower", -18.0)]),
     ("noseSneer", &[]),
 ];
 
-/// Shapes of the middle. Angles of sides are those of the left side.
+/// Shapes without a side. Angles are those of the joints on the left side.
 const MIDDLE: [(&str, Pose); 16] = [
     ("jawForward", &[]),
     ("jawLeft", &[]),
@@ -68,7 +68,7 @@ const MIDDLE: [(&str, Pose); 16] = [
     ("tongueOut", &[("jaw", -8.0)]),
 ];
 
-/// Returns the shapes of the starting face.
+/// Returns all shapes of the face.
 pub(super) fn shapes() -> Vec<FaceShape> {
     let shape = |name: String, pose: Vec<(String, f64)>| FaceShape { name, pose };
     let visemes = VISEMES.map(|(name, jaw_deg)| {
@@ -85,7 +85,7 @@ pub(super) fn shapes() -> Vec<FaceShape> {
     visemes.into_iter().chain(sides).chain(middle).collect()
 }
 
-/// Returns a pose on one side or on both.
+/// Returns a pose with the joints of the given sides.
 fn on(pose: Pose, sides: &[&str]) -> Vec<(String, f64)> {
     let mut joints = Vec::new();
     for (part, degrees) in pose {

@@ -1,6 +1,5 @@
-//! The pose of a shape: `{ jaw = 25, lid = -5 }`, in degrees; in mm for joints that slide.
+//! The pose of a shape: `{ jaw = 25, lid = -5 }`, in degrees, or in mm for joints that slide.
 
-use toml::Value as TomlValue;
 use toml::de::DeValue;
 
 use super::error::UnlocatedError;
@@ -8,12 +7,12 @@ use super::item::{Item, in_file};
 use super::value::Value;
 use crate::description::{Joint, JointType};
 
-/// Positions of joints, in the units of the file.
+/// Positions of joints, in deg or mm.
 #[derive(PartialEq)]
 pub(super) struct Pose(Vec<(String, f64)>);
 
 impl Pose {
-    /// Converts positions from rad and m. An unknown joint counts as one that turns.
+    /// Converts positions from rad and m. An unknown joint is treated as a joint that turns.
     pub(super) fn of_si(pose: &[(String, f64)], joints: &[Joint]) -> Self {
         let of = |(name, position): &(String, f64)| {
             let in_file = if slides(name, joints) {
@@ -48,7 +47,7 @@ impl Value for Pose {
     fn read(item: &Item<'_>) -> Result<Self, UnlocatedError> {
         let DeValue::Table(table) = item.value() else { return Err(item.wrong(Self::EXPECTED)) };
         let mut positions = Vec::new();
-        // In the order of the file.
+        // Entries are read in the order of the file.
         let mut entries: Vec<_> = table.iter().collect();
         entries.sort_by_key(|(key, _)| key.span().start);
         for (key, value) in entries {
@@ -65,7 +64,7 @@ impl Value for Pose {
             let key = if !name.is_empty() && name.chars().all(is_bare) {
                 name.clone()
             } else {
-                TomlValue::String(name.clone()).to_string()
+                quoted(name)
             };
             format!("{key} = {}", position.text(false))
         };
@@ -74,4 +73,17 @@ impl Value for Pose {
             all => format!("{{ {} }}", all.iter().map(entry).collect::<Vec<_>>().join(", ")),
         }
     }
+}
+
+/// Returns a name as a quoted key. Keys have no strings of several lines, which a value may have.
+fn quoted(name: &str) -> String {
+    let mut key = "\"".to_owned();
+    for letter in name.chars() {
+        match letter {
+            '"' | '\\' => key.extend(['\\', letter]),
+            _ if letter.is_control() => key.extend(format!("\\u{:04X}", u32::from(letter)).chars()),
+            _ => key.push(letter),
+        }
+    }
+    key + "\""
 }

@@ -28,7 +28,7 @@ pub(super) fn description<V: Visitor>(rig: &mut Description, v: &mut V) -> Resul
     v.sections("shape", &mut rig.face_shapes, |item, v| face_shape(item, joints, v))
 }
 
-/// Visits a shape of a face. The units of its numbers depend on the joints.
+/// Visits a shape of a face. Its numbers are in deg or mm, which depends on the joints.
 fn face_shape<V: Visitor>(
     shape: &mut FaceShape,
     joints: &[Joint],

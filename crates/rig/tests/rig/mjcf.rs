@@ -130,27 +130,27 @@ fn a_hinge_and_a_slide_are_tied_too() {
             </body></body>"#;
         read(&model("", bodies, behind)).description
     };
-    // way = 0.01 + 0.02 turn: a turn of 0.5 rad moves the slide by 10 mm.
+    // The tie is way = 0.01 + 0.02 turn: a turn of 0.5 rad moves the slide by 10 mm.
     let by_turn = rack(
         r#"<equality><joint joint1="way" joint2="turn" polycoef="0.01 0.02 0 0 0"/></equality>"#,
     );
     let [limit] = by_turn.limits.as_slice() else { panic!("one limit") };
     assert_eq!((limit.joint.as_str(), limit.other_factor), ("way", -0.02));
     assert_eq!((limit.least_m, limit.most_m, limit.least_rad), (Some(0.01), Some(0.01), None));
-    // Cut to what the slide can.
+    // The range of the leader is reduced to the positions that the slide can reach.
     let [least, most] = by_turn.joints[0].range_rad[0];
     assert!((least + 0.5).abs() < 1e-12 && (most - 0.5).abs() < 1e-12, "{least} {most}");
     let tie = by_turn.mechanism().expect("a mechanism").ties();
     let mut q = [0.25, 0.0];
     tie.follow(&mut q);
     assert!((q[1] - 0.015).abs() < 1e-12);
-    // turn = 50 way.
+    // The tie is turn = 50 way.
     let by_way =
         rack(r#"<equality><joint joint1="turn" joint2="way" polycoef="0 50 0 0 0"/></equality>"#);
     let [limit] = by_way.limits.as_slice() else { panic!("one limit") };
     assert_eq!((limit.joint.as_str(), limit.other_factor), ("turn", -50.0));
     assert_eq!((limit.least_rad, limit.least_m), (Some(0.0), None));
-    // The sum of a tendon is in the unit of its first joint: 0.02 turn - 1 way from -0.01 to 0.01 m.
+    // A tendon's sum is in the unit of its first joint. The limit is 0.02 turn - 1 way from -0.01 to 0.01 m.
     let ranged = rack(
         r#"<tendon><fixed name="t" range="-0.01 0.01"><joint joint="turn" coef="0.02"/><joint joint="way" coef="-1"/>
         </fixed></tendon>"#,

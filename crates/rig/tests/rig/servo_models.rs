@@ -32,7 +32,7 @@ const VALUES: [(&str, &str, Value); 19] = [
 
 type Pulse = fn(&ServoModel) -> &Option<SourcedValue>;
 
-/// Name and accessor of each pulse of a hobby servo.
+/// Name of each pulse of a hobby servo, and a function that returns it.
 const PULSES: [(&str, Pulse); 3] = [
     ("shortest pulse", |m| &m.pulse_least_us),
     ("pulse of position zero", |m| &m.pulse_middle_us),
@@ -126,7 +126,7 @@ fn cautions_of_the_sources_are_kept() {
     assert!(model("STS3215-7.4V").stall_torque_nm.value < 2.0);
     // The divisor of the XL330's P gain was observed as 256; with the manual's 128 it would be twice as stiff.
     assert!(model("XL330-M288-T").position_gain_nm_rad.value < 0.7);
-    // Hobby servos have not been identified by anyone: only figures of sellers have a source.
+    // No hobby servo has been measured: only figures of sellers have a source.
     for name in ["SG90", "MG90S", "MG996R", "DS3218"] {
         let model = model(name);
         for value in [&model.rotor_inertia_kg_m2, &model.friction_nm, &model.backlash_rad] {

@@ -224,7 +224,7 @@ fn a_mimic_joint_is_tied_by_a_limit_without_room() {
     assert_eq!((limit.factor, limit.other_factor), (1.0, 0.5));
     assert_eq!((limit.least_rad, limit.most_rad), (Some(0.1), Some(0.1)));
     assert_noted(&imported, NoteKind::Changed, "k = -0.5 j + 0.1");
-    // A slide that follows a hinge: metres for each radian.
+    // A slide follows a hinge: the factor is in m/rad.
     let mixed = read(&tied("prismatic", "j"));
     let [limit] = mixed.description.limits.as_slice() else { panic!("one limit") };
     assert_eq!((limit.other_factor, limit.least_rad, limit.least_m), (0.5, None, Some(0.1)));
@@ -560,7 +560,7 @@ fn a_tie_of_a_slide_and_a_hinge_is_in_the_unit_that_is_told() {
         let [limit] = rig.limits.as_slice() else { panic!("one limit") };
         limit.other_factor
     };
-    // 20 mm for each rad, either way.
+    // The relation is 20 mm per rad in both directions.
     let by_turn = of(r#"<mimic joint="turn" multiplier="20"/>"#, "");
     assert!((by_turn + 0.02).abs() < 1e-12, "{by_turn} m/rad");
     let by_way = of("", r#"<mimic joint="way" multiplier="0.05"/>"#);

@@ -30,7 +30,7 @@ impl Firmware {
             pulse_us: None,
             duty_per_rad,
             rad_per_count,
-            // The resolution of a hobby servo is its dead band.
+            // A hobby servo's resolution is its dead band.
             dead_rad: kind.resolution_rad,
             range_rad: kind.range_rad,
             pulses: kind.pulses,

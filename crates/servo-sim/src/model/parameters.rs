@@ -96,7 +96,7 @@ pub struct Parameters {
     pub resolution_rad: f64,
     /// Range of the position, rad.
     pub range_rad: f64,
-    /// Pulses, if the servo is driven by them.
+    /// Pulses of the servo, which are used only if it is driven by pulses.
     pub pulses: Pulses,
     /// Maximum speed that the firmware commands, rad/s; `None` for no limit.
     pub speed_cap_rad_s: Option<f64>,

@@ -38,7 +38,7 @@ fn a_show_is_the_same_with_and_without_a_sound() {
     assert_eq!((show, found), (&bytes[..], Some(sound())));
     assert_eq!(split(&bytes), Ok((&bytes[..], None)));
     Show::open(show).expect("the same show");
-    // A board's reader refuses what is not a show alone, so no board can store a section.
+    // `Show::open`, which boards use, refuses bytes after the show, so no board can store a section.
     Show::open(&file).expect_err("longer than a show");
     for other in [&b""[..], b"SNWS", b"HIERARCHY and more text"] {
         assert_eq!(split(other), Ok((other, None)));

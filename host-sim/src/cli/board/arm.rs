@@ -36,7 +36,8 @@ pub(in crate::cli) fn end_by_hand<L: Line>(
     Ok(())
 }
 
-/// Clears the lost link of a program that was ended, if it is the only fault. Returns whether it was.
+/// Clears the faults of a late and a lost link that an ended program has left, if there is no other fault since.
+/// Returns whether it did. Warnings do not count.
 pub(in crate::cli) fn clear_lost_link<L: Line>(board: &mut Board<L>) -> anyhow::Result<bool> {
     let log = board.fault_log()?;
     let Some(first) = log.first() else { return Ok(false) };

@@ -1,4 +1,4 @@
-//! `sinew board monitor`: prints the state of a controller's rig, also while another command drives it.
+//! `sinew board monitor`: prints the state of a controller's rig, even while another command drives the rig.
 
 use std::process::ExitCode;
 use std::thread::sleep;
@@ -17,16 +17,16 @@ use crate::cli::stop::Stop;
 
 /// Longest wait for a message of the board.
 const LOOK: Duration = Duration::from_millis(50);
-/// Time in which a command that has asked for the port opens it, and interval of looking for it.
+/// Longest wait until a command that has asked for the port opens it, and interval between two looks.
 const OPENS: Duration = Duration::from_secs(4);
 const AGAIN: Duration = Duration::from_millis(100);
 
 /// Print the state of a board's rig: state, fault, supply, tick, bus errors, temperature.
 ///
-/// Nothing moves. It prints a line at each change of the state and one in every interval, until Ctrl-C. It also watches
-/// a rig that `sinew play`, `record` or `console` of this user drives, or begins to drive. At the end it prints a table
-/// of times, if no other command had the board: of ticks, of the exchange with servos, of the host link, and from tick
-/// to tick.
+/// Nothing moves. The command prints a line at each change of the state and in every interval, until Ctrl-C. It also
+/// watches a rig while `sinew play`, `record` or `console` of this user drives it. At the end it prints a table of
+/// durations, unless another command then uses the board: of ticks, of exchanges with the servos, of the host link, and
+/// from one tick to the next.
 #[derive(Debug, clap::Args)]
 pub(super) struct MonitorArgs {
     #[command(flatten)]
@@ -45,7 +45,7 @@ pub(super) struct MonitorArgs {
 pub(super) fn run(args: &MonitorArgs) -> anyhow::Result<ExitCode> {
     let stop = Stop::new()?;
     let mut monitor = Monitor { args, stop: &stop, state: None, due: Instant::now(), lines: 0 };
-    // Until then, the port belongs to the command that has asked for it.
+    // Time when this command lost the port. For `OPENS`, the port belongs to the command that has asked for it.
     let mut given_up: Option<Instant> = None;
     while !monitor.is_over() {
         let hub = args.hub();
@@ -78,7 +78,8 @@ fn is_of_port(error: &anyhow::Error) -> bool {
 }
 
 impl MonitorArgs {
-    /// Returns the name of the hub that has the board; without a port, of the only hub of a board.
+    /// Returns the name of the hub that uses the board. Without a port, returns the name of the only hub of a board, if
+    /// there is exactly one.
     fn hub(&self) -> Option<String> {
         let mut names = consoles();
         match self.board.path() {
@@ -92,7 +93,7 @@ impl MonitorArgs {
     }
 }
 
-/// The lines that were printed.
+/// State of the output: the state that was printed last, the time of the next line, and the number of lines.
 struct Monitor<'a> {
     args: &'a MonitorArgs,
     stop: &'a Stop,
@@ -106,7 +107,7 @@ impl Monitor<'_> {
         self.stop.times() > 0 || self.args.samples.is_some_and(|most| self.lines >= most)
     }
 
-    /// Watches a rig through the hub that has it, until the hub ends.
+    /// Prints the rig's state, which the hub sends, until the hub ends.
     fn watch(&mut self, name: &str, mut watching: Watching) -> anyhow::Result<()> {
         note(format_args!("another command has the board: watching {name}"));
         while !self.is_over() {
@@ -122,7 +123,7 @@ impl Monitor<'_> {
         Ok(())
     }
 
-    /// Watches a rig of a board at a free port. Returns whether another command has asked for the port.
+    /// Opens a free port and prints the rig's state. Returns whether another command has asked for the port.
     fn own(&mut self) -> anyhow::Result<bool> {
         let (mut board, name) = self.args.board.open_named()?;
         let about = board.about();

@@ -64,21 +64,21 @@ impl BoardPort {
         Ok(self.open_named()?.0)
     }
 
-    /// Opens the port. Returns the board, and its name for other commands.
+    /// Opens the port. Returns the board, and the name by which other commands reach it.
     pub(super) fn open_named(&self) -> anyhow::Result<(PortBoard, String)> {
         open(self.port.as_deref(), "--port")
     }
 }
 
-/// Time in which a command that watches closes its port for another one.
+/// Longest wait until a watching command has closed the port that this command asked for.
 const YIELDS: Duration = Duration::from_secs(3);
-/// Time in which a command that ends just now closes its port.
+/// Longest wait for a port that is still open in a command that ends.
 const CLOSES: Duration = Duration::from_millis(300);
 /// Interval of attempts to open the port.
 const AGAIN: Duration = Duration::from_millis(50);
 
-/// Opens a controller's port; without a path, or with `auto`, the USB port where a board answers. `option`: name of
-/// the option for the port, for messages. Returns the board, and its name for other commands.
+/// Opens a controller's port; without a path, or with `auto`, the USB port where a board answers. `option`: name of the
+/// option for the port, for messages. Returns the board, and the name by which other commands reach it.
 pub(in crate::cli) fn open(
     path: Option<&Path>,
     option: &str,
@@ -87,7 +87,7 @@ pub(in crate::cli) fn open(
     let waited = if let Some(path) = named {
         ask_for(path)?
     } else {
-        // A port of a program that drives is not free.
+        // Commands that only watch close their ports; a command that drives a rig keeps its port.
         usb_ports().iter().any(|path| ask_for(path).unwrap_or_default())
     };
     let end = Instant::now() + if waited { YIELDS } else { CLOSES };
@@ -119,8 +119,8 @@ fn lowers() {
     ));
 }
 
-/// Opens a port to end a motion, whichever program drives the rig. Returns the board, and whether it executes only a
-/// stop and an e-stop, because its rig still belongs to a program that has ended.
+/// Opens a port to stop a rig, whichever program drives it. Returns the board, and whether the board executes only a
+/// stop and an e-stop because its rig still belongs to another program.
 pub(in crate::cli) fn open_to_end(
     path: Option<&Path>,
     option: &str,
@@ -131,7 +131,7 @@ pub(in crate::cli) fn open_to_end(
     }
 }
 
-/// Asks the command of this user that has a port to close it. Returns whether it does.
+/// Asks the command of this user that uses a port to close it. Returns `false` if no command uses the port.
 ///
 /// # Errors
 /// The command drives the rig.

@@ -37,7 +37,8 @@ pub(super) struct SimulateArgs {
     #[arg(long, value_name = "RIG")]
     rig: PathBuf,
 
-    /// Path of the link that programs open as a serial port. A link that an ended simulation has left is replaced.
+    /// Path of the link that programs open as a serial port. A link that an ended simulation has left there is
+    /// replaced.
     #[arg(long, value_name = "LINK")]
     pty: OutputPlace,
 

@@ -117,7 +117,7 @@ fn show(file: &Path, replace: Option<u8>, common: &Common) -> anyhow::Result<Exi
         file.display(),
         FileKind::found(found)
     );
-    // The section for a sound stays on the host.
+    // The section for a sound is not uploaded.
     let (bytes, _) = split(&bytes).with_context(|| file.display().to_string())?;
     Show::open(bytes).with_context(|| file.display().to_string())?;
     let mut board = common.board.open()?;

@@ -1,4 +1,4 @@
-//! Opens the page in the user's browser, where there is one.
+//! Opens the page in a browser, if a person uses the desktop of this machine.
 
 use std::env;
 use std::fs::{self, OpenOptions};
@@ -9,13 +9,13 @@ use std::process::{Command, Stdio};
 
 use sinew_console::local::private_folder;
 
-/// Program that opens a file with the user's usual program.
+/// Program that opens a file with the user's default program.
 const OPENER: &str = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
 
-/// A file that leads a browser to the page. It is removed on drop.
+/// File that redirects a browser to the page. The file is removed on drop.
 ///
-/// The token is in this file, which only this user can read, and not in the arguments of a program, which all users of
-/// the machine can read.
+/// The address contains the token. Only this user can read this file, but all users of the machine can read the
+/// arguments of a program.
 pub(super) struct Redirect(PathBuf);
 
 impl Drop for Redirect {
@@ -25,8 +25,8 @@ impl Drop for Redirect {
     }
 }
 
-/// Opens an address in a browser, unless nobody sits in front of this machine. Returns the file that leads to it; it
-/// must stay until the browser has read it. Without a browser nothing happens: the address is printed anyway.
+/// Opens an address in a browser. Returns the file that redirects the browser; it must exist until the browser has read
+/// it. Returns `None` without a desktop or a browser; the address is printed in any case.
 pub(super) fn open(address: &str) -> Option<Redirect> {
     if !stdout().is_terminal() || !is_desktop(|name| env::var_os(name).is_some()) {
         return None;
@@ -47,8 +47,7 @@ pub(super) fn open(address: &str) -> Option<Redirect> {
     Some(redirect)
 }
 
-/// Returns whether a desktop of this machine has started the program. `has`: whether a variable of the environment is
-/// set.
+/// Returns whether the program was started on a desktop of this machine. `has`: whether an environment variable is set.
 fn is_desktop(has: impl Fn(&str) -> bool) -> bool {
     let is_remote = ["CI", "SSH_CONNECTION", "SSH_TTY"].into_iter().any(&has);
     let has_screen =

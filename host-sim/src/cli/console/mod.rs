@@ -39,17 +39,17 @@ const JOINTS: usize = 6;
 
 /// Show a rig live on a page in a browser, from which you move its joints by sliders, play shows, and stop the rig.
 ///
-/// It prints the address of the page, with a secret token, opens it in the browser of a desktop, and serves the page
-/// until Ctrl-C. The page needs no network. A recording is shown on the same page, which then moves nothing.
-/// Without --target, the rig is a simulated board with simulated servos in this program; without --rig, a desk arm of
-/// six joints.
+/// It prints the address of the page, which contains a secret token, opens the page in the browser of a desktop, and
+/// serves the page until Ctrl-C. The page needs no network. The page can also show a recording, and then moves nothing.
+/// Without --target, this program simulates a board with its servos; without --rig, the rig is a desk arm of six
+/// joints.
 ///
 /// One page drives; all pages may hold and stop the rig. Ctrl-C stops the rig: it goes to its rest pose and is lowered,
 /// and torque is switched off. A second Ctrl-C ends at once.
 #[derive(Debug, clap::Args)]
 pub(super) struct ConsoleArgs {
-    /// Shows of `sinew bake` for the page's list, or clips. A clip is first baked into a show, as `sinew bake --fit`
-    /// does it. Or a recording of `--record`, alone.
+    /// Shows of `sinew bake` for the page's list, or clips, which are first baked as by `sinew bake --fit`. Or a single
+    /// recording of `sinew console --record` or `sinew play --record`.
     #[arg(value_name = "SHOW|CLIP|RECORDING")]
     shows: Vec<String>,
 
@@ -64,8 +64,8 @@ pub(super) struct ConsoleArgs {
     #[command(flatten)]
     driven: DrivenArgs,
 
-    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE of
-    /// `sinew play`, slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
+    /// Place where the rig moves: `sim`, a simulated board in this program; `nucleo`, the emulated NUCLEO-F446RE, which
+    /// is slower than real time; or the serial port of a board with this rig, such as /dev/ttyACM0, or the
     /// USB port where a board answers (`auto`).
     #[arg(long, value_name = "sim|nucleo|PORT", default_value_t = Target::Sim)]
     target: Target,
@@ -90,12 +90,12 @@ pub(super) struct ConsoleArgs {
     #[arg(long)]
     unattended: bool,
 
-    /// Record the session into this Parquet file, which `sinew report` and this command read: 30 rows a second.
+    /// Record the session into this Parquet file, with 30 rows per second. `sinew report` and `sinew console` read it.
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
-    /// Do not open the page in a browser. Without a desktop, over ssh and if the output is no terminal, it is never
-    /// opened.
+    /// Do not open the page in a browser. It is never opened without a desktop, over ssh, or if the output is not a
+    /// terminal.
     #[arg(long)]
     no_open: bool,
 }
@@ -108,7 +108,7 @@ fn address(text: &str) -> Result<SocketAddr, String> {
 }
 
 impl ConsoleArgs {
-    /// Refuses the target `nucleo`, a port without --rig, and options that have no effect at a port.
+    /// Refuses a port without --rig, options that have no effect at a port, and faults on the target `nucleo`.
     pub(super) fn check(&self) -> anyhow::Result<()> {
         if self.target == Target::Nucleo {
             self.target.refuse(&[(!self.fault.is_empty(), "--fault")], "`--target sim`")?;
@@ -123,7 +123,7 @@ impl ConsoleArgs {
         Ok(())
     }
 
-    /// Opens the port for pages.
+    /// Opens the port from which pages are served.
     fn open(&self) -> anyhow::Result<Console> {
         let options = Options {
             listen: self.listen,
@@ -133,7 +133,7 @@ impl ConsoleArgs {
         Console::open(options).context("the page's port")
     }
 
-    /// Prints the addresses, and opens the first in a browser.
+    /// Prints the addresses, and opens the first address in a browser.
     fn tell(&self, addresses: &[String]) -> anyhow::Result<Option<Redirect>> {
         for address in addresses {
             print(&format!("{address}\n"))?;
@@ -206,7 +206,7 @@ impl ConsoleArgs {
     }
 }
 
-/// Returns the sound of a show; without its file the show plays without it.
+/// Returns the sound of a show. If the file of the sound is missing, prints a warning and returns `None`.
 fn own_sound(show: &Path, sound: &Sound) -> Option<OwnSound> {
     match sound::find(show, sound) {
         Ok(found) => Some(OwnSound {

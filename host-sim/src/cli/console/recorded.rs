@@ -1,4 +1,4 @@
-//! Recordings on the console's page, and a recording of the console's session.
+//! Recordings: a recorded session on the console's page, and the recording of the present session.
 
 use std::fs::File;
 use std::io::Read as _;
@@ -19,7 +19,7 @@ use crate::cli::stop::Stop;
 const MAGIC: &[u8; 4] = b"PAR1";
 
 impl ConsoleArgs {
-    /// Returns the recording among the files, which must be the only file.
+    /// Returns the recording among the files of the command line, if there is one. It must be the only file.
     pub(super) fn recording(&self) -> anyhow::Result<Option<&Path>> {
         let recordings = || self.shows.iter().filter(|name| is_recording(Path::new(name)));
         let Some(name) = recordings().next() else { return Ok(None) };
@@ -41,7 +41,7 @@ impl ConsoleArgs {
         Ok(Some(Path::new(name)))
     }
 
-    /// Shows a recording until a signal comes.
+    /// Shows a recording until Ctrl-C.
     pub(super) fn replay(&self, path: &Path) -> anyhow::Result<ExitCode> {
         let named = || path.display().to_string();
         let recording = Recording::open(path).with_context(named)?;
@@ -57,7 +57,7 @@ impl ConsoleArgs {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Begins the recording of the session, if one is wanted.
+    /// Creates the recording of the session, if `--record` is given.
     pub(super) fn recorder(
         &self,
         rig: &LoadedRig,

@@ -31,7 +31,7 @@ const RATE_HZ: f32 = 20.0;
 pub(super) struct Timing {
     /// Number of rounds of a loop; with `None` it plays until Ctrl-C.
     pub(super) rounds: Option<u32>,
-    /// Time from the armed rig to the start of the show, s; `None`: as soon as the rig is at the first pose.
+    /// Time from arming to the start of the show, s. `None`: the show starts when the rig reaches the first pose.
     pub(super) preroll_s: Option<f64>,
 }
 
@@ -53,11 +53,11 @@ struct Performance<'b, L> {
     begun: Duration,
     show: &'b [u8],
     preroll_s: Option<f64>,
-    /// Beginning of the show from the armed pose; `None` before the rig is armed.
+    /// Way to the first pose of the show, from the armed pose; `None` before the rig is armed.
     approach: Option<Approach>,
-    /// Time of the command to play; `None` before the rig is armed.
+    /// Planned time of the command to play; `None` before the rig is armed.
     play_at: Option<Duration>,
-    /// Time when the show's clock started; `None` before.
+    /// Time when the show's clock started; `None` before the start.
     played: Option<Duration>,
     /// Time after which a loop is stopped; `None` for a loop that plays until Ctrl-C, and for a show that ends by
     /// itself.
@@ -81,7 +81,7 @@ pub(super) fn perform(
     perform_on((&mut board, &name), (rig, parts), bytes, timing, player)
 }
 
-/// Plays a show on a board with an open session. Other terminals know the board by `name`.
+/// Plays a show on a board with an open session. Other commands reach the board by `name`.
 pub(super) fn perform_on<L: Line>(
     (board, name): (&mut Board<L>, &str),
     (rig, parts): (&LoadedRig, &RigParts),
@@ -103,7 +103,7 @@ pub(super) fn perform_on<L: Line>(
     note(format_args!("the board runs {ticks_hz:.0} ticks a second"));
     let live = Live::new(&show);
     let of_table = TelemetryParts::ALL.and(TelemetryParts::TARGETS);
-    // The pose is for the way to the first pose, the servos are for other terminals.
+    // The pose is needed for the way to the first pose; other terminals show the servos.
     let of_watchers = TelemetryParts::SUMMARY.and(TelemetryParts::POSE).and(TelemetryParts::SERVOS);
     board.telemetry(RATE_HZ, if live.is_watched() { of_table } else { of_watchers })?;
     let most =
@@ -151,7 +151,7 @@ impl<L: Line> Performance<'_, L> {
                     return Ok(ExitCode::SUCCESS);
                 }
                 if is_stopped {
-                    // The board was told already.
+                    // The hub has already sent the stop to the board.
                     self.begin(Phase::Stopping);
                 } else {
                     self.command(Command::Stop, Phase::Stopping)?;
@@ -226,7 +226,8 @@ impl<L: Line> Performance<'_, L> {
         Ok(())
     }
 
-    /// Plays when the time has come: the way to the first pose then ends with the preroll.
+    /// Sends the command to play when its time has come, so that the way to the first pose ends together with the
+    /// preroll.
     fn play(&mut self) -> anyhow::Result<()> {
         let now = self.now();
         let at = if let Some(at) = self.play_at {
@@ -256,7 +257,7 @@ impl<L: Line> Performance<'_, L> {
         ExitCode::FAILURE
     }
 
-    /// Prints new states and faults; on a terminal also the table.
+    /// Prints new states and faults; on a terminal also the table of joints.
     fn tell(&mut self) {
         let time_s = self.now().saturating_sub(self.begun).as_secs_f64();
         let Some(summary) = self.log().summary else { return };
@@ -277,7 +278,7 @@ impl<L: Line> Performance<'_, L> {
             player.note(moment.is_playing && moment.runs);
         }
         if self.phase == Phase::Playing && moment.runs && self.played.is_none() {
-            // The clock started that long ago.
+            // The show's clock has run for this time.
             let clock = Duration::from_millis(summary.show_ms.into());
             self.played = Some(self.hosted.board().now().saturating_sub(clock));
         }
@@ -289,7 +290,7 @@ impl<L: Line> Performance<'_, L> {
     }
 }
 
-/// Returns the joints with servos.
+/// Returns the rows of the table: the joints with servos.
 fn rows(parts: &RigParts, log: &TelemetryLog) -> Vec<Row> {
     let Some(summary) = log.summary else { return Vec::new() };
     let has_effort = !matches!(summary.state, State::Off | State::Limp | State::Lowering);

@@ -1,5 +1,5 @@
-//! Display while a show plays: states as they change, and on a terminal the joints with the largest errors. It is the
-//! same for simulated servos and for a board.
+//! Display while a show plays: each new state, and on a terminal the joints with the largest errors. Simulated servos
+//! and boards have the same display.
 
 use std::time::{Duration, Instant};
 
@@ -12,9 +12,9 @@ use sinew_show::Show;
 const WORST: usize = 6;
 /// Time between two updates.
 const EVERY: Duration = Duration::from_millis(100);
-/// Words for the motion before the show.
+/// Name of the motion to the show's first pose.
 const APPROACH: &str = "going to the show's first pose";
-/// Widths of the columns with text: together with the numbers, a line has 80 columns.
+/// Widths of the columns with text. With the columns of numbers, a line has 80 characters.
 const NAME: usize = 20;
 const LIMITER: usize = 18;
 
@@ -22,10 +22,11 @@ const LIMITER: usize = 18;
 pub(super) struct Moment {
     pub(super) time_s: f64,
     pub(super) state: String,
-    /// Whether the rig is playing, and whether its show runs: before, the rig goes to the show's first pose.
+    /// Whether the rig is playing, and whether the show's clock runs. Until the clock runs, the rig goes to the show's
+    /// first pose.
     pub(super) is_playing: bool,
     pub(super) runs: bool,
-    /// Beginning of the show, if it is known.
+    /// Way to the show's first pose, if it is known.
     pub(super) approach: Option<Approach>,
     /// Place in the show, s.
     pub(super) show_s: f64,
@@ -40,9 +41,9 @@ pub(super) struct Moment {
 pub(super) struct Row {
     pub(super) joint: String,
     pub(super) slides: bool,
-    /// Commanded minus measured position, rad or m.
+    /// Difference of commanded and measured position, rad or m.
     pub(super) error: Option<f32>,
-    /// Effort, N m or N; `None` while the rig is limp or lowered.
+    /// Effort, N m or N; `None` while the rig is limp or is lowered.
     pub(super) effort: Option<f32>,
     pub(super) heat_percent: Option<f32>,
     pub(super) celsius: Option<f32>,
@@ -67,12 +68,12 @@ impl Live {
         Self { bar, told: String::new(), has_begun: false, shown: Instant::now(), show_s }
     }
 
-    /// Returns whether a person watches.
+    /// Returns whether standard error is a terminal.
     pub(super) fn is_watched(&self) -> bool {
         !self.bar.is_hidden()
     }
 
-    /// Tells a new state, and updates the table when it is due.
+    /// Prints a new state, and updates the table if the update is due.
     pub(super) fn show(&mut self, moment: &Moment, rows: impl FnOnce() -> Vec<Row>) {
         self.has_begun = moment.is_playing && (self.has_begun || moment.runs);
         let is_approach = moment.is_playing && !self.has_begun;
@@ -100,7 +101,7 @@ impl Live {
     }
 }
 
-/// Describes the way to the first pose, and how late a show is that begins at speed.
+/// Describes the way to the first pose. If the show begins at speed, also describes its delay.
 fn approach_text(approach: Option<Approach>) -> String {
     let Some(Approach { way_s, late_s }) = approach else { return String::new() };
     let late = if late_s > 0.0 {
@@ -217,7 +218,7 @@ mod tests {
         assert_eq!(live.told, APPROACH);
         live.show(&Moment { runs: true, ..moment() }, Vec::new);
         assert_eq!(live.told, "playing");
-        // At the seam of a loop the show's place is 0 for a moment.
+        // At the seam of a loop, the show's clock is 0 for a moment.
         live.show(&moment(), Vec::new);
         assert_eq!(live.told, "playing");
         live.show(&Moment { is_playing: false, state: "holding".to_owned(), ..moment() }, Vec::new);

@@ -103,9 +103,9 @@ pub(super) struct Args {
     #[arg(long, value_name = "FILE.parquet")]
     record: Option<OutputPath>,
 
-    /// Start this program with the show, and end it with the show: a player of the show's sound. `{}` is the file, and
-    /// `{s}` the place in the sound at the start of the show, in s: `aplay -q {}`. Needs real time. The sound must be
-    /// beside the show, or in the working directory. The console plays the sound by itself, and keeps both together.
+    /// Command that plays the show's sound: it is started with the show, and ended with the show. `{}` is replaced by
+    /// the file, `{s}` by the time of the sound at which the show starts, in s. Example: `aplay -q {}`. Requires real
+    /// time, and the sound's file in the folder of the show or in the working directory. The console needs no player.
     #[arg(long, value_name = "COMMAND")]
     sound_with: Option<PlayerCommand>,
 
@@ -113,8 +113,8 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     rounds: Option<u32>,
 
-    /// Time from the armed rig to the start of the show, in s: the way to the first pose, after a wait. Refused if that
-    /// way takes longer. Default: the show starts as soon as the rig is at its first pose.
+    /// Time from arming to the start of the show, in s. The rig waits, then moves to the first pose. Refused if that
+    /// motion takes longer. Default: the show starts as soon as the rig is at its first pose.
     #[arg(long, value_name = "S", value_parser = preroll, allow_negative_numbers = true)]
     preroll: Option<f64>,
 
@@ -202,7 +202,7 @@ impl Args {
         Ok(())
     }
 
-    /// Returns the player of the show's sound.
+    /// Returns the player of the show's sound; `None` without `--sound-with`.
     fn player(&self, sound: Option<&Sound>) -> anyhow::Result<Option<Player>> {
         let Some(command) = &self.sound_with else {
             if let Some(sound) = sound.filter(|_| self.is_real_time()) {
@@ -223,7 +223,7 @@ impl Args {
         command.player(&found.path, sound).map(Some)
     }
 
-    /// Whether a simulation keeps the pace of the clock.
+    /// Returns whether a simulation runs in real time.
     fn is_real_time(&self) -> bool {
         self.pace.real_time || !self.pace.fast && io::stdout().is_terminal()
     }

@@ -6,7 +6,7 @@ use sinew_performance::play::{Drive, PulseRange, RigParts};
 /// Shortest and longest pulse that are safe for usual hobby servos, us.
 const SAFE_PULSES_US: [f32; 2] = [1000.0, 2000.0];
 
-/// Prints facts about the loop. `is_here`: whether this program chooses its rates, or a board has them.
+/// Prints facts about the loop. `is_here`: whether this program chooses the rates; otherwise the board does.
 pub(super) fn tell(parts: &RigParts, is_here: bool) {
     if is_here {
         tell_buses(parts);
@@ -53,7 +53,7 @@ fn tell_buses(parts: &RigParts) {
     }
 }
 
-/// Prints the rate that a board can hold, if it differs.
+/// Prints the rate at which a board can run the loop, if that rate differs.
 fn tell_rate(parts: &RigParts) {
     let (compute_us, holds) = parts.on_board;
     if holds != Some(parts.rate_hz) {
@@ -79,7 +79,7 @@ fn tell_pulses(parts: &RigParts) {
         each.collect::<Vec<_>>().join(", ")
     };
     let [safe_least, safe_most] = SAFE_PULSES_US;
-    // Somebody has tried the pulses that the rig's file has.
+    // A person has tested the pulses that the rig's file gives.
     let (safe, wide): (Vec<_>, Vec<_>) = (all.iter())
         .partition(|of| of.is_measured || of.us[0] >= safe_least && of.us[1] <= safe_most);
     if !safe.is_empty() {

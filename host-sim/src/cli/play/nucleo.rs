@@ -59,10 +59,10 @@ impl Files {
     }
 }
 
-/// Numbers of bursts to servos, and of servos.
+/// Number of bursts that the board has sent to servos, and number of bursts that servos have sent.
 type Bursts = Rc<Cell<[usize; 2]>>;
 
-/// An emulated board that counts the bursts on its bus, and forgets them.
+/// An emulated board. Bursts on its bus are counted, but not stored.
 struct Counted<W> {
     board: EmulatedBoard<W>,
     bursts: Bursts,
@@ -89,8 +89,8 @@ impl<W: LineDevice> BoardLine for Counted<W> {
     }
 }
 
-/// Powers on a blank board, uploads the rig over its host link, and calls `host` with the board and the bursts on its
-/// bus. Time is that of the emulated chip.
+/// Switches a blank board on, uploads the rig over its host link, and calls `host` with the board and the numbers of
+/// bursts. The board's time is that of the emulated chip.
 pub(in crate::cli) fn with_board<T>(
     Files { tool, image }: &Files,
     rig: &LoadedRig,
@@ -122,7 +122,7 @@ pub(in crate::cli) fn with_board<T>(
     host(&mut board, &bursts)
 }
 
-/// Plays as on any board.
+/// Plays a show as on any board, and prints the bursts and the durations of ticks.
 pub(super) fn perform(
     files: &Files,
     rig: &LoadedRig,

@@ -16,11 +16,11 @@ use super::Args;
 use crate::cli::performance::{ON_STAND, PerformanceArgs};
 use crate::cli::unit_args::UnitArgs;
 
-/// The content of a show file.
+/// Content of a show file.
 pub(in crate::cli) struct ShowFile {
-    /// The show, as boards get it.
+    /// The show without the section for a sound, as boards store it.
     pub(in crate::cli) bytes: Vec<u8>,
-    /// The sound that belongs to it.
+    /// Sound that belongs to the show.
     pub(in crate::cli) sound: Option<Sound>,
 }
 
@@ -94,7 +94,7 @@ pub(in crate::cli) fn bake(
 }
 
 impl Args {
-    /// Returns the bytes of the show: read, or baked from a clip. `bare`: the CRC of the rig without the servos of
+    /// Returns the show and its sound: reads a show, or bakes a clip. `bare`: the CRC of the rig without the servos of
     /// --servo.
     pub(super) fn read_or_bake(
         &self,

@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context as _, bail};
 use sinew_console::local::Bell;
+use sinew_firmware::controller::Approach;
 use sinew_firmware::supervisor::{Fault, FaultSet, Moving, Overload, Refused, State};
 use sinew_host_util::command::{note, print};
 use sinew_performance::play::{Director, Ended, Memory, Recorder, RigParts, SimulatedRig, Tally};
@@ -20,17 +21,19 @@ use crate::cli::output::OutputPath;
 use crate::cli::sound::Player;
 use crate::cli::stop::Stop;
 
-/// Opens the socket by which other terminals stop the rig.
+/// Opens the socket through which other terminals stop the rig. If this fails, prints the reason.
 fn open_bell() -> Option<Bell> {
     let name = format!("simulated-{}", std::process::id());
     let tell = |error| note(format_args!("`sinew stop` cannot stop this play: {error}"));
     Bell::open(&name).map_err(tell).ok()
 }
 
-/// The live display of a simulated rig.
+/// Live display of a simulated rig.
 struct SimulatedLive {
     live: Live,
     has_waited: bool,
+    /// Beginning of the show, computed when the rig begins to play; `None` before.
+    approach: Option<Approach>,
     ran: u64,
     show_s: f64,
     is_loop: bool,
@@ -40,7 +43,7 @@ impl SimulatedLive {
     fn new(show: &Show<'_>) -> Self {
         let (show_s, is_loop) = (f64::from(show.duration_s()), show.is_loop());
         let live = Live::new(show);
-        Self { live, has_waited: false, ran: 0, show_s, is_loop }
+        Self { live, has_waited: false, approach: None, ran: 0, show_s, is_loop }
     }
 
     /// Updates the display after a tick. `waits_for`: the joint that must come to rest before the rig can be armed.
@@ -48,13 +51,17 @@ impl SimulatedLive {
         let (report, parts) = (sim.report(), sim.parts);
         self.ran += u64::from(sim.runs());
         let played_s = self.ran as f64 / f64::from(parts.rate_hz);
+        let is_playing = report.state == State::Playing;
+        if is_playing && self.approach.is_none() {
+            self.approach = sim.approach();
+        }
         let voltages = report.servos.iter().filter_map(|servo| servo.voltage_v);
         let moment = Moment {
             time_s: sim.time_s(),
             state: report.state.to_string(),
-            is_playing: report.state == State::Playing,
+            is_playing,
             runs: sim.runs(),
-            approach: (report.state == State::Playing).then(|| sim.approach()).flatten(),
+            approach: self.approach,
             show_s: if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) },
             errors_deg: report
                 .following
@@ -79,15 +86,16 @@ impl SimulatedLive {
     }
 }
 
-/// Returns the joints with servos.
+/// Returns the rows of the table: the joints with servos.
 fn rows(sim: &SimulatedRig<'_, RigPlant>) -> Vec<Row> {
     let (report, parts) = (sim.report(), sim.parts);
-    // For servos that report nothing, the error of the simulated rig is used.
+    // If a joint's servos report no position, the error of the simulated rig is used.
     let simulated = sim.simulated_errors();
     let has_effort = !matches!(report.state, State::Off | State::Limp | State::Lowering);
     let row = |joint: usize| {
         let dof = report.dofs[joint];
-        let error = if parts.tells_nothing(joint) { simulated[joint] } else { dof.error };
+        // Commanded minus measured, as the controller reports it.
+        let error = if parts.tells_nothing(joint) { -simulated[joint] } else { dof.error };
         let told = parts.first_servo[joint].map(|servo| &report.servos[servo]);
         Row {
             joint: parts.names[joint].clone(),

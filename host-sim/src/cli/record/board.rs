@@ -40,7 +40,7 @@ pub(super) fn led(
     check_rig(&board, parts)?;
     // Asks for telemetry at every tick: only the board knows the length of a tick.
     let tick_s = f64::from(board.telemetry(f32::MAX, TelemetryParts::SUMMARY)?.rate_hz).recip();
-    // Servos are for commands that watch.
+    // Commands that watch show the servos.
     let of_watchers = TelemetryParts::SUMMARY.and(TelemetryParts::SERVOS);
     let told = board.telemetry(RATE_HZ, of_watchers.and(TelemetryParts::POSE))?;
     ensure!(told.rate_hz > 0.0, "the controller sends no poses");

@@ -1,4 +1,4 @@
-//! Sounds of shows: described by `bake`, found again by `console` and `play`.
+//! Sounds of shows: `bake` describes them; `console` and `play` find their files.
 
 mod player;
 
@@ -13,17 +13,17 @@ use sinew_show::sound::Sound;
 
 pub(super) use player::{Player, PlayerCommand};
 
-/// Largest file of a sound, bytes: an hour of stereo at 44.1 kHz is 635 MB.
+/// Largest file of a sound, bytes. For comparison: an hour of stereo at 44.1 kHz has 635 MB.
 const BYTES_MAX: u64 = 1 << 30;
 
-/// A sound that was found, with the bytes of its file.
+/// A sound's file and its bytes.
 #[derive(Debug)]
 pub(super) struct FoundSound {
     pub(super) path: PathBuf,
     pub(super) bytes: Vec<u8>,
 }
 
-/// Describes the sound in a WAV file. `offset_s`: place in the sound at the start of the show.
+/// Describes the sound in a WAV file. `offset_s`: time of the sound at the start of the show, s.
 pub(super) fn describe(path: &Path, offset_s: f64) -> anyhow::Result<Sound> {
     let of_file = || path.display().to_string();
     let bytes = read(path)?;
@@ -44,10 +44,10 @@ pub(super) fn describe(path: &Path, offset_s: f64) -> anyhow::Result<Sound> {
     })
 }
 
-/// Finds the file of a show's sound: in the folder of the show, or in the working directory. Its bytes must be those
-/// that `bake` saw.
+/// Finds the file of a show's sound in the folder of the show, or in the working directory. Fails if the file has
+/// changed since `bake`.
 pub(super) fn find(show: &Path, sound: &Sound) -> anyhow::Result<FoundSound> {
-    // A show from elsewhere may not name a file of another folder.
+    // Only the file name counts: a show from elsewhere must not open files of other folders.
     let name = Path::new(&sound.name).file_name().context("the show's sound has no name")?;
     let beside = show.parent().unwrap_or(Path::new("")).join(name);
     let places = [beside, PathBuf::from(name)];
@@ -76,7 +76,7 @@ fn read(path: &Path) -> anyhow::Result<Vec<u8>> {
     std::fs::read(path).with_context(of_file)
 }
 
-/// Returns a hash as text.
+/// Returns a hash as hexadecimal text.
 pub(super) fn hex(sha256: &[u8; 32]) -> String {
     let mut text = String::with_capacity(64);
     for byte in sha256 {

@@ -1,4 +1,4 @@
-//! A program that plays the sound of a show, from the show's start to its end.
+//! A program that plays the sound of a show while the show runs.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -9,7 +9,7 @@ use anyhow::{Context as _, ensure};
 use sinew_host_util::command::note;
 use sinew_show::sound::Sound;
 
-/// The command line of a player: words, of which `{}` is the file and `{s}` the place in the sound, s.
+/// Command line of a player, as words. `{}` stands for the file, `{s}` for the time in the sound, s.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::cli) struct PlayerCommand(Vec<String>);
 
@@ -26,7 +26,7 @@ impl FromStr for PlayerCommand {
 }
 
 impl PlayerCommand {
-    /// Makes the player of a sound.
+    /// Creates a player for a sound.
     pub(in crate::cli) fn player(&self, path: &Path, sound: &Sound) -> anyhow::Result<Player> {
         let place_s = sound.offset_us as f64 * 1e-6;
         let takes_place = self.0.iter().any(|word| word.contains("{s}"));
@@ -42,11 +42,11 @@ impl PlayerCommand {
     }
 }
 
-/// A player of a sound.
+/// A program that plays a sound; it runs at most once.
 #[derive(Debug)]
 pub(in crate::cli) struct Player {
     words: Vec<String>,
-    /// Time from the start of the show to that of the sound.
+    /// Time from the start of the show to the start of the sound; zero if the sound begins first.
     wait: Duration,
     begun: Option<Instant>,
     child: Option<Child>,
@@ -55,8 +55,8 @@ pub(in crate::cli) struct Player {
 }
 
 impl Player {
-    /// Takes note of a tick or of a message. `runs`: the show's clock runs. Starts the player when it begins to run, and
-    /// ends it when it runs no more.
+    /// Receives in each tick, or with each message, whether the show's clock runs (`runs`). Starts the program when the
+    /// clock starts, and ends it when the clock stops.
     pub(in crate::cli) fn note(&mut self, runs: bool) {
         if !runs {
             if self.begun.is_some() {
@@ -88,11 +88,11 @@ impl Player {
         child.with_context(|| format!("--sound-with: {program}"))
     }
 
-    /// Ends the player.
+    /// Ends the program, if it runs.
     fn end(&mut self) {
         self.is_over = true;
         if let Some(mut child) = self.child.take() {
-            // A player that has ended by itself cannot be ended.
+            // If the program has ended by itself, `kill` fails.
             let _ = child.kill();
             let _ = child.wait();
         }
@@ -131,7 +131,7 @@ mod tests {
         assert_eq!(of("p -ss {s} {}", 500_000).unwrap().words[2], "0.500");
     }
 
-    /// The player lives from the first tick of the show to its last.
+    /// The program runs while the show's clock runs.
     #[cfg(unix)]
     #[test]
     fn the_player_ends_with_the_show() {

@@ -161,7 +161,7 @@ fn a_fitted_show_exceeds_no_limit_by_an_independent_check() {
     let [one, at] = [show.time_code().unwrap(), show.time_code_at(bow.sample).unwrap()];
     assert!((49..=51).any(|frames| one.after(frames) == at), "{at:?}");
     assert!(report.contains("time code: 01:00:00:00 to 01:00:06:00 at 25 a second"), "{report}");
-    // With a time code the time is kept, unless it is refused.
+    // With a time code, a fit keeps the time, unless `--keep-time=false` is given.
     let path = path(folder.path(), "punches.show");
     let [report, _] = done(&[&bake[..], &fit].concat());
     assert!(super::within_limits(&report) && report.contains("TIME KEPT: 6.0 s"), "{report}");

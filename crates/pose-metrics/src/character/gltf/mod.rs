@@ -1,11 +1,11 @@
 //! Skinned characters in glTF 2.0: `.glb`, and `.gltf` with embedded or separate buffers.
 //!
-//! The joints are those of the skins of all meshes, in the order of the first skin. A joint's parent is its
-//! nearest ancestor that is a joint, whatever nodes are between. Joints whose only common ancestor is another node
-//! get that node as their root. The pose is that of the skin's `inverseBindMatrices`, with the place and scale of
-//! its first root joint in the scene; without these matrices, the pose is the scene's. A mesh without a skin
-//! belongs to the joint to which it is attached, and is ignored if there is none. Morph targets are left at zero; their animation has a reader of its own.
-//! VRM is glTF with extensions.
+//! The joints are those of the skins of all meshes, in the order of the first skin. A joint's parent is its nearest
+//! ancestor that is a joint, whatever nodes are between. Joints whose only common ancestor is another node get that
+//! node as their root. The pose is that of the skin's `inverseBindMatrices`, with the place and scale of its first root
+//! joint in the scene; without these matrices, the pose is the scene's. A mesh without a skin belongs to the joint to
+//! which it is attached, and is ignored if there is none. Morph targets have weight zero; only `shape_keys` reads their
+//! animation. VRM is glTF with extensions.
 
 mod accessor;
 mod buffers;
@@ -55,7 +55,7 @@ pub(super) fn parse(bytes: &[u8], name: String, folder: &Path) -> Result<Charact
     Ok(character)
 }
 
-/// Parses the animation of shape keys in the bytes of a file.
+/// Parses the bytes of a file for its animation of shape keys.
 ///
 /// # Errors
 /// [`Refusal`] if the file is not glTF 2.0, or has no such animation.

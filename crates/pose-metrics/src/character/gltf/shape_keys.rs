@@ -1,4 +1,4 @@
-//! The animation of shape keys (morph targets): a weight of each shape over time.
+//! Animation of shape keys (morph targets): a weight of each shape over time.
 
 use ::gltf::accessor::{DataType, Dimensions};
 use ::gltf::animation::{Channel, Interpolation, Property};
@@ -8,11 +8,11 @@ use super::Buffers;
 use super::accessor::Elements;
 use crate::character::error::{Refusal, refuse};
 
-/// Rate of the weights that are read, Hz.
+/// Rate at which the animation is sampled, Hz.
 const RATE_HZ: f64 = 100.0;
-/// The longest animation, s.
+/// Maximum duration of an animation, s.
 const DURATION_MAX_S: f64 = 7200.0;
-/// Most weights in a file, to limit the memory.
+/// Maximum number of weights, which limits the memory.
 const WEIGHTS_MAX: usize = 1 << 26;
 
 /// Weights of shape keys over time.
@@ -20,27 +20,27 @@ const WEIGHTS_MAX: usize = 1 << 26;
 pub struct ShapeKeys {
     /// Names of the shapes.
     pub names: Vec<String>,
-    /// Times of the rows, s, from 0 on at 100 Hz.
+    /// Times of the rows, s: from 0, at 100 Hz.
     pub times_s: Vec<f64>,
-    /// A weight of each shape in each row.
+    /// Rows with a weight for each shape.
     pub rows: Vec<Vec<f64>>,
-    /// Name of the animation.
+    /// Name of the animation that was read, if it has a name.
     pub animation: Option<String>,
-    /// Number of animations of shape keys in the file; the first one is read.
+    /// Number of animations of shape keys in the file. Only the first of them is read.
     pub animations: usize,
 }
 
-/// The keys of one mesh.
+/// Animation of the shape keys of one mesh.
 struct Track {
     names: Vec<String>,
     times_s: Vec<f64>,
-    /// Values of all shapes at each key: for a cubic with tangents before and after.
+    /// Values of all shapes at each key. For a cubic spline, they are between the tangents before and after the key.
     values: Vec<f64>,
     interpolation: Interpolation,
 }
 
-/// Reads the first animation that moves shape keys. Several meshes may have shapes of the same name, such as head and
-/// teeth: the first one counts.
+/// Reads the first animation of shape keys. If several meshes, such as head and teeth, have a shape of the same name,
+/// the first mesh is used.
 ///
 /// # Errors
 /// [`Refusal`] if there is no such animation, or a part of it is damaged.
@@ -63,7 +63,7 @@ pub(super) fn read(document: &Document, buffers: &Buffers) -> Result<ShapeKeys, 
     Ok(ShapeKeys { animation: animation.name().map(str::to_owned), animations, ..keys })
 }
 
-/// Returns the names of a mesh's shapes, as Blender and other programs write them.
+/// Returns the names of a mesh's shapes, from the extras that Blender and other programs write.
 fn names(mesh: &GltfMesh<'_>) -> Result<Vec<String>, Refusal> {
     #[derive(serde::Deserialize)]
     struct Extras {
@@ -110,7 +110,8 @@ fn track(channel: &Channel<'_>, buffers: &Buffers) -> Result<Track, Refusal> {
     let one = output.one();
     let values: Vec<f64> = (0..output.count())
         .flat_map(|index| output.numbers(index))
-        .map(|number| (number / one).max(-1.0))
+        // A signed integer may be one step below -1. A float is taken as it is, so that NaN is found below.
+        .map(|number| if one > 1.0 { (number / one).max(-1.0) } else { number })
         .collect();
     if let Some(index) = values.iter().position(|value| value.is_nan() || value.abs() > 1e3) {
         return Err(refuse("its output", "weights from 0 to 1", values[index]));
@@ -123,7 +124,7 @@ impl Track {
     fn at(&self, shape: usize, time_s: f64) -> f64 {
         let (shapes, is_cubic) =
             (self.names.len(), self.interpolation == Interpolation::CubicSpline);
-        // Tangent before, value and tangent after of a key.
+        // Values of a key: tangent before, value, and tangent after.
         let part = |key: usize, part: usize| {
             let row = if is_cubic { 3 * key + part } else { key };
             self.values[row * shapes + shape]
@@ -152,7 +153,7 @@ impl Track {
     }
 }
 
-/// Returns names, times and rows of all tracks together.
+/// Samples all tracks, and returns them as one table.
 fn rows(tracks: &[Track]) -> Result<ShapeKeys, Refusal> {
     let mut places: Vec<(usize, usize)> = Vec::new();
     let mut names: Vec<String> = Vec::new();

@@ -28,7 +28,7 @@ fn weights_are_those_of_the_keys_and_of_the_way_between_them() {
     near(50, [1.0, 0.1]);
     near(75, [0.5, 0.05]);
     near(100, [0.0, 0.0]);
-    // With tangents of zero, half of the time is half of the way.
+    // With zero tangents, the weight is half at half of the time.
     let cubic = read(&text("cubic.gltf")).unwrap();
     assert!((cubic.rows[75][0] - 0.5).abs() < 1e-6 && cubic.rows[60][0] > 0.85);
 }

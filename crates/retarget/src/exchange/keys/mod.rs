@@ -49,7 +49,7 @@ pub struct KeyedMotion {
     pub keys: Option<usize>,
     /// For each joint with changes that are faster than its maximum speed: the fastest such change.
     pub jumps: Vec<Jump>,
-    /// Coordinates that the file has; `None` for all.
+    /// Indices of the coordinates that the file gives; `None` if it gives all.
     pub given: Option<Vec<usize>>,
     /// Whether the motion is a loop.
     pub is_loop: bool,

@@ -71,7 +71,7 @@ fn easings_of_rows_and_of_columns() {
     assert!((at("ease in", 50) + 5.0).abs() < 1e-9);
     assert!((at("Ease-Out", 50) + 15.0).abs() < 1e-9);
     assert!((at("both", 50) + 10.0).abs() < 1e-9 && (at("ease_both", 25) + 3.125).abs() < 1e-9);
-    // A jaw of 300 deg/s and 3000 deg/s² needs 0.21 s for its step, which ends at the next key.
+    // A jaw of 400 deg/s and 9000 deg/s² needs 0.10 s for its step, which ends at the next key.
     assert!(at("step", 75).abs() < 1e-9 && (at("step", 100) + 20.0).abs() < 1e-9);
     let step = joint(&of_face(&text("step")).unwrap(), "jaw");
     assert!(step.windows(2).all(|pair| (pair[1] - pair[0]).abs() <= 3.0));
@@ -112,7 +112,7 @@ fn a_jump_names_joint_and_speed() {
         of_face("time,jaw_deg,brow_left_deg\n0,0,0\n0.5,-10,5\n0.52,-20,5\n2,0,0\n").unwrap();
     let [jump] = &keyed.jumps[..] else { panic!("{:?}", keyed.jumps) };
     let told = jump.to_string();
-    for part in ["line 4", "jaw", "10.0000 deg", "0.020 s", "500.0000 deg/s", "300.0000 deg/s"] {
+    for part in ["line 4", "jaw", "10.0000 deg", "0.020 s", "500.0000 deg/s", "400.0000 deg/s"] {
         assert!(told.contains(part), "{told}");
     }
 }

@@ -55,7 +55,7 @@ pub enum FitError {
         limit: f64,
         /// Time in the given motion, s.
         time_s: f64,
-        /// Whether the fit had to keep the time.
+        /// Whether the fit had to keep the motion's time.
         in_time: bool,
     },
 }

@@ -23,7 +23,7 @@ use crate::feasibility::motion::RigMotion;
 use crate::feasibility::report::{Excess, Kind, Report};
 use crate::feasibility::rows::Rows;
 
-/// Time before and after an instant over which poses are drawn towards home too, s.
+/// Time before and after an instant during which poses are drawn towards home, too, s.
 pub(super) const LOWERING_S: f64 = 0.4;
 /// Factor on the motion of a hot drive in each round.
 const COOLING: f64 = 0.97;

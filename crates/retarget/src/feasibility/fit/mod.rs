@@ -2,8 +2,8 @@
 //!
 //! It uses three methods, the least intrusive first: a low-pass of single joints, as far as it changes angles only
 //! slightly; a slower pace where the motion is too fast or its forces are too large; and poses nearer to home where
-//! gravity alone needs too much effort, or a drive becomes too hot. A fit that keeps the time ([`in_time`]) replaces the
-//! first two.
+//! gravity alone needs too much effort, or a drive becomes too hot. A fit that keeps the time ([`in_time`]) uses other
+//! methods instead of the first two.
 
 mod along;
 mod course;
@@ -139,8 +139,8 @@ fn go_on(
     }
 }
 
-/// Returns why a motion that exceeds the limits with their margin cannot be performed; `None` if it is within the
-/// limits without a margin. `given_s`: times of its rows in the given motion, s; `None` if they are its own.
+/// Returns the reason why a motion cannot be performed; `None` if it keeps the limits without their margin. `given_s`:
+/// time of each row in the given motion, s; `None` if the motion's own times are meant.
 fn remaining(
     mechanism: &Mechanism,
     limits: &Limits,

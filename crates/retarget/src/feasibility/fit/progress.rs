@@ -12,16 +12,16 @@ pub struct Progress {
     pub(super) pace: Vec<f64>,
     pub(super) share: Vec<Vec<f64>>,
     pub(super) room: Vec<f64>,
-    /// Of a fit that keeps the time: limits of each joint at each row, joints with a curve of their own, and joints that
-    /// began at speed.
+    /// Only after a fit that keeps the time: lowered limits of each joint at each row; whether each joint has its own
+    /// curve; and whether it began at speed.
     pub(super) caps: Vec<Caps>,
     pub(super) is_curved: Vec<bool>,
     pub(super) starts_slowly: Vec<bool>,
 }
 
 impl Progress {
-    /// Returns whether the progress and a motion have the same number of rows; the motion may have been resampled to
-    /// finer rows. A fit that keeps the time continues only from another one.
+    /// Returns whether a fit of a motion can continue from this progress. The motion must have the same number of rows
+    /// (it may have been resampled to finer rows), and either both fits keep the time, or neither does.
     pub(super) fn is_of(&self, motion: &RigMotion, keep_time: bool) -> bool {
         self.pace.len() == motion.rows.len() && self.caps.is_empty() != keep_time
     }

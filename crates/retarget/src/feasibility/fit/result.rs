@@ -16,11 +16,10 @@ pub struct FitSettings {
     /// Minimum sampling rate of the checks, Hz. Every row is sampled, because a curve's accelerations are largest
     /// there, and places evenly between rows, where it may leave a range.
     pub rate_hz: f64,
-    /// Whether the motion keeps its time: where a limit is met, it is made smaller or rounder there, and nowhere
-    /// slower.
+    /// Whether the motion keeps its time: where it exceeds a limit, it becomes smaller or smoother, but not slower.
     pub keep_time: bool,
-    /// Whether a motion that keeps its time begins at rest, if it has to be changed. A controller lets a show that
-    /// begins at speed run slower at first, and the show is late from then on.
+    /// Whether a motion that keeps its time begins at rest, if the fit changes it. A controller starts a show that
+    /// begins at speed more slowly, and the show stays late.
     pub from_rest: bool,
 }
 
@@ -44,7 +43,7 @@ pub struct Fit {
     pub motion: RigMotion,
     /// Time in the given motion of every row of the new motion, s; used to shift cues.
     pub given_s: Vec<f64>,
-    /// Settings of the fit.
+    /// Settings with which the motion was fitted.
     pub settings: FitSettings,
     /// Joints whose angles were low-passed.
     pub smoothed: Vec<SmoothedJoint>,

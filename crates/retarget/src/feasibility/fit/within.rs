@@ -42,7 +42,7 @@ impl Within {
         self.room[joint] += 2.0 * beyond + 1e-6;
     }
 
-    /// Returns the range of a dof of a joint without the margin.
+    /// Returns the range of a joint's dof, reduced by the joint's margin at both ends.
     pub(super) fn inner(&self, joint: usize, [least, most]: [f64; 2]) -> [f64; 2] {
         let own = self.room[joint].min(MOST_ROOM * (most - least));
         [least + own, most - own]

@@ -15,7 +15,7 @@ pub(crate) struct Additions {
     twists: bool,
     ends: Option<&'static str>,
     helpers: bool,
-    /// Names of the left and the right joint of no length between pelvis and thigh, such as CMU's `LHipJoint`.
+    /// Names of a left and a right joint between pelvis and thigh whose bone has no length, such as CMU's `LHipJoint`.
     hips: Option<[&'static str; 2]>,
     spine: bool,
 }
@@ -119,7 +119,7 @@ fn add(dialect: &mut Dialect, name: &str, on: usize, offset_m: DVec3) -> usize {
     dialect.skeleton.joints.len() - 1
 }
 
-/// Adds a joint at the place of a joint's parent, between both.
+/// Inserts a joint between a joint and its parent, at the place of the parent.
 fn put_before(dialect: &mut Dialect, name: &str, joint: usize) {
     let joints = &mut dialect.skeleton.joints;
     let Some(parent) = joints[joint].parent else { return };

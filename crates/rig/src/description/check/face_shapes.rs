@@ -1,11 +1,11 @@
-//! Checks shapes of a face.
+//! Checks the shapes of a face.
 
 use super::names::Names;
 use super::part::Part;
 use crate::description::error::{DescriptionError, Step};
 use crate::description::{Description, FaceShape, JointType};
 
-/// Tolerance for rounding of positions at an end of a range, rad or m.
+/// Tolerance for the rounding of a position at the end of a range, rad or m.
 const ROUNDING: f64 = 1e-9;
 
 pub(super) fn check(

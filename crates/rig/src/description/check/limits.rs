@@ -36,7 +36,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Returns the two joints. Both must have one dof.
+/// Returns the two joints. Each must have one dof.
 fn check_joints<'a>(
     part: Part<'_>,
     rig: &'a Description,
@@ -62,7 +62,8 @@ fn check_joints<'a>(
     Ok(pair)
 }
 
-/// Returns the minimum and maximum sum with their keys, in the unit of the first joint.
+/// Returns the minimum and the maximum of the sum, each with its key. `slide`: whether the first joint slides, so that
+/// the sum is in m.
 fn check_ends(
     part: Part<'_>,
     limit: &LinkedLimit,

@@ -21,7 +21,7 @@ pub(super) const MAY_BE_ZERO: [&str; 6] = [
 /// Largest accepted step and play of a servo, rad: six times the play of hobby servos.
 const COARSEST_RAD: f64 = 0.1;
 
-/// Shortest and longest pulse that a hobby servo may have, us.
+/// Shortest and longest permitted pulse of a hobby servo, us.
 const PULSES_US: [f64; 2] = [200.0, 4000.0];
 
 /// Fastest vibration of a rotor on its gear, rad/s (190 Hz): its phase changes by 0.3 rad in a step of the
@@ -71,7 +71,7 @@ pub(super) fn check<'a>(
     Ok(())
 }
 
-/// Refuses pulses of a servo that takes none, and pulses that no hobby servo understands.
+/// Refuses pulses and travel of a servo that is not driven by pulses, and invalid pulses.
 fn check_pulses(part: Part<'_>, servo: &Servo) -> Result<(), DescriptionError> {
     let given =
         [("pulse_us", servo.pulse_us.is_some()), ("travel_deg", servo.travel_rad.is_some())];

@@ -330,7 +330,7 @@ fn poses_of_shapes_are_of_joints_within_their_ranges() {
     refused(twice, "shape[1].name", "shape[0] already");
 }
 
-/// Pulses rise, and belong to servos that take pulses.
+/// Pulses must increase, and must belong to a servo that is driven by pulses.
 #[test]
 fn pulses_that_no_servo_takes_are_refused() {
     let on_channel = |rig: &mut Description, pulse_us| {

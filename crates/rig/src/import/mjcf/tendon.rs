@@ -141,7 +141,8 @@ pub(super) fn limits<'a, 'd>(
     Ok(())
 }
 
-/// Returns the limit of a sum of two joints of one dof, if the home pose is within the limit.
+/// Returns the limit on the sum of two joints. Both joints must have one dof, and the home pose must be within the
+/// limit; otherwise returns `None`.
 fn linked(
     description: &Description,
     joints: [(&str, f64); 2],
@@ -161,7 +162,7 @@ fn linked(
     if one.name == other.name || sum < least || sum > most {
         return None;
     }
-    // The sum of joints of two kinds is put into the unit of the first one.
+    // If one joint turns and the other slides, the sum is converted to the unit of the first joint.
     let unit = if one.kind == other.kind { 1.0 } else { joints[0].1.abs() };
     let ends = [Some(least / unit), Some(most / unit)];
     let [[least_rad, most_rad], [least_m, most_m]] =

@@ -103,13 +103,17 @@ pub(super) fn rig(seed: u64) -> Description {
     }
 }
 
-/// Returns a shape with some of the joints at an end of their range.
+/// Returns a shape in which some of the joints are at an end of their range.
 fn face_shape(r: &mut Random, index: usize, joints: &[Joint]) -> FaceShape {
     let position = |joint: &Joint, end: usize| match joint.kind {
         JointType::Revolute => {
             Some(joint.range_rad.first().map_or(30_f64.to_radians(), |range| range[end]))
         }
-        JointType::Prismatic => Some(joint.range_m.map_or(0.02, |range| range[end])),
+        JointType::Prismatic => {
+            // The file has mm: their text decides the last bit.
+            let mm = format!("{:.9e}", 1000.0 * joint.range_m.map_or(0.02, |range| range[end]));
+            Some(mm.parse::<f64>().unwrap() / 1000.0)
+        }
         _ => None,
     };
     let mut pose = Vec::new();

@@ -79,7 +79,7 @@ pub(crate) const TARGETS: [Target; 23] = [
 const ASF: &[u8] = include_bytes!("../../../corpus/readers/asf/two_bones.asf");
 const AMC: &[u8] = include_bytes!("../../../corpus/readers/amc/two_bones.amc");
 
-/// Reads keys of the starting face, and checks that the motion is one of this rig.
+/// Reads keys for the face of `rig new`, and checks that their motion fits this rig.
 fn keys(bytes: &[u8]) {
     let Some(text) = text(bytes) else { return };
     let mechanism = sinew_rig::new::face().mechanism().unwrap();
@@ -95,7 +95,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
     core::str::from_utf8(bytes).ok()
 }
 
-/// Reads a face, and moves the joints of the starting face by it.
+/// Reads a face file, and moves the joints of the face of `rig new` by it.
 fn face(bytes: &[u8]) {
     let rig = sinew_rig::new::face();
     let weights = match sinew_life::face::read(bytes, None) {
@@ -111,12 +111,12 @@ fn face(bytes: &[u8]) {
     perform(&weights);
 }
 
-/// Checks that joints stay within their ranges.
+/// Computes the motion of the face, and checks that all joints stay within their ranges.
 fn perform(weights: &Weights) {
     let rig = sinew_rig::new::face();
     let mechanism = rig.mechanism().unwrap();
     let begin = weights.times_s[0];
-    // A minute is enough.
+    // One minute suffices.
     let rows = weights.times_s.partition_point(|time_s| *time_s < begin + 60.0);
     if rows < 2 {
         return;

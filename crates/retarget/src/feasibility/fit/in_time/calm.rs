@@ -1,4 +1,5 @@
-//! Finds where a motion exceeds a limit, which joints cause it, and how much calmer they must be there.
+//! Finds where a motion exceeds a limit, which joints cause this, and the share of their acceleration that is
+//! permitted.
 
 use sinew_rig::Mechanism;
 use sinew_rig::mechanism::{LANES, Ties};
@@ -13,12 +14,12 @@ use crate::feasibility::error::CheckError;
 use crate::feasibility::limits::{DofLimits, Limits};
 use crate::feasibility::report::Report;
 
-/// Smallest share of an effort from which a joint is one of its causes.
+/// Smallest share of an effort at which a joint counts as one of its causes.
 const CAUSE: f64 = 0.05;
-/// Smallest share that one round asks for, so that a round does not overshoot.
+/// Smallest share that is permitted in one round. A smaller share could reduce the motion too much.
 const LEAST: f64 = 0.4;
 
-/// Inputs of a scan.
+/// Inputs of a scan for exceeded limits.
 pub(super) struct Scan<'a> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) limits: &'a Limits,
@@ -29,12 +30,12 @@ pub(super) struct Scan<'a> {
     pub(super) rows: usize,
 }
 
-/// How much calmer a joint must be at each row.
+/// Reduction of a joint's acceleration and speed at each row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Calm {
-    /// Share of the present acceleration; empty if the joint may stay as it is.
+    /// Permitted share of the present acceleration; empty if the joint need not change.
     pub(super) shares: Vec<f64>,
-    /// Whether its speed must become smaller, too.
+    /// Whether the joint's speed must become smaller, too.
     pub(super) slower: bool,
 }
 
@@ -49,21 +50,21 @@ impl Calm {
     }
 }
 
-/// Result of a scan.
+/// Results of a scan.
 pub(super) struct Found {
     pub(super) report: Report,
-    /// Joints that exceed their own speed or acceleration.
+    /// For each joint: whether it exceeds its own limit of speed or acceleration.
     pub(super) is_fast: Vec<bool>,
-    /// Permitted share of each joint's distance from home at each row; empty if unchanged.
+    /// Permitted share of each joint's distance from home at each row; empty without a change.
     pub(super) share: Vec<Vec<f64>>,
-    /// For the efforts, and for speeds and accelerations.
+    /// Reductions of each joint: because of efforts, and because of its own speed and acceleration.
     by_effort: Vec<Calm>,
     by_speed: Vec<Calm>,
     rows: usize,
 }
 
 impl Scan<'_> {
-    /// Scans a whole motion, as often as the check does.
+    /// Scans a whole motion, at the instants at which the check looks at it.
     pub(super) fn of(self, curve: &Curve) -> Result<Found, CheckError> {
         let Scan { mechanism, limits, rest, efforts, rate_hz, dt_s, rows: count } = self;
         let bodies = mechanism.bodies.len();
@@ -108,7 +109,7 @@ impl Scan<'_> {
 }
 
 impl Found {
-    /// Notes the joints that are too fast or accelerate too much.
+    /// Stores which joints exceed their speed or acceleration, and the permitted shares.
     fn note_speeds(&mut self, limits: &Limits, instant: &Instant, rows: [usize; 2]) {
         for (dof, limits_of) in limits.dofs.iter().enumerate() {
             let joint = limits.ties.leader_of(limits_of.joint);
@@ -126,7 +127,8 @@ impl Found {
         }
     }
 
-    /// Notes the joints that cause an effort beyond its limit, and the joints that gravity needs nearer to home.
+    /// Stores which joints cause an effort beyond its limit, and which joints must come nearer to home, because gravity
+    /// alone exceeds the limit.
     fn note_efforts(
         &mut self,
         (mechanism, limits, rest): (&Mechanism, &Limits, &Rest),
@@ -177,14 +179,15 @@ impl Found {
         }
     }
 
-    /// Draws a joint, and all that move it or that it moves, towards home at all times.
+    /// Reduces the distance from home, at all rows, of a joint, of the joints that carry it, and of the joints that it
+    /// carries.
     pub(super) fn lower_all(&mut self, mechanism: &Mechanism, joint: usize, share: f64) {
         for row in 0..self.rows {
             lower_chain(mechanism, &mut self.share, joint, [row, self.rows], share);
         }
     }
 
-    /// Moves the shares of followers to their leaders.
+    /// Applies the shares of followers to their leaders.
     pub(super) fn follow(&mut self, ties: &Ties) {
         for tie in ties.each() {
             let own = std::mem::take(&mut self.share[tie.body]);
@@ -197,8 +200,8 @@ impl Found {
         }
     }
 
-    /// Returns how much calmer a joint must be; `None` if it may stay as it is. `is_fast`: whether its own speed and
-    /// acceleration count as well.
+    /// Returns the reduction of a joint; `None` if the joint need not change. `is_fast`: whether the reduction because
+    /// of its own speed and acceleration applies, too.
     pub(super) fn calm(&self, joint: usize, is_fast: bool) -> Option<Calm> {
         let mut calm = self.by_effort[joint].clone();
         if is_fast {
@@ -211,7 +214,7 @@ impl Found {
         (!calm.shares.is_empty()).then_some(calm)
     }
 
-    /// Returns the speeds and accelerations of a joint at the rows.
+    /// Returns the speeds and accelerations of a joint at all rows.
     pub(super) fn speeds_of(&self, curve: &Curve, limits: &Limits, joint: usize) -> RowSpeeds {
         let dofs: Vec<usize> =
             (0..limits.dofs.len()).filter(|dof| limits.dofs[*dof].joint == joint).collect();
@@ -227,11 +230,11 @@ impl Found {
     }
 }
 
-/// Causes of the efforts of an instant.
+/// Parts of the efforts at an instant, by their causes.
 struct Causes {
-    /// Efforts that hold the pose, with dry friction.
+    /// Efforts that hold the pose, including dry friction.
     held: Vec<f64>,
-    /// Efforts on all dofs by the acceleration of each joint; `None` for a joint that does not accelerate.
+    /// For each joint: the efforts on all dofs that its acceleration causes; `None` if it does not accelerate.
     by_joint: Vec<Option<Vec<f64>>>,
 }
 

@@ -1,22 +1,23 @@
-//! Limits of a joint's speed and acceleration at each row, where an effort or another joint needs less than its own.
+//! Limits of a joint's speed and acceleration at each row. They are lower than the joint's own limits where an effort
+//! or another joint requires it.
 
-/// Time around an instant in which a joint becomes calmer together, s.
+/// Time before and after an instant in which a joint is reduced together, s.
 const AROUND_S: f64 = 0.1;
-/// Time around a row whose accelerations are the first limit there, s: without a limit, a joint that becomes calmer at
-/// one time would accelerate more beside it.
+/// Time before and after a row, s. The largest present acceleration within it is the first limit at the row. Without
+/// this limit, a joint that is reduced at one time would accelerate more shortly before or after.
 const FIRST_S: f64 = 0.25;
-/// Additional reduction, so that few rounds are needed.
+/// Additional reduction in each round, so that few rounds are needed.
 const ZEAL: f64 = 0.97;
-/// Smallest speed and acceleration that are asked for, rad/s and rad/s² or m: a search needs some room.
+/// Smallest limit of speed and acceleration, in rad or m per s and per s²: a search needs some room.
 const LEAST: f64 = 1e-4;
 
-/// Speed and acceleration of one joint at the rows of a motion: the largest of its dofs.
+/// Speed and acceleration of one joint at each row: the largest of its dofs.
 pub(super) struct RowSpeeds {
     pub(super) speed: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
 }
 
-/// Limits of one joint at each row; empty if the joint has only its own.
+/// Limits of one joint at each row; empty if only the joint's own limits apply.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(in super::super) struct Caps {
     pub(super) speed: Vec<f64>,
@@ -28,8 +29,8 @@ impl Caps {
         self.speed.is_empty()
     }
 
-    /// Makes the joint calmer around the rows whose shares are below 1: `shares` of its acceleration, and if
-    /// `slower`, the root of these shares of its speed.
+    /// Lowers the limits around the rows whose shares are below 1. The acceleration may be `shares` of the present
+    /// acceleration; if `slower`, the speed may be the root of these shares of the present speed.
     pub(super) fn calm(&mut self, now: &RowSpeeds, shares: &[f64], slower: bool, dt_s: f64) {
         let count = shares.len();
         let reach = |seconds: f64| {
@@ -81,7 +82,7 @@ mod tests {
         let near = |value: f64, wanted: f64| (value - wanted).abs() < 1e-9;
         assert!(near(caps.acceleration[50], 10.0 * 0.25 * ZEAL));
         assert!(near(caps.speed[60], 2.0 * 0.5 * ZEAL) && caps.speed[61].is_infinite());
-        // Beside these rows, accelerations may not become larger than they were.
+        // Around these rows, accelerations must not become larger than before.
         assert!(near(caps.acceleration[70], 10.0));
     }
 }

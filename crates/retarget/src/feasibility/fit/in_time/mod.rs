@@ -1,8 +1,8 @@
-//! A fit that keeps the time: where a limit is met, the motion is made smaller or rounder there.
+//! A fit that keeps the time: where a motion exceeds a limit, it becomes smaller or smoother.
 //!
-//! Each joint that is too fast gets the nearest curve within its limits ([`nearest`]). Where an effort is too large, the
-//! joints that cause it become calmer around that time ([`caps`]), and where gravity alone needs too much, the pose is
-//! drawn towards home, as in a fit that slows down. Rounds end when no limit is exceeded.
+//! Each joint that is too fast gets the nearest curve within its limits ([`nearest`]). If an effort is too large, the
+//! limits of the joints that cause it are lowered around that time ([`caps`]). If gravity alone needs too much effort,
+//! the pose is drawn towards home, as in a fit that slows down. Rounds are repeated until no limit is exceeded.
 
 mod calm;
 mod caps;
@@ -34,16 +34,16 @@ use calm::Scan;
 pub(super) use caps::Caps;
 use nearest::{CurveLimits, nearest};
 
-/// Factor on the motion of a hot drive in each round.
+/// Factor that each round applies to the motion of a drive that is too hot.
 const COOLING: f64 = 0.97;
-/// Largest speed at the beginning of a motion that begins at rest, rad/s or m/s: below what a controller lets a show
-/// begin with, also through a gear.
+/// Maximum speed at the beginning of a motion that begins at rest, rad/s or m/s. It is below the speed at which a
+/// controller begins a show without a delay, also through a gear.
 const AT_REST: f64 = 0.02;
-/// First share of its limits for each number of a ball joint's quaternion: their speeds add up. A quaternion changes
-/// half as fast as the joint turns.
+/// First share of a ball joint's limits for each number of its quaternion, because the numbers' speeds add up. A
+/// quaternion changes half as fast as the joint turns.
 const OF_QUATERNION: f64 = 0.5 * 0.7;
 
-/// A fit that keeps the time, in progress.
+/// State of a fit that keeps the time.
 pub(super) struct Keeping<'a> {
     mechanism: &'a Mechanism,
     limits: &'a Limits,
@@ -54,15 +54,15 @@ pub(super) struct Keeping<'a> {
     joints: Vec<Range<usize>>,
     given: Rows,
     within: Within,
-    /// Share of each joint's distance from home at each row; empty if unchanged.
+    /// Share of each joint's distance from home at each row; empty without a change.
     share: Vec<Vec<f64>>,
-    /// Limits of each joint at each row.
+    /// Lowered limits of each joint at each row.
     caps: Vec<Caps>,
-    /// Joints that need a curve of their own.
+    /// For each joint: whether it needs its own curve.
     is_curved: Vec<bool>,
-    /// Joints whose motion began at speed.
+    /// For each joint: whether it began at speed and must begin at rest.
     starts_slowly: Vec<bool>,
-    /// Curves found so far, a list for each coordinate; `None` if the joint has changed since.
+    /// Curves that were found for each joint, a list for each coordinate; `None` if they must be computed anew.
     curves: Vec<Option<Vec<Vec<f64>>>>,
     efforts: Efforts,
 }
@@ -94,14 +94,14 @@ impl<'a> Keeping<'a> {
         })
     }
 
-    /// Continues from the changes of an earlier fit of the motion.
+    /// Continues with the changes that an earlier fit of the motion has made.
     pub(super) fn go_on_from(&mut self, before: &Progress) {
         let Progress { share, room, caps, is_curved, starts_slowly, .. } = before.clone();
         (self.share, self.within.room, self.caps) = (share, room, caps);
         (self.is_curved, self.starts_slowly) = (is_curved, starts_slowly);
     }
 
-    /// Performs one round: finds where the motion exceeds a limit, and makes it smaller or rounder there.
+    /// Performs one round: finds where the motion exceeds a limit, and makes it smaller or smoother there.
     pub(super) fn round(&mut self) -> Result<Round, FitError> {
         let curve = self.curve();
         let scan = Scan {
@@ -131,7 +131,7 @@ impl<'a> Keeping<'a> {
                 Kind::Heat => found.lower_all(self.mechanism, joint, COOLING),
                 Kind::Range | Kind::LinkedRange => {
                     self.within.widen(self.limits.dofs[excess.dof].joint, beyond(excess));
-                    // What is joined with it moves, too.
+                    // Joints that limits connect with this joint move, too.
                     self.curves.fill(None);
                 }
                 Kind::Speed | Kind::Acceleration | Kind::Effort => {}
@@ -145,7 +145,7 @@ impl<'a> Keeping<'a> {
                     *share = vec![1.0; self.given.count];
                 }
                 lessen(share, 0, &found.share[joint], LOWERING_S / self.dt_s);
-                // The way to the pose nearer to home has to keep the limits as well.
+                // The way to the pose nearer to home must keep the limits, too.
                 self.is_curved[joint] = true;
                 self.curves[joint] = None;
             }
@@ -164,7 +164,7 @@ impl<'a> Keeping<'a> {
         Ok(if least < LEAST_SHARE { Round::Hopeless } else { Round::Nearer })
     }
 
-    /// Returns the joints that begin faster than permitted, and have no limit for it yet.
+    /// Returns the joints that begin faster than permitted, and do not have a lower limit there yet.
     fn begins_at_speed(&self, curve: &Curve) -> Vec<usize> {
         let mut instant = Instant::default();
         curve.at(0.0, &mut instant);
@@ -172,7 +172,7 @@ impl<'a> Keeping<'a> {
         let fast = dofs.filter(|(_, speed)| self.settings.from_rest && speed.abs() > AT_REST);
         let mut joints: Vec<usize> =
             fast.map(|(dof, _)| self.limits.ties.leader_of(dof.joint)).collect();
-        // A base is not changed.
+        // The base is not changed.
         let is_changed = |joint: &usize| self.mechanism.bodies[*joint].joint != JointModel::Free;
         joints.retain(|joint| !self.starts_slowly[*joint] && is_changed(joint));
         joints.dedup();
@@ -214,7 +214,7 @@ impl<'a> Keeping<'a> {
         rows
     }
 
-    /// Returns the limits of one coordinate of a joint, in units of rows.
+    /// Returns the limits of one coordinate of a joint. Times are counted in rows.
     fn curve_limits(&self, joint: usize, axis: usize) -> CurveLimits {
         let of_joint = self.limits.dofs.iter().filter(|dof| dof.joint == joint);
         let dofs: Vec<_> = of_joint.collect();
@@ -228,7 +228,7 @@ impl<'a> Keeping<'a> {
         };
         let mut speed = own(&caps.speed, dof.speed, self.dt_s);
         if self.starts_slowly[joint] {
-            // The first two differences decide the speed at the first row.
+            // The first two differences of control points determine the speed at the first row.
             let slow = 0.5 * AT_REST * scale * self.dt_s;
             speed.iter_mut().take(2).for_each(|speed| *speed = speed.min(slow));
         }
@@ -288,7 +288,7 @@ impl<'a> Keeping<'a> {
     }
 }
 
-/// Returns by how much a limit is exceeded.
+/// Returns the amount by which a value exceeds its limit.
 fn beyond(excess: &Excess) -> f64 {
     (excess.value - excess.limit).abs()
 }

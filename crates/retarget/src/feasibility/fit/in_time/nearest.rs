@@ -1,47 +1,48 @@
-//! The curve nearest to given numbers whose speed and acceleration keep limits that may differ from row to row.
+//! Finds the curve nearest to given numbers that keeps limits of speed and acceleration, which may differ from row to
+//! row.
 //!
 //! The unknowns are the control points `c` of a uniform cubic B-spline. The spline's value at row `i` is `(c[i-1] + 4
-//! c[i] + c[i+1]) / 6`. The second difference of the control points is exactly its acceleration there, in units of
-//! rows, and between rows the acceleration is linear. Speed and position are weighted means of first differences and of
-//! control points. Limits on these differences therefore hold at every time, not only at rows.
+//! c[i] + c[i+1]) / 6`. Its acceleration at this row is exactly the second difference of the control points, in units
+//! of rows; between rows the acceleration is linear. Speeds are weighted means of first differences, and positions are
+//! weighted means of control points. Limits on differences and points therefore apply at all times, not only at rows.
 //!
-//! A barrier method (Boyd & Vandenberghe, Convex Optimization, 2004, section 11.3) minimizes the squared distance. Each
-//! of its points is strictly within all limits. Its matrices have two bands, so a step is O(rows).
+//! A barrier method (Boyd & Vandenberghe, Convex Optimization, 2004, section 11.3) minimizes the squared distance. All
+//! points of the search are strictly within all limits. The matrices have two bands, so a step is O(rows).
 
 use crate::solve::Banded;
 
-/// Weight of the squared distance against the barrier, at the beginning and at the end, and its growth. The final mean
-/// distance from the optimum is at most the root of 12 / weight: 0.1 mrad.
+/// Weight of the squared distance relative to the barrier, at the beginning and at the end, and its growth factor. The
+/// final mean distance from the optimum is at most the root of 12 / weight: 0.1 mrad.
 const WEIGHTS: [f64; 2] = [1e2, 1.2e9];
 const GROWTH: f64 = 30.0;
-/// Largest number of Newton steps for a weight.
+/// Maximum number of Newton steps for each weight.
 const STEPS: usize = 40;
-/// Squared Newton decrement at which the steps for a weight end.
+/// Squared Newton decrement below which the steps for a weight end.
 const NEAR: f64 = 0.05;
-/// Share of the way to the nearest limit that a step may go.
+/// Largest share of the way to the nearest limit that a step uses.
 const MOST_OF_WAY: f64 = 0.99;
-/// Smallest step, as a share of Newton's.
+/// Smallest step, as a share of Newton's step.
 const LEAST_OF_STEP: f64 = 1e-8;
-/// Fewest rows with a curve of their own.
+/// Minimum number of rows; with fewer rows, the result is constant.
 const ROWS: usize = 4;
 
-/// Limits of a curve, in units of rows; infinite without a limit.
+/// Limits of a curve, with times counted in rows. Infinite values mean no limit.
 pub(super) struct CurveLimits {
     /// Smallest and largest value.
     pub(super) range: [f64; 2],
-    /// Largest change from each row to the next.
+    /// Largest absolute change from each row to the next.
     pub(super) speed: Vec<f64>,
-    /// Largest second difference at each row.
+    /// Largest absolute second difference at each row.
     pub(super) acceleration: Vec<f64>,
 }
 
-/// Returns the numbers nearest to these, in the mean square, through which the spline keeps all limits. O(rows) for each
-/// of about 60 steps.
+/// Returns the numbers nearest to `values`, in the mean square, whose spline keeps all limits. O(rows) for each of
+/// about 60 steps.
 pub(super) fn nearest(values: &[f64], limits: &CurveLimits) -> Vec<f64> {
     let [low, high] = limits.range;
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let inset = if (high - low).is_finite() { 1e-3 * (high - low) } else { 1e-6 };
-    // A constant within the range keeps all limits.
+    // A constant curve within the range keeps all limits.
     let begin = mean.max(low + inset).min(high - inset);
     if values.len() < ROWS || high - low < 1e-9 {
         return vec![begin; values.len()];
@@ -63,9 +64,9 @@ pub(super) fn nearest(values: &[f64], limits: &CurveLimits) -> Vec<f64> {
     (0..values.len()).map(|row| at_row(&search.controls, row)).collect()
 }
 
-/// A limit of a difference of control points.
+/// A limit on a control point, or on a difference of control points.
 struct Difference {
-    /// First control point.
+    /// Index of the first control point.
     first: usize,
     /// Order of the difference: 0, 1 or 2.
     order: u8,
@@ -97,7 +98,7 @@ impl Difference {
     }
 }
 
-/// Lists the finite limits of all differences.
+/// Lists all finite limits on control points and differences.
 fn each(rows: usize, limits: &CurveLimits) -> Vec<Difference> {
     let [low, high] = limits.range;
     let mut all = Vec::new();
@@ -116,8 +117,8 @@ fn each(rows: usize, limits: &CurveLimits) -> Vec<Difference> {
     all
 }
 
-/// Returns the first control point and the factors of the spline's value at a row. Its first and last pieces are
-/// parabolas, as those of a motion's curve.
+/// Returns the first control point, and the factors of three control points, for the spline's value at a row. The first
+/// and the last piece of the spline are parabolas, as in the curve of a motion.
 fn factors(rows: usize, row: usize) -> (usize, [f64; 3]) {
     const SIXTH: f64 = 1.0 / 6.0;
     if row == 0 {
@@ -135,7 +136,7 @@ fn at_row(controls: &[f64], row: usize) -> f64 {
     controls[first..].iter().zip(factors).map(|(control, factor)| control * factor).sum()
 }
 
-/// A search for the nearest curve.
+/// State of a search for the nearest curve.
 struct Search<'a> {
     values: &'a [f64],
     limits: Vec<Difference>,
@@ -143,7 +144,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Makes a Newton step. Returns whether another step is worth it.
+    /// Performs a Newton step. Returns whether another step is useful.
     fn step(&mut self, weight: f64) -> bool {
         let rows = self.values.len();
         let mut banded = Banded::new(rows);
@@ -166,7 +167,7 @@ impl Search<'_> {
             let room = if change < 0.0 { below } else { above };
             share = share.min(MOST_OF_WAY * room / change.abs());
         }
-        // The comparison also ends at NaN.
+        // NaN also ends the steps.
         if !(NEAR..f64::INFINITY).contains(&decrement) {
             return false;
         }
@@ -183,7 +184,7 @@ impl Search<'_> {
         false
     }
 
-    /// Returns the weighted half square of the distance, plus the barrier; not a number beyond a limit.
+    /// Returns half of the weighted squared distance, plus the barrier. Beyond a limit the result is NaN.
     fn cost(&self, controls: &[f64], weight: f64) -> f64 {
         let off = |(row, value): (usize, &f64)| (at_row(controls, row) - value).powi(2);
         let distance: f64 = self.values.iter().enumerate().map(off).sum();
@@ -228,14 +229,15 @@ mod tests {
 
     #[test]
     fn a_fast_swing_becomes_smaller_and_keeps_its_time() {
-        // 0.5 sin(2 pi 2 t): 6.3 rad/s and 79 rad/s2.
+        // The given numbers are 0.5 sin(2 pi 2 t): up to 6.3 rad/s and 79 rad/s2.
         let given = sine(600, 0.5, 2.0);
         let near = nearest(&given, &limits(600, [-1.0, 1.0], 4.0, 30.0));
         let bend = near.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).fold(0.0, f64::max);
         assert!(bend <= 30.0 / ROWS_S / ROWS_S * 1.0001, "{}", bend * ROWS_S * ROWS_S);
         let mid = &near[200..400];
         let most = mid.iter().copied().fold(0.0, f64::max);
-        // A swing between both accelerations has 30 (T/4)²/2 = 0.234; the nearest sine would have 0.19.
+        // A motion that alternates between both accelerations reaches 30 (T/4)²/2 = 0.234; the nearest sine reaches
+        // 0.19.
         assert!((0.19..0.24).contains(&most), "{most}");
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
         let alike = dot(mid, &given[200..400])
@@ -246,7 +248,7 @@ mod tests {
     #[test]
     fn only_the_time_around_a_limit_changes() {
         let mut given = sine(1000, 0.2, 0.3);
-        // A bump of 0.3 within 0.2 s, in the middle.
+        // Adds a bump of 0.3 within 0.2 s, in the middle.
         for (row, value) in given.iter_mut().enumerate() {
             let x = (row as f64 - 500.0) / 5.0;
             *value += 0.3 * libm::exp(-x * x);

@@ -15,7 +15,7 @@ const IN_TIME: FitSettings = FitSettings {
     from_rest: false,
 };
 
-/// Fits in time; checks that the time is kept and that no limit is exceeded.
+/// Fits a motion in time; checks that the time is kept and that no limit is exceeded.
 #[track_caller]
 fn kept(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) -> Fit {
     let fitted = fit(mechanism, limits, motion, IN_TIME).unwrap();
@@ -25,7 +25,7 @@ fn kept(mechanism: &Mechanism, limits: &Limits, motion: &RigMotion) -> Fit {
     fitted
 }
 
-/// Returns the way of a coordinate as a share of that of the given motion, and the correlation of both.
+/// Returns the way of a coordinate as a share of its way in the given motion, and the correlation of both motions.
 fn left(fit: &Fit, given: &RigMotion, k: usize) -> [f64; 2] {
     let of = |motion: &RigMotion| motion.rows.iter().map(|row| row[k]).collect::<Vec<_>>();
     let (a, b) = (of(&fit.motion), of(given));
@@ -46,7 +46,7 @@ fn a_motion_within_all_limits_stays() {
 
 #[test]
 fn a_motion_that_is_too_fast_becomes_smaller_in_time() {
-    // The shoulder asks for 8.8 of 4 rad/s and 110 of 60 rad/s2, the elbow for 4.4 rad/s and 55 rad/s2.
+    // The given motion needs 8.8 of 4 rad/s and 110 of 60 rad/s2 at the shoulder, 4.4 rad/s and 55 rad/s2 at the elbow.
     let arm = arm(20.0);
     let (limits, motion) = swing(&arm, 0.7, 2.0);
     let fitted = kept(&arm, &limits, &motion);
@@ -59,7 +59,7 @@ fn a_motion_that_is_too_fast_becomes_smaller_in_time() {
 #[test]
 fn a_motion_that_begins_at_speed_may_begin_at_rest() {
     let arm = arm(20.0);
-    // The shoulder begins at 1.8 rad/s.
+    // The shoulder of the given motion begins at 1.8 rad/s.
     let (limits, motion) = swing(&arm, 0.7, 0.4);
     let settings = FitSettings { from_rest: true, ..IN_TIME };
     let fitted = fit(&arm, &limits, &motion, settings).unwrap();
@@ -79,7 +79,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
     let again = refit(&arm, &tight, &motion, &first.progress, IN_TIME).unwrap();
     exceeds_nothing(&arm, &tight, &again.motion);
     assert!(left(&again, &motion, 0)[1] > 0.9);
-    // A fit that slows down does not begin with the changes of one that keeps the time.
+    // A fit that slows down does not continue from a fit that keeps the time.
     let slowed = FitSettings { keep_time: false, ..IN_TIME };
     let anew = fit(&arm, &tight, &motion, slowed).unwrap();
     assert_eq!(refit(&arm, &tight, &motion, &first.progress, slowed), Ok(anew));
@@ -87,7 +87,7 @@ fn a_fit_to_tighter_limits_goes_on_from_the_one_before() {
 
 #[test]
 fn a_weak_drive_gets_a_calmer_motion() {
-    // Holding takes up to 0.78 N m; the swing alone asks for 1.6 N m and more.
+    // Holding the pose takes up to 0.78 N m; the swing alone needs 1.6 N m and more.
     let arm = arm(1.0);
     let (limits, motion) = swing(&arm, 0.7, 1.0);
     let fitted = kept(&arm, &limits, &motion);
@@ -142,7 +142,7 @@ fn a_rig_that_is_too_heavy_everywhere_is_told() {
     let (limits, motion) = swing(&arm, 0.2, 0.2);
     let refused = fit(&arm, &limits, &motion, IN_TIME).unwrap_err();
     assert!(matches!(refused, FitError::Heavy { ref joint, .. } if joint == "shoulder"));
-    // A refusal in time says what else there is.
+    // The refusal of a fit in time names the alternatives.
     let refused = FitError::OutOfReach {
         joint: "jaw".into(),
         slides: false,
