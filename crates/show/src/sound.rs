@@ -1,7 +1,7 @@
 //! The sound of a show: a section after the show's bytes in its file. Only programs on a host read it; boards do not
 //! get it.
 
-use crate::layout::{CRC_LEN, MAGIC as SHOW_MAGIC};
+use crate::layout::{CRC_LEN, MAGIC as SHOW_MAGIC, VERSION as SHOW_VERSION};
 use crate::show::CHECKSUM;
 
 /// First bytes of the section, and version of the section.
@@ -54,8 +54,11 @@ pub fn split(file: &[u8]) -> Result<(&[u8], Option<Sound>), SoundError> {
     let total = file.get(8..12).and_then(<[u8]>::first_chunk::<4>);
     let total = total.map_or(0, |total| u32::from_le_bytes(*total) as usize);
     let Some((show, section)) = file.split_at_checked(total) else { return Ok((file, None)) };
-    // A file that is shorter than its length field is not a show.
-    if !file.starts_with(&SHOW_MAGIC) || total == 0 || section.is_empty() {
+    // A file that is shorter than its length field is not a show. A show of another version has its length elsewhere,
+    // and is refused where it is opened.
+    let is_show =
+        file.starts_with(&SHOW_MAGIC) && file.get(4..6) == Some(&SHOW_VERSION.to_le_bytes()[..]);
+    if !is_show || total == 0 || section.is_empty() {
         return Ok((file, None));
     }
     let wrong = SoundError::Section(section.len());

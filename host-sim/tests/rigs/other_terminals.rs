@@ -108,7 +108,8 @@ fn a_play_is_watched_and_stopped_from_other_terminals() {
     let modes = sockets(desk.folder.path());
     let modes = modes.iter().map(|socket| fs::metadata(socket).unwrap().permissions().mode());
     assert_eq!(modes.map(|mode| mode & 0o777).collect::<Vec<_>>(), [0o600]);
-    let watched = desk.says(&["board", "monitor", "--port", &desk.link, "--samples", "1"], 0);
+    // The first view may be older than the state.
+    let watched = desk.says(&["board", "monitor", "--port", &desk.link, "--samples", "3"], 0);
     assert!(watched.contains("playing, supply"), "{watched}");
     let refused = desk.says(&["board", "jog", "turn1", "5", "--port", &desk.link], 1);
     assert!(refused.contains("`sinew play` has the board"), "{refused}");
@@ -210,7 +211,8 @@ fn a_monitor_leaves_the_port_to_a_play_and_watches_it() {
     let mut monitor = monitor.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
     let lines = BufReader::new(monitor.stdout.take().unwrap()).lines().map_while(Result::ok);
     let mut lines = lines.peekable();
-    assert!(lines.peek().unwrap().starts_with("limp"));
+    // A board that was just switched on is off for a moment.
+    assert!(["limp", "off"].iter().any(|state| lines.peek().unwrap().starts_with(state)));
     let reader = spawn(move || lines.collect::<Vec<String>>());
     // A command for another board leaves it alone.
     let refused = desk.says(&["board", "jog", "turn1", "5"], 2);

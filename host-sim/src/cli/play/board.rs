@@ -275,7 +275,7 @@ impl<L: Line> Performance<'_, L> {
             tick_us: Some(summary.tick_us),
         };
         if let Some(player) = &mut self.player {
-            player.note(moment.is_playing && moment.runs);
+            player.note((moment.is_playing && moment.runs).then_some(moment.show_s));
         }
         if self.phase == Phase::Playing && moment.runs && self.played.is_none() {
             // The show's clock has run for this time.

@@ -46,11 +46,16 @@ impl SimulatedLive {
         Self { live, has_waited: false, approach: None, ran: 0, show_s, is_loop }
     }
 
+    /// Returns the place in the show, s.
+    fn played_s(&self, sim: &SimulatedRig<'_, RigPlant>) -> f64 {
+        let played_s = self.ran as f64 / f64::from(sim.parts.rate_hz);
+        if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) }
+    }
+
     /// Updates the display after a tick. `waits_for`: the joint that must come to rest before the rig can be armed.
     fn show(&mut self, sim: &SimulatedRig<'_, RigPlant>, waits_for: Option<Moving>) {
         let (report, parts) = (sim.report(), sim.parts);
         self.ran += u64::from(sim.runs());
-        let played_s = self.ran as f64 / f64::from(parts.rate_hz);
         let is_playing = report.state == State::Playing;
         if is_playing && self.approach.is_none() {
             self.approach = sim.approach();
@@ -62,7 +67,7 @@ impl SimulatedLive {
             is_playing,
             runs: sim.runs(),
             approach: self.approach,
-            show_s: if self.is_loop { played_s % self.show_s } else { played_s.min(self.show_s) },
+            show_s: self.played_s(sim),
             errors_deg: report
                 .following
                 .map(|error| [error.mean_rad, error.most_rad].map(f32::to_degrees)),
@@ -153,7 +158,7 @@ impl Args {
             }
             live.show(&sim, director.waits_for());
             if let Some(player) = &mut player {
-                player.note(sim.permission().runs);
+                player.note(sim.runs().then(|| live.played_s(&sim)));
             }
             if ended.is_some() || stop.times() > 1 {
                 break ended;

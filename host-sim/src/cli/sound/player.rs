@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::str::FromStr;
-use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, ensure};
 use sinew_host_util::command::note;
@@ -35,40 +34,50 @@ impl PlayerCommand {
             "--sound-with: the show begins at {place_s:.2} s of its sound: expected `{{s}}` in the command, such as \
              `ffplay -nodisp -autoexit -ss {{s}} {{}}`"
         );
-        let (file, place) = (path.display().to_string(), format!("{:.3}", place_s.max(0.0)));
-        let words = self.0.iter().map(|word| word.replace("{s}", &place).replace("{}", &file));
-        let wait = Duration::from_secs_f64((-place_s).max(0.0));
-        Ok(Player { words: words.collect(), wait, begun: None, child: None, is_over: false })
+        let file = path.display().to_string();
+        let words = self.0.iter().map(|word| word.replace("{}", &file));
+        Ok(Player {
+            words: words.collect(),
+            offset_s: place_s,
+            last_s: None,
+            child: None,
+            is_over: false,
+        })
     }
 }
 
-/// A program that plays a sound; it runs at most once.
+/// A program that plays a sound while the show runs. A loop starts it again in each round.
 #[derive(Debug)]
 pub(in crate::cli) struct Player {
     words: Vec<String>,
-    /// Time from the start of the show to the start of the sound; zero if the sound begins first.
-    wait: Duration,
-    begun: Option<Instant>,
+    /// Place in the sound when the show starts, s; negative if the sound begins later.
+    offset_s: f64,
+    /// The show's newest place, s; `None` before the show starts.
+    last_s: Option<f64>,
     child: Option<Child>,
-    /// Whether the sound has ended, or could not begin.
+    /// Whether the sound has ended for good, or could not begin.
     is_over: bool,
 }
 
 impl Player {
-    /// Receives in each tick, or with each message, whether the show's clock runs (`runs`). Starts the program when the
-    /// clock starts, and ends it when the clock stops.
-    pub(in crate::cli) fn note(&mut self, runs: bool) {
-        if !runs {
-            if self.begun.is_some() {
+    /// Receives the show's place in each tick, or with each message, s; `None` while the show's clock does not run.
+    /// Starts the program when the sound's time has come, and ends it when the clock stops.
+    pub(in crate::cli) fn note(&mut self, place_s: Option<f64>) {
+        let Some(place_s) = place_s else {
+            if self.last_s.is_some() {
                 self.end();
+                self.is_over = true;
             }
             return;
+        };
+        if self.last_s.replace(place_s).is_some_and(|last_s| place_s < last_s) {
+            // The next round of a loop.
+            self.end();
         }
-        let begun = *self.begun.get_or_insert_with(Instant::now);
-        if self.child.is_some() || self.is_over || begun.elapsed() < self.wait {
+        if self.child.is_some() || self.is_over || place_s + self.offset_s < 0.0 {
             return;
         }
-        match self.start() {
+        match self.start(place_s) {
             Ok(child) => self.child = Some(child),
             Err(error) => {
                 self.is_over = true;
@@ -77,8 +86,17 @@ impl Player {
         }
     }
 
-    fn start(&self) -> anyhow::Result<Child> {
-        let (program, arguments) = self.words.split_first().context("--sound-with: no command")?;
+    /// Starts the program at a place of the show. Prints by how much the sound is late if the command has no `{s}`.
+    fn start(&self, place_s: f64) -> anyhow::Result<Child> {
+        let at_s = (place_s + self.offset_s).max(0.0);
+        if self.words.iter().any(|word| word.contains("{s}")) {
+            note(format_args!("the sound starts at {at_s:.3} s, where the show is"));
+        } else {
+            note(format_args!("the sound starts {:.0} ms behind the show", 1e3 * at_s));
+        }
+        let words: Vec<String> =
+            self.words.iter().map(|word| word.replace("{s}", &format!("{at_s:.3}"))).collect();
+        let (program, arguments) = words.split_first().context("--sound-with: no command")?;
         let child = Command::new(program)
             .args(arguments)
             .stdin(Stdio::null())
@@ -90,7 +108,6 @@ impl Player {
 
     /// Ends the program, if it runs.
     fn end(&mut self) {
-        self.is_over = true;
         if let Some(mut child) = self.child.take() {
             // If the program has ended by itself, `kill` fails.
             let _ = child.kill();
@@ -124,11 +141,9 @@ mod tests {
             PlayerCommand::from_str(text).unwrap().player(path, &sound(offset_us))
         };
         assert_eq!(of("aplay -q {}", 0).unwrap().words, ["aplay", "-q", "a b.wav"]);
-        let late = of("aplay {}", -500_000).unwrap();
-        assert_eq!(late.wait, Duration::from_millis(500));
         let error = of("aplay {}", 500_000).unwrap_err().to_string();
         assert!(error.contains("begins at 0.50 s of its sound"), "{error}");
-        assert_eq!(of("p -ss {s} {}", 500_000).unwrap().words[2], "0.500");
+        assert_eq!(of("p -ss {s} {}", 500_000).unwrap().words, ["p", "-ss", "{s}", "a b.wav"]);
     }
 
     /// The program runs while the show's clock runs.
@@ -140,14 +155,30 @@ mod tests {
             command.player(Path::new(""), &sound(60_000_000)).unwrap()
         };
         let mut played = player();
-        played.note(false);
+        played.note(None);
         assert!(played.child.is_none());
-        played.note(true);
-        assert!(played.child.is_some());
-        played.note(true);
-        played.note(false);
+        played.note(Some(0.02));
+        let first = played.child.as_ref().unwrap().id();
+        played.note(Some(0.5));
+        assert_eq!(played.child.as_ref().unwrap().id(), first);
+        // The next round of a loop has a new program.
+        played.note(Some(0.01));
+        assert_ne!(played.child.as_ref().unwrap().id(), first);
+        played.note(None);
         assert!(played.child.is_none() && played.is_over);
-        played.note(true);
+        played.note(Some(0.02));
         assert!(played.child.is_none());
+    }
+
+    /// A sound that begins after the show waits for its time.
+    #[cfg(unix)]
+    #[test]
+    fn a_late_sound_waits() {
+        let command = PlayerCommand::from_str("sleep 60{}").unwrap();
+        let mut late = command.player(Path::new(""), &sound(-500_000)).unwrap();
+        late.note(Some(0.49));
+        assert!(late.child.is_none());
+        late.note(Some(0.5));
+        assert!(late.child.is_some());
     }
 }
