@@ -169,7 +169,7 @@ fn the_rig_of_a_killed_play_is_stopped_at_once() {
     let mut killed = desk.play_until(State::Playing);
     end_by(&mut killed, "-KILL");
     desk.says(&["estop", "--target", &desk.link], 0);
-    assert_eq!(desk.board.seen().state(), State::Faulted);
+    assert!(desk.board.until(|state| state == State::Faulted, PATIENCE));
     let seen = desk.board.begin();
     let off_s = seen.states.last().unwrap().0 - seen.states[0].0;
     // Without the e-stop, the board would lower the rig after 2 s, and torque would be off later.
