@@ -75,11 +75,11 @@ pub(crate) fn single(number: f64) -> f32 {
 }
 
 /// Makes an array of NumPy from numbers in the order of its memory.
-pub(crate) fn array<'py, D: Dimension>(
-    py: Python<'py>,
+pub(crate) fn array<D: Dimension>(
+    py: Python<'_>,
     shape: impl IntoDimension<Dim = D>,
     numbers: Vec<f64>,
-) -> PyResult<Bound<'py, PyArray<f64, D>>> {
+) -> PyResult<Bound<'_, PyArray<f64, D>>> {
     let shape = shape.into_dimension();
     Ok(Array::from_shape_vec(shape, numbers).map_err(value)?.into_pyarray(py))
 }

@@ -158,12 +158,11 @@ pub(crate) fn sweep(
         }
         let plan = Plan::new(read, &motions, seconds, Shard::WHOLE);
         // Without a folder of the user, the tables are read back and removed.
-        let (folder, _own) = match output {
-            Some(folder) => (folder, None),
-            None => {
-                let own = tempfile::tempdir()?;
-                (own.path().to_path_buf(), Some(own))
-            }
+        let (folder, _own) = if let Some(folder) = output {
+            (folder, None)
+        } else {
+            let own = tempfile::tempdir()?;
+            (own.path().to_path_buf(), Some(own))
         };
         let (journal, _) = Journal::open(&folder, &plan)?;
         progress.expect(count_missing_steps(&plan, &journal, &motions));

@@ -134,8 +134,7 @@ impl NativeBoard {
         if q.len() != self.nq {
             return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
         }
-        // Written so that NaN fails.
-        match q.iter().position(|x| !(x.abs() <= 1e6)) {
+        match q.iter().position(|x| !(-1e6..=1e6).contains(x)) {
             None => Ok(q),
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))

@@ -60,7 +60,7 @@ pub(super) fn serve(
             served
         });
     };
-    let mut board = port::open(&path)?;
+    let mut board = port::open(&path, &|| ())?;
     let (here, own) = (board.about().rig, parts.rig_crc());
     ensure!(
         here == own,

@@ -269,12 +269,11 @@ impl<'a, L: Line> Session<'a, L> {
         let show = Show::open(bytes)?;
         show.check_rig(self.board.about().rig)?;
         let item = item(Kind::Show, SHOW_SCHEMA, bytes, self.board.about().rig, "sinew_motion")?;
-        let slot = match self.board.slot_of(&item)? {
-            Some(slot) => slot,
-            None => {
-                self.board.upload(&item, bytes, &mut |_| ())?;
-                self.board.slot_of(&item)?.context("the board does not have the show")?
-            }
+        let slot = if let Some(slot) = self.board.slot_of(&item)? {
+            slot
+        } else {
+            self.board.upload(&item, bytes, &mut |_| ())?;
+            self.board.slot_of(&item)?.context("the board does not have the show")?
         };
         self.ask(Command::LoadShow { slot })?;
         self.ask(Command::Play(Feed::Show))?;
