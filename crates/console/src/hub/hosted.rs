@@ -71,6 +71,11 @@ impl<'a, L: Line> Hosted<'a, L> {
         self.hub.asked.stopped
     }
 
+    /// Returns whether another terminal has stopped the rig since the last call.
+    pub fn take_stop(&mut self) -> bool {
+        std::mem::take(&mut self.hub.asked.stopped)
+    }
+
     /// Returns whether another command wants the port. Only a hub that watches is asked.
     pub fn yields(&self) -> bool {
         self.hub.asked.yields

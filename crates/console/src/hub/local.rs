@@ -23,6 +23,8 @@ pub enum Owner {
     Console,
     /// A command of this name drives: others stop the rig, and watch.
     Drives(&'static str),
+    /// A program of Python drives: others stop the rig, and watch.
+    Python,
     /// A command that watches: it gives up the port for every other command.
     Watches,
 }
@@ -32,6 +34,7 @@ impl fmt::Display for Owner {
         match self {
             Self::Console => f.write_str("`sinew console`"),
             Self::Drives(name) => write!(f, "`sinew {name}`"),
+            Self::Python => f.write_str("a program of Python"),
             Self::Watches => f.write_str("`sinew board monitor`"),
         }
     }
