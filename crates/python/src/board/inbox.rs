@@ -27,9 +27,7 @@ impl Inbox {
         loop {
             match self.orders.try_recv() {
                 Ok(asked) => {
-                    if asked.order.urgency() > Urgency::Waits {
-                        self.refuse_motions(&ended_by(&asked.order));
-                    }
+                    self.refuse_motions(&asked.order);
                     self.waiting.push(asked);
                 }
                 Err(TryRecvError::Empty) => return,
@@ -41,16 +39,20 @@ impl Inbox {
         }
     }
 
-    fn refuse_motions(&mut self, why: &str) {
-        for asked in self.waiting.extract_if(.., |asked| asked.order.moves()) {
+    /// Refuses the motions that wait and are less urgent than an order.
+    fn refuse_motions(&mut self, order: &Order) {
+        let is_refused =
+            |asked: &Asked| asked.order.moves() && asked.order.urgency() < order.urgency();
+        for asked in self.waiting.extract_if(.., |asked| is_refused(asked)) {
             // Nobody waits if Python was interrupted.
-            let _ = asked.reply.send(Err(why.to_owned()));
+            let _ = asked.reply.send(Err(ended_by(order)));
         }
     }
 
     /// Returns the order that is executed next: the first of the most urgent ones. An order that waited until Python
     /// was interrupted is left out, unless it is urgent.
     pub(super) fn next(&mut self) -> Option<Asked> {
+        self.running = Default::default();
         self.receive();
         self.waiting
             .retain(|asked| asked.order.urgency() > Urgency::Waits || !asked.cancel.is_cancelled());

@@ -74,9 +74,12 @@ impl Order {
         }
     }
 
-    /// Returns whether the order switches torque on, or moves the rig.
+    /// Returns whether the order needs torque: it is not executed after a stop.
     pub(super) fn moves(&self) -> bool {
-        matches!(self, Self::Arm | Self::Goto { .. } | Self::Live { .. } | Self::Play { .. })
+        matches!(
+            self,
+            Self::Arm | Self::Goto { .. } | Self::Live { .. } | Self::Play { .. } | Self::Hold
+        )
     }
 
     /// Returns the name of an urgent order in Python.

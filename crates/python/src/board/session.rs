@@ -52,7 +52,7 @@ pub(super) struct Session<'a, L> {
     soft_rad_s: f32,
     /// Whether another terminal has stopped the rig.
     is_stopped: bool,
-    /// Whether the running order moves the rig.
+    /// Whether the running order needs torque.
     moves: bool,
     /// Number of summaries at the end of the last order that may have changed the state.
     changed: u32,
@@ -151,8 +151,8 @@ impl<'a, L: Line> Session<'a, L> {
         Ok(())
     }
 
-    /// Lets time pass. Fails if the running order must end: after Ctrl-C, after a more urgent order, and, if it moves
-    /// the rig, after a stop by another terminal.
+    /// Lets time pass. Fails if the running order must end: after Ctrl-C, after a more urgent order, and, if it needs
+    /// torque, after a stop by another terminal.
     fn wait(&mut self, time: Duration) -> anyhow::Result<()> {
         self.turn(time)?;
         self.check_stop()?;
