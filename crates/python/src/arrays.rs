@@ -79,7 +79,7 @@ pub(crate) fn single(number: f64) -> f32 {
     number as f32
 }
 
-/// Creates an array of NumPy from numbers in row-major order.
+/// Makes an array of NumPy from numbers in the order of its memory.
 pub(crate) fn array<D: Dimension>(
     py: Python<'_>,
     shape: impl IntoDimension<Dim = D>,

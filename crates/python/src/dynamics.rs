@@ -57,7 +57,7 @@ impl std::fmt::Display for RowError {
 impl Dynamics {
     pub(crate) fn of(mechanism: &Mechanism) -> Result<Self, TreeError> {
         let tree = match mechanism.bodies.len() {
-            ..=16 => SizedTree::Small(Box::new(mechanism.tree()?)),
+            0..=16 => SizedTree::Small(Box::new(mechanism.tree()?)),
             17..=40 => SizedTree::Medium(Box::new(mechanism.tree()?)),
             _ => SizedTree::Large(Box::new(mechanism.tree()?)),
         };

@@ -82,7 +82,8 @@ impl States {
     fn pose(&self, frame: usize, body: usize) -> PyResult<(DQuat, DVec3)> {
         let numbers = &self.poses.row(frame)[7 * body..][..7];
         let place = || format!("{}[{frame}, {body}]", self.name);
-        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
+        // NaN is in no range.
+        if let Some(bad) = numbers.iter().find(|x| !(-1e6..=1e6).contains(*x)) {
             return Err(value(format!(
                 "{}: expected numbers from -1e6 to 1e6, found {bad}",
                 place()
@@ -103,7 +104,7 @@ impl States {
     fn velocity(&self, frame: usize, body: usize) -> PyResult<[DVec3; 2]> {
         let Some(rows) = &self.velocities else { return Ok([DVec3::ZERO; 2]) };
         let numbers = &rows.row(frame)[6 * body..][..6];
-        if let Some(bad) = numbers.iter().find(|x| !is_usable(**x)) {
+        if let Some(bad) = numbers.iter().find(|x| !(-1e6..=1e6).contains(*x)) {
             let name = self.name;
             return Err(value(format!(
                 "{name}_velocity[{frame}, {body}]: expected numbers from -1e6 to 1e6, found {bad}"
@@ -126,7 +127,7 @@ impl States {
                 pose = anchor.pose(pose);
                 velocity = velocity.map(|part| anchor.velocity(part));
             }
-            let [linear, angular] = velocity.map(DVec3::as_vec3);
+            let [linear, angular] = velocity.map(glam::DVec3::as_vec3);
             out.push(BodyState {
                 pose: Transform::new(pose.0.as_quat().normalize(), pose.1.as_vec3()),
                 velocity: Twist::new(angular, linear),

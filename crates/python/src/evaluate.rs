@@ -157,10 +157,13 @@ pub(crate) fn sweep(
             ensure!(steps > 0, "clip {}: at least 3 frames are needed", motion.name());
         }
         let plan = Plan::new(read, &motions, seconds, Shard::WHOLE);
-        // If the user has given no folder, the tables are read from a temporary folder.
-        let own = if output.is_none() { Some(tempfile::tempdir()?) } else { None };
-        let folder = output.or_else(|| Some(own.as_ref()?.path().to_path_buf()));
-        let folder = folder.context("no folder for the tables")?;
+        // Without a folder of the user, the tables are read back and removed.
+        let (folder, _own) = if let Some(folder) = output {
+            (folder, None)
+        } else {
+            let own = tempfile::tempdir()?;
+            (own.path().to_path_buf(), Some(own))
+        };
         let (journal, _) = Journal::open(&folder, &plan)?;
         progress.expect(count_missing_steps(&plan, &journal, &motions));
         run_cells(&plan, journal, &motions, |steps| progress.add(steps))?;

@@ -28,8 +28,8 @@ fn rotations(name: &str, rows: &Rows, row: usize) -> PyResult<Vec<DQuat>> {
     let one = |(joint, numbers): (usize, &[f64])| {
         let rotation = DQuat::from_slice(numbers);
         let length = rotation.length();
-        let is_unit = (length - 1.0).abs() <= 1e-3;
-        if !is_unit {
+        // NaN is in no range.
+        if !(0.999..=1.001).contains(&length) {
             return Err(value(format!(
                 "{name}[{row}, {joint}]: expected a unit quaternion x y z w, found one of length {length:.4}"
             )));

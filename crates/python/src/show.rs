@@ -97,6 +97,7 @@ pub(crate) fn bake(
     mapping: Option<String>,
     mirror: bool,
     fit: bool,
+    keep_time: bool,
     loop_blend_s: Option<f64>,
     tolerance_rad: f64,
     cues: Vec<(String, f64)>,
@@ -121,7 +122,7 @@ pub(crate) fn bake(
             let rate_hz = rate_hz.filter(|hz| (1.0..=10_000.0).contains(hz)).ok_or_else(|| {
                 value("rate_hz: expected the rate of the rows of q, in Hz from 1 to 10000")
             })?;
-            if let Some(bad) = rows.numbers.iter().position(|x| !is_usable(*x)) {
+            if let Some(bad) = rows.numbers.iter().position(|x| !(-1e6..=1e6).contains(x)) {
                 let (row, column) = (bad / rows.width, bad % rows.width);
                 return Err(value(format!(
                     "q[{row}, {column}]: expected a number from -1e6 to 1e6, found {}",
@@ -134,7 +135,7 @@ pub(crate) fn bake(
         }
     };
     let rig = Arc::clone(&rig.loaded);
-    let choices = MotionChoices { fit, loop_blend_s, ..MotionChoices::default() };
+    let choices = MotionChoices { fit: fit || keep_time, keep_time, loop_blend_s };
     let settings = Settings { angle_rad: tolerance_rad, ..Settings::default() };
     in_background(py, None, move |_| {
         let mapping = mapping_of(mapping.as_deref())?;

@@ -6,7 +6,10 @@ import pathlib
 import signal
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
+from types import FrameType
 
 import numpy as np
 import pytest
@@ -115,3 +118,149 @@ def test_a_port_without_a_board(tmp_path: pathlib.Path) -> None:
         sm.Board.open("sim")
     with pytest.raises(ValueError, match="no.toml"):
         sm.Board.open("sim:no.toml")
+
+
+def in_thread(order: Callable[[], None]) -> tuple[threading.Thread, list[str]]:
+    """Begins an order in a thread. The list gets the words of its error."""
+    errors: list[str] = []
+
+    def run() -> None:
+        try:
+            order()
+        except sm.BoardError as error:
+            errors.append(str(error))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    return thread, errors
+
+
+def test_an_interrupted_upload_plays_nothing() -> None:
+    """Without its own token, an order that was cancelled played its show when the interrupt was over."""
+
+    def interrupt(signal_number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    rig = sm.Rig.arm(6)
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        with sm.Board.open("sim", rig) as board:
+            board.arm()
+            times = np.arange(0.0, 30.0, 0.02)[:, None]
+            waves = 0.2 * np.sin(times * np.arange(3.0, 9.0))
+            show = sm.bake(np.clip(board.state().q + waves, rig.lower, rig.upper), rig, rate_hz=50)
+            signal.setitimer(signal.ITIMER_REAL, 0.03)
+            with pytest.raises(KeyboardInterrupt):
+                board.play(show)
+            end = time.monotonic() + 6.0
+            while time.monotonic() < end:
+                assert board.state().state == "holding"
+                time.sleep(0.05)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_urgent_orders_end_a_motion_of_another_thread() -> None:
+    rig = sm.Rig.arm(2)
+    for name, states in (("hold", ["holding"]), ("stop", ["limp"]), ("estop", ["limp", "faulted", "off"])):
+        with sm.Board.open("sim", rig) as board:
+            board.arm()
+            q = board.state().q
+            goal = np.clip(q + 0.3, rig.lower, rig.upper)
+            moving, moved = in_thread(lambda: board.goto(goal, duration=60.0))
+            time.sleep(0.5)
+            waiting, waited = in_thread(lambda: board.goto(q, duration=60.0))
+            time.sleep(0.5)
+            begun = time.monotonic()
+            getattr(board, name)()
+            taken = time.monotonic() - begun
+            moving.join(5.0)
+            waiting.join(5.0)
+            assert moved == [f"ended by `{name}`"] and waited == [f"ended by `{name}`"]
+            assert taken < (20.0 if name == "stop" else 1.0)
+            assert board.state().state in states
+
+
+def test_an_emergency_stop_ends_a_stop() -> None:
+    rig = sm.Rig.arm(2)
+    with sm.Board.open("sim", rig) as board:
+        board.arm()
+        board.goto(np.clip(board.state().q + 0.3, rig.lower, rig.upper))
+        stopping, errors = in_thread(board.stop)
+        time.sleep(0.2)
+        begun = time.monotonic()
+        board.estop()
+        assert time.monotonic() - begun < 1.0
+        stopping.join(5.0)
+        assert errors == ["ended by `estop`"]
+
+
+def test_closing_ends_a_motion() -> None:
+    board = sm.Board.open("sim", sm.Rig.arm(2))
+    board.arm()
+    q = board.state().q
+    moving, errors = in_thread(lambda: board.goto(q, duration=60.0))
+    time.sleep(0.5)
+    begun = time.monotonic()
+    board.close()
+    assert time.monotonic() - begun < 20.0
+    moving.join(5.0)
+    assert errors == ["ended by `close`"]
+
+
+def test_another_terminal_stops_the_rig(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with sm.Board.open("sim", sm.Rig.arm(2)) as board:
+        board.arm()
+        q = board.state().q
+        moving, errors = in_thread(lambda: board.goto(q, duration=60.0))
+        time.sleep(0.5)
+        terminal = sm.Console.open()
+        with pytest.raises(sm.BoardError, match="a program of Python has the board"):
+            terminal.home()
+        assert "rest pose" in terminal.stop()
+        moving.join(5.0)
+        assert len(errors) == 1 and "another terminal has stopped the rig" in errors[0]
+        with pytest.raises(sm.BoardError, match="`clear`"):
+            board.arm()
+        board.stop()
+        board.clear()
+        board.arm()
+        assert board.state().state == "holding"
+    with pytest.raises(sm.BoardError, match="no console"):
+        sm.Console.open()
+
+
+def test_joints_that_follow_go_with_their_leaders(tmp_path: pathlib.Path) -> None:
+    file = tmp_path / "tied.toml"
+    sm.Rig.arm(3).save(file)
+    text = file.read_text()
+    names = sm.Rig.arm(3).joint_names
+    tie = f'joint = "{names[2]}"\nother = "{names[1]}"\nother_factor = -0.5\nleast_deg = 0\nmost_deg = 0\n'
+    file.write_text(f"{text}\n[[limit]]\n{tie}")
+    with sm.Board.open(f"sim:{file}") as board:
+        board.arm()
+        goal = board.state().q.copy()
+        goal[1] += 0.1
+        goal[2] += 0.3
+        board.goto(goal)
+        q = board.state().q
+        assert abs(q[2] - 0.5 * q[1]) < 0.03 and abs(q[1] - goal[1]) < 0.05
+
+
+def test_rounds_count_from_the_first_pose() -> None:
+    rig = sm.Rig.arm(2)
+    with sm.Board.open("sim", rig) as board:
+        board.arm()
+        q = board.state().q
+        phase = np.linspace(0.0, 2.0 * np.pi, 101)[:, None]
+        rows = np.clip(q + 0.4 + 0.05 * np.sin(phase), rig.lower, rig.upper)
+        with pytest.raises(ValueError, match="rounds"):
+            board.play(sm.bake(rows, rig, rate_hz=50), rounds=2)
+        show = sm.bake(rows, rig, rate_hz=50, loop_blend_s=0.2)
+        playing, errors = in_thread(lambda: board.play(show, rounds=1))
+        begun = time.monotonic()
+        playing.join(60.0)
+        assert not errors and not playing.is_alive()
+        assert time.monotonic() - begun > show.duration + 0.5

@@ -66,6 +66,7 @@ fn checks(scope: Scope, slowest: &mut Option<String>) -> Result<()> {
     // each.
     let emulator = if scope == Scope::All { emulate::begin()? } else { None };
     nextest::build()?;
+    wheel::check()?;
     if scope == Scope::All {
         studies::build()?;
     }

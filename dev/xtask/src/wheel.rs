@@ -52,6 +52,15 @@ pub(crate) fn format() -> Result<()> {
     step::run("format of the package for Python", &mut fmt)
 }
 
+/// Compiles and lints the package's Rust without linking it. No build of the product compiles it.
+pub(crate) fn check() -> Result<()> {
+    let manifest = format!("{FOLDER}/Cargo.toml");
+    let mut check = step::cargo();
+    check.args(["check", "--locked", "--manifest-path", &manifest]);
+    check.env("CARGO_TARGET_DIR", step::root().join("target/python-check"));
+    step::run("check of the package for Python", lints::while_compiling(&mut check))
+}
+
 /// Builds the wheel and lints its code. Returns its path.
 fn build() -> Result<PathBuf> {
     deny::check(Some(&format!("{FOLDER}/Cargo.toml")))?;

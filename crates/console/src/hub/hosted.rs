@@ -73,6 +73,11 @@ impl<'a, L: Line> Hosted<'a, L> {
         self.hub.asked.stopped
     }
 
+    /// Returns whether another command has stopped the rig since the last call.
+    pub fn take_stop(&mut self) -> bool {
+        std::mem::take(&mut self.hub.asked.stopped)
+    }
+
     /// Returns whether another command has asked for the port. Only an [`Owner::Watches`] gives its port up.
     pub fn yields(&self) -> bool {
         self.hub.asked.yields

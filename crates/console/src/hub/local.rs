@@ -23,6 +23,8 @@ pub enum Owner {
     Console,
     /// A command of this name, which drives the rig. Other commands may stop the rig and watch it.
     Drives(&'static str),
+    /// A program in Python, which drives the rig. Other commands may stop the rig and watch it.
+    Python,
     /// A command that only watches. It closes its port if another command asks for it.
     Watches,
 }
@@ -32,6 +34,7 @@ impl fmt::Display for Owner {
         match self {
             Self::Console => f.write_str("`sinew console`"),
             Self::Drives(name) => write!(f, "`sinew {name}`"),
+            Self::Python => f.write_str("a program of Python"),
             Self::Watches => f.write_str("`sinew board monitor`"),
         }
     }

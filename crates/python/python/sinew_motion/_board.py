@@ -68,6 +68,10 @@ class Board:
     Nothing moves before ``arm``. Errors of the board raise ``BoardError``, wrong input raises ``ValueError``. If Ctrl-C
     ends a motion, the rig holds until the block ends.
 
+    Methods can be called from several threads. ``hold``, ``stop``, ``estop`` and ``close`` end what runs, and refuse
+    the motions that wait. Other terminals stop the rig, too: ``sinew stop``, ``sinew estop``, ``Console``. Then the
+    rig moves again only after ``clear`` and ``arm``.
+
     >>> with Board.open("sim", Rig.arm(2)) as board:
     ...     board.state().state
     'limp'
@@ -151,15 +155,16 @@ class Board:
 
         Parameters
         ----------
-        q : (nq,), within the ranges
-        duration : minimum duration of the motion, s; it takes longer if a joint would exceed 14 degrees a second
+        q : (nq,), within the ranges; joints that follow others go where their leaders put them
+        duration : shortest time of the motion, s; it takes longer if a joint would exceed 0.7 of ``soft_rad_s``, a
+            setting of the board
 
         Raises
         ------
         ValueError
             For a wrong length or NaN.
         BoardError
-            If the pose is out of range, the rig does not hold, or a fault ends the motion.
+            If the pose is out of range, the rig does not hold, a fault ends the motion, or the pose was not reached.
 
         >>> import numpy as np
         >>> arm = Rig.arm(2)
@@ -175,7 +180,8 @@ class Board:
     def live(self, q: npt.ArrayLike) -> None:
         """Sends a pose that the rig shall follow. Call it at least ten times a second; otherwise the rig holds.
 
-        The controller limits speeds, so the rig reaches a distant pose later.
+        The controller limits speeds: a far pose is reached later. Joints that follow others go where their leaders
+        put them.
 
         Raises
         ------
@@ -215,11 +221,13 @@ class Board:
 
         Parameters
         ----------
-        show : a show of this rig, after ``load``
-        rounds : number of rounds of a loop
+        show : a show of this rig
+        rounds : number of rounds of a loop, after the way to its first pose
 
         Raises
         ------
+        ValueError
+            For more than one round of a show that is no loop.
         BoardError
             If the show was baked for another rig, the board does not have it and torque is on, or a fault ends it.
 
@@ -235,7 +243,7 @@ class Board:
         self._native.play(show._native, rounds)
 
     def hold(self) -> None:
-        """Ends a motion: the rig stays at its present pose.
+        """Ends a motion, also one of another thread: the rig stands where it is.
 
         >>> with Board.open("sim", Rig.arm(2)) as board:
         ...     board.arm()
@@ -255,7 +263,7 @@ class Board:
         self._native.stop()
 
     def estop(self) -> None:
-        """Switches torque off at once: the rig falls.
+        """Switches torque off at once, also during a motion of another thread: the rig falls.
 
         >>> with Board.open("sim", Rig.arm(2)) as board:
         ...     board.estop()
@@ -263,7 +271,7 @@ class Board:
         self._native.estop()
 
     def clear(self) -> None:
-        """Clears latched faults whose cause is removed.
+        """Clears latched faults whose cause is removed, and a stop by another terminal.
 
         >>> with Board.open("sim", Rig.arm(2)) as board:
         ...     board.estop()

@@ -206,6 +206,7 @@ def bake(
     mapping: str | os.PathLike[str] | None = None,
     mirror: bool = False,
     fit: bool = False,
+    keep_time: bool = False,
     loop_blend_s: float | None = None,
     tolerance: float = np.deg2rad(0.25),
     cues: Sequence[tuple[str, float]] = (),
@@ -218,7 +219,8 @@ def bake(
     rate_hz : rate of rows, Hz
     mapping, mirror : as in ``retarget``, for a clip
     fit : whether the motion is brought within all limits of the rig
-    loop_blend_s : for a loop, duration of the blend of the end into the start, s; default: no loop
+    keep_time : whether a fit keeps the time: motions become smaller or rounder, none becomes slower; implies ``fit``
+    loop_blend_s : length of the blend of the end into the start, s, for a loop; default: no loop
     tolerance : largest error of angles, rad; by default 0.25 degrees
     cues : names, and times in the motion, s
 
@@ -247,7 +249,18 @@ def bake(
             raise ValueError("q: expected at least two rows")
     marks = [(str(name), float(time_s)) for name, time_s in cues]
     return Show(
-        _native.bake(source, rig._native, rate_hz, _text(mapping), mirror, fit, loop_blend_s, float(tolerance), marks)
+        _native.bake(
+            source,
+            rig._native,
+            rate_hz,
+            _text(mapping),
+            mirror,
+            fit,
+            keep_time,
+            loop_blend_s,
+            float(tolerance),
+            marks,
+        )
     )
 
 

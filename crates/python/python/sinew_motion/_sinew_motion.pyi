@@ -114,6 +114,7 @@ def bake(
     mapping: str | None,
     mirror: bool,
     fit: bool,
+    keep_time: bool,
     loop_blend_s: float | None,
     tolerance_rad: float,
     cues: list[tuple[str, float]],

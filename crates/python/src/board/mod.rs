@@ -1,14 +1,14 @@
-//! Boards: a thread keeps the session with a board alive, and executes orders one after the other.
+//! Boards: a thread keeps the session with a board alive, and executes one order after the other. An order to hold or to
+//! stop ends the running one.
 
 mod console;
+mod inbox;
 mod open;
 mod order;
 mod session;
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -18,12 +18,14 @@ use pyo3::create_exception;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use sinew_performance::play::ServoChoice;
+use sinew_show::Show;
 
 use crate::arrays::{is_usable, single};
 use crate::error::value;
 use crate::rig::NativeRig;
 use crate::show::NativeShow;
-use order::{Order, Reply};
+use inbox::Inbox;
+use order::{Asked, Cancel, Order, Reply};
 
 pub(crate) use console::{NativeConsole, open_console};
 
@@ -43,14 +45,10 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Longest wait for the reply to a cancelled order.
 const CANCEL: Duration = Duration::from_secs(3);
 
-/// An order, and the channel for its reply.
-type Asked = (Order, SyncSender<Result<Reply, String>>);
-
-/// A session with a board, which runs in a thread. If Python no longer uses this value, the thread stops the rig.
+/// A session with a board, in a thread. After the last use of this value the thread stops the rig.
 #[pyclass(frozen, module = "sinew_motion._sinew_motion")]
 pub(crate) struct NativeBoard {
     orders: Mutex<Option<Sender<Asked>>>,
-    is_cancelled: Arc<AtomicBool>,
     nq: usize,
 }
 
@@ -68,13 +66,11 @@ pub(crate) fn open_board(
         .collect::<PyResult<Vec<_>>>()?;
     let nq = rig.loaded.mechanism.coordinate_count();
     let loaded = (*rig.loaded).clone();
-    let is_cancelled = Arc::new(AtomicBool::new(false));
     let (orders, inbox) = channel();
     let (opened, open) = sync_channel(1);
-    let cancelled = Arc::clone(&is_cancelled);
     let serve = move || {
         let tell = opened.clone();
-        let served = open::serve(loaded, port, &servos, &cancelled, &inbox, move || {
+        let served = open::serve(loaded, port, &servos, Inbox::new(inbox), move || {
             let _ = tell.send(Ok(Reply::Done));
         });
         if let Err(error) = served {
@@ -83,8 +79,8 @@ pub(crate) fn open_board(
         }
     };
     thread::Builder::new().name("board".to_owned()).stack_size(STACK_BYTES).spawn(serve)?;
-    let board = NativeBoard { orders: Mutex::new(Some(orders)), is_cancelled, nq };
-    board.wait(py, open)?;
+    let board = NativeBoard { orders: Mutex::new(Some(orders)), nq };
+    wait(py, &Cancel::default(), open)?;
     Ok(board)
 }
 
@@ -93,36 +89,16 @@ impl NativeBoard {
     /// signal.
     fn ask(&self, py: Python<'_>, order: Order) -> PyResult<Reply> {
         let (reply, replies) = sync_channel(1);
+        let cancel = Cancel::default();
+        let asked = Asked { order, cancel: cancel.clone(), reply };
         let sent = {
             let orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
             let orders =
                 orders.as_ref().ok_or_else(|| BoardError::new_err("the board is closed"))?;
-            orders.send((order, reply))
+            orders.send(asked)
         };
         sent.map_err(|_| BoardError::new_err("the session is over"))?;
-        self.wait(py, replies)
-    }
-
-    fn wait(&self, py: Python<'_>, replies: Receiver<Result<Reply, String>>) -> PyResult<Reply> {
-        let replies = Mutex::new(replies);
-        let receive = |time| {
-            py.detach(|| replies.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time))
-        };
-        loop {
-            match receive(LOOK) {
-                Ok(reply) => return reply.map_err(BoardError::new_err),
-                Err(RecvTimeoutError::Disconnected) => {
-                    return Err(BoardError::new_err("the session is over"));
-                }
-                Err(RecvTimeoutError::Timeout) => {}
-            }
-            if let Err(signal) = py.check_signals() {
-                self.is_cancelled.store(true, Ordering::Relaxed);
-                let _ = receive(CANCEL);
-                self.is_cancelled.store(false, Ordering::Relaxed);
-                return Err(signal);
-            }
-        }
+        wait(py, &cancel, replies)
     }
 
     fn done(&self, py: Python<'_>, order: Order) -> PyResult<()> {
@@ -135,7 +111,7 @@ impl NativeBoard {
         if q.len() != self.nq {
             return Err(value(format!("q: expected {} numbers, found {}", self.nq, q.len())));
         }
-        match q.iter().position(|x| !is_usable(f64::from(*x))) {
+        match q.iter().position(|x| !(-1e6..=1e6).contains(x)) {
             None => Ok(q),
             Some(bad) => {
                 Err(value(format!("q[{bad}] is {}; it must be a number from -1e6 to 1e6", q[bad])))
@@ -144,7 +120,33 @@ impl NativeBoard {
     }
 }
 
-/// Converts a number of s to a duration.
+/// Waits for the reply to an order. After a signal the order is cancelled, and the signal's exception is raised.
+fn wait(
+    py: Python<'_>,
+    cancel: &Cancel,
+    replies: Receiver<Result<Reply, String>>,
+) -> PyResult<Reply> {
+    let replies = Mutex::new(replies);
+    let receive = |time| {
+        py.detach(|| replies.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time))
+    };
+    loop {
+        match receive(LOOK) {
+            Ok(reply) => return reply.map_err(BoardError::new_err),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(BoardError::new_err("the session is over"));
+            }
+            Err(RecvTimeoutError::Timeout) => {}
+        }
+        if let Err(signal) = py.check_signals() {
+            cancel.cancel();
+            let _ = receive(CANCEL);
+            return Err(signal);
+        }
+    }
+}
+
+/// Returns a duration of s.
 fn duration(name: &str, seconds: f64) -> PyResult<Duration> {
     if (0.0..=3600.0).contains(&seconds) {
         return Ok(Duration::from_secs_f64(seconds));
@@ -182,6 +184,12 @@ impl NativeBoard {
     fn play(&self, py: Python<'_>, show: PyRef<'_, NativeShow>, rounds: u32) -> PyResult<()> {
         if rounds == 0 {
             return Err(value("rounds: expected 1 or more, found 0"));
+        }
+        let is_loop = Show::open(&show.bytes).map_err(value)?.is_loop();
+        if rounds > 1 && !is_loop {
+            return Err(value(format!(
+                "rounds: expected 1 for a show that is no loop, found {rounds}"
+            )));
         }
         self.done(py, Order::Play { bytes: show.bytes.clone(), rounds })
     }

@@ -2,13 +2,14 @@
 
 use std::io;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
-use std::sync::mpsc::{Receiver, TryRecvError};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context as _, ensure};
+use sinew_board_client::console::name_of_port;
 use sinew_board_client::{Board, Line, nonce, port};
+use sinew_console::{Hosted, Owner, Scene, Source};
 use sinew_performance::play::{
     BoardEnd, Chip, Memory, Options, RigParts, ServoChoice, SimulatedBoard, pipe, put_servos,
 };
@@ -16,8 +17,8 @@ use sinew_performance::rig::LoadedRig;
 use sinew_servo_sim::device::MEMORY_LEN;
 use sinew_servo_sim::plant::RigPlant;
 
-use super::Asked;
-use super::order::{Order, Reply};
+use super::inbox::Inbox;
+use super::order::Order;
 use super::session::Session;
 
 /// Stack of the simulated board, bytes.
@@ -27,14 +28,16 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Longest wait for the board between two checks for orders.
 const TURN: Duration = Duration::from_millis(4);
 
-/// Opens the board at a port, or simulates a board, and executes orders until the session is closed. `opened` is called
+/// Number of simulated boards of this process.
+static SIMULATED: AtomicU32 = AtomicU32::new(1);
+
+/// Opens the board at a port, or simulates one, and executes orders until the session is closed. `opened` is called
 /// when the board answers.
 pub(super) fn serve(
     mut rig: LoadedRig,
     port: Option<PathBuf>,
     servos: &[ServoChoice],
-    is_cancelled: &AtomicBool,
-    orders: &Receiver<Asked>,
+    inbox: Inbox,
     opened: impl FnOnce(),
 ) -> anyhow::Result<()> {
     let name = rig.description.name.clone();
@@ -52,8 +55,9 @@ pub(super) fn serve(
             let simulated = builder.stack_size(STACK_BYTES).spawn_scoped(scope, simulate)?;
             let served = Board::connect(line, nonce(), PATIENCE).map_err(Into::into);
             let served = served.and_then(|mut board| {
-                opened();
-                obey(&mut board, &rig, is_cancelled, orders)
+                let number = SIMULATED.fetch_add(1, Ordering::Relaxed);
+                let name = format!("simulated-{}-{number}", std::process::id());
+                obey((&mut board, &name), (&rig, &parts), inbox, opened)
             });
             // The line is closed, so the simulated board ends. If the board failed to start, its error is returned.
             simulated.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
@@ -66,8 +70,7 @@ pub(super) fn serve(
         here == own,
         "the board has rig {here:08x}, the given one is {own:08x}: `sinew board upload rig FILE --port PORT` uploads it"
     );
-    opened();
-    obey(&mut board, &rig, is_cancelled, orders)
+    obey((&mut board, &name_of_port(&path)), (&rig, &parts), inbox, opened)
 }
 
 fn simulate(rig: &LoadedRig, parts: &RigParts, end: BoardEnd) -> anyhow::Result<()> {
@@ -82,25 +85,31 @@ fn simulate(rig: &LoadedRig, parts: &RigParts, end: BoardEnd) -> anyhow::Result<
     }
 }
 
-/// Executes orders until the session is closed, or until Python has dropped the board; then stops the rig.
+/// Executes orders until the session is closed, or Python has dropped the board: then the rig is stopped. Other
+/// terminals know the board by `name`.
 fn obey<L: Line>(
-    board: &mut Board<L>,
-    rig: &LoadedRig,
-    is_cancelled: &AtomicBool,
-    orders: &Receiver<Asked>,
+    (board, name): (&mut Board<L>, &str),
+    (rig, parts): (&LoadedRig, &RigParts),
+    inbox: Inbox,
+    opened: impl FnOnce(),
 ) -> anyhow::Result<()> {
-    let mut session = Session::new(board, &rig.mechanism, is_cancelled)?;
+    let scene = Scene::new(&rig.description.name, &rig.mechanism, parts, Source::Board);
+    let hosted = Hosted::open(board, &scene, Owner::Python, Some(name))
+        .context("the socket for other commands")?;
+    let mut session = Session::new(hosted, &rig.mechanism, inbox)?;
+    opened();
     loop {
-        match orders.try_recv() {
-            Ok((Order::Close, reply)) => {
-                let _ = reply.send(session.stop().map(|()| Reply::Done).map_err(text));
+        if let Some(asked) = session.inbox.next() {
+            let is_close = matches!(asked.order, Order::Close);
+            // Nobody waits if Python was interrupted.
+            let _ = asked.reply.send(session.execute(asked.order).map_err(text));
+            if is_close {
                 return Ok(());
             }
-            Ok((order, reply)) => {
-                let _ = reply.send(session.execute(order).map_err(text));
-            }
-            Err(TryRecvError::Empty) => session.turn(TURN)?,
-            Err(TryRecvError::Disconnected) => return session.stop(),
+        } else if session.inbox.is_dropped() {
+            return session.stop();
+        } else {
+            session.turn(TURN)?;
         }
     }
 }

@@ -1,10 +1,35 @@
 //! Orders to a board, and their replies.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::SyncSender;
 use std::time::Duration;
 
 use super::FaultRow;
 
-/// An order that Python gives to a board.
+/// An order of Python, and the way of its reply.
+#[derive(Debug)]
+pub(super) struct Asked {
+    pub(super) order: Order,
+    pub(super) cancel: Cancel,
+    pub(super) reply: SyncSender<Result<Reply, String>>,
+}
+
+/// The wish of Python that one order ends early. It is never taken back.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cancel(Arc<AtomicBool>);
+
+impl Cancel {
+    pub(super) fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// An order of Python.
 #[derive(Debug)]
 pub(super) enum Order {
     Arm,
@@ -33,7 +58,47 @@ pub(super) enum Order {
     Close,
 }
 
-/// Reply to an order.
+/// Urgency of an order. An order ends the running one if it is more urgent.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Urgency {
+    #[default]
+    Waits,
+    Holds,
+    Stops,
+    Cuts,
+}
+
+impl Order {
+    pub(super) fn urgency(&self) -> Urgency {
+        match self {
+            Self::Hold => Urgency::Holds,
+            Self::Stop | Self::Close => Urgency::Stops,
+            Self::EStop => Urgency::Cuts,
+            _ => Urgency::Waits,
+        }
+    }
+
+    /// Returns whether the order needs torque: it is not executed after a stop.
+    pub(super) fn moves(&self) -> bool {
+        matches!(
+            self,
+            Self::Arm | Self::Goto { .. } | Self::Live { .. } | Self::Play { .. } | Self::Hold
+        )
+    }
+
+    /// Returns the name of an urgent order in Python.
+    pub(super) fn name(&self) -> &'static str {
+        match self {
+            Self::Hold => "hold",
+            Self::Stop => "stop",
+            Self::EStop => "estop",
+            Self::Close => "close",
+            _ => "an order",
+        }
+    }
+}
+
+/// The result of an order.
 #[derive(Debug)]
 pub(super) enum Reply {
     Done,

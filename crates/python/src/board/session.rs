@@ -1,12 +1,12 @@
-//! Execution of orders in a session. They are the actions that the console's page offers.
+//! Orders on a session: what a person does with the console's page. Other terminals can stop the rig meanwhile.
 
 use std::f32::consts::PI;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use anyhow::{Context as _, bail, ensure};
-use sinew_board_client::{Board, ClientError, Journey, Line, item, pose};
-use sinew_firmware::node::SHOW_SCHEMA;
+use sinew_board_client::{Board, ClientError, Journey, Line, TelemetryLog, item, pose};
+use sinew_console::Hosted;
+use sinew_firmware::node::{SETTING_NAMES, SHOW_SCHEMA};
 use sinew_firmware::supervisor::{Fault, SOFT_MOST_RAD_S};
 use sinew_link::message::{
     Command, FaultRecord, Feed, Kind, LiveFrame, POSE_MAX, Refusal, State, Stream, TelemetryParts,
@@ -15,8 +15,11 @@ use sinew_rig::Mechanism;
 use sinew_rig::mechanism::JointModel;
 use sinew_show::Show;
 
+use crate::arrays::single;
+
 use super::FaultRow;
-use super::order::{Order, Reply, RigState};
+use super::inbox::Inbox;
+use super::order::{Order, Reply, RigState, Urgency};
 
 /// Requested telemetry rate, Hz.
 const RATE_HZ: f32 = 30.0;
@@ -33,15 +36,25 @@ const STOP_MOST: Duration = Duration::from_mins(1);
 const SHARE: f32 = 0.7;
 /// Permitted distance beyond a range, rad or m, which rounding may cause.
 const ROUNDING: f64 = 1e-5;
+/// Largest distance of each coordinate from its goal at which a pose counts as reached, rad or m.
+const THERE: f32 = 3e-3;
+/// Reason why nothing moves after a stop by another terminal.
+const STOPPED: &str = "another terminal has stopped the rig: `clear` lets it move again";
 
 /// A session with a board, and its rig.
 pub(super) struct Session<'a, L> {
-    board: &'a mut Board<L>,
+    hosted: Hosted<'a, L>,
+    pub(super) inbox: Inbox,
     mechanism: &'a Mechanism,
     /// First coordinate and number of coordinates of each joint.
     blocks: Vec<(usize, usize)>,
-    is_cancelled: &'a AtomicBool,
-    /// Number of summaries that were received at the end of the last order that may have changed the state.
+    /// Maximum speed of a joint that is moved by hand, rad/s: a setting of the board.
+    soft_rad_s: f32,
+    /// Whether another terminal has stopped the rig.
+    is_stopped: bool,
+    /// Whether the running order needs torque.
+    moves: bool,
+    /// Number of summaries at the end of the last order that may have changed the state.
     changed: u32,
     /// Number of summaries that were received when the board began to follow live poses; `None` while it follows none.
     live: Option<u32>,
@@ -51,20 +64,48 @@ pub(super) struct Session<'a, L> {
 
 impl<'a, L: Line> Session<'a, L> {
     pub(super) fn new(
-        board: &'a mut Board<L>,
+        mut hosted: Hosted<'a, L>,
         mechanism: &'a Mechanism,
-        is_cancelled: &'a AtomicBool,
+        inbox: Inbox,
     ) -> Result<Self, ClientError> {
+        let board = hosted.board_mut();
         board.telemetry(RATE_HZ, TelemetryParts::ALL.and(TelemetryParts::TARGETS))?;
         let blocks = mechanism.coordinate_ranges();
         let blocks = blocks.into_iter().map(|range| (range.start, range.len())).collect();
-        let (changed, live, live_begun) = (board.log.summaries, None, None);
-        Ok(Self { board, mechanism, blocks, is_cancelled, changed, live, live_begun })
+        let key = SETTING_NAMES.iter().position(|name| *name == "soft_rad_s");
+        let key = key.and_then(|place| u16::try_from(place + 1).ok()).unwrap_or_default();
+        let soft_rad_s = board.setting(key).unwrap_or(SOFT_MOST_RAD_S);
+        Ok(Self {
+            changed: board.log.summaries,
+            hosted,
+            inbox,
+            mechanism,
+            blocks,
+            soft_rad_s,
+            is_stopped: false,
+            moves: false,
+            live: None,
+            live_begun: None,
+        })
     }
 
-    /// Receives messages of the board, and sends heartbeats to it.
+    fn board(&mut self) -> &mut Board<L> {
+        self.hosted.board_mut()
+    }
+
+    fn log(&self) -> &TelemetryLog {
+        &self.hosted.board().log
+    }
+
+    fn now(&self) -> Duration {
+        self.hosted.board().now()
+    }
+
+    /// Receives from the board, sends it heartbeats, and lets other terminals stop the rig.
     pub(super) fn turn(&mut self, wait: Duration) -> anyhow::Result<()> {
-        Ok(self.board.step(wait)?)
+        self.hosted.step(wait)?;
+        self.is_stopped |= self.hosted.take_stop();
+        Ok(())
     }
 
     pub(super) fn execute(&mut self, order: Order) -> anyhow::Result<Reply> {
@@ -72,9 +113,10 @@ impl<'a, L: Line> Session<'a, L> {
         if changes {
             (self.live, self.live_begun) = (None, None);
         }
-        let reply = self.obey(order);
+        self.moves = order.moves();
+        let reply = self.check_stop().and_then(|()| self.obey(order));
         if changes {
-            self.changed = self.board.log.summaries;
+            self.changed = self.log().summaries;
         }
         reply
     }
@@ -89,10 +131,10 @@ impl<'a, L: Line> Session<'a, L> {
             Order::Hold => self.ask(Command::Hold)?,
             Order::Stop | Order::Close => self.stop()?,
             Order::EStop => self.ask(Command::EStop)?,
-            Order::Clear => self.ask(Command::ClearFaults)?,
+            Order::Clear => self.clear()?,
             Order::State => return Ok(Reply::State(Box::new(self.state()?))),
             Order::Faults => {
-                let records = self.board.fault_log()?;
+                let records = self.board().fault_log()?;
                 return Ok(Reply::Faults(records.iter().map(fault_row).collect()));
             }
         }
@@ -102,38 +144,63 @@ impl<'a, L: Line> Session<'a, L> {
     /// Returns the pose that the board commands; `None` while torque is off.
     fn commanded(&self) -> Option<Vec<f32>> {
         let dofs = self.mechanism.dof_names().len();
-        pose::commanded(&self.blocks, dofs, &self.board.log)
+        pose::commanded(&self.blocks, dofs, self.log())
     }
 
     fn ask(&mut self, command: Command) -> anyhow::Result<()> {
-        self.board.ask(command)?;
+        self.board().ask(command)?;
         Ok(())
     }
 
-    /// Continues the session for this time. Fails if Python has cancelled the order.
+    /// Lets time pass. Fails if the running order must end: after Ctrl-C, after a more urgent order, and, if it needs
+    /// torque, after a stop by another terminal.
     fn wait(&mut self, time: Duration) -> anyhow::Result<()> {
-        ensure!(!self.is_cancelled.load(Ordering::Relaxed), "interrupted");
-        self.turn(time)
+        self.turn(time)?;
+        self.check_stop()?;
+        self.inbox.check()
+    }
+
+    fn check_stop(&self) -> anyhow::Result<()> {
+        ensure!(!(self.is_stopped && self.moves), STOPPED);
+        Ok(())
+    }
+
+    /// Ends a motion with an error: the rig stands where it is, unless it is told to stop.
+    fn end_motion(&mut self, error: anyhow::Error) -> anyhow::Error {
+        let stops = self.inbox.more_urgent().is_some_and(|order| order.urgency() > Urgency::Holds);
+        if self.is_stopped || stops {
+            return error;
+        }
+        self.ask(Command::Hold).err().unwrap_or(error)
+    }
+
+    /// Clears faults, and lets the rig move again after a stop by another terminal.
+    fn clear(&mut self) -> anyhow::Result<()> {
+        let was_stopped = std::mem::take(&mut self.is_stopped);
+        match self.board().ask(Command::ClearFaults) {
+            Err(ClientError::Refused(Refusal::NoFault)) if was_stopped => Ok(()),
+            cleared => Ok(cleared.map(|_| ())?),
+        }
     }
 
     /// Returns the state of a summary that is newer than the last command; waits for it.
     fn fresh_state(&mut self) -> anyhow::Result<State> {
-        let (before, end) = (self.board.log.summaries, self.board.now() + READY);
-        while self.board.log.summaries < before + 2 {
-            ensure!(self.board.now() < end, "the controller sends no telemetry");
+        let (before, end) = (self.log().summaries, self.now() + READY);
+        while self.log().summaries < before + 2 {
+            ensure!(self.now() < end, "the controller sends no telemetry");
             self.wait(EVERY)?;
         }
-        Ok(self.board.state().unwrap_or(State::Off))
+        Ok(self.hosted.board().state().unwrap_or(State::Off))
     }
 
     fn arm(&mut self) -> anyhow::Result<()> {
-        let end = self.board.now() + READY;
+        let end = self.now() + READY;
         loop {
-            match self.board.ask(Command::Arm) {
+            match self.board().ask(Command::Arm) {
                 Ok(_) => break,
-                Err(ClientError::Refused(refusal)) if passes(refusal) && self.board.now() < end => {
-                    let again = self.board.now() + AGAIN;
-                    while self.board.now() < again {
+                Err(ClientError::Refused(refusal)) if passes(refusal) && self.now() < end => {
+                    let again = self.now() + AGAIN;
+                    while self.now() < again {
                         self.wait(EVERY)?;
                     }
                 }
@@ -144,13 +211,13 @@ impl<'a, L: Line> Session<'a, L> {
         let mut state = self.fresh_state()?;
         while state == State::Arming {
             self.wait(EVERY)?;
-            state = self.board.state().unwrap_or(state);
+            state = self.hosted.board().state().unwrap_or(state);
         }
         self.expect_holding(state)
     }
 
     fn expect_holding(&self, state: State) -> anyhow::Result<()> {
-        let summary = self.board.log.summary;
+        let summary = self.log().summary;
         match (state, summary.and_then(|summary| summary.fault).and_then(known)) {
             (State::Holding, _) => Ok(()),
             (state, Some(fault)) => {
@@ -160,7 +227,36 @@ impl<'a, L: Line> Session<'a, L> {
         }
     }
 
-    /// Refuses a pose that is outside the ranges of the joints.
+    /// Returns the pose with all joints that follow another one where their leaders put them. Fails if a joint is
+    /// outside its range.
+    fn followed(&self, q: &[f32]) -> anyhow::Result<Vec<f32>> {
+        let mut followed: Vec<f64> = q.iter().copied().map(f64::from).collect();
+        self.mechanism.ties().follow(&mut followed);
+        let followed: Vec<f32> = followed.into_iter().map(single).collect();
+        self.check(&followed)?;
+        Ok(followed)
+    }
+
+    /// Fails if the pose that the board commands is not the goal of a motion.
+    fn check_reached(&self, commanded: Option<&[f32]>, goal: &[f32]) -> anyhow::Result<()> {
+        let commanded = commanded.context(
+            "it is not known whether the pose was reached: the board does not tell the pose that it commands",
+        )?;
+        for (link, (first, count)) in self.mechanism.bodies.iter().zip(&self.blocks) {
+            let (at, to) = (&commanded[*first..first + count], &goal[*first..first + count]);
+            let far = |sign: f32| at.iter().zip(to).any(|(a, b)| (a - sign * b).abs() > THERE);
+            // Both signs of a ball joint's quaternion are the same rotation.
+            if far(1.0) && (*count != 4 || far(-1.0)) {
+                bail!(
+                    "the pose was not reached, and the rig holds: `{}` is at {at:.4?}, the goal is {to:.4?}",
+                    link.joint_name
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a pose outside the ranges of the joints.
     fn check(&self, q: &[f32]) -> anyhow::Result<()> {
         let ranges = self.mechanism.coordinate_ranges();
         for (link, range) in self.mechanism.bodies.iter().zip(ranges) {
@@ -185,36 +281,37 @@ impl<'a, L: Line> Session<'a, L> {
             "the pose has {} numbers; the link carries {POSE_MAX}",
             q.len()
         );
-        let sent_us = u32::try_from(self.board.now().as_micros() & u128::from(u32::MAX));
+        let sent_us = u32::try_from(self.now().as_micros() & u128::from(u32::MAX));
         let frame = LiveFrame { sent_us: sent_us.unwrap_or(0), q: q.iter().copied().collect() };
-        Ok(self.board.stream(Stream::Live(frame))?)
+        Ok(self.board().stream(Stream::Live(frame))?)
     }
 
     fn goto(&mut self, q: &[f32], least: Duration) -> anyhow::Result<()> {
-        self.check(q)?;
+        let q = &self.followed(q)?[..];
         let state = self.fresh_state()?;
         ensure!(state == State::Holding, "the rig is {state}: `arm` makes it hold");
         let from = self.commanded();
-        let from = from.unwrap_or_else(|| self.board.log.q.clone());
+        let from = from.unwrap_or_else(|| self.log().q.clone());
         ensure!(from.len() == q.len(), "the pose of the rig is not known yet");
-        let (speed, now) = (SHARE * SOFT_MOST_RAD_S, self.board.now());
+        let (speed, now) = (SHARE * self.soft_rad_s, self.now());
         let journey = Journey::new(&from, q, &self.blocks, speed, now).lasting(least);
         let (begun, mut due) = (now, now);
         let mut follows = None;
         loop {
-            let now = self.board.now();
+            let now = self.now();
             let commanded = self.commanded();
             if journey.is_over(commanded.as_deref(), now) {
-                return self.ask(Command::Hold);
+                self.ask(Command::Hold)?;
+                return self.check_reached(commanded.as_deref(), q);
             }
             if now >= due {
                 due = now + EVERY;
                 self.send(&journey.at(now))?;
             }
             match follows {
-                None if self.is_followed(begun)? => follows = Some(self.board.log.summaries),
-                Some(before) if self.board.log.summaries >= before + 2 => {
-                    let state = self.board.state().unwrap_or(State::Off);
+                None if self.is_followed(begun)? => follows = Some(self.log().summaries),
+                Some(before) if self.log().summaries >= before + 2 => {
+                    let state = self.hosted.board().state().unwrap_or(State::Off);
                     if state != State::Playing {
                         return self
                             .expect_holding(state)
@@ -224,19 +321,17 @@ impl<'a, L: Line> Session<'a, L> {
                 _ => {}
             }
             if let Err(error) = self.wait(Duration::from_millis(4)) {
-                // The rig stays at its present pose.
-                self.ask(Command::Hold)?;
-                return Err(error);
+                return Err(self.end_motion(error));
             }
         }
     }
 
     /// Asks the board to follow live poses. Returns `false` as long as the first poses may still be on their way.
     fn is_followed(&mut self, begun: Duration) -> anyhow::Result<bool> {
-        match self.board.ask(Command::Play(Feed::Live)) {
+        match self.board().ask(Command::Play(Feed::Live)) {
             Ok(_) => Ok(true),
             Err(ClientError::Refused(Refusal::FeedSilent(_)))
-                if self.board.now().saturating_sub(begun) < START =>
+                if self.now().saturating_sub(begun) < START =>
             {
                 Ok(false)
             }
@@ -246,11 +341,11 @@ impl<'a, L: Line> Session<'a, L> {
 
     /// Sends a live pose. Fails if the board no longer follows live poses.
     fn follow(&mut self, q: &[f32]) -> anyhow::Result<()> {
-        self.check(q)?;
-        self.send(q)?;
+        let q = self.followed(q)?;
+        self.send(&q)?;
         if let Some(before) = self.live {
-            let state = self.board.state().unwrap_or(State::Off);
-            if self.board.log.summaries >= before + 2 && state != State::Playing {
+            let state = self.hosted.board().state().unwrap_or(State::Off);
+            if self.log().summaries >= before + 2 && state != State::Playing {
                 (self.live, self.live_begun) = (None, None);
                 self.expect_holding(state)?;
                 bail!(
@@ -259,9 +354,9 @@ impl<'a, L: Line> Session<'a, L> {
             }
             return Ok(());
         }
-        let begun = *self.live_begun.get_or_insert(self.board.now());
+        let begun = *self.live_begun.get_or_insert(self.now());
         if self.is_followed(begun)? {
-            self.live = Some(self.board.log.summaries);
+            self.live = Some(self.log().summaries);
         }
         Ok(())
     }
@@ -269,75 +364,82 @@ impl<'a, L: Line> Session<'a, L> {
     /// Stores a show on the board unless it has the show, and selects it.
     fn load(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
         let show = Show::open(bytes)?;
-        show.check_rig(self.board.about().rig)?;
-        let item = item(Kind::Show, SHOW_SCHEMA, bytes, self.board.about().rig, "sinew_motion")?;
-        let slot = if let Some(slot) = self.board.slot_of(&item)? {
-            slot
-        } else {
-            match self.board.upload(&item, bytes, &mut |_| ()) {
-                Err(ClientError::Refused(Refusal::State(state))) => bail!(
-                    "the board takes a new show only while torque is off, and the rig is {state}: `load` it \
-                         before `arm`"
-                ),
-                uploaded => uploaded?,
-            }
-            self.board.slot_of(&item)?.context("the board does not have the show")?
-        };
-        self.ask(Command::LoadShow { slot })
-    }
-
-    fn play(&mut self, bytes: &[u8], rounds: u32) -> anyhow::Result<()> {
-        self.load(bytes)?;
-        let show = Show::open(bytes)?;
+        show.check_rig(self.board().about().rig)?;
+        let slot = self.put_show(bytes)?;
+        self.wait(Duration::ZERO)?;
+        self.ask(Command::LoadShow { slot })?;
+        self.wait(Duration::ZERO)?;
         self.ask(Command::Play(Feed::Show))?;
-        let (before, begun) = (self.board.log.summaries, self.board.now());
+        let before = self.log().summaries;
         let most = Duration::from_secs_f32(show.duration_s() * rounds as f32);
+        // Time at which the show's clock began, after the way to the first pose.
+        let mut begun: Option<Duration> = None;
         loop {
             if let Err(error) = self.wait(EVERY) {
-                self.ask(Command::Hold)?;
-                return Err(error);
+                return Err(self.end_motion(error));
             }
-            if show.is_loop() && self.board.now().saturating_sub(begun) >= most {
+            let now = self.now();
+            if show.is_loop() && begun.is_some_and(|begun| now.saturating_sub(begun) >= most) {
                 return self.ask(Command::Hold);
             }
-            if self.board.log.summaries < before + 2 {
+            if self.log().summaries < before + 2 {
                 continue;
             }
-            match self.board.state().unwrap_or(State::Off) {
-                State::Playing => {}
+            match self.hosted.board().state().unwrap_or(State::Off) {
+                State::Playing => {
+                    let show_ms = self.log().summary.map_or(0, |summary| summary.show_ms);
+                    if begun.is_none() && show_ms > 0 {
+                        begun = Some(now.saturating_sub(Duration::from_millis(show_ms.into())));
+                    }
+                }
                 state => return self.expect_holding(state),
             }
         }
     }
 
+    /// Uploads a show if the board does not have it. Returns its slot.
+    fn put_show(&mut self, bytes: &[u8]) -> anyhow::Result<u8> {
+        let rig = self.board().about().rig;
+        let item = item(Kind::Show, SHOW_SCHEMA, bytes, rig, "sinew_motion")?;
+        if let Some(slot) = self.board().slot_of(&item)? {
+            return Ok(slot);
+        }
+        let mut command = Command::BeginUpload(item.clone());
+        while let Some(next) = self.board().upload_step(command, item.kind, bytes, &mut |_| ())? {
+            command = next;
+            self.wait(Duration::ZERO)?;
+        }
+        self.board().slot_of(&item)?.context("the board does not have the show")
+    }
+
     /// Stops the rig, and waits until torque is off.
     pub(super) fn stop(&mut self) -> anyhow::Result<()> {
         let off = |state| matches!(state, State::Off | State::Limp | State::Faulted);
-        let end = self.board.now() + STOP_MOST;
-        if self.board.state().is_some_and(off) && off(self.fresh_state()?) {
+        let end = self.now() + STOP_MOST;
+        if self.hosted.board().state().is_some_and(off) && off(self.fresh_state()?) {
             return Ok(());
         }
         self.ask(Command::Stop)?;
         let mut state = self.fresh_state()?;
         while !off(state) {
             ensure!(
-                self.board.now() < end,
+                self.now() < end,
                 "torque is still on: the board lowers the rig 2 s after the session ends"
             );
             self.wait(EVERY)?;
-            state = self.board.state().unwrap_or(state);
+            state = self.hosted.board().state().unwrap_or(state);
         }
         Ok(())
     }
 
     fn state(&mut self) -> anyhow::Result<RigState> {
-        let end = self.board.now() + READY;
-        while self.board.log.summaries < self.changed + 2 || self.board.log.q.is_empty() {
-            ensure!(self.board.now() < end, "the controller sends no telemetry");
+        let end = self.now() + READY;
+        while self.log().summaries < self.changed + 2 || self.log().q.is_empty() {
+            ensure!(self.now() < end, "the controller sends no telemetry");
             self.wait(EVERY)?;
         }
-        let summary = self.board.log.summary.context("the controller sends no telemetry")?;
-        let log = &self.board.log;
+        let summary = self.log().summary.context("the controller sends no telemetry")?;
+        let log = &self.log();
         let error = summary.errors.map_or(f32::NAN, |errors| errors.largest_deg * PI / 180.0);
         Ok(RigState {
             name: summary.state.to_string(),
