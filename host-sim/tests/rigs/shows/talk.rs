@@ -37,7 +37,7 @@ fn played(rig: &str, show: &str, joint: &str) -> Vec<f64> {
     let mut sim = SimulatedRig::new(&parts, Some(bytes), &mut memories, plant).unwrap();
     let (mut director, mut positions) = (Director::default(), Vec::new());
     while director.tick(&mut sim, false).is_none() {
-        if sim.permission().runs {
+        if sim.runs() {
             positions.push(sim.q()[place]);
         }
     }
@@ -66,14 +66,14 @@ fn correlation(one: &[f64], other: &[f64]) -> (f64, i32) {
 /// The jaw of an MG90S follows a voice: its simulated position correlates with an envelope that another program has
 /// computed.
 #[test]
-#[ignore = "the show begins at speed, and therefore 0.5 s late; its place in the show is not yet compared"]
 fn a_jaw_on_a_hobby_servo_follows_a_voice() {
     let folder = tempfile::tempdir().unwrap();
     let [rig, keys, show] =
         ["face.toml", "jaw.csv", "talk.show"].map(|name| path(folder.path(), name));
     done(&["rig", "new", "--face", "-o", &rig]);
     done(&["clip", "jaw", &voice(), "--rig", &rig, "--lead-ms", "50", "-o", &keys]);
-    done(&["bake", &keys, "--rig", &rig, "--tolerance-deg", "0.05", "-o", &show]);
+    // A fit that keeps the time begins at rest: a show that begins at speed would run slowly at first.
+    done(&["bake", &keys, "--rig", &rig, "--keep-time", "--tolerance-deg", "0.05", "-o", &show]);
     // The jaw opens downwards.
     let jaw: Vec<f64> = played(&rig, &show, "jaw").iter().map(|q| -q).collect();
     let (best, lag) = correlation(&jaw, &envelope());
