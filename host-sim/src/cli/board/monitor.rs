@@ -82,14 +82,12 @@ impl MonitorArgs {
     /// there is exactly one.
     fn hub(&self) -> Option<String> {
         let mut names = consoles();
-        match self.board.path() {
-            Some(port) => Some(name_of_port(port)).filter(|name| names.contains(name)),
-            None => {
-                let mut roles = roles(&names).into_iter();
-                names.retain(|_| roles.next().flatten() != Some(Role::Simulates));
-                names.pop().filter(|_| names.is_empty())
-            }
+        if let Some(port) = self.board.path() {
+            return Some(name_of_port(port)).filter(|name| names.contains(name));
         }
+        let mut roles = roles(&names).into_iter();
+        names.retain(|_| roles.next().flatten() != Some(Role::Simulates));
+        names.pop().filter(|_| names.is_empty())
     }
 }
 
