@@ -38,12 +38,18 @@ pub(crate) fn soak() -> Result<()> {
 fn soaking() -> Result<()> {
     let mut random = nextest::run()?;
     // Each run draws new random cases.
-    random.env("INSTA_UPDATE", "no").env("PROPTEST_CASES", "4096");
+    random.env("INSTA_UPDATE", "no").env("PROPTEST_CASES", "4096").env("SINEW_SOAK_S", "3600");
     step::run("tests with 4,096 new random cases each", &mut random)?;
     limits::run()?;
     parity::run()?;
     node::run()?;
     emulate::run()?;
+    if let Some(chromium) = setup::chromium() {
+        let mut sound = nextest::run()?;
+        sound.args(["--run-ignored", "all", "--filterset", "test(the_sound_keeps_the_time)"]);
+        sound.env("SINEW_CHROMIUM", chromium).env("SINEW_SOUND_S", "600");
+        step::run("the sound of a show of 10 minutes", &mut sound)?;
+    }
     let has = |variable| env::var_os(variable).is_some();
     if has("SINEW_DATA") && has(retargeting::REFERENCE) {
         retargeting::run(false)?;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use sinew_console::Ended;
-use sinew_console::local::{Request, ask, ask_all, consoles, private_folder};
+use sinew_console::local::{Bell, Request, Role, ask, ask_all, consoles, private_folder, roles};
 use sinew_link::message::{Command, Feed};
 use sinew_rig::description::LinkedLimit;
 use sinew_rig::new;
@@ -118,27 +118,23 @@ fn a_tied_joint_moves_with_its_leader() {
 
 #[test]
 fn a_motion_that_misses_its_goal_says_so() {
-    // bend2 <= turn1 + 30 deg.
-    let mut arm = new::arm(2).unwrap();
-    arm.limits.push(LinkedLimit {
-        joint: "bend2".to_owned(),
-        other: "turn1".to_owned(),
-        least_rad: Some(-4.0),
-        most_rad: Some(30_f64.to_radians()),
-        ..LinkedLimit::default()
-    });
-    let console = OtherSide::start_on(arm, None, false);
+    let console = OtherSide::start(false);
     let mut page = Page::open(&console);
     page.arm();
     let name = console.name.clone();
-    let jog = Request::Jog { joint: "bend2".to_owned(), by: 20.0 };
+    console.is_stuck.store(true, Ordering::Relaxed);
+    let jog = Request::Jog { joint: "turn1".to_owned(), by: 20.0 };
     let command = spawn(move || ask(&name, &jog).unwrap());
+    let mut said = Instant::now();
     while !command.is_finished() {
         page.hear().unwrap();
-        page.say(&json!({ "type": "ping", "t": 0 }));
+        if said.elapsed() > ms(500) {
+            said = Instant::now();
+            page.say(&json!({ "type": "ping", "t": 0 }));
+        }
     }
     let reply = command.join().unwrap();
-    assert!(!reply.ok && reply.text.contains("it misses `bend2` by"), "{}", reply.text);
+    assert!(!reply.ok && reply.text.contains("it misses `turn1` by"), "{}", reply.text);
     page.until_state(HOLDING);
 }
 
@@ -277,8 +273,24 @@ fn commands_of_other_terminals_move_and_stop() {
 }
 
 #[test]
+fn a_simulated_play_is_no_hub_of_a_board() {
+    let console = OtherSide::start(false);
+    Page::open(&console).until_state(LIMP);
+    let name = format!("test-{}-simulated", std::process::id());
+    let mut bell = Bell::open(&name).unwrap();
+    let own = console.name.clone();
+    let asks = spawn(move || roles(&[name, own]));
+    while !asks.is_finished() {
+        assert_eq!(bell.asked(), (false, false));
+        sleep(ms(5));
+    }
+    assert_eq!(asks.join().unwrap(), [Some(Role::Simulates), Some(Role::Drives)]);
+}
+
+#[test]
 fn a_hub_that_stands_still_delays_no_stop() {
     let console = OtherSide::start(false);
+    Page::open(&console).until_state(LIMP);
     let still = format!("test-{}-still", std::process::id());
     let path = private_folder().unwrap().join(format!("{still}.sock"));
     // Nobody accepts its connections.

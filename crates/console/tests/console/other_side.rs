@@ -9,7 +9,9 @@ use std::time::Duration;
 use sinew_board_client::{Board, Line, nonce};
 use sinew_console::local::{Reply, Request};
 use sinew_console::{Console, Ended, Options, OwnShow, Scene, Source, execute};
-use sinew_link::message::{Answer, Command, Outcome, Refusal, Stream, ToController, ToHost};
+use sinew_link::message::{
+    Answer, Command, LiveFrame, Numbered, Outcome, Refusal, Stream, ToController, ToHost,
+};
 use sinew_link::{Decoder, FRAME_MAX, encode};
 use sinew_performance::play::{
     Chip, Drive, HostEnd, Memory, Options as Driven, RigParts, SimulatedBoard, pipe,
@@ -38,13 +40,16 @@ struct Tapped {
     /// Whether the board is too busy to arm: the line then answers in its place.
     is_busy: Arc<AtomicBool>,
     answers: Vec<u8>,
+    /// Whether the board gets the first of all poses again and again.
+    is_stuck: Arc<AtomicBool>,
+    stuck_at: Option<LiveFrame>,
 }
 
 impl Line for Tapped {
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         let mut told = self.told.lock().unwrap();
         let (is_busy, answers) = (self.is_busy.load(Ordering::Relaxed), &mut self.answers);
-        let before = answers.len();
+        let (before, mut stuck) = (answers.len(), None);
         self.decoder.feed(bytes, |message| match message {
             ToController::Command(command) => {
                 if is_busy && command.item == Command::Arm {
@@ -57,13 +62,27 @@ impl Line for Tapped {
             }
             ToController::Stream(stream) => match stream.item {
                 Stream::Jog { velocity, .. } => told.jogs.push(velocity),
-                Stream::Live(frame) => told.poses.push(frame.q.to_vec()),
+                Stream::Live(mut frame) => {
+                    told.poses.push(frame.q.to_vec());
+                    if self.is_stuck.load(Ordering::Relaxed) {
+                        let first = self.stuck_at.get_or_insert_with(|| frame.clone());
+                        frame.q.clone_from(&first.q);
+                        let (session, seq, item) =
+                            (stream.session, stream.seq, Stream::Live(frame));
+                        let stream = ToController::Stream(Numbered { session, seq, item });
+                        let bytes = encode(&stream, &mut [0; FRAME_MAX]).unwrap().to_vec();
+                        stuck = Some(bytes);
+                    }
+                }
                 _ => {}
             },
             ToController::Hello(_) => {}
         });
         drop(told);
-        if self.answers.len() > before { Ok(()) } else { self.line.send(bytes) }
+        if self.answers.len() > before {
+            return Ok(());
+        }
+        self.line.send(stuck.as_deref().unwrap_or(bytes))
     }
 
     fn receive(&mut self, into: &mut [u8], wait: Duration) -> io::Result<usize> {
@@ -125,6 +144,7 @@ pub(crate) struct OtherSide {
     pub(crate) told: Arc<Mutex<Told>>,
     pub(crate) servo: Arc<Mutex<AtServo>>,
     pub(crate) is_busy: Arc<AtomicBool>,
+    pub(crate) is_stuck: Arc<AtomicBool>,
     stops: Arc<AtomicU32>,
     hub: Option<JoinHandle<Ended>>,
     board: Option<JoinHandle<()>>,
@@ -145,7 +165,10 @@ impl OtherSide {
     /// Starts a simulated board with this rig, and a console on it. `drive`: drive of all servos, instead of the
     /// default.
     pub(crate) fn start_on(arm: Description, drive: Option<Drive>, with_show: bool) -> Self {
-        let Prepared { rig, scene, line, told, is_busy, servo, board } = Prepared::new(arm, drive);
+        let is_stuck = Arc::default();
+        let Prepared { rig, scene, mut line, told, is_busy, servo, board } =
+            Prepared::new(arm, drive);
+        line.is_stuck = Arc::clone(&is_stuck);
         let shows = if with_show { vec![nod(rig)] } else { Vec::new() };
         let console = Console::open(Options::default()).unwrap();
         let address = console.addresses().remove(0);
@@ -161,7 +184,7 @@ impl OtherSide {
         });
         let (host, token) = (host.to_owned(), token.to_owned());
         let (hub, board) = (Some(hub), Some(board));
-        Self { host, name: own_name, token, told, servo, is_busy, stops, hub, board }
+        Self { host, name: own_name, token, told, servo, is_busy, is_stuck, stops, hub, board }
     }
 
     /// Returns whether the board got a command.
@@ -218,6 +241,8 @@ impl Prepared {
             told: Arc::clone(&told),
             is_busy: Arc::clone(&is_busy),
             answers: Vec::new(),
+            is_stuck: Arc::default(),
+            stuck_at: None,
         };
         Self { rig, scene, line, told, is_busy, servo, board }
     }
