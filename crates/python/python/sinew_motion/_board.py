@@ -202,8 +202,22 @@ class Board:
         """
         self._native.live(row("q", q))
 
+    def upload(self, show: Show) -> None:
+        """Uploads a show if the board does not have it. A board stores shows only while torque is off.
+
+        Raises
+        ------
+        BoardError
+            If the show is of another rig, the rig is armed, or the board has no room.
+
+        >>> arm = Rig.arm(2)
+        >>> with Board.open("sim", arm) as board:
+        ...     board.upload(bake([board.state().q] * 2, arm, rate_hz=2))
+        """
+        self._native.upload(show._native)
+
     def play(self, show: Show, *, rounds: int = 1) -> None:
-        """Uploads a show if the board does not have it, plays it, and waits for its end; then the rig holds.
+        """Plays a show that the board has (``upload``) on the armed rig, and waits for its end; then the rig holds.
 
         Parameters
         ----------
@@ -215,13 +229,14 @@ class Board:
         ValueError
             For more than one round of a show that is no loop.
         BoardError
-            If the show is of another rig, or a fault ends it.
+            If the show is of another rig, the board does not have it, or a fault ends it.
 
         >>> arm = Rig.arm(2)
         >>> with Board.open("sim", arm) as board:
+        ...     show = bake([board.state().q] * 2, arm, rate_hz=2)
+        ...     board.upload(show)
         ...     board.arm()
-        ...     q = board.state().q
-        ...     board.play(bake([q, q], arm, rate_hz=2))
+        ...     board.play(show)
         ...     board.state().state
         'holding'
         """
